@@ -76,17 +76,14 @@ def _contents(value: Any) -> Any:
 
 def _brief(value: Any) -> str:
     """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
-
-    def shown(part: Any) -> str:
+    shown = {f.name: getattr(value, f.name) for f in fields(value) if f.repr}
+    for name, part in shown.items():
         if isinstance(part, np.ndarray):
             ends = f", {part.min():.6g} to {part.max():.6g}" if part.size else ""
-            return f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
-        if isinstance(part, Mapping):
-            return "{" + ", ".join(f"{key!r}: {shown(item)}" for key, item in part.items()) + "}"
-        return str(getattr(part, "__qualname__", repr(part)))
-
-    parts = (f"{f.name}={shown(getattr(value, f.name))}" for f in fields(value) if f.repr)
-    return f"{type(value).__name__}({', '.join(parts)})"
+            shown[name] = f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
+        else:
+            shown[name] = getattr(part, "__qualname__", repr(part))
+    return f"{type(value).__name__}({', '.join(f'{n}={part}' for n, part in shown.items())})"
 
 
 class Value:
@@ -205,8 +202,7 @@ class Result(Value):
         parts = self._named(name, points)
         free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
         if not 1 <= len(free) <= 2:
-            how = f"depends on {', '.join(free)}" if free else "is one number"
-            raise InputError(f"name: got {name!r}, which {how}; plot draws lines over one or two")
+            raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
         if ax is None:
             from matplotlib import pyplot
 

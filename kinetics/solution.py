@@ -12,23 +12,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.averaging import (
+    BEST_DENSITY,
     SLACK,
     arrays_of,
     asked_for,
     averages_of,
+    displacement_of,
     error_of,
     power_of_speed,
+    profiles_of,
     solved_averages,
 )
 from kinetics.densities.harmonic import Profile, angular_function, speed_fronts
 from kinetics.densities.marginal import component_densities
-from kinetics.distributions import displacement_of, profiles_of
 from kinetics.errors import InputError
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
-from kinetics.outputs import AXES, OUTPUTS, Axis, described
+from kinetics.outputs import AXES, DENSITIES, OUTPUTS, POSITION, Axis, described
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
@@ -36,13 +38,7 @@ from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
 from kinetics.scene import Scene
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
-from kinetics.validation import (
-    finite_line,
-    not_negative_line,
-    real_number,
-    refuse,
-    speeds,
-)
+from kinetics.validation import finite_line, not_negative_line, real_number, refuse, speeds
 
 if TYPE_CHECKING:
     from kinetics.field.scene import FieldScene
@@ -266,23 +262,8 @@ class Solution(Result):
         if asked[-1] > last:
             refuse("times", times, f"this scene was solved up to its last time, {last:g} d/U")
         averages = self._averages.at(asked)
-        error = error_of(averages, asked_for(averages, outputs))
-        errors, allowed = {"averages": error}, {"averages": self.rtol * SLACK}
-        found = Solution(
-            scene=scene,
-            rtol=self.rtol,
-            values=arrays_of(averages, outputs),
-            status=status_of(errors, allowed),
-            message=explain(errors, allowed) + limits(averages),
-            error_estimate=error,
-            plan=make_plan(averages, outputs, {}, None),
-            stats=make_stats(averages, {}, None),
-            _typical_speed=np.exp(averages.log_reference),
-            method=self.method,
-            nodes=self.nodes,
-        )
-        found.keep(_averages=averages)
-        return found
+        values = arrays_of(averages, outputs)
+        return answer(scene, averages, values, {}, None, self.method, self.nodes)
 
     # -- what was solved: no part of the value, solved again where it is not there ------------
 
@@ -498,6 +479,42 @@ class Solution(Result):
     def _speed_profile(self) -> Profile:
         self._require("speed_density", "velocity_density")
         return self._profiles[0]
+
+
+def answer(
+    scene: Scene,
+    averages: Averages,
+    values: dict[str, FloatArray],
+    profiles: Mapping[int, Profile],
+    displacement: Displacement | None,
+    method: str | None,
+    nodes: int | None,
+) -> Solution:
+    """What was solved for a scene without a field, with its status."""
+    rtol = averages.rtol
+    errors = {"averages": error_of(averages, asked_for(averages, scene.outputs))}
+    allowed = {"averages": rtol * SLACK}
+    if profiles:
+        errors[DENSITIES] = max(profile.error_estimate for profile in profiles.values())
+        allowed[DENSITIES] = rtol * SLACK
+    if displacement is not None:
+        errors[POSITION] = displacement.error_estimate
+        allowed[POSITION] = max(rtol, BEST_DENSITY)
+    solution = Solution(
+        scene=scene,
+        rtol=rtol,
+        values=values,
+        status=status_of(errors, allowed),
+        message=explain(errors, allowed, nodes if profiles else None) + limits(averages, profiles),
+        error_estimate=max(errors.values()),
+        plan=make_plan(averages, scene.outputs, profiles, displacement),
+        stats=make_stats(averages, profiles, displacement),
+        _typical_speed=np.exp(averages.log_reference),
+        method=method,
+        nodes=nodes,
+    )
+    solution.keep(_averages=averages, _profiles=profiles, _displacement=displacement)
+    return solution
 
 
 def field_scene(scene: Scene, rtol: float) -> FieldScene:
