@@ -1,8 +1,6 @@
 """What a Scene may ask for: one table. To add an output, add one row to :data:`OUTPUTS`.
 
-`Scene` checks names against this table; the solver makes the arrays, and the plan says what was
-solved, from the same rows; `lorentz solve --help` and the printed tables read names and units.
-Reading the table costs no NumPy: the modules that its functions need are imported at first use.
+Reading it costs no NumPy: the modules that its functions need are imported at first use.
 """
 
 from __future__ import annotations
@@ -42,18 +40,11 @@ DENSITIES = "densities"
 
 
 class Part(NamedTuple):
-    """One observable of the backward equation that an output is made of.
+    """One observable of the backward equation that an output is made of."""
 
-    Attributes
-    ----------
-    factor : how often the relative error of the observable enters that of the output
-    observable : what is solved
-    start : harmonic of the initial state over which it is averaged
-    """
-
-    factor: float
+    factor: float  # how often its relative error enters that of the output
     observable: Observable
-    start: int
+    start: int  # harmonic of the initial state over which it is averaged
 
 
 def parts(*pairs: tuple[float, Observable], start: int | None = None) -> tuple[Part, ...]:
@@ -212,20 +203,11 @@ FIELD_OUTPUTS: dict[str, Output] = {
     row.name: row
     for row in (*_ROWS, *_FIELD_ROWS)
     if row.name
-    in (
-        "thermal_speed",
-        "temperature",
-        "a2",
-        "collisions",
-        "msd",
-        "mean_displacement",
-        "mean_velocity",
-        "velocity_tensor",
-        "displacement_tensor",
-        "speed_density",
-        "velocity_density",
+    not in (
+        "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
+        "intermediate_scattering",
     )
-}
+}  # fmt: skip
 """The same for scenes with a field, which `kinetics.field` solves."""
 
 # what a row is made of is the same tuple each time

@@ -50,7 +50,7 @@ def make_plan(
     level, _ = averages.law.density_theory(0.0)
     points = f"{averages.speeds.x.size} weighted speeds represent it"
     others = "the start is isotropic" if isotropic else "no output needs more"
-    waves = displacement and f"{displacement.wave_numbers} wave numbers"
+    waves = f"{displacement.wave_numbers} wave numbers" if displacement else "not asked for"
     steps = (
         ("scatterers met again", True, level),
         (VELOCITY, bool(pairs) and not averages.elastic, velocity),
