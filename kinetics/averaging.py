@@ -18,8 +18,7 @@ from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.backward import speed_power
 from kinetics.moments.displacement import root_mean_square
-from kinetics.moments.formulas import moment_arguments
-from kinetics.moments.velocity import Averages
+from kinetics.moments.velocity import Averages, moment_arguments
 from kinetics.numerics import FloatArray
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION, Part, parts, powers_of
 from kinetics.position.density import Displacement

@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from kinetics.moments import backward, displacement, formulas
+    from kinetics.moments import backward, displacement, velocity
     from kinetics.moments.backward import Observable
     from kinetics.moments.velocity import Averages
 else:
@@ -29,7 +29,7 @@ else:
 
     backward = _Later("kinetics.moments.backward")
     displacement = _Later("kinetics.moments.displacement")
-    formulas = _Later("kinetics.moments.formulas")
+    velocity = _Later("kinetics.moments.velocity")
 
 VELOCITY = "moments of the velocity"
 COLLISIONS = "collision number"
@@ -106,25 +106,25 @@ _ROWS = (
         "thermal_speed", VELOCITY, "v0", "U", _PER_TIME,
         "sqrt(<v^2>) (paper, label v0defi)",
         lambda d: parts((0.5, backward.speed_power(2.0))),
-        lambda averages: formulas.thermal_speed(averages),
+        lambda averages: velocity.thermal_speed(averages),
     ),
     Output(
         "temperature", VELOCITY, "T", "m U^2", _PER_TIME,
         "<v^2>/d, d the dimension (paper, label thermo)",
         lambda d: parts((1.0, backward.speed_power(2.0))),
-        lambda averages: formulas.temperature(averages),
+        lambda averages: velocity.temperature(averages),
     ),
     Output(
         "a2", VELOCITY, "a2", "1", _PER_TIME,
         "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5); in space 3 <v^4>/(5 <v^2>^2) - 1",
         lambda d: parts((2.0, backward.speed_power(2.0)), (1.0, backward.speed_power(4.0))),
-        lambda averages: formulas.a2(averages),
+        lambda averages: velocity.a2(averages),
     ),
     Output(
         "collisions", COLLISIONS, "collisions", "1", _PER_TIME,
         "mean number of collisions per tracer since t = 0",
         lambda d: parts((1.0, backward.MEAN_COLLISIONS)),
-        lambda averages: formulas.collisions(averages),
+        lambda averages: velocity.collisions(averages),
     ),
     Output(
         "msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
@@ -173,13 +173,13 @@ _ROWS = (
         "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "d"),
         "(<v_x>, <v_y>), in space (<v_x>, <v_y>, <v_z>)",
         lambda d: parts((1.0, backward.speed_power(1.0, 1))),
-        lambda averages: formulas.mean_velocity(averages),
+        lambda averages: velocity.mean_velocity(averages),
     ),
     Output(
         "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "d", "d"),
         "<v_i v_j>",
         lambda d: parts((1.0, backward.speed_power(2.0)), (1.0, backward.speed_power(2.0, 2))),
-        lambda averages: formulas.velocity_tensor(averages),
+        lambda averages: velocity.velocity_tensor(averages),
     ),
     Output(
         "speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),

@@ -40,7 +40,7 @@ class PanelRule(SecondKind):
     def shares(self, local: FloatArray) -> FloatArray:
         """`rows` before each row is divided by its sum: local (n,) in panels, (n, nodes)."""
         distance = local[:, None] - self.local
-        distance[distance == 0.0] = _TINY
+        distance += _TINY
         return np.asarray(np.divide(self.weights, distance, out=distance))
 
 
