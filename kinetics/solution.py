@@ -49,7 +49,6 @@ _WITH = {
     "front_weight": "position_density",
 }
 """What comes with a function in a dataset -> the function."""
-_WAVES = np.geomspace(1e-2, 10.0, 61)  # wave numbers times the root mean square displacement
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
 
@@ -206,7 +205,8 @@ class Solution(Result):
         if points == "scaled_radii":
             return np.linspace(0.0, 5.0, 101)
         far = max(float(root_mean_square(averages_of(self.scene, self.rtol)).max()), 1e-12)
-        return np.linspace(0.0, 5.0 * far, 121) if points == "radii" else _WAVES / far
+        waves = np.geomspace(1e-2, 10.0, 61) / far
+        return np.linspace(0.0, 5.0 * far, 121) if points == "radii" else waves
 
     def _to_storage(self) -> dict[str, Any]:
         parts = super()._to_storage()
@@ -238,11 +238,6 @@ class Solution(Result):
         if numbers.size == 0:
             raise InputError("collision_numbers: the scene has none; give Scene some")
         return ByCollision(scene.law, scene.mean_free_path, scene.state, numbers, self.rtol)
-
-    def _require_no_field(self) -> None:
-        """Raise InputError for a scene with a field, of which only the outputs are solved."""
-        if self.scene.field:
-            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
 
     def at(self, times: ArrayLike) -> Solution:
         """The averages at other times up to the last of the scene, without solving it again.
@@ -293,6 +288,26 @@ class Solution(Result):
     @cached_property
     def _in_field(self) -> FieldScene:
         return field_scene(self.scene, self.rtol)
+
+    def _require_no_field(self) -> None:
+        """Raise InputError for a scene with a field, of which only the outputs are solved."""
+        if self.scene.field:
+            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
+
+    def _require(self, *outputs: str) -> None:
+        """Raise InputError unless one of these outputs was asked for."""
+        if not set(outputs) & set(self.scene.outputs):
+            name = repr(outputs[0])
+            raise InputError(f"outputs: {name} was not asked for; name it among the scene's")
+
+    def _position(self) -> Displacement:
+        self._require("position_density")
+        assert self._displacement is not None
+        return self._displacement
+
+    def _speed_profile(self) -> Profile:
+        self._require("speed_density", "velocity_density")
+        return self._profiles[0]
 
     # -- velocity -----------------------------------------------------------------------------
 
@@ -381,10 +396,10 @@ class Solution(Result):
 
     @property
     def ballistic_front(self) -> tuple[FloatArray, FloatArray]:
-        """Where tracers of a start of sharp speeds are that have not collided, and how many.
+        """Where tracers of sharp speeds are that have not collided, and how many of all they are.
 
-        Radius in d and share of all tracers, shape (n_times, n_speeds) each. They are delta peaks,
-        which :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
+        Radius in d and share, shape (n_times, n_speeds) each: delta peaks, which
+        :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
         """
         found = self._position()
         return frozen(found.front_radius), frozen(found.front_weight)
@@ -463,22 +478,6 @@ class Solution(Result):
         if direction is not None:
             direction = real_number("direction", direction, allowed="it must be a finite angle")
         return scattering_function(averages_of(self.scene, self.rtol), k, direction)
-
-    def _require(self, *outputs: str) -> None:
-        """Raise InputError unless one of these outputs was asked for."""
-        if not set(outputs) & set(self.scene.outputs):
-            raise InputError(
-                f"outputs: {outputs[0]!r} was not asked for; name it among the scene's outputs"
-            )
-
-    def _position(self) -> Displacement:
-        self._require("position_density")
-        assert self._displacement is not None
-        return self._displacement
-
-    def _speed_profile(self) -> Profile:
-        self._require("speed_density", "velocity_density")
-        return self._profiles[0]
 
 
 def answer(

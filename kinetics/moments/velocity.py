@@ -40,12 +40,7 @@ _MANY, _FEW_POINTS = 2, 4
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.
 _NODES, _PER_POWER, _PER_DIGIT = 2.0, 0.75, 1.12
-_MORE_NODES = 2  # than a panel in X: a node is about one digit, so that a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
-_KEPT = 16  # such pieces are kept for the next observable
-# Where <v^p> falls by more than e^4 before a bounce, slow tracers that have not collided make what
-# is left of it; so small a share of the start as e^-60 (10^-26) may be asked for.
-_NOTICED, _LEAST_SHARE = 4.0, 60.0
 
 
 @dataclass(frozen=True)
@@ -111,7 +106,9 @@ class Averages:
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
-            share = math.exp(-min(self._fall, _LEAST_SHARE)) if self._fall > _NOTICED else 1.0
+            # where <v^p> falls by more than e^4 before a bounce, slow tracers that have not
+            # collided make what is left of it: a share of the start, 1e-26 at least
+            share = math.exp(-min(self._fall, 60.0)) if self._fall > 4.0 else 1.0
             self._measures[m] = self.state.harmonic(
                 m, self.rtol * share, self.lowest, max(self.degree, 2.0)
             )
@@ -207,7 +204,8 @@ class Averages:
         """
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
-        rule = panel_rule(self.equation.nodes + _MORE_NODES, self.width)
+        # a node is about one digit: with two more a hundredth of rtol remains
+        rule = panel_rule(self.equation.nodes + 2, self.width)
         # panels down from the last time: the equation is not solved beyond it
         end = stretch[-1:]
         used, which = np.unique(
@@ -233,7 +231,7 @@ class Averages:
         """Where these X lie; kept, because all observables of a scene ask for the same X."""
         key = x.tobytes()
         if key not in self._known:
-            if len(self._known) >= _KEPT:
+            if len(self._known) >= 16:
                 self._known.clear()
             self._known[key] = self.equation.locate(x)
         return self._known[key]
