@@ -1,7 +1,7 @@
-"""The averages of a scene, with as many nodes as the accuracy asked for takes.
+"""What the outputs of a scene are made of: its averages, and its densities.
 
-Between the questions (`kinetics.scene`, `kinetics.outputs`) and the backward equation
-(`kinetics.moments`); the solver and the methods of a Solution start here.
+Between the questions (`kinetics.scene`, `kinetics.outputs`) and the rooms that solve; the solver
+and the methods of a Solution start here.
 """
 
 from __future__ import annotations
@@ -14,17 +14,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.backward import speed_power
-from kinetics.moments.formulas import moment_arguments
-from kinetics.moments.velocity import Averages
+from kinetics.moments.displacement import root_mean_square
+from kinetics.moments.velocity import Averages, moment_arguments
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS, Part, parts, powers_of
+from kinetics.outputs import DENSITIES, OUTPUTS, POSITION, Part, parts, powers_of
+from kinetics.position.density import Displacement
+from kinetics.position.sweep import solve_displacement
 from kinetics.scene import Scene
+from kinetics.validation import refuse
 
 ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
 SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
-_TRIES, _MOST_NODES = 4, 48  # solutions with more nodes; still more only add rounding
+BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 
 Asked = Sequence[tuple[Part, ...]]
 
@@ -46,12 +50,12 @@ def asked_for(averages: Averages, outputs: Sequence[str]) -> Asked:
 
 def with_enough_nodes(averages: Averages, asked: Asked) -> Averages:
     """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
-    for _ in range(_TRIES):
+    for _ in range(4):
         missing = error_of(averages, asked) / averages.rtol
         if not 1.0 < missing < math.inf:
             break
         nodes = averages.equation.nodes + 1 + math.ceil(math.log10(missing))
-        averages = averages.with_nodes(min(nodes, _MOST_NODES))
+        averages = averages.with_nodes(min(nodes, 48))  # still more only add rounding
     return averages
 
 
@@ -107,3 +111,56 @@ def power_of_speed(scene: Scene, rtol: float, p: Any, m: Any) -> NDArray[Any]:
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         found = averages.power(p, m) * np.exp(p * averages.log_reference)
     return in_range(f"<v^{p:g}>", found)
+
+
+# -- densities -----------------------------------------------------------------------------------
+
+
+def displacement_of(averages: Averages, outputs: tuple[str, ...]) -> Displacement | None:
+    """The distribution of the displacement, if an output needs it."""
+    if not any(OUTPUTS[name].step == POSITION for name in outputs):
+        return None
+    root = in_range("msd", root_mean_square(averages))
+    rtol = 0.4 * max(averages.rtol, BEST_DENSITY)  # the rest is for its transform
+    path = averages.mean_free_path
+    return solve_displacement(averages.law, path, averages.state, averages.times, root, rtol)
+
+
+def profiles_of(
+    scene: Scene, rtol: float, method: str | None, nodes: int | None
+) -> dict[int, Profile]:
+    """The harmonics of the velocity distribution that the outputs need."""
+    if not any(OUTPUTS[name].step == DENSITIES for name in scene.outputs):
+        return {}
+    highest = 0
+    if "velocity_density" in scene.outputs:
+        there = scene.state.highest_harmonic
+        highest = scene.harmonics if there is None else min(there, scene.harmonics)
+    found = {m: _profile(scene, m, rtol, method, nodes) for m in range(highest + 1)}
+    return {m: profile for m, profile in found.items() if profile is not None}
+
+
+def _profile(
+    scene: Scene, m: int, rtol: float, method: str | None, nodes: int | None
+) -> Profile | None:
+    """Harmonic m by the method asked for, or the best one; None where the start makes it zero."""
+    law, state = scene.law, scene.state
+    path, times = scene.mean_free_path, np.asarray(scene.times)
+    asked = HarmonicProblem(law, path, state, m, times, rtol, nodes)
+    if state.harmonic(m, rtol) is None:
+        return None
+    if law.is_elastic:
+        from kinetics.densities.harmonic import elastic_profile
+
+        return elastic_profile(asked)
+    if method != "conservative" and (state.smooth or method == "spectral"):
+        from kinetics.densities.spectral import solve_spectral
+
+        profile = solve_spectral(asked)
+        if profile is not None:
+            return profile
+        if method == "spectral":
+            refuse("method", method, "this initial state is too rough for it, use 'conservative'")
+    from kinetics.densities.conservative import solve_conservative
+
+    return solve_conservative(asked)

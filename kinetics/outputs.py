@@ -1,8 +1,6 @@
 """What a Scene may ask for: one table. To add an output, add one row to :data:`OUTPUTS`.
 
-`Scene` checks names against this table; the solver makes the arrays, and the plan says what was
-solved, from the same rows; `lorentz solve --help` and the printed tables read names and units.
-Reading the table costs no NumPy: the modules that its functions need are imported at first use.
+Reading it costs no NumPy: the modules that its functions need are imported at first use.
 """
 
 from __future__ import annotations
@@ -13,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from kinetics.moments import backward, displacement, formulas
+    from kinetics.moments import backward, displacement, velocity
     from kinetics.moments.backward import Observable
     from kinetics.moments.velocity import Averages
 else:
@@ -31,7 +29,7 @@ else:
 
     backward = _Later("kinetics.moments.backward")
     displacement = _Later("kinetics.moments.displacement")
-    formulas = _Later("kinetics.moments.formulas")
+    velocity = _Later("kinetics.moments.velocity")
 
 VELOCITY = "moments of the velocity"
 COLLISIONS = "collision number"
@@ -42,18 +40,11 @@ DENSITIES = "densities"
 
 
 class Part(NamedTuple):
-    """One observable of the backward equation that an output is made of.
+    """One observable of the backward equation that an output is made of."""
 
-    Attributes
-    ----------
-    factor : how often the relative error of the observable enters that of the output
-    observable : what is solved
-    start : harmonic of the initial state over which it is averaged
-    """
-
-    factor: float
+    factor: float  # how often its relative error enters that of the output
     observable: Observable
-    start: int
+    start: int  # harmonic of the initial state over which it is averaged
 
 
 def parts(*pairs: tuple[float, Observable], start: int | None = None) -> tuple[Part, ...]:
@@ -115,25 +106,25 @@ _ROWS = (
         "thermal_speed", VELOCITY, "v0", "U", _PER_TIME,
         "sqrt(<v^2>) (paper, label v0defi)",
         lambda d: parts((0.5, backward.speed_power(2.0))),
-        lambda averages: formulas.thermal_speed(averages),
+        lambda averages: velocity.thermal_speed(averages),
     ),
     Output(
         "temperature", VELOCITY, "T", "m U^2", _PER_TIME,
         "<v^2>/d, d the dimension (paper, label thermo)",
         lambda d: parts((1.0, backward.speed_power(2.0))),
-        lambda averages: formulas.temperature(averages),
+        lambda averages: velocity.temperature(averages),
     ),
     Output(
         "a2", VELOCITY, "a2", "1", _PER_TIME,
         "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5); in space 3 <v^4>/(5 <v^2>^2) - 1",
         lambda d: parts((2.0, backward.speed_power(2.0)), (1.0, backward.speed_power(4.0))),
-        lambda averages: formulas.a2(averages),
+        lambda averages: velocity.a2(averages),
     ),
     Output(
         "collisions", COLLISIONS, "collisions", "1", _PER_TIME,
         "mean number of collisions per tracer since t = 0",
         lambda d: parts((1.0, backward.MEAN_COLLISIONS)),
-        lambda averages: formulas.collisions(averages),
+        lambda averages: velocity.collisions(averages),
     ),
     Output(
         "msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
@@ -182,13 +173,13 @@ _ROWS = (
         "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "d"),
         "(<v_x>, <v_y>), in space (<v_x>, <v_y>, <v_z>)",
         lambda d: parts((1.0, backward.speed_power(1.0, 1))),
-        lambda averages: formulas.mean_velocity(averages),
+        lambda averages: velocity.mean_velocity(averages),
     ),
     Output(
         "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "d", "d"),
         "<v_i v_j>",
         lambda d: parts((1.0, backward.speed_power(2.0)), (1.0, backward.speed_power(2.0, 2))),
-        lambda averages: formulas.velocity_tensor(averages),
+        lambda averages: velocity.velocity_tensor(averages),
     ),
     Output(
         "speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),
@@ -212,20 +203,11 @@ FIELD_OUTPUTS: dict[str, Output] = {
     row.name: row
     for row in (*_ROWS, *_FIELD_ROWS)
     if row.name
-    in (
-        "thermal_speed",
-        "temperature",
-        "a2",
-        "collisions",
-        "msd",
-        "mean_displacement",
-        "mean_velocity",
-        "velocity_tensor",
-        "displacement_tensor",
-        "speed_density",
-        "velocity_density",
+    not in (
+        "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
+        "intermediate_scattering",
     )
-}
+}  # fmt: skip
 """The same for scenes with a field, which `kinetics.field` solves."""
 
 # what a row is made of is the same tuple each time

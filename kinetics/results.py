@@ -38,10 +38,6 @@ if TYPE_CHECKING:
 
 COMPONENTS = ("component", "component2")
 """Dimensions of vectors and tensors, which come last; their coordinates are x, y and z."""
-_DECADES = 30.0  # largest over smallest value from which on an axis is logarithmic
-_LOWEST = 1e-7  # of the largest value, on a logarithmic axis of a density
-_MOST_LINES = 8
-_MOST_NUMBERS = 200  # of an array that the attribute `scene` writes out
 _FORMAT, _RECORD = "inelastic-lorentz kinetics 2", "record"
 
 
@@ -76,25 +72,21 @@ def _contents(value: Any) -> Any:
 
 def _brief(value: Any) -> str:
     """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
-
-    def shown(part: Any) -> str:
+    shown = {f.name: getattr(value, f.name) for f in fields(value) if f.repr}
+    for name, part in shown.items():
         if isinstance(part, np.ndarray):
             ends = f", {part.min():.6g} to {part.max():.6g}" if part.size else ""
-            return f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
-        if isinstance(part, Mapping):
-            return "{" + ", ".join(f"{key!r}: {shown(item)}" for key, item in part.items()) + "}"
-        return str(getattr(part, "__qualname__", repr(part)))
-
-    parts = (f"{f.name}={shown(getattr(value, f.name))}" for f in fields(value) if f.repr)
-    return f"{type(value).__name__}({', '.join(parts)})"
+            shown[name] = f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
+        else:
+            shown[name] = getattr(part, "__qualname__", repr(part))
+    return f"{type(value).__name__}({', '.join(f'{n}={part}' for n, part in shown.items())})"
 
 
 class Value:
     """Base of frozen dataclasses whose contents cannot change: scenes, states and results.
 
     Arrays are read-only and dictionaries frozen, also after pickling. Two of one class are equal
-    when all compared fields are. What was computed on demand and kept (cached properties) is
-    neither compared nor pickled. The text is one line, unless the class has its own ``__repr__``.
+    when all compared fields are. Cached properties are neither compared nor pickled.
     """
 
     def __init_subclass__(cls, **arguments: Any) -> None:
@@ -205,8 +197,7 @@ class Result(Value):
         parts = self._named(name, points)
         free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
         if not 1 <= len(free) <= 2:
-            how = f"depends on {', '.join(free)}" if free else "is one number"
-            raise InputError(f"name: got {name!r}, which {how}; plot draws lines over one or two")
+            raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
         if ax is None:
             from matplotlib import pyplot
 
@@ -224,7 +215,7 @@ class Result(Value):
             ax.set_xscale("log")
         top = y.max(where=np.isfinite(y), initial=0.0)
         if name.endswith(("density", "vdf")) and top > 0.0:
-            ax.set(yscale="log", ylim=(_LOWEST * top, 3.0 * top))  # tails are of interest
+            ax.set(yscale="log", ylim=(1e-7 * top, 3.0 * top))  # tails are of interest
         elif len(parts) == 1 and _is_wide(y):
             ax.set_yscale("log")
         return ax
@@ -298,7 +289,7 @@ def _lines(one: xarray.DataArray) -> dict[str, Any]:
         return {name.replace("_", " "): line for name, line in _components(one).items()}
     first = one[free[0]]
     symbol, units = first.attrs.get("symbol", first.name), first.attrs["units"].replace("1", "")
-    shown = np.linspace(0, first.size - 1, _MOST_LINES).round().astype(int)
+    shown = np.linspace(0, first.size - 1, 8).round().astype(int)
     return {f"{symbol} = {first.values[i]:.4g} {units}".strip(): one.values[i] for i in shown}
 
 
@@ -310,9 +301,9 @@ def _label(one: xarray.DataArray) -> str:
 
 
 def _is_wide(values: NDArray[Any]) -> bool:
-    """Whether numbers are positive and span decades, so that their axis is logarithmic."""
+    """Whether numbers are positive and span 1.5 decades: their axis is logarithmic then."""
     x = values[np.isfinite(values)]
-    return bool(x.size > 1 and 0.0 < _DECADES * x.min() < x.max())
+    return bool(x.size > 1 and 0.0 < 30.0 * x.min() < x.max())
 
 
 def load(path: str | os.PathLike[str]) -> Any:
@@ -424,8 +415,7 @@ def _plain(value: Any, whole: bool) -> Any:
     if isinstance(value, np.ndarray) and whole:
         return {"array": value.tolist()}
     if isinstance(value, np.ndarray | np.generic):
-        shown = value.size <= _MOST_NUMBERS
-        return value.tolist() if shown else f"numbers of shape {value.shape}"
+        return value.tolist() if value.size <= 200 else f"numbers of shape {value.shape}"
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple):

@@ -17,13 +17,12 @@ from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
-from kinetics.results import Value, frozen
+from kinetics.results import Value
 from kinetics.states.isotropic import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
 
 MOST_HARMONICS = 256
-_FIELD = "it must be a finite number, 0 or more: the field is along +x"
 
 
 @dataclass(frozen=True)
@@ -83,13 +82,12 @@ class Scene(Value):
     state: State = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
-        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = self.law
         checked: dict[str, Any] = {
             **law.arguments,
             "number_density": check_positive("number_density", self.number_density),
             "diameter": check_positive("diameter", self.diameter),
         }
-        law = self._among_scatterers(law)
         if not 0.0 < law.mean_free_path(checked["number_density"], checked["diameter"]) < math.inf:
             formula = "2 diameter" if law.dimension == 2 else "pi diameter^2"
             raise InputError(
@@ -97,7 +95,8 @@ class Scene(Value):
                 f"{short(self.diameter)}; the mean free path 1/({formula} number_density) must be "
                 "a finite number above 0"
             )
-        checked["field"] = real_number("field", self.field, 0.0, allowed=_FIELD)
+        allowed = "it must be a finite number, 0 or more: the field is along +x"
+        checked["field"] = real_number("field", self.field, 0.0, allowed=allowed)
         with_field = checked["field"] > 0.0
         checked["state"] = _start(self.initial, law.dimension, with_field)
         checked["collision_numbers"] = _check_numbers(self.collision_numbers)
@@ -107,7 +106,6 @@ class Scene(Value):
         _check_together(checked, law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
-        self.__dict__["law"] = law  # the cached property below
 
     @property
     def mean_free_path(self) -> float:
@@ -116,11 +114,8 @@ class Scene(Value):
 
     @cached_property
     def law(self) -> CollisionLaw:
-        """The collision law of these restitutions, in this dimension."""
+        """The collision law of these restitutions, in this dimension, among these scatterers."""
         law = law_of(self.restitution, self.tangential_restitution, self.dimension)
-        return self._among_scatterers(law)
-
-    def _among_scatterers(self, law: CollisionLaw) -> CollisionLaw:
         system = (self.scatterers, self.number_density, self.diameter)
         return law_in_medium(law, *system, self.density_order)
 
@@ -193,9 +188,9 @@ def _check_times(times: Any) -> FloatArray:
     """The times as a read-only array; InputError if they cannot be used."""
     allowed = "times must be real, finite, not negative and not falling, at least one"
     array = finite_line("times", times, allowed)
-    if array.size == 0 or array[0] < 0.0 or np.any(np.diff(array) < 0.0):
+    if array.size == 0 or array[0] < 0.0 or np.any(array[1:] < array[:-1]):
         refuse("times", times, allowed)
-    return frozen(array)
+    return array
 
 
 def _check_numbers(numbers: Any) -> FloatArray:
@@ -204,7 +199,7 @@ def _check_numbers(numbers: Any) -> FloatArray:
     array = finite_line("collision_numbers", numbers, allowed)
     if np.any((array < 0.0) | (array > 2.0**53) | (array != np.floor(array))):
         refuse("collision_numbers", numbers, allowed)
-    return frozen(array)
+    return array
 
 
 def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:

@@ -12,23 +12,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.averaging import (
+    BEST_DENSITY,
     SLACK,
     arrays_of,
     asked_for,
     averages_of,
+    displacement_of,
     error_of,
     power_of_speed,
+    profiles_of,
     solved_averages,
 )
 from kinetics.densities.harmonic import Profile, angular_function, speed_fronts
 from kinetics.densities.marginal import component_densities
-from kinetics.distributions import displacement_of, profiles_of
 from kinetics.errors import InputError
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
-from kinetics.outputs import AXES, OUTPUTS, Axis, described
+from kinetics.outputs import AXES, DENSITIES, OUTPUTS, POSITION, Axis, described
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
@@ -36,13 +38,7 @@ from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
 from kinetics.scene import Scene
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
-from kinetics.validation import (
-    finite_line,
-    not_negative_line,
-    real_number,
-    refuse,
-    speeds,
-)
+from kinetics.validation import finite_line, not_negative_line, real_number, refuse, speeds
 
 if TYPE_CHECKING:
     from kinetics.field.scene import FieldScene
@@ -53,7 +49,6 @@ _WITH = {
     "front_weight": "position_density",
 }
 """What comes with a function in a dataset -> the function."""
-_WAVES = np.geomspace(1e-2, 10.0, 61)  # wave numbers times the root mean square displacement
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
 
@@ -210,7 +205,8 @@ class Solution(Result):
         if points == "scaled_radii":
             return np.linspace(0.0, 5.0, 101)
         far = max(float(root_mean_square(averages_of(self.scene, self.rtol)).max()), 1e-12)
-        return np.linspace(0.0, 5.0 * far, 121) if points == "radii" else _WAVES / far
+        waves = np.geomspace(1e-2, 10.0, 61) / far
+        return np.linspace(0.0, 5.0 * far, 121) if points == "radii" else waves
 
     def _to_storage(self) -> dict[str, Any]:
         parts = super()._to_storage()
@@ -243,11 +239,6 @@ class Solution(Result):
             raise InputError("collision_numbers: the scene has none; give Scene some")
         return ByCollision(scene.law, scene.mean_free_path, scene.state, numbers, self.rtol)
 
-    def _require_no_field(self) -> None:
-        """Raise InputError for a scene with a field, of which only the outputs are solved."""
-        if self.scene.field:
-            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
-
     def at(self, times: ArrayLike) -> Solution:
         """The averages at other times up to the last of the scene, without solving it again.
 
@@ -266,23 +257,8 @@ class Solution(Result):
         if asked[-1] > last:
             refuse("times", times, f"this scene was solved up to its last time, {last:g} d/U")
         averages = self._averages.at(asked)
-        error = error_of(averages, asked_for(averages, outputs))
-        errors, allowed = {"averages": error}, {"averages": self.rtol * SLACK}
-        found = Solution(
-            scene=scene,
-            rtol=self.rtol,
-            values=arrays_of(averages, outputs),
-            status=status_of(errors, allowed),
-            message=explain(errors, allowed) + limits(averages),
-            error_estimate=error,
-            plan=make_plan(averages, outputs, {}, None),
-            stats=make_stats(averages, {}, None),
-            _typical_speed=np.exp(averages.log_reference),
-            method=self.method,
-            nodes=self.nodes,
-        )
-        found.keep(_averages=averages)
-        return found
+        values = arrays_of(averages, outputs)
+        return answer(scene, averages, values, {}, None, self.method, self.nodes)
 
     # -- what was solved: no part of the value, solved again where it is not there ------------
 
@@ -312,6 +288,26 @@ class Solution(Result):
     @cached_property
     def _in_field(self) -> FieldScene:
         return field_scene(self.scene, self.rtol)
+
+    def _require_no_field(self) -> None:
+        """Raise InputError for a scene with a field, of which only the outputs are solved."""
+        if self.scene.field:
+            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
+
+    def _require(self, *outputs: str) -> None:
+        """Raise InputError unless one of these outputs was asked for."""
+        if not set(outputs) & set(self.scene.outputs):
+            name = repr(outputs[0])
+            raise InputError(f"outputs: {name} was not asked for; name it among the scene's")
+
+    def _position(self) -> Displacement:
+        self._require("position_density")
+        assert self._displacement is not None
+        return self._displacement
+
+    def _speed_profile(self) -> Profile:
+        self._require("speed_density", "velocity_density")
+        return self._profiles[0]
 
     # -- velocity -----------------------------------------------------------------------------
 
@@ -400,10 +396,10 @@ class Solution(Result):
 
     @property
     def ballistic_front(self) -> tuple[FloatArray, FloatArray]:
-        """Where tracers of a start of sharp speeds are that have not collided, and how many.
+        """Where tracers of sharp speeds are that have not collided, and how many of all they are.
 
-        Radius in d and share of all tracers, shape (n_times, n_speeds) each. They are delta peaks,
-        which :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
+        Radius in d and share, shape (n_times, n_speeds) each: delta peaks, which
+        :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
         """
         found = self._position()
         return frozen(found.front_radius), frozen(found.front_weight)
@@ -483,21 +479,41 @@ class Solution(Result):
             direction = real_number("direction", direction, allowed="it must be a finite angle")
         return scattering_function(averages_of(self.scene, self.rtol), k, direction)
 
-    def _require(self, *outputs: str) -> None:
-        """Raise InputError unless one of these outputs was asked for."""
-        if not set(outputs) & set(self.scene.outputs):
-            raise InputError(
-                f"outputs: {outputs[0]!r} was not asked for; name it among the scene's outputs"
-            )
 
-    def _position(self) -> Displacement:
-        self._require("position_density")
-        assert self._displacement is not None
-        return self._displacement
-
-    def _speed_profile(self) -> Profile:
-        self._require("speed_density", "velocity_density")
-        return self._profiles[0]
+def answer(
+    scene: Scene,
+    averages: Averages,
+    values: dict[str, FloatArray],
+    profiles: Mapping[int, Profile],
+    displacement: Displacement | None,
+    method: str | None,
+    nodes: int | None,
+) -> Solution:
+    """What was solved for a scene without a field, with its status."""
+    rtol = averages.rtol
+    errors = {"averages": error_of(averages, asked_for(averages, scene.outputs))}
+    allowed = {"averages": rtol * SLACK}
+    if profiles:
+        errors[DENSITIES] = max(profile.error_estimate for profile in profiles.values())
+        allowed[DENSITIES] = rtol * SLACK
+    if displacement is not None:
+        errors[POSITION] = displacement.error_estimate
+        allowed[POSITION] = max(rtol, BEST_DENSITY)
+    solution = Solution(
+        scene=scene,
+        rtol=rtol,
+        values=values,
+        status=status_of(errors, allowed),
+        message=explain(errors, allowed, nodes if profiles else None) + limits(averages, profiles),
+        error_estimate=max(errors.values()),
+        plan=make_plan(averages, scene.outputs, profiles, displacement),
+        stats=make_stats(averages, profiles, displacement),
+        _typical_speed=np.exp(averages.log_reference),
+        method=method,
+        nodes=nodes,
+    )
+    solution.keep(_averages=averages, _profiles=profiles, _displacement=displacement)
+    return solution
 
 
 def field_scene(scene: Scene, rtol: float) -> FieldScene:

@@ -1,30 +1,21 @@
 """solve(scene): solves the parts that the outputs of a scene need, and no other.
 
-Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, the averages are in
-`kinetics.averaging`, how densities are solved in `kinetics.distributions`.
+Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, the averages and
+the densities that make it are in `kinetics.averaging`.
 """
 
 from __future__ import annotations
 
 import warnings
 
-import numpy as np
-
-from kinetics.averaging import SLACK, arrays_of, asked_for, error_of, solved_averages
-from kinetics.densities.harmonic import Profile
-from kinetics.distributions import BEST_DENSITY, displacement_of, profiles_of
+from kinetics.averaging import arrays_of, displacement_of, profiles_of, solved_averages
 from kinetics.errors import ToleranceWarning
-from kinetics.outputs import DENSITIES, POSITION
-from kinetics.plan import limits, make_plan, make_stats
-from kinetics.position.density import Displacement
 from kinetics.scene import Scene
-from kinetics.solution import Solution, field_scene
+from kinetics.solution import Solution, answer, field_scene
 from kinetics.status import SolverStatus, explain, status_of
 from kinetics.validation import check_rtol, one_of, refuse, whole_number
 
-_DEFAULT, _DEFAULT_IN_FIELD = 1e-10, 1e-6  # rtol
 METHODS = ("spectral", "conservative")
-_FEWEST_NODES, _MOST_NODES = 8, 8192
 
 
 def solve(
@@ -67,10 +58,10 @@ def solve(
     if not isinstance(scene, Scene):
         refuse("scene", scene, "it must be a Scene")
     if rtol is None:
-        rtol = _DEFAULT_IN_FIELD if scene.field else _DEFAULT
+        rtol = 1e-6 if scene.field else 1e-10
     rtol = check_rtol(rtol)
     method = None if method is None else one_of("method", method, METHODS)
-    nodes = None if nodes is None else whole_number("nodes", nodes, _FEWEST_NODES, _MOST_NODES)
+    nodes = None if nodes is None else whole_number("nodes", nodes, 8, 8192)
     solution = _in_field(scene, rtol) if scene.field else _solved(scene, rtol, method, nodes)
     if solution.status is not SolverStatus.CONVERGED:
         warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
@@ -80,27 +71,10 @@ def solve(
 def _solved(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Solution:
     """The same for checked arguments and a scene without a field."""
     averages = solved_averages(scene, rtol)
-    values = arrays_of(averages, scene.outputs)
+    values = arrays_of(averages, scene.outputs)  # what overflows is refused before densities
     profiles = profiles_of(scene, rtol, method, nodes)
     displacement = displacement_of(averages, scene.outputs)
-    errors, allowed = _errors(
-        error_of(averages, asked_for(averages, scene.outputs)), profiles, displacement, rtol
-    )
-    solution = Solution(
-        scene=scene,
-        rtol=rtol,
-        values=values,
-        status=status_of(errors, allowed),
-        message=explain(errors, allowed, nodes) + limits(averages, profiles),
-        error_estimate=max(errors.values()),
-        plan=make_plan(averages, scene.outputs, profiles, displacement),
-        stats=make_stats(averages, profiles, displacement),
-        _typical_speed=np.exp(averages.log_reference),
-        method=method,
-        nodes=nodes,
-    )
-    solution.keep(_averages=averages, _profiles=profiles, _displacement=displacement)
-    return solution
+    return answer(scene, averages, values, profiles, displacement, method, nodes)
 
 
 def _in_field(scene: Scene, rtol: float) -> Solution:
@@ -119,17 +93,3 @@ def _in_field(scene: Scene, rtol: float) -> Solution:
     )
     solution.keep(_in_field=found)
     return solution
-
-
-def _errors(
-    averages: float, profiles: dict[int, Profile], displacement: Displacement | None, rtol: float
-) -> tuple[dict[str, float], dict[str, float]]:
-    """The error estimate of each part that was solved, and the largest that is allowed for it."""
-    errors, allowed = {"averages": averages}, {"averages": rtol * SLACK}
-    if profiles:
-        errors[DENSITIES] = max(profile.error_estimate for profile in profiles.values())
-        allowed[DENSITIES] = rtol * SLACK
-    if displacement is not None:
-        errors[POSITION] = displacement.error_estimate
-        allowed[POSITION] = max(rtol, BEST_DENSITY)
-    return errors, allowed

@@ -1,7 +1,6 @@
 """Checks of arguments. All raise InputError with one line, `name: got VALUE; what is allowed`.
 
-Each returns the argument as the type that the callers work with. ``allowed`` says what is allowed
-where the default text is not precise enough.
+Each returns the argument as the type that the callers work with.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
 
-_SMALLEST, _LARGEST = math.nextafter(0.0, 1.0), sys.float_info.max
+_LARGEST = sys.float_info.max
 
 
 def refuse(name: str, value: Any, allowed: str) -> NoReturn:
@@ -33,15 +32,9 @@ def refuse(name: str, value: Any, allowed: str) -> NoReturn:
 
 
 def real_number(
-    name: str,
-    value: Any,
-    low: float = -math.inf,
-    high: float = math.inf,
-    allowed: str | None = None,
+    name: str, value: Any, low: float = -math.inf, high: float = math.inf, allowed: str = ""
 ) -> float:
     """A finite number from low to high, as a float: any real number but a boolean, no text."""
-    if type(value) is float and low <= value <= high and math.isfinite(value):
-        return value
     if type(value) is np.ndarray and value.ndim == 0:
         value = value[()]
     if isinstance(value, Real) and not isinstance(value, bool):
@@ -60,7 +53,7 @@ def check_restitution(value: Any) -> float:
 
 def check_positive(name: str, value: Any) -> float:
     """A finite number above zero."""
-    return real_number(name, value, _SMALLEST, math.inf, "it must be a finite number above 0")
+    return real_number(name, value, math.ulp(0.0), math.inf, "it must be a finite number above 0")
 
 
 def check_rtol(value: Any) -> float:
@@ -93,56 +86,38 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
 # -- arrays of any shape --------------------------------------------------------------------------
 
 
-def _numbers(value: Any, kinds: str) -> NDArray[Any]:
-    """Numbers as an array of floats or of complex numbers, a copy; TypeError or ValueError else.
+def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:
+    """A copy of numbers of any shape, float or complex, of these kinds of dtypes; NaN is let in.
 
-    ``kinds`` are the kinds of dtypes that are let through. Masked values are not, and neither is
-    anything of which NumPy warns that it would lose a part of it.
+    Masked values are not, and neither is what NumPy warns that it would lose a part of.
     """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             array = np.asarray(value)
-            if array.dtype.kind not in kinds or np.ma.is_masked(value):
-                raise TypeError
-            return array.astype(complex if array.dtype.kind == "c" else float)
-    except (Warning, OverflowError) as error:
-        raise TypeError from error
+            if array.dtype.kind in kinds and not np.ma.is_masked(value):
+                return array.astype(complex if array.dtype.kind == "c" else float)
+    except (Warning, OverflowError, TypeError, ValueError):
+        pass
+    refuse(name, value, allowed)
 
 
-def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:
-    """Numbers of these kinds of dtypes in an array of any shape; NaN is let through."""
-    try:
-        return _numbers(value, kinds)
-    except (TypeError, ValueError):
+def real_array(name: str, value: ArrayLike, low: float, high: float, allowed: str) -> Array:
+    """Real numbers from low to high, in an array of any shape."""
+    array = number_array(name, value, "iuf", allowed)
+    if not np.all((array >= low) & (array <= high)):
         refuse(name, value, allowed)
-
-
-def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
-    """Real numbers in an array of any shape; NaN is let through, complex and masked are not."""
-    return number_array(name, value, "iuf", allowed)
+    return array
 
 
 def restitutions(value: ArrayLike) -> Array:
     """Coefficients of restitution from 0 to 1, in an array of any shape."""
-    return _array_within("restitution", value, 0.0, 1.0, "it must be numbers from 0 to 1 (elastic)")
+    return real_array("restitution", value, 0.0, 1.0, "it must be numbers from 0 to 1 (elastic)")
 
 
 def not_negative(name: str, value: ArrayLike) -> Array:
     """Finite numbers, none below zero, in an array of any shape."""
-    return _array_within(name, value, 0.0, _LARGEST, "it must be finite numbers, not negative")
-
-
-def positive(name: str, value: ArrayLike) -> Array:
-    """Finite numbers above zero, in an array of any shape."""
-    return _array_within(name, value, _SMALLEST, _LARGEST, "it must be finite numbers above 0")
-
-
-def _array_within(name: str, value: ArrayLike, low: float, high: float, allowed: str) -> Array:
-    array = real_array(name, value, allowed)
-    if not np.all((array >= low) & (array <= high)):
-        refuse(name, value, allowed)
-    return array
+    return real_array(name, value, 0.0, _LARGEST, "it must be finite numbers, not negative")
 
 
 # -- arrays of a given shape ----------------------------------------------------------------------
@@ -151,15 +126,9 @@ _LINE = "it must be a finite, 1-dimensional array of numbers"
 
 
 def finite_array(
-    name: str,
-    values: ArrayLike,
-    allowed: str = _LINE,
-    dimensions: tuple[int, ...] = (1,),
+    name: str, values: ArrayLike, allowed: str = _LINE, dimensions: tuple[int, ...] = (1,)
 ) -> Array:
-    """A read-only copy of finite real numbers in an array of so many dimensions.
-
-    Complex and masked values are refused.
-    """
+    """A read-only copy of finite real numbers in an array of so many dimensions."""
     array = number_array(name, values, "biufO", allowed)
     if array.ndim not in dimensions or not np.all(np.isfinite(array)):
         refuse(name, values, allowed)
@@ -192,8 +161,6 @@ def speeds(values: ArrayLike, *, zero_allowed: bool = True) -> Array:
 
 # -- initial states -------------------------------------------------------------------------------
 
-_NORM = 1e-6  # how far the integral of a given density may be from 1; it is rescaled to 1
-
 
 def rising_speeds(speed: ArrayLike) -> Array:
     """At least two speeds that rise, the first of them 0 or more, shape (n,)."""
@@ -211,7 +178,7 @@ def density_not_negative(f: Array, name: str = "density") -> None:
 
 def normalised(total: float, name: str = "density") -> float:
     """The integral of a density over the velocities, if it is 1 within 1e-6."""
-    if not abs(total - 1.0) < _NORM:
+    if not abs(total - 1.0) < 1e-6:
         narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 0.5 else ""
         raise InputError(
             f"{name}: its integral over the velocities is {total:.6g}; it must be 1{narrow}"

@@ -37,11 +37,10 @@ ROOMS: dict[str, set[str]] = {
     "field": BASE | {"states", "status"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs"},
-    "averaging": BASE | {"moments", "outputs", "scene"},
+    "averaging": BASE | {"moments", "densities", "position", "outputs", "scene"},
     "plan": {"moments", "densities", "position", "outputs", "status"},
-    "distributions": BASE | VELOCITY | QUESTION | {"position"},
-    "solution": BASE | VELOCITY | QUESTION | {"position", "field", "distributions"},
-    "solver": BASE | VELOCITY | QUESTION | {"position", "distributions", "solution"},
+    "solution": BASE | VELOCITY | QUESTION | {"position", "field"},
+    "solver": BASE | VELOCITY | QUESTION | {"position", "solution"},
 }
 MODULES = {
     path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")

@@ -31,8 +31,6 @@ from kinetics.validation import finite_line, refuse
 _POINTS = 20
 RESOLVED = 30.0
 DEEPEST = 40.0  # where s reaches 0, nodes end at -ln s of this: e^-40 of the bounces lose more
-_SUM = 1e-9  # how far the sum of the weights of samples may be from 1; they are rescaled to it
-_ROUNDING = 1e-12  # how far a cosine may be beyond 1
 _MOST = 20_000  # samples: each costs some kilobytes on every panel
 
 
@@ -213,11 +211,11 @@ class SampledBounce:
                 refuse(name, array, f"it must have as many numbers as weight, {w.size}")
         if np.any(w < 0.0):
             refuse("weight", float(w.min()), "weights must not be negative")
-        if not abs(w.sum() - 1.0) <= _SUM:
+        if not abs(w.sum() - 1.0) <= 1e-9:  # they are rescaled to it
             refuse("weight", w, f"the weights must sum to 1, their sum is {w.sum():.10g}")
         if np.any(s <= 0.0):
             refuse("ratio", float(s.min()), "speed ratios must be above 0")
-        if np.any(np.abs(c) > 1.0 + _ROUNDING):
+        if np.any(np.abs(c) > 1.0 + 1e-12):
             refuse("cosine", float(c[np.abs(c).argmax()]), "it must be from -1 to 1")
         kept = w > 0.0
         w, c = w[kept] / w.sum(), np.clip(c[kept], -1.0, 1.0)

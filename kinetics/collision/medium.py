@@ -51,12 +51,8 @@ ORDERS = ("leading", "first", "second")
 HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 SETTLED = 30.0  # in l/U: distributions have returns at once, which need some free paths
-_TINY = 1e-300  # densities below it are beyond the range of doubles
 _EARLY = 0.4  # times n: by how much F(k, t) is off before then (e = .4, n = .04, 2 l/U)
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order
-_LAST_COOLING = 0.9  # above it C(e; 0) is held: eps lambda_0 vanishes with 1 - e
-# Returns of returns must add up, eps |lambda| < 1: reached above the tested densities only.
-_MOST_RETURNS = 0.45
 # J_1(0) less (a + b n) (e n ln n)^2: fitted, see tests/kinetics/measurements/density.py
 _SECOND = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
 
@@ -102,7 +98,8 @@ class Medium:
         if m == 1 and self.order == "second":
             a, b = _SECOND[self.scatterers]
             eps += (a + b * n) * (e * n * math.log(n)) ** 2
-        return min(eps, _MOST_RETURNS)
+        # returns of returns must add up, eps |lambda| < 1: above the tested densities only
+        return min(eps, 0.45)
 
     def lowest_power(self, q: ImpactQuadrature) -> float:
         """p where eps e^p (1 + E[s^p]) = 1, q the average over a collision; -inf if nowhere."""
@@ -129,7 +126,8 @@ class Medium:
         if self.order == "leading" or self.restitution < _LEAST_RESTITUTION:
             return 0.0, 0.0, 0.0, 0.0
         e, table = self.restitution, _constants()
-        cooling = _interpolated(min(e, _LAST_COOLING), table["restitution"], table["ln C 0"])
+        # above .9 C(e; 0) is held: eps lambda_0 vanishes with 1 - e
+        cooling = _interpolated(min(e, 0.9), table["restitution"], table["ln C 0"])
         rest = [_interpolated(e, table["restitution"], table[k]) for k in ("d", "ln C 1", "ln C 2")]
         return rest[0], cooling, rest[1], rest[2]
 
@@ -172,7 +170,7 @@ def checked_medium(
         refuse("number_density", number_density, f"scatterers={scatterers!r} needs it")
     rho, d = check_positive("number_density", number_density), check_positive("diameter", diameter)
     n = rho * d * d
-    if not _TINY < n <= HIGHEST_DENSITY:
+    if not 1e-300 < n <= HIGHEST_DENSITY:
         allowed = f"with scatterers={scatterers!r} it must be at most {HIGHEST_DENSITY:g} d^-2"
         refuse("number_density", number_density, allowed)
     return Medium(scatterers, n, restitution, order)

@@ -19,15 +19,11 @@ import numpy as np
 from kinetics.collision.law import CollisionLaw
 from kinetics.numerics import FloatArray
 
-_SLOW = 1.0  # terms that fall faster than t^-1 are not listed
 _STEPS = 0.25  # of the wave number, times the largest loss: zeros are about 2 pi apart in it
 _RARE = 0.01  # share of the bounces that lose more than the largest loss that counts there
 _ROUNDING = 40.0  # e-folds: the largest loss, and the smallest weight, e^-40 = 4e-18
 _LINES = (0.0, -0.3, -0.6, -0.9)  # real parts at which the size of lambda is scanned
-_CONTINUOUS = 64.0  # where s takes any value in a range, faster waves fall faster than 1/t
-_AT_ONCE = 1_000_000  # exponentials in one piece of the scan
 _FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; what is 0 of a zero
-_SATURATION = 38.0  # e-folds: 3e-17 is left of what falls as 1/t
 
 
 @lru_cache(maxsize=48)
@@ -40,7 +36,7 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     if law.is_elastic or (law.least_loss == 0.0 and not law.has_atoms):
         return ()
     if not law.has_atoms:
-        highest = min(highest, _CONTINUOUS)
+        highest = min(highest, 64.0)  # faster waves fall faster than 1/t there
     q = law.quadrature_for(highest)
     # at Re z = -1 a bounce counts s^-1 times its weight; what is rounding even there is left out
     counts = np.log(np.maximum(q.weight, 1e-300)) + np.minimum(q.log_loss, _ROUNDING)
@@ -52,7 +48,7 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     counts = beyond > _RARE * (np.exp(-log_loss) if law.has_atoms else 1.0)
     largest = min(max(1.0, float(log_loss[counts].max())), _ROUNDING)
     k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
-    pieces = np.array_split(k, 1 + k.size * weight.size // _AT_ONCE)
+    pieces = np.array_split(k, 1 + k.size * weight.size // 1_000_000)
     found: dict[tuple[float, float], complex] = {}
     for real in _LINES:
         tilted = weight * np.exp(np.minimum(-real * log_loss, _ROUNDING))
@@ -62,7 +58,7 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
         least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
         for start in k[least]:
             z = _zero_near(weight, log_loss, complex(real, -start))
-            if z is not None and -_SLOW < z.real < _SAME and _SAME < -z.imag < highest:
+            if z is not None and -1.0 < z.real < _SAME and _SAME < -z.imag < highest:
                 found[round(z.real, 5), round(z.imag, 5)] = complex(min(z.real, 0.0), z.imag)
     return tuple(sorted(found.values(), key=lambda z: -z.imag))
 
@@ -73,7 +69,7 @@ def _zero_near(weight: FloatArray, log_loss: FloatArray, z: complex) -> complex 
         with np.errstate(over="ignore", invalid="ignore"):
             power = weight * np.exp(-z * log_loss)
             step = complex((1.0 - power.sum()) / (power @ log_loss))
-        if not cmath.isfinite(step) or z.real < -2.0 * _SLOW:
+        if not cmath.isfinite(step) or z.real < -2.0:
             return None
         z -= step / max(1.0, 2.0 * abs(step))
         if abs(step) < _FOUND:
@@ -91,7 +87,7 @@ def asymptotic_from(law: CollisionLaw) -> float:
     """
     if law.tangential_restitution != 1.0:
         return math.inf
-    return _SATURATION - math.log(law.mean_log_loss)
+    return 38.0 - math.log(law.mean_log_loss)
 
 
 def time_to_forget(z: complex, amplitude: float) -> float:

@@ -28,20 +28,11 @@ from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_re
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 _TERMS = 40  # of that series: where T = e^-2 more add nothing
-_NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below rounding
-_FEWEST_TERMS = 8  # kept in any case: the first four may vanish
 # For m > 2 panels go on to the last time, or as far as e^X is a number.
 _HARMONICS, _HIGHEST_X = 2, 700.0
-# Where speeds are kept corrections to the late power are 1/(nu T), nu the slowest decay of a
-# harmonic: e^-40 = 4e-18. Of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32.
-_ELASTIC_X, _STEADY = 40.0, 1e-30
 # Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
 # is the most that it may. Narrower panels than the least would take seconds.
 _STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
-# Errors are at most 1.2 times the last Chebyshev coefficient of a panel, or a tenth of that times
-# the one before; the rest is for the initial state.
-_LAST, _BEFORE = 1.75, 0.175
-_LEAST_END = 1e-3  # of the maximum on a panel: an observable that changes sign there has no scale
 
 
 def panel_width(degree: float, fall: float = 0.0) -> float:
@@ -122,31 +113,24 @@ def scale_of(y: Observable) -> Observable:
 def smaller_ends(values: FloatArray) -> FloatArray:
     """The size of the smaller end of each panel, (n_panels,), from values (n_panels, nodes).
 
-    Powers rise as e^(p X) over a panel: there the relative error is the largest.
+    Powers rise as e^(p X) over a panel: there the relative error is the largest. An observable that
+    changes sign there has no scale; a thousandth of its maximum stands for one.
     """
     size = np.abs(values)
     ends = np.minimum(size[:, 0], size[:, -1])
-    return np.maximum(np.maximum(ends, _LEAST_END * size.max(axis=1)), 1e-300)
+    return np.maximum(np.maximum(ends, 1e-3 * size.max(axis=1)), 1e-300)
 
 
 @dataclass(frozen=True)
 class Places:
-    """Where values of X lie; see `BackwardEquation.locate`.
+    """Where values of X lie; see `BackwardEquation.locate`."""
 
-    Attributes
-    ----------
-    low : whether each is below the panels, (n,)
-    early : T of those, (n_low,)
-    index, level : panel, and X in panels, of the others, (n_others,)
-    shares, total : barycentric weights over distances to the nodes, (n_others, nodes), their sums
-    """
-
-    low: NDArray[np.bool_]
-    early: FloatArray
-    index: NDArray[np.intp]
-    shares: FloatArray
-    total: FloatArray
-    level: FloatArray
+    low: NDArray[np.bool_]  # whether each is below the panels, (n,)
+    early: FloatArray  # T of those, (n_low,)
+    index: NDArray[np.intp]  # panel of each of the others, (n_others,)
+    shares: FloatArray  # barycentric weights over distances to its nodes, (n_others, nodes)
+    total: FloatArray  # their sums
+    level: FloatArray  # X in panels, (n_others,)
 
 
 @dataclass
@@ -188,9 +172,10 @@ class BackwardEquation:
         if self.harmonic > _HARMONICS:
             return _HIGHEST_X
         if self.law.is_elastic:
+            # corrections to the late power are 1/(nu T), nu the slowest decay of a harmonic:
+            # e^-40 = 4e-18. Of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32
             rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
-            slowest = min([rate for rate in rates if rate > _STEADY], default=1.0)
-            return _ELASTIC_X - math.log(slowest)
+            return 40.0 - math.log(min([rate for rate in rates if rate > 1e-30], default=1.0))
         return min(asymptotic_from(self.law), _HIGHEST_X)
 
     @cached_property
@@ -290,8 +275,8 @@ class BackwardEquation:
             for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
                 a.append((source - rate * a[k]) / (k + 1.0))
             size = np.abs(a) * np.exp(START * np.arange(len(a)))
-            below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
-            self._series[y] = np.array(a[: max(_FEWEST_TERMS, int(below[-1]) + 1)])
+            kept = np.nonzero(size > 1e-19 * size.max())[0]  # the rest is below rounding
+            self._series[y] = np.array(a[: max(8, int(kept[-1]) + 1)])  # the first 4 may vanish
         return self._series[y]
 
     def error_estimate(self, observable: Observable) -> float:
@@ -301,7 +286,9 @@ class BackwardEquation:
         """
         if observable not in self._errors:
             last, before = self.rule.last_coefficients(self.solve(observable))
-            left_out = np.maximum(_LAST * last, _BEFORE * before)
+            # errors are at most 1.2 times the last coefficient, or a tenth of that times the one
+            # before; the rest is for the initial state
+            left_out = np.maximum(1.75 * last, 0.175 * before)
             # errors of panels add up while an observable grows
             error = np.sum(left_out / smaller_ends(self.solve(scale_of(observable))))
             self._errors[observable] = float(error)

@@ -18,8 +18,7 @@ from kinetics.moments.backward import (
     quartic_displacement,
     speed_power,
 )
-from kinetics.moments.formulas import as_vector
-from kinetics.moments.velocity import Averages
+from kinetics.moments.velocity import Averages, as_vector
 from kinetics.numerics import FloatArray
 
 # of v_rms t/l: below it no tracer has collided, and its fourth power is still in range

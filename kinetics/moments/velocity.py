@@ -16,7 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
 from kinetics.moments.backward import (
+    MEAN_COLLISIONS,
+    SQUARED_DISPLACEMENT,
     START,
     BackwardEquation,
     Observable,
@@ -30,6 +33,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import panel_rule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
+from kinetics.validation import exponent, whole_number
 
 # Many times are interpolated in ln t: where there are more than this for each node of the panels in
 # ln t, and as many points of the initial state.
@@ -37,12 +41,7 @@ _MANY, _FEW_POINTS = 2, 4
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.
 _NODES, _PER_POWER, _PER_DIGIT = 2.0, 0.75, 1.12
-_MORE_NODES = 2  # than a panel in X: a node is about one digit, so that a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
-_KEPT = 16  # such pieces are kept for the next observable
-# Where <v^p> falls by more than e^4 before a bounce, slow tracers that have not collided make what
-# is left of it; so small a share of the start as e^-60 (10^-26) may be asked for.
-_NOTICED, _LEAST_SHARE = 4.0, 60.0
 
 
 @dataclass(frozen=True)
@@ -105,18 +104,22 @@ class Averages:
         """Whether scatterers are met again."""
         return bool(self.law.medium is not None and self.law.restitution)
 
-    def _relaxes(self, y: Observable) -> bool:
-        """Whether y is a power of speeds that are kept, and its harmonic decays at one rate."""
-        return self.elastic and y.is_power and not (self.returns and y.harmonic)
+    def _is_closed(self, y: Observable) -> bool:
+        """Whether y has a closed form: speeds are kept, and a harmonic decays at one rate."""
+        if self.returns:
+            return self.elastic and y.is_power and not y.harmonic
+        return self.elastic and (y.is_power or y == SQUARED_DISPLACEMENT)
 
     def error_estimate(self, y: Observable) -> float:
         """Relative, of averages of y over all panels, that is over all times."""
-        return 0.0 if self._relaxes(y) else self.equation.error_estimate(y)
+        return 0.0 if self._is_closed(y) else self.equation.error_estimate(y)
 
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
-            share = math.exp(-min(self._fall, _LEAST_SHARE)) if self._fall > _NOTICED else 1.0
+            # where <v^p> falls by more than e^4 before a bounce, slow tracers that have not
+            # collided make what is left of it: a share of the start, 1e-26 at least
+            share = math.exp(-min(self._fall, 60.0)) if self._fall > 4.0 else 1.0
             self._measures[m] = self.state.harmonic(
                 m, self.rtol * share, self.lowest, max(self.degree, 2.0)
             )
@@ -189,7 +192,7 @@ class Averages:
         w = found.weight
         if start:
             w = w * np.exp(start * (found.x - self.log_first))
-        if self._relaxes(y):
+        if self._is_closed(y) and y.is_power:
             # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)]
             with np.errstate(under="ignore", over="ignore"):
                 kept = np.exp(y.degree * (found.x - self.log_reference[:, None]))
@@ -197,6 +200,10 @@ class Averages:
                     rate = self.law.harmonic_decay_rate(0.0, y.harmonic)
                     kept *= np.exp(-rate * np.exp(found.x + self.log_stretch[:, None]))
             return np.asarray(kept @ w)
+        if self._is_closed(y) and not leading:
+            with np.errstate(under="ignore", over="ignore"):
+                flown = np.exp(found.x + self.log_stretch[:, None])
+                return np.asarray(_square_moved(flown, self.law.harmonic_decay_rate(0.0, 1)) @ w)
         return self._at_times(LogMeasure(found.x, w), y, leading)
 
     def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
@@ -207,7 +214,8 @@ class Averages:
         """
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
-        rule = panel_rule(self.equation.nodes + _MORE_NODES, self.width)
+        # a node is about one digit: with two more a hundredth of rtol remains
+        rule = panel_rule(self.equation.nodes + 2, self.width)
         # panels down from the last time: the equation is not solved beyond it
         end = stretch[-1:]
         used, which = np.unique(
@@ -233,7 +241,7 @@ class Averages:
         """Where these X lie; kept, because all observables of a scene ask for the same X."""
         key = x.tobytes()
         if key not in self._known:
-            if len(self._known) >= _KEPT:
+            if len(self._known) >= 16:
                 self._known.clear()
             self._known[key] = self.equation.locate(x)
         return self._known[key]
@@ -258,3 +266,74 @@ class Averages:
                 value[places.low] = small * np.exp(p * (x - reference).ravel()[places.low])
             out[first : first + piece] = value.reshape(-1, x.size) @ w
         return out
+
+
+def _square_moved(flown: FloatArray, rate: float) -> FloatArray:
+    """r^2 of a tracer that keeps its speed, 2 (a - 1 + e^-a)/rate^2, a = rate T, shape of T."""
+    a = rate * flown
+    series = [(-1.0) ** k / math.factorial(k + 2) for k in range(12)]  # 1e-17 of it is left out
+    early = flown * flown * np.polynomial.polynomial.polyval(np.minimum(a, 0.5), series)
+    late = flown * (1.0 + np.expm1(-a) / np.maximum(a, 0.5)) / max(rate, 1e-300)
+    return 2.0 * np.where(a < 0.5, early, late)
+
+
+# -- outputs that are made of powers of the speed, and the number of collisions --------------------
+
+
+def moment_arguments(law: CollisionLaw, state: State, p: Any, m: Any) -> tuple[float, int]:
+    """p and m of <v^p exp(-i m phi)>; InputError out of range, or where it does not exist."""
+    p = exponent("p", p, 40.0)
+    m = whole_number("m", m, 0, 256)
+    lowest = max(state.lowest_moment, law.lowest_power)
+    if p <= lowest:
+        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+    return p, m
+
+
+def thermal_speed(averages: Averages) -> FloatArray:
+    """v0 = sqrt(<v^2>) in U, shape (n_times,) (paper, label ``v0defi``)."""
+    return np.asarray(np.exp(averages.log_reference) * np.sqrt(averages.power(2.0)))
+
+
+def temperature(averages: Averages) -> FloatArray:
+    """<v^2>/d in m U^2, shape (n_times,) (paper, label ``thermo``)."""
+    square = np.exp(averages.log_reference) ** 2 * averages.power(2.0)
+    return np.asarray(square / averages.law.dimension)
+
+
+def a2(averages: Averages) -> FloatArray:
+    """<v^4> d/((d+2) <v^2>^2) - 1, shape (n_times,) (paper, label ``sonine5``)."""
+    gaussian = averages.law.dimension / (averages.law.dimension + 2.0)
+    return np.asarray(gaussian * averages.power(4.0) / averages.power(2.0) ** 2 - 1.0)
+
+
+def mean_velocity(averages: Averages) -> FloatArray:
+    """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1; in space (n_times, 3)."""
+    return as_vector(averages, np.exp(averages.log_reference) * averages.power(1.0, 1))
+
+
+def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
+    """The vector whose harmonic 1 is ``along``, (n_times,): (n_times, 2), in space (n_times, 3)."""
+    if averages.law.dimension == 2:
+        return np.stack([along.real, -along.imag], axis=-1)
+    return np.stack([along.real, 0.0 * along.real, 0.0 * along.real], axis=-1)
+
+
+def velocity_tensor(averages: Averages) -> FloatArray:
+    """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2; in space (n_times, 3, 3)."""
+    square = np.exp(averages.log_reference) ** 2
+    trace, second = square * averages.power(2.0), square * averages.power(2.0, 2)
+    if averages.law.dimension == 3:
+        # v_x^2 = v^2 (1 + 2 P_2)/3, and the rest is shared by y and z
+        tensor = np.zeros((averages.times.size, 3, 3))
+        tensor[:, 0, 0] = (trace + 2.0 * second.real) / 3.0
+        tensor[:, 1, 1] = tensor[:, 2, 2] = (trace - second.real) / 3.0
+        return tensor
+    xx, yy = 0.5 * (trace + second.real), 0.5 * (trace - second.real)
+    xy = -0.5 * second.imag
+    return np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
+
+
+def collisions(averages: Averages) -> FloatArray:
+    """Mean number of collisions of a tracer since t = 0, shape (n_times,)."""
+    return np.asarray(averages.average(MEAN_COLLISIONS))

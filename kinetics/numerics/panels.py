@@ -15,10 +15,6 @@ from numpy.typing import NDArray
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import SecondKind, interpolation_rows
 
-_FORGOTTEN = 1e-17  # panels further down that weigh less are left out
-_MOST_PANELS = 300  # never reached
-_TINY = 1e-290  # stands for a distance of 0: its reciprocal is finite, and outweighs all others
-
 
 @dataclass(frozen=True)
 class PanelRule(SecondKind):
@@ -40,7 +36,7 @@ class PanelRule(SecondKind):
     def shares(self, local: FloatArray) -> FloatArray:
         """`rows` before each row is divided by its sum: local (n,) in panels, (n, nodes)."""
         distance = local[:, None] - self.local
-        distance[distance == 0.0] = _TINY
+        distance += 1e-290  # in place of 0: the reciprocal is finite, and outweighs all others
         return np.asarray(np.divide(self.weights, distance, out=distance))
 
 
@@ -137,12 +133,12 @@ def with_returns(
     old, further = inside @ old, inside @ again[1:]
     new: list[FloatArray] = []
     small = 0
-    while small < len(again) and len(new) < _MOST_PANELS:
+    while small < len(again) and len(new) < 300:  # which is never reached
         k = len(new)
         block = old[k] if k < len(old) else np.zeros_like(old[0])
         for j in range(1, min(k, len(further)) + 1):
             block = block + further[j - 1] @ new[k - j]
         new.append(block)
-        small = small + 1 if np.abs(block).max() < _FORGOTTEN else 0
+        small = small + 1 if np.abs(block).max() < 1e-17 else 0
     below = np.stack(new[len(new) - 1 - small : 0 : -1] or [np.zeros_like(old[0])])
     return -new[0], np.moveaxis(below, 0, 2).reshape(count, n, -1)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
-from kinetics.states.isotropic import SpeedDensity, SpeedSamples, Table, as_state
+from kinetics.states.isotropic import Samples, SpeedDensity, Table, as_state
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 from kinetics.validation import (
@@ -30,7 +30,7 @@ _ZERO = 1e-15  # harmonics below this share of the speed density are rounding of
 
 
 @dataclass(frozen=True)
-class VelocitySamples(State):
+class VelocitySamples(Samples):
     """Velocities of particles, each of the same weight; directions are kept.
 
     Parameters
@@ -55,23 +55,9 @@ class VelocitySamples(State):
         self.store(velocity=v)
 
     @property
-    def _speeds(self) -> SpeedSamples:
-        return SpeedSamples(np.hypot(*np.asarray(self.velocity).T))
-
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
-        """The samples with weights exp(-i m phi)/n."""
-        if m == 0:
-            return self._speeds.harmonic(0, rtol, lowest, highest)
+    def _particles(self) -> tuple[FloatArray, FloatArray]:
         x, y = np.asarray(self.velocity).T
-        weight = np.exp(-1j * m * np.arctan2(y, x)) / x.size
-        return quadrature.samples(np.log(np.hypot(x, y)), weight, rtol, max(highest, -lowest))
-
-    @property
-    def peaks(self) -> tuple[FloatArray, FloatArray]:
-        """Every sample is a peak."""
-        return self._speeds.peaks
+        return np.hypot(x, y), np.arctan2(y, x)
 
 
 @dataclass(frozen=True)

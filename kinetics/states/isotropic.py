@@ -30,7 +30,6 @@ from kinetics.validation import (
 # q = v^2 times a difference of inverse variances, from which exp(-q) I(q) is the first two terms of
 # its asymptotic series: the third is 1e-16 of it for harmonics up to m = 20
 _FAR_BESSEL = 1e9
-_NORM_RTOL = 1e-7  # a tenth of the allowed error of the norm, so that its check sees the density
 
 
 @dataclass(frozen=True)
@@ -148,25 +147,43 @@ class Maxwell(State):
         return lambda v: math.sqrt(2.0 / math.pi) * np.minimum(v / d, 100.0) * plane(v)
 
 
+class Samples(State):
+    """Particles of the same weight: of speeds (n,), and of angles (n,) where they are directed."""
+
+    speed: Any
+
+    @property
+    def _particles(self) -> tuple[FloatArray, FloatArray | None]:
+        """Speeds, and angles to the x axis; all directions where there are none."""
+        return np.atleast_1d(self.speed), None
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """The samples with weights exp(-i m phi)/n, many of them gathered on a fine grid."""
+        speed, angle = self._particles
+        weight: NDArray[Any] = np.full(speed.size, 1.0 / speed.size)
+        if m:
+            if angle is None:
+                return None
+            weight = weight * np.exp(-1j * m * angle)
+        return quadrature.samples(np.log(speed), weight, rtol, max(highest, -lowest))
+
+    @property
+    def peaks(self) -> tuple[FloatArray, FloatArray]:
+        """Every sample is a peak."""
+        speed, _ = self._particles
+        return speed, np.full(speed.size, 1.0 / speed.size)
+
+
 @dataclass(frozen=True)
-class Monoenergetic(State):
+class Monoenergetic(Samples):
     """All speeds equal, all directions."""
 
     speed: float = 1.0
 
     def __post_init__(self) -> None:
         self.store(speed=check_positive("speed", self.speed))
-
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
-        """One point."""
-        return LogMeasure(np.array([math.log(self.speed)]), np.ones(1)) if m == 0 else None
-
-    @property
-    def peaks(self) -> tuple[FloatArray, FloatArray]:
-        """One peak, which holds all tracers."""
-        return np.array([self.speed]), np.ones(1)
 
 
 class Table(State):
@@ -246,7 +263,7 @@ class SpeedTable(Table):
 
 
 @dataclass(frozen=True)
-class SpeedSamples(State):
+class SpeedSamples(Samples):
     """Speeds of particles, each of the same weight; isotropic.
 
     Parameters
@@ -265,20 +282,6 @@ class SpeedSamples(State):
         if v.size == 0 or np.any(v <= 0.0):
             refuse("speed", self.speed, "samples must be above 0, at least 1")
         self.store(speed=v)
-
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
-        """The samples, many of them gathered on a fine grid."""
-        x = np.log(np.asarray(self.speed))
-        weight = np.full(x.size, 1.0 / x.size)
-        return None if m else quadrature.samples(x, weight, rtol, max(highest, -lowest))
-
-    @property
-    def peaks(self) -> tuple[FloatArray, FloatArray]:
-        """Every sample is a peak."""
-        speed = np.asarray(self.speed)
-        return speed, np.full(speed.size, 1.0 / speed.size)
 
 
 @dataclass(frozen=True)
@@ -300,7 +303,8 @@ class SpeedDensity(State):
         """Adaptive Gauss panels in ln v."""
         if m:
             return None
-        found = quadrature.function(self.function, min(rtol, _NORM_RTOL), lowest, highest)
+        # a tenth of the allowed error of the norm, so that its check sees the density
+        found = quadrature.function(self.function, min(rtol, 1e-7), lowest, highest)
         if found is None:
             raise InputError(quadrature.NO_INTEGRAL)
         if np.iscomplexobj(found.weight):

@@ -23,8 +23,6 @@ from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
 from kinetics.results import Value
 
-# Samples: as many as this are kept as they are, because the grid of more has about so many points.
-_MOST_POINTS = 400
 # Interpolation by 12 points of spacing h leaves (1 3 5 7 9 11/2^6)^2 h^12/12! times the twelfth
 # derivative of a function, which is p^12 v^p for a power: the widest spacing leaves 2e-19 p^12.
 _SAMPLE_SPACING, _SAMPLE_WIDTH = 1.0 / 16.0, 12
@@ -32,15 +30,11 @@ _LEFT_OUT = (10395.0 / 64.0) ** 2 / math.factorial(12)
 # The scan of a function: panels of this width in ln v, from the least to the largest number of
 # which the square is in the range of doubles.
 _SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 32
-_LOWEST = -700.0  # ln v: the smallest number is e^-708
 # Narrow peaks are looked for within so many e-folds of U, at so many points of a panel: ones that
 # are wider than a thousandth of their speed are found.
 _NEAR, _CLOSE_POINTS = 20.0, 512
-_FAR = 60.0  # e-folds above the bulk: a density that goes on so far is a power law
-_MOST_PIECES = 5000  # of an integral that go on being halved, so that a noisy density ends
 _MOST_HALVINGS = 40  # of a piece: rounding in ln v is reached
 _NOBODY = 1e30  # U: no tracer is as fast, none that moves as slow as the reciprocal
-_ROUNDING = 1e-15  # of an integral: less than that is no reason to go on halving
 
 NO_INTEGRAL = (
     "initial: the density has no finite integral over the speed, or a peak too narrow to find; "
@@ -103,7 +97,7 @@ def table(
     if speed[0] == 0.0:
         converges = (1.0 if density[0] else 2.0) + min(lowest, 0.0)
         knots[0] = knots[1] - (math.log(1.0 / rtol) + 2.0) / converges
-        if knots[0] < _LOWEST:
+        if knots[0] < -700.0:  # the smallest number is e^-708
             raise InputError(f"p: got {lowest:g}; <v^p> of this table is too near to divergence")
     parts = [
         np.linspace(a, b, max(2, math.ceil(4.0 * (b - a)) + 1))[:-1]
@@ -134,7 +128,8 @@ def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> L
     spacing = min(_SAMPLE_SPACING, fine)
     start = spacing * (math.floor(float(x.min()) / spacing) - width)
     cells = math.ceil((float(x.max()) - start) / spacing) + width
-    if x.size <= max(_MOST_POINTS, cells if fine < _SAMPLE_SPACING else 0):
+    # few are kept as they are: the grid of more has about 400 points
+    if x.size <= max(400, cells if fine < _SAMPLE_SPACING else 0):
         return LogMeasure(x, weight)
     total = np.zeros(cells + 1, dtype=weight.dtype)
     nodes = np.arange(width, dtype=float)
@@ -215,7 +210,7 @@ def function(
     ]
     span = np.append(np.concatenate(cuts), edges[last + 1])
     pieces = np.stack([span[:-1], span[1:]], axis=1)
-    tolerance = 0.1 * max(rtol, _ROUNDING) * float(mass.sum())
+    tolerance = 0.1 * max(rtol, 1e-15) * float(mass.sum())  # below that is rounding
     return _without_zeros(*refined(per_log_speed, pieces, tolerance))
 
 
@@ -249,8 +244,8 @@ def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
     """Whether <v^p> is not still growing where the density ends or the scan does."""
     weight = _weight(mass, edges, p)
     last = int(np.nonzero(mass > 0.0)[0][-1])
-    # a power law goes on until numbers end, far above the bulk; a cut or a Gaussian does not
-    far = edges[last] - edges[int(mass.argmax())] > _FAR
+    # a power law goes on until numbers end, 60 e-folds above the bulk; a Gaussian does not
+    far = edges[last] - edges[int(mass.argmax())] > 60.0
     return bool(not far or weight[last - 2 : last + 1].max() < 1e-3 * weight.max())
 
 
@@ -271,7 +266,7 @@ def refined(
         coarse = (function(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
         fine = function(fine_x.ravel()).reshape(fine_x.shape) * fine_w
         good = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse) <= tolerance
-        good |= depth == _MOST_HALVINGS or ends.shape[0] > _MOST_PIECES
+        good |= depth == _MOST_HALVINGS or ends.shape[0] > 5000  # a noisy density ends
         both = np.repeat(good, 2)
         points.append(fine_x[both].ravel())
         weights.append(fine[both].ravel())

@@ -3,38 +3,6 @@
 import pytest
 
 from kinetics import Scene, SolverStatus, ToleranceWarning, solve, solve_scaled
-from kinetics.status import explain, status_of
-
-ALLOWED = {"averages": 1e-10, "densities": 1e-10, "position density": 1e-8}
-
-
-@pytest.mark.parametrize("status", SolverStatus)
-def test_texts_name_the_argument(status: SolverStatus) -> None:
-    assert "rtol" in status.value
-    if status is not SolverStatus.CONVERGED:
-        assert "raise rtol" in status.value
-        assert "more nodes" in status.value
-
-
-@pytest.mark.parametrize("missed", ALLOWED)
-def test_the_part_that_missed_is_named(missed: str) -> None:
-    errors = dict(ALLOWED) | {missed: 3e-7}
-    assert status_of(errors, ALLOWED) is SolverStatus.TOLERANCE_NOT_REACHED
-    text = explain(errors, ALLOWED)
-    assert f"{missed}: 3.0e-07 against {ALLOWED[missed]:.1e}" in text
-    assert "raise rtol to 3.3e-07" in text
-    assert "nodes" not in text
-    assert not any(other in text for other in ALLOWED if other != missed)
-    assert "more nodes than 64" in explain(errors, ALLOWED, 64)
-
-
-def test_all_met_and_none_possible() -> None:
-    assert status_of(ALLOWED, ALLOWED) is SolverStatus.CONVERGED
-    assert explain(ALLOWED, ALLOWED) == SolverStatus.CONVERGED.value
-    for error in (0.3, float("inf"), float("nan")):
-        errors = dict(ALLOWED) | {"averages": error}
-        assert status_of(errors, ALLOWED) is SolverStatus.TOLERANCE_NOT_REACHED
-        assert "ask for other times or outputs" in explain(errors, ALLOWED)
 
 
 def test_what_the_message_says_helps() -> None:

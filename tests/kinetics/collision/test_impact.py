@@ -124,6 +124,7 @@ def test_what_kind_of_law_it_is(
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
+        *(({"restitution": e}, "restitution: got ") for e in (-0.1, 1.0000001, math.nan, "x", 1j)),
         ({"restitution": 0.5, "tangential_restitution": 1.5}, "tangential_restitution: got 1.5; "),
         ({"restitution": 0.5, "tangential_restitution": "x"}, "tangential_restitution: got 'x'; "),
         ({"restitution": 0.0, "tangential_restitution": 0.0}, "tangential_restitution: got 0.0; "),

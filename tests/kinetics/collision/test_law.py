@@ -80,16 +80,6 @@ def test_shapes_follow_the_exponents() -> None:
     )
 
 
-@pytest.mark.parametrize("value", [-0.1, 1.0000001, math.nan, math.inf, -math.inf, "x", None, 1j])
-def test_bad_restitution_is_one_clear_line(value: Any) -> None:
-    with pytest.raises(InputError, match=r"^restitution: got ") as caught:
-        CollisionLaw(value)
-    assert "\n" not in str(caught.value)
-    assert "0" in str(caught.value)
-    assert "1" in str(caught.value)
-    assert isinstance(caught.value, ValueError)
-
-
 def test_a_bounce_that_stops_every_tracer_is_refused() -> None:
     for e in (0.0, 5e-324, 9e-9):
         with pytest.raises(InputError, match=f"tangential_restitution: got 5e-09; at .* {e}"):
@@ -98,11 +88,11 @@ def test_a_bounce_that_stops_every_tracer_is_refused() -> None:
 
 
 @pytest.mark.parametrize("p", [math.nan, math.inf, "x", None, [1.0, math.nan], -400.0])
-def test_bad_exponent(p: Any) -> None:
+@pytest.mark.parametrize("name", ["decay_rate", "mean_speed_ratio_power"])
+def test_bad_exponent(name: str, p: Any) -> None:
     """-400 is a number, but E[s^-400] is above 1e308."""
-    for rate in (CollisionLaw(0.01).decay_rate, CollisionLaw(0.01).mean_speed_ratio_power):
-        with pytest.raises(InputError, match=r"^p: got "):
-            rate(p)
+    with pytest.raises(InputError, match=r"^p: got "):
+        getattr(CollisionLaw(0.01), name)(p)
 
 
 def test_moments_that_do_not_exist_at_zero_restitution() -> None:
