@@ -55,7 +55,7 @@ class Output(click.Path):
 
         if value == "":
             self.fail("'' is no path; it must name a file or a folder", param, ctx)
-        path = super().convert(value, param, ctx)
+        path: Any = super().convert(value, param, ctx)
         if self.endings:
             require_file(param.name, path, [end for end in self.endings if end])
         else:
@@ -161,10 +161,10 @@ def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
         wide = max(map(len, texts))
         cells.append([text.rjust(wide) for text in texts])
     blocks = [cells[:1]]
-    for column in cells[1:]:
-        if sum(len(c[0]) + 2 for c in blocks[-1]) + len(column[0]) > WIDTH:
+    for texts in cells[1:]:
+        if sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
             blocks.append(cells[:1])
-        blocks[-1].append(column)
+        blocks[-1].append(texts)
     lines = []
     for block in blocks:
         first, *others = ("  ".join(row) for row in zip(*block, strict=True))

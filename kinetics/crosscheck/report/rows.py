@@ -103,16 +103,12 @@ def _row(
     observable: str, kind: str, source: str, against: str, value: float, theory: float, **more: Any
 ) -> dict[str, Any]:
     deviation = float((value - theory) / scale_of(observable, theory))
-    row: dict[str, Any] = {
-        "observable": observable,
-        "kind": kind,
-        "source": source,
-        "against": against,
-    }
-    row |= {"value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1}
+    row = {"observable": observable, "kind": kind, "source": source, "against": against,
+           "value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1,
+           "note": ""}  # fmt: skip
     if kind == "approximation":
         row["verdict"] = judge_approximation(deviation).value
-    return {**row, "note": "", **more}
+    return row | more
 
 
 def _numerical(observable: str, value: float, theory: float, tolerance: float) -> dict[str, Any]:
@@ -123,14 +119,9 @@ def _numerical(observable: str, value: float, theory: float, tolerance: float) -
 
 
 def estimated(
-    observable: str,
-    who: tuple[str, str],
-    measured: Measured,
-    theory: Any,
-    groups: int,
-    place: tuple[str, Array] | None = None,
-    note: str = "",
-) -> list[dict[str, Any]]:
+    observable: str, who: tuple[str, str], measured: Measured, theory: Any, groups: int,
+    place: tuple[str, Array] | None = None, note: str = "",
+) -> list[dict[str, Any]]:  # fmt: skip
     """The row of an estimate at one or several places: the worst. NaN is left out.
 
     who: source and against; groups: independent ones behind the errors; place: "time", "c" or
@@ -159,20 +150,15 @@ def estimated(
 
 
 def _measured(
-    case: Case,
-    observable: str,
-    source: str,
-    against: str,
-    note: str = "",
-    theory: Any = None,
+    case: Case, observable: str, source: str, against: str, note: str = "", theory: Any = None,
     said: str = "",
-) -> list[dict[str, Any]]:
+) -> list[dict[str, Any]]:  # fmt: skip
     """What a source of a case measured against what somebody says there, called `said`."""
     expected = case.theory[against][observable] if theory is None else theory
     found = case.measured[source][observable]
     if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
         found = Measured(found.value, case.differences.get(observable, found.error))
-    place, groups = case.places.get(observable), case.groups[source]
+    place, groups = case.places.get(observable), case.groups(source)
     return estimated(observable, (source, said or against), found, expected, groups, place, note)
 
 
@@ -234,7 +220,7 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield from particles(name)
     for run, note in ((free, ""), (hard, "finite density")):
         share = theory[runs.KINETIC]["position"]
-        filled = _filled(share, case.samples[run], np.diff(reduce.POSITION_EDGES))
+        filled = _filled(share, case.samples(run), np.diff(reduce.POSITION_EDGES))
         yield from _measured(case, "position", run, runs.KINETIC, note, filled)
     if not paper:
         return
@@ -262,13 +248,10 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         if r.size:
             values = form(r)
             k = int(np.argmax(np.abs(np.log(values / density))))
-            where: dict[str, Any] = {
-                **end,
-                "distance": float(r[k]),
-                "note": note + ", at its worst",
-            }
-            both = float(values[k]), float(density[k])
-            yield _row("position", "approximation", source, runs.KINETIC, *both, **where)
+            yield _row(
+                "position", "approximation", source, runs.KINETIC, values[k], density[k], **end,
+                distance=float(r[k]), note=f"{note}, at its worst",
+            )  # fmt: skip
 
 
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
@@ -293,7 +276,7 @@ def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     )
     for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
         expected = case.theory[against]["scaled_vdf"]
-        filled = _filled(expected, case.samples[run], reduce.bin_measure(case.dimension))
+        filled = _filled(expected, case.samples(run), reduce.bin_measure(case.dimension))
         yield from _measured(case, "scaled_vdf", run, against, note, filled)
 
 

@@ -106,7 +106,8 @@ def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
     system: Any = results.system
     of, cases, paper = system.scatterers, results.cooling, system.is_papers_law
     rough = "" if system.is_smooth else f", e_t = {system.tangential_restitution:g},"
-    free, hard = (f"{n:,}".replace(",", "\u202f") for n in _tracers(results.cases[0]))
+    first = results.cases[0]
+    free, hard = (f"{first.samples(name):,}".replace(",", "\u202f") for name in first.runs)
     compared = (
         f"Tracers among fixed {of}{rough} lose speed at every bounce"
         f"{' (H.-D. Kim and H. Hayakawa)' if paper else ''}. For each e: the equation to "
@@ -150,10 +151,6 @@ def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
     summary = [row for case in results.cases for row in _summary(case, system)]
     claims = _claims(cases) if paper and cases else []
     return Story(compared, findings, line, claims, {"summary": summary})
-
-
-def _tracers(case: Case) -> Iterable[int]:
-    return case.samples.values()
 
 
 def _summary(case: Case, system: Any) -> Iterable[Record]:
