@@ -20,9 +20,8 @@ from kinetics import Beam, Monoenergetic, Scene, SpeedTable, cli, load, solve, s
 from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, PoissonSpheres, simulate
 
 SOLVE = ("solve", "--times", "1:1e4:3")
-TINY = ("simulate", "--medium", "boltzmann-grad", "--media", "2", "--tracers", "3", "--times", "1,9")
-    ["simulate", "--medium", "boltzmann-grad", "--media", "2", "--tracers", "3", "--times", "1,9"]
-)
+TINY = ("simulate", "--medium", "boltzmann-grad", "--media", "2", "--tracers", "3")
+TINY += ("--times", "1,9")
 
 BAD_INPUT = [
     # arguments; what the line must name: the argument, the value
