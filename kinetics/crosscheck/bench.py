@@ -498,10 +498,7 @@ def machine() -> Row:
 # and the least work that it can do. Of the straightforward solver: second order, and filling the
 # matrix; of the conservative one: second order, and one sweep; of Monte Carlo: 1/sqrt(samples).
 _AT_BEST = {STRAIGHTFORWARD: 1.0, CONSERVATIVE: 0.5, MONTE_CARLO: 2.0}
-_NO_ANSWER = 0.5  # a larger error than this is no point of a curve that converges
 _UNITS = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("s", 1.0), ("ms", 1e-3))
-_TARGETS = (1e-3, 1e-8)
-_MARKERS = dict(zip(METHODS, "os^x", strict=True))
 
 
 def seconds_for(rows: Any, method: str, target: float) -> tuple[float, bool]:
@@ -515,7 +512,8 @@ def seconds_for(rows: Any, method: str, target: float) -> tuple[float, bool]:
     if len(there):
         return float(there["seconds"].min()), False
     best = rows.sort_values(["error", "seconds"]).iloc[:1]
-    if method not in _AT_BEST or not len(best) or best["error"].item() > _NO_ANSWER:
+    # a larger error than 1/2 is no point of a curve that converges
+    if method not in _AT_BEST or not len(best) or best["error"].item() > 0.5:
         return math.nan, False
     return best["seconds"].item() * (best["error"].item() / target) ** _AT_BEST[method], True
 
@@ -599,7 +597,7 @@ class BenchReport:
         for (question, method), runs in self._of("precision").groupby(by, sort=False):
             row = {"problem": question, "method": method}
             problems, most = runs.groupby("problem"), (runs["error"] / runs["asked"]).max()
-            for target in _TARGETS:  # the upper one of two in the middle; never: the most
+            for target in (1e-3, 1e-8):  # the upper one of two in the middle; never: the most
                 costs = [seconds_for(p, method, target) for _, p in problems]
                 costs.sort(key=lambda cost: math.inf if math.isnan(cost[0]) else cost[0])
                 row[f"{target:.0e}"] = seconds_text(*costs[len(costs) // 2])
@@ -646,7 +644,8 @@ class BenchReport:
             for axis, (question, panel) in zip(axes, panels, strict=False):
                 axis.set_title(question)
                 for (method, _), runs in panel.groupby(["method", "problem"], sort=False):
-                    look = {"color": f"C{METHODS.index(method)}", "marker": _MARKERS[method]}
+                    k = METHODS.index(method)
+                    look = {"color": f"C{k}", "marker": "os^x"[k]}
                     (legend[method],) = axis.plot(runs["seconds"], runs["error"], ms=4.0, **look)
             for axis in axes[len(panels) :]:
                 axis.set_visible(False)

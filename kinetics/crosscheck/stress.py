@@ -576,8 +576,6 @@ def steady_errors(found: Any) -> tuple[float, float]:
 
 # -- work of the cases: particles -----------------------------------------------------------------
 
-PERCOLATION = 0.359  # Poisson disks per d^2 at which the plane falls apart: rho pi d^2 = 1.128
-
 
 def _run(medium: Any, e: float, **options: Any) -> Any:
     """A run of one thread with final states, of tracers of speed 1 where nothing else is said."""
@@ -758,7 +756,8 @@ def _of_solvers(quick: bool) -> Iterator[Any]:
 
 
 def _of_particles(quick: bool) -> Iterator[Any]:
-    media = [("Poisson", rho) for rho in (0.01, 0.2, 0.35, PERCOLATION)]
+    # the last is that at which the plane falls apart: rho pi d^2 = 1.128
+    media = [("Poisson", rho) for rho in (0.01, 0.2, 0.35, 0.359)]
     media += [("HardDisks", rho) for rho in (0.01, 0.2, 0.65)] + [("BoltzmannGrad", 0.04)]
     media += [("HardSpheres", 0.3), ("PoissonSpheres", 0.03), ("BoltzmannGrad in space", 0.04)]
     for e, et in ((0.0, 1.0), (0.5, 0.8), (1.0, 1.0)) if quick else (
@@ -870,10 +869,10 @@ class StressReport:
             ("Every case", self.cases if every_case else ()),
         ):
             if shown:
-                lines += [f"## {title}", "", *markdown_table([_cells(c) for c in shown])]
+                cells = [
+                    {n: x if isinstance(x, str) else "" if math.isnan(x) else f"{x:.1e}"
+                     for n, x in ({"verdict": ""} | vars(case)).items() if n != "seconds"}
+                    for case in shown
+                ]  # fmt: skip
+                lines += [f"## {title}", "", *markdown_table(cells)]
         return "\n".join(lines) + "\n"
-
-
-def _cells(case: StressCase) -> dict[str, str]:
-    shown = {"verdict": case.verdict, **{n: x for n, x in vars(case).items() if n != "seconds"}}
-    return {n: x if isinstance(x, str) else "" if x != x else f"{x:.1e}" for n, x in shown.items()}

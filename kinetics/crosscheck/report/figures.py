@@ -180,7 +180,9 @@ class _Sheet:
                 subs = (1.0,) if top > 30 * low else (1.0, 2.0, 5.0)
                 side.set_major_locator(LogLocator(subs=subs, numticks=5 if many else 7))
                 side.set_minor_locator(NullLocator())
-                side.set_major_formatter(_power_of_ten if top > 30 * low else _plain)
+                side.set_major_formatter(
+                    (lambda x, _: numeral(x, ".0e")) if top > 30 * low else "{x:g}"
+                )
         if self._legend:
             self.figure.legend(
                 handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
@@ -188,15 +190,6 @@ class _Sheet:
                 handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
             )  # fmt: skip
         return self.figure
-
-
-def _power_of_ten(value: float, _: int | None = None) -> str:
-    exponent = str(round(math.log10(value)))
-    return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-
-
-def _plain(value: float, _: int | None = None) -> str:
-    return f"{value:g}"
 
 
 def figures(results: Results) -> list[Drawn]:

@@ -56,20 +56,12 @@ through 0). `within` is the relative difference that would have been seen at 95 
 bin."""
 PAPER_KURTOSIS = 4.0
 """<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta."""
-NEARLY_ELASTIC = 0.9
-"""The limiting laws in a field are compared from this restitution on."""
-LOW_POWER = 0.1
-"""Relative difference that must have been seen for "agrees"; else nothing was tested."""
-SURE = 20.0
-"""Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
 POSITION_FORMS = (
     ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
     ("paper, tail", sonine.position_tail, 2.0, 4.0, "eq. (58), η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
     ("paper's integral", sonine.position_integral, 0.2, 4.0, "eq. (53), η = 1/2, 0.2 ≤ R ≤ 4"),
 )
 """Source, the printed G(R), and the R between which it is held against the equation."""
-_TWO_SIDED = 1.96  # standard errors of a Gaussian's two-sided 95 %
-_TURNED = {"momentum", "energy", "cube", "direction"}  # relations of averages of finite variance
 
 
 def comparisons(results: Results) -> "DataFrame":
@@ -136,9 +128,10 @@ def estimated(
     k, sigmas, looks = found
     corrected = corrected_sigmas(sigmas, groups, looks)
     usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
-    seen = (np.abs(value - expected) + _TWO_SIDED * error) / scale_of(observable, expected)
+    # 1.96 standard errors: a Gaussian's two-sided 95 %
+    seen = (np.abs(value - expected) + 1.96 * error) / scale_of(observable, expected)
     within, verdict = float(np.max(seen[usable])), judge_sigmas(corrected)
-    if verdict is Verdict.AGREES and within > LOW_POWER:
+    if verdict is Verdict.AGREES and within > 0.1:  # a tenth would not have been seen
         verdict = Verdict.NOT_TESTED
     where: dict[str, Any] = {} if place is None else {place[0]: float(place[1][k])}
     row = _row(
@@ -170,9 +163,9 @@ def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
             yield from _measured(case, name, source, runs.SOLVER)
     for name, theory in exact.items():
         yield _numerical(name, solver[name], theory, system.rtol)
-        if name in _TURNED:
+        if name in case.measured[source]:  # those of averages of finite variance
             yield from _measured(case, name, source, runs.EXACT)
-    if case.restitution >= NEARLY_ELASTIC:
+    if case.restitution >= 0.9:  # near the limit
         for name, value in case.theory.get(runs.LIMIT, {}).items():
             yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
 
@@ -289,7 +282,7 @@ def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
     """Those of the R (n,) at which the last G(R) is well above its error, and G(R) there."""
     position = case.solved.position
     density = position.scaled_position_density(r)[-1]
-    known = density > SURE * position.rtol
+    known = density > 20.0 * position.rtol  # its logarithm is known to 5 %
     return r[known], density[known]
 
 

@@ -211,20 +211,17 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
 
 def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
     """What the paper's formulas say."""
-    walk, printed = reduce.printed_msd_slopes(e, density) if e < 1 else (math.nan, math.nan)
-    return {
-        FIT: {
-            "cooling_rate": float(sonine.cooling_rate_fitted(e)),
-            "msd": sonine.msd_random_walk(times, e, density),
-            "msd_slope": walk,
-        },
-        SONINE: {
-            "cooling_rate": float(sonine.cooling_rate(e)),
-            "a2": float(sonine.a2(e)),
-            "msd": sonine.msd_sonine(times, e, density),
-            "msd_slope": printed,
-        },
+    found: dict[str, dict[str, Any]] = {
+        FIT: {"cooling_rate": float(sonine.cooling_rate_fitted(e))},
+        SONINE: {"cooling_rate": float(sonine.cooling_rate(e)), "a2": float(sonine.a2(e))},
     }
+    late = np.array([1e150, 1e300])  # d/U, where <r^2> is its limit, a + b ln t, to rounding
+    for source, msd in ((FIT, sonine.msd_random_walk), (SONINE, sonine.msd_sonine)):
+        found[source]["msd"] = msd(times, e, density)
+        if e < 1:
+            slope = reduce.msd_slope_between(late, msd(late, e, density), 0)
+            found[source]["msd_slope"] = slope
+    return found
 
 
 def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
