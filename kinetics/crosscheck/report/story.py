@@ -117,12 +117,12 @@ def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
     both = [(case, case.measured[f"hard {of}"]["msd"].last) for case in results.cases]
     ends = [msd / case.theory[KINETIC]["msd"][-1] for case, msd in both]
     disks = off([float(ratio.value) - 1 for ratio in ends])
-    sure = f"standard errors {span([100 * float(ratio.error) for ratio in ends], '.1f')} %"
+    sure = f"± {span([100 * float(ratio.error) for ratio in ends], '.1f')} %"
     left = [float(r2.value) / c.solved.dense.msd[-1] - 1 for c, r2 in both if c.solved.dense]
     corrected = f"; corrected for density, nothing fitted, {off(left)} it" if left else ""
     spread = (
-        f"Hard {of} spread less than the equation, which forgets every scatterer: ⟨r²⟩ ends "
-        f"{disks} it at these e ({sure}){corrected}."
+        f"Hard {of} spread less than the equation, which forgets every scatterer: at these e "
+        f"⟨r²⟩ ends {disks} it ({sure}){corrected}."
     )
     findings = [agreement(table)]
     line = f"Finding: ⟨r²⟩ of hard {of} ends {disks} the equation ({sure})"
@@ -132,9 +132,9 @@ def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
         line = f"Finding: exact h/(1 − e) at these e is {span(rates, '.2f')}, not 1.45; {line[9:]}"
         errata = ", ".join(c["label"] for c in checks if c["status"] == "erratum")
         findings += [
-            "The cooling rate is not 1.45 (1 − e): over all e the exact h/(1 − e) is 4/3 to "
-            f"{max(exact / (1 - e)):.2f}, {span(rates, '.2f')} at these. The paper’s is lifted by "
-            "a start not yet forgotten and by disks that are not dilute.",
+            "The cooling rate is not 1.45 (1 − e): exact h/(1 − e) is 4/3 to "
+            f"{max(exact / (1 - e)):.2f} over all e, {span(rates, '.2f')} at these. The paper’s is "
+            "lifted by a start not yet forgotten and disks not dilute.",
             spread,
             "The tracer is not localized: ⟨r²⟩ grows as ln t without bound. The paper’s random "
             "walk fits because its two fitted numbers stand for the density.",
