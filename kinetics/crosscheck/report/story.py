@@ -121,8 +121,8 @@ def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
     left = [float(r2.value) / c.solved.dense.msd[-1] - 1 for c, r2 in both if c.solved.dense]
     corrected = f"; corrected for density, nothing fitted, {off(left)} it" if left else ""
     spread = (
-        f"Hard {of} spread less than the equation, which forgets every scatterer: at these e "
-        f"⟨r²⟩ ends {disks} it ({sure}){corrected}."
+        f"Hard {of} spread less than the equation, which forgets every scatterer: ⟨r²⟩ ends "
+        f"{disks} it ({sure}){corrected}."
     )
     findings = [agreement(table)]
     line = f"Finding: ⟨r²⟩ of hard {of} ends {disks} the equation ({sure})"
