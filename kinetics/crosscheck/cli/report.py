@@ -10,6 +10,10 @@ import click
 
 from kinetics.crosscheck.cli import options
 
+# The matrices are small: BLAS threads wait more than they work. NumPy reads this when it is first
+# imported, which the option --output does.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 
 @click.command(
     epilog=options.UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts."
@@ -65,8 +69,6 @@ def report(
     Writes report.html, which needs nothing beside it, report.json with every number in it, and its
     tables as CSV, and prints a verdict per comparison.
     """
-    # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kinetics.crosscheck import report as work
     from kinetics.crosscheck.report.systems import Cooling, Falling
 
