@@ -58,38 +58,31 @@ LONG, TOO_LONG = 1.0, 60.0  # s; longer work is repeated a fifth as often, or no
 class Effort(NamedTuple):
     """How much is measured: in s how long work is repeated for, between the least and the most."""
 
-    quick: bool
-    least: int
-    most: int
-    seconds: float
-    restitutions: tuple[float, ...]
-    samples: tuple[int, ...]
-    nodes: tuple[int, ...]
+    quick: bool = True
+    least: int = 5
+    most: int = 11
+    seconds: float = 0.04
+    restitutions: tuple[float, ...] = (E,)
+    samples: tuple[int, ...] = (1000, 5000, 25_000)
+    nodes: tuple[int, ...] = (65, 129, 257, 513)
 
 
-QUICK = Effort(True, 5, 11, 0.04, (E,), (1000, 5000, 25_000), (65, 129, 257, 513))
-FULL = Effort(False, 10, 25, 0.12, (E, 0.95), (1000, 10_000, 100_000),
-              (65, 129, 257, 513, 1025, 2049))  # fmt: skip
+QUICK = Effort()
+FULL = Effort(False, 10, 25, 0.12, (E, 0.95), (1000, 10_000, 100_000), (*QUICK.nodes, 1025, 2049))
 
 
 @dataclass
 class Work:
-    """One row that is to be measured, and what its calls have given so far.
-
-    section, problem, method, setting, value : as of the row
-    call : solves the problem; takes a seed where the method is `MONTE_CARLO`
-    error : of what the call gives; None where only the time counts
-    threads : that it may use: the time of one is the processor's, of more that of the clock
-    """
+    """One row that is to be measured, and what its calls have given so far."""
 
     section: str
     problem: str
     method: str
-    call: Callable[..., Any]
+    call: Callable[..., Any]  # takes a seed where the method is `MONTE_CARLO`
     setting: str = ""
     value: float | None = None
-    error: Callable[[Any], float] | None = None
-    threads: int = 1
+    error: Callable[[Any], float] | None = None  # of the result; None where only the time counts
+    threads: int = 1  # the time of one is the processor's, of more that of the clock
     times: list[tuple[float, float]] = field(default_factory=list, init=False)
     errors: list[float] = field(default_factory=list, init=False)
     failure: str = field(default="", init=False)
@@ -115,12 +108,11 @@ class Work:
 
     def row(self) -> Row:
         """The row: median and quartiles of the repeats; the first call is not among them."""
-        asked = self.value if self.setting == "rtol" else None
-        row: Row = {
-            "section": self.section, "problem": self.problem, "method": self.method,
-            "setting": self.setting, "value": self.value, "seconds": None, "low": None,
-            "high": None, "wall": None, "warm_up": None, "repeats": 0, "error": None,
-            "asked": asked, "status": FAILED if self.failure else MEASURED, "note": self.failure,
+        row: Row = {n: getattr(self, n) for n in ("section", "problem", "method", "setting")}
+        row |= {"value": self.value, **dict.fromkeys(("seconds", "low", "high", "wall", "warm_up"))}
+        row |= {
+            "repeats": 0, "error": None, "asked": self.value if self.setting == "rtol" else None,
+            "status": FAILED if self.failure else MEASURED, "note": self.failure,
             "threads": self.threads, "extra": {},
         }  # fmt: skip
         if self.failure or len(self.times) < 2:
@@ -185,7 +177,7 @@ def over_largest(value: Any, exact: FloatArray) -> float:
 
 
 def conservative_cooling(e: float, start: str, times: FloatArray, nodes: int) -> Any:
-    """v0 (U) and a2, (n_times,) each, of the conservative scheme.
+    """v0 (U) and a2, (2, n_times), of the conservative scheme.
 
     At 1e-13 the scheme serves every time itself. By the trapezoid rule in ln v.
     """
@@ -197,7 +189,7 @@ def conservative_cooling(e: float, start: str, times: FloatArray, nodes: int) ->
     v = np.geomspace(slowest, 16.0, 4 * nodes)  # next to no tracer of either start is faster
     weight = found.speed_density(v) * v * math.log(v[1] / v[0])
     second, fourth = (weight @ v**p + found.uncollided for p in (2, 4))
-    return np.sqrt(second), 0.5 * fourth / second**2 - 1.0
+    return np.array([np.sqrt(second), 0.5 * fourth / second**2 - 1.0])
 
 
 def gain_matrix(e: float, nodes: int) -> FloatArray:
@@ -342,11 +334,8 @@ def averages(effort: Effort, name: str, outputs: tuple[str, ...], horizon: str) 
              lambda n, seed, e=e, start=start: values(monte_carlo(e, start, times, n, seed))),
         ]  # fmt: skip
         if "a2" in outputs:
-            ways += [
-                (CONSERVATIVE, "nodes", effort.nodes,
-                 lambda n, e=e, start=start: np.add(
-                     conservative_cooling(e, start, times, n), shift)),
-            ]  # fmt: skip
+            others = partial(conservative_cooling, e, start, times)
+            ways += [(CONSERVATIVE, "nodes", effort.nodes, lambda n, f=others: f(n) + shift)]
         problem = f"{name}, t <= {times[-1]:.0e}: {start}, e = {e:g}"
         yield from sweep(problem, partial(relative, exact=exact), *ways)
 
@@ -376,15 +365,11 @@ def position(effort: Effort) -> Iterator[Work]:
         return np.asarray(solve(scene, rtol).scaled_position_density(RADII)[0])
 
     exact = curve(1e-7 if effort.quick else 1e-8)
-    kind, compared = (
-        "displacement_histogram",
-        slice(8, 134),
-    )  # R from 0.25 to 4, where bins hold enough tracers
+    kind, full = "displacement_histogram", slice(8, 134)  # R from 0.25 to 4 has enough tracers
 
     def of_run(run: Any) -> float:
         unit = math.sqrt(run.msd.value[0])
-        at, g = RADII[compared], exact[compared]
-        return histogram_error(getattr(run, kind), unit, at, g)
+        return histogram_error(getattr(run, kind), unit, RADII[full], exact[full])
 
     yield from sweep(
         "G(R): gaussian, t = 300, e = 0.6", partial(over_largest, exact=exact),
@@ -472,10 +457,9 @@ CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
 
 
 def run_bench(
-    quick: bool = False,
-    cases: Iterable[str] | None = None,
-    progress: Callable[[str, int], None] | None = None,
-) -> BenchReport:
+    quick: bool = False, cases: Iterable[str] | None = None,
+    progress: Callable[[str, int], None] = lambda case, total: None,
+) -> BenchReport:  # fmt: skip
     """Measure everything, or the named cases (see `CASES`), one after another.
 
     The linear algebra has one thread. progress(name of the case, number of cases) is called as each
@@ -491,8 +475,7 @@ def run_bench(
     with threadpool_limits(1), warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)  # the error is measured
         for name in names:
-            if progress is not None:
-                progress(name, len(names))
+            progress(name, len(names))
             records += measure(list(CASES[name](effort)), effort)
     return BenchReport(records, quick, names, about, time.perf_counter() - begin)
 
@@ -515,10 +498,7 @@ def machine() -> Row:
 # and the least work that it can do. Of the straightforward solver: second order, and filling the
 # matrix; of the conservative one: second order, and one sweep; of Monte Carlo: 1/sqrt(samples).
 _AT_BEST = {STRAIGHTFORWARD: 1.0, CONSERVATIVE: 0.5, MONTE_CARLO: 2.0}
-_NO_ANSWER = 0.5  # a larger error than this is no point of a curve that converges
 _UNITS = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("s", 1.0), ("ms", 1e-3))
-_TARGETS = (1e-3, 1e-8)
-_MARKERS = dict(zip(METHODS, "os^x", strict=True))
 
 
 def seconds_for(rows: Any, method: str, target: float) -> tuple[float, bool]:
@@ -532,7 +512,8 @@ def seconds_for(rows: Any, method: str, target: float) -> tuple[float, bool]:
     if len(there):
         return float(there["seconds"].min()), False
     best = rows.sort_values(["error", "seconds"]).iloc[:1]
-    if method not in _AT_BEST or not len(best) or best["error"].item() > _NO_ANSWER:
+    # a larger error than 1/2 is no point of a curve that converges
+    if method not in _AT_BEST or not len(best) or best["error"].item() > 0.5:
         return math.nan, False
     return best["seconds"].item() * (best["error"].item() / target) ** _AT_BEST[method], True
 
@@ -616,7 +597,7 @@ class BenchReport:
         for (question, method), runs in self._of("precision").groupby(by, sort=False):
             row = {"problem": question, "method": method}
             problems, most = runs.groupby("problem"), (runs["error"] / runs["asked"]).max()
-            for target in _TARGETS:  # the upper one of two in the middle; never: the most
+            for target in (1e-3, 1e-8):  # the upper one of two in the middle; never: the most
                 costs = [seconds_for(p, method, target) for _, p in problems]
                 costs.sort(key=lambda cost: math.inf if math.isnan(cost[0]) else cost[0])
                 row[f"{target:.0e}"] = seconds_text(*costs[len(costs) // 2])
@@ -663,7 +644,8 @@ class BenchReport:
             for axis, (question, panel) in zip(axes, panels, strict=False):
                 axis.set_title(question)
                 for (method, _), runs in panel.groupby(["method", "problem"], sort=False):
-                    look = {"color": f"C{METHODS.index(method)}", "marker": _MARKERS[method]}
+                    k = METHODS.index(method)
+                    look = {"color": f"C{k}", "marker": "os^x"[k]}
                     (legend[method],) = axis.plot(runs["seconds"], runs["error"], ms=4.0, **look)
             for axis in axes[len(panels) :]:
                 axis.set_visible(False)

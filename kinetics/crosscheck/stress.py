@@ -50,21 +50,13 @@ LONGEST = 60.0  # s of processor time that one case may take
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run gave.
+    """What a run gave."""
 
-    asked : the error asked for; infinite where none was
-    reached : against a reference; NaN where there is none, infinite where the answer is not finite
-    converged : whether the status claims what was asked for
-    in_part : whether ``reached`` is of a part of the answer: it may show that a claim is wrong, not
-        that an answer without one is right
-    known_to : the error of the reference itself
-    """
-
-    asked: float = math.inf
-    reached: float = math.nan
-    converged: bool = True
-    in_part: bool = False
-    known_to: float = 0.0
+    asked: float = math.inf  # where no error was asked for
+    reached: float = math.nan  # where there is no reference; infinite for no finite answer
+    converged: bool = True  # as the status claims
+    in_part: bool = False  # reached is of a part of the answer, and shows nothing of the rest
+    known_to: float = 0.0  # the error of the reference itself
     invariants: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     note: str = ""
 
@@ -125,18 +117,17 @@ def attempt(case: Case, clock: Callable[[], float] = time.process_time) -> Stres
         verdict, note = judge(outcome, clock() - begin), outcome.note
     except Exception as met:  # whatever it is, it is the finding
         verdict, note = BROKEN, f"{type(met).__name__}: {met}"
-    worst = max(outcome.invariants, key=lambda n: _share(*outcome.invariants[n]), default="")
+
+    def share(name: str) -> float:  # of what is allowed, used up
+        violation, allowed = outcome.invariants[name]
+        used = violation / allowed if allowed else math.inf if violation else 0.0
+        return math.inf if math.isnan(used) else used
+
+    worst = max(outcome.invariants, key=share, default="")
     return StressCase(
         case.group, case.name, verdict, outcome.asked, outcome.reached, worst,
         *outcome.invariants.get(worst, (0.0, 0.0)), clock() - begin, " ".join(note.split())[:240],
     )  # fmt: skip
-
-
-def _share(violation: float, allowed: float) -> float:
-    """How much of what is allowed is used up; infinite where nothing is."""
-    if math.isnan(violation):
-        return math.inf
-    return violation / allowed if allowed else (math.inf if violation else 0.0)
 
 
 # -- what every answer must keep ------------------------------------------------------------------
@@ -152,12 +143,21 @@ def above(values: Any, most: float = 1.0) -> float:
     return max(0.0, float(np.max(values, initial=-math.inf)) - most)
 
 
+def largest(*errors: Any) -> float:
+    """The largest of these errors in size; infinite where one is not finite."""
+    sizes = np.abs(np.concatenate([np.ravel(error) for error in errors]))
+    return float(sizes.max()) if np.all(np.isfinite(sizes)) else math.inf
+
+
 def invariants(found: Any) -> Violations:
     """What a `kinetics.Solution` must keep, of those outputs that it has, within its own error."""
     scene, values, times = found.scene, found.values, np.asarray(found.times)
     error = max(found.rtol, found.error_estimate)
     slack = 4.0 * error + 1e-12 if math.isfinite(error) else math.inf
-    kept: Violations = {}
+    infinite = {name: float(np.sum(~np.isfinite(array))) for name, array in values.items()}
+    kept: Violations = {f"{name} is finite": (n, 0.0) for name, n in infinite.items()}
+    if any(infinite.values()):
+        return kept
 
     def keep(
         name: str, needs: str, violation: Callable[..., float], allowed: float = slack
@@ -170,19 +170,14 @@ def invariants(found: Any) -> Violations:
         there = (np.abs(whole) > 1e-290) & (times > 1e-100)
         return part[there] / whole[there]
 
-    for name, array in values.items():
-        keep(f"{name} is finite", name, lambda x: float(np.sum(~np.isfinite(x))), 0.0)
-        if not np.all(np.isfinite(array)):
-            return kept
+    def growth(x: Any, y: Any) -> float:
+        return above(y - x * (1.0 + slack), 0.0)
+
     d, law, falls = scene.dimension, scene.law, not scene.field
     for name in ("thermal_speed", "temperature") if falls else ():
-        keep(
-            f"{name} does not grow", name, lambda v: above(v[1:] - v[:-1] * (1.0 + slack), 0.0), 0.0
-        )
+        keep(f"{name} does not grow", name, lambda v: growth(v[:-1], v[1:]), 0.0)
     for name in ("collisions", "msd") if falls else ():
-        keep(
-            f"{name} does not fall", name, lambda n: above(n[:-1] - n[1:] * (1.0 + slack), 0.0), 0.0
-        )
+        keep(f"{name} does not fall", name, lambda n: growth(n[1:], n[:-1]), 0.0)
         keep(f"{name} begins at 0", name, lambda n: above(n[times == 0.0], 0.0), 0.0)
     # there is no distribution beyond: <v^4> >= <v^2>^2, and <r^4> >= <r^2>^2
     keep("a2 >= -2/(d + 2)", "a2", lambda a2: below(a2, -2.0 / (d + 2.0)))
@@ -254,8 +249,6 @@ RESTITUTIONS = (
 )  # fmt: skip
 FEWER = (0.0, 1e-10, 1e-4, 0.2, 0.7, 0.99, 1.0 - 1e-6, 1.0 - 1e-10, 1.0)
 TIMES = np.array([0.0, 1e-300, 1e-3, 1.0, 1e3, 1e8, 1e30, 1e300])
-ROUNDING = 1e-13  # that references in doubles, and averages over a start, may add
-SHARE = 0.3  # of an rtol: the most that the error estimate of a tighter solution may be
 
 
 def as_law(law: Law) -> CollisionLaw:
@@ -344,10 +337,7 @@ def starts() -> dict[str, tuple[Any, FloatArray, FloatArray]]:
         "speeds 1e-100 and 1": (SpeedSamples([1e-100, 1.0]), np.array([1e-100, 1.0]), half),
         "uniform from 0": (SpeedTable([0.0, 1.0], [1.0, 1.0]), *smooth(-36.0, 0.0, np.ones_like)),
         "tail v^-6": (tail, *smooth(-18.0, 36.0, tail)),
-        "two temperatures, 1e-3 and 1": (
-            Gaussian(1.0, 1e-3),
-            *smooth(-25.0, 2.5, two_temperatures),
-        ),
+        "two temperatures": (Gaussian(1.0, 1e-3), *smooth(-25.0, 2.5, two_temperatures)),
     }
 
 
@@ -395,7 +385,7 @@ def limits(found: Any, start: str) -> float:
 def tighter(found: Any, start: Any) -> float:
     """Difference to the same scene solved for a hundredth of the error; NaN if it is not known."""
     finer = again(found, 0.01 * found.rtol)
-    return apart(found, finer) if finer.error_estimate <= SHARE * found.rtol else math.nan
+    return apart(found, finer) if finer.error_estimate <= 0.3 * found.rtol else math.nan
 
 
 def again(found: Any, rtol: float) -> Any:
@@ -414,7 +404,7 @@ def apart(found: Any, finer: Any) -> float:
     Averages relative to their size (a2 to 1 + a2, vectors to their lengths), densities relative to
     their maximum, those of the speed below 1e-2 of the thermal speed as densities of ln v.
     """
-    v0, errors = finer.thermal_speed, [0.0]
+    v0, errors = finer.thermal_speed, []
     with np.errstate(all="ignore"):
         for name, values in found.values.items():
             exact = finer.values[name]
@@ -426,18 +416,16 @@ def apart(found: Any, finer: Any) -> float:
             elif exact.ndim > 1:
                 size = np.linalg.norm(exact, axis=1, keepdims=True)
             change = np.abs(values - exact) / (1.0 + exact if name == "a2" else size)
-            errors.append(float(np.max(np.where(np.abs(values - exact) < 1e-300, 0.0, change))))
+            errors.append(np.where(np.abs(values - exact) < 1e-300, 0.0, change))
     c, R = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)]), np.linspace(0.0, 8.0, 400)
     for i, unit in enumerate(v0):
         if "speed_density" in found.scene.outputs:
             f, exact = (one.speed_density(unit * c)[i] for one in (found, finer))
-            errors.append(
-                float(np.max(np.abs(f - exact) * np.minimum(1.0, c / 1e-2)) / exact.max())
-            )
+            errors.append((f - exact) * np.minimum(1.0, c / 1e-2) / exact.max())
         if "position_density" in found.scene.outputs and found.times[i] > 0.0:
             f, exact = (one.scaled_position_density(R)[i] for one in (found, finer))
-            errors.append(float(np.max(np.abs(f - exact))))
-    return max(errors) if np.all(np.isfinite(errors)) else math.inf
+            errors.append(f - exact)
+    return largest(*errors, 0.0)
 
 
 def kept(found: Any, start: str) -> float:
@@ -468,9 +456,7 @@ def mixture(found: Any, start: str) -> float:
 
 def _difference(found: Any, v0: FloatArray, a2: FloatArray, at: Any = slice(None)) -> float:
     with np.errstate(all="ignore"):
-        errors = [found.thermal_speed[at] / v0 - 1.0, (1.0 + found.a2[at]) / (1.0 + a2) - 1.0]
-    worst = float(np.max(np.abs(errors)))
-    return worst if math.isfinite(worst) else math.inf
+        return largest(found.thermal_speed[at] / v0 - 1.0, (1.0 + found.a2[at]) / (1.0 + a2) - 1.0)
 
 
 # -- work of the cases: solvers -------------------------------------------------------------------
@@ -495,8 +481,9 @@ def _scene(
         # fast starts in a field of which next to nothing is left
         return Outcome(rtol, converged=False, note=str(refused))
     done = found.status.name == "CONVERGED"
+    # references in doubles, and averages over a start, may add 1e-13
     return Outcome(
-        rtol + ROUNDING, reached, done, in_part=reference is limits, invariants=invariants(found),
+        rtol + 1e-13, reached, done, in_part=reference is limits, invariants=invariants(found),
         note=f"estimate {found.error_estimate:.0e}",
     )  # fmt: skip
 
@@ -510,16 +497,12 @@ def _scaled(law: Law, rtol: float, nodes: int | None = None) -> Outcome:
     exact = known.vdf(c)
     seen = exact > 1e-95 * exact[c > 0.3].max()  # the solver ends at 1e-100
     F = np.where(seen, state.reached_vdf(c), 0.0)  # 0 where few nodes do not reach
-    errors = [
-        state.cooling_rate / known.cooling_rate - 1.0,
-        (1.0 + state.a2) / (1.0 + known.a2) - 1.0,
-    ]
-    reached = float(np.abs([*errors, *(F[seen] / exact[seen] - 1.0)]).max())
+    h, a2 = state.cooling_rate / known.cooling_rate, (1.0 + state.a2) / (1.0 + known.a2)
+    reached = largest(h - 1.0, a2 - 1.0, F[seen] / exact[seen] - 1.0)
     done = state.status.name == "CONVERGED"
     claimed = max(rtol, 1e-12) if done else math.inf
     kept = {f"<c^{p:g}> = 1": (abs(state.moment(p) - 1.0), claimed) for p in (0.0, 2.0)}
     kept["F not negative"] = below(F), 0.0
-    reached = reached if math.isfinite(reached) else math.inf
     # ScalingSolution.vdf promises 1e-12
     return Outcome(rtol, reached, done, known_to=1e-12, invariants=kept,
                    note=f"estimate {state.error_estimate:.1e}")  # fmt: skip
@@ -544,12 +527,11 @@ def _conservative(law: Law, start: str, nodes: int) -> Outcome:
         np.cumsum(one * v * math.log(v[1] / v[0]), axis=1) for one in (f, finer.speed_density(v))
     )
     mass = slower[:, -1] + found.uncollided
-    reached = max(float(np.abs(slower - known).max()), float(np.abs(mass - 1.0).max()))
     claims = float(found.status.name == "CONVERGED")  # no number of nodes reaches 1e-13
     kept = {"density not negative": (below(f), 0.0), "status says so": (claims, 0.0)}
     # the interpolation between nodes adds to the scheme's own error
     asked = max(1.5 * estimate, 1e-5)
-    return Outcome(asked, reached if math.isfinite(reached) else math.inf, invariants=kept,
+    return Outcome(asked, largest(slower - known, mass - 1.0), invariants=kept,
                    note=f"estimate {estimate:.0e}")  # fmt: skip
 
 
@@ -563,14 +545,14 @@ def _scattering(law: Law, start: str, t: float) -> Outcome:
     small = 1e-4 / max(1.0, width)  # the next term is of order (k^2 <r^2>)^2
     k = np.array([small, 1e-3, 0.1, 2.0])
     F, along = (found.intermediate_scattering(k, direction=at)[0] for at in (None, 0.3))
-    reached = abs(F[0] - 1.0 + (small * width) ** 2 / (2.0 * law.dimension))
+    errors = [F[0] - 1.0 + (small * width) ** 2 / (2.0 * law.dimension)]
     if t <= 1e-12 / found.scene.mean_free_path:
         wave = j0(k * t) if law.dimension == 2 else np.sinc(k * t / math.pi)
         free = np.exp(-0.5 * (k * t) ** 2) if start == "gaussian" else wave
-        reached = max(reached, float(np.max(np.abs(F - free))))
+        errors.append(F - free)
     # nothing is known of k l of order 1
-    return Outcome(1e-8, float(reached) if np.all(np.isfinite([F, along])) else math.inf,
-                   found.status.name == "CONVERGED", in_part=True,
+    reached = largest(*errors, 0.0 * F, 0.0 * along)  # all of it is finite
+    return Outcome(1e-8, reached, found.status.name == "CONVERGED", in_part=True,
                    invariants=invariants(found))  # fmt: skip
 
 
@@ -579,7 +561,7 @@ def _steady(law: Law, rtol: float) -> Outcome:
     from kinetics import solve_field
 
     found = solve_field(law, rtol=rtol)
-    return Outcome(rtol + 1e-12, max(steady_errors(found)), found.status.name == "CONVERGED",
+    return Outcome(rtol + 1e-12, largest(steady_errors(found)), found.status.name == "CONVERGED",
                    invariants={"<v_x>^2 <= <v_x^2>": (
                        above(found.drift / math.sqrt(found.mean_square_along)), 0.0)})  # fmt: skip
 
@@ -593,8 +575,6 @@ def steady_errors(found: Any) -> tuple[float, float]:
 
 
 # -- work of the cases: particles -----------------------------------------------------------------
-
-PERCOLATION = 0.359  # Poisson disks per d^2 at which the plane falls apart: rho pi d^2 = 1.128
 
 
 def _run(medium: Any, e: float, **options: Any) -> Any:
@@ -776,7 +756,8 @@ def _of_solvers(quick: bool) -> Iterator[Any]:
 
 
 def _of_particles(quick: bool) -> Iterator[Any]:
-    media = [("Poisson", rho) for rho in (0.01, 0.2, 0.35, PERCOLATION)]
+    # the last is that at which the plane falls apart: rho pi d^2 = 1.128
+    media = [("Poisson", rho) for rho in (0.01, 0.2, 0.35, 0.359)]
     media += [("HardDisks", rho) for rho in (0.01, 0.2, 0.65)] + [("BoltzmannGrad", 0.04)]
     media += [("HardSpheres", 0.3), ("PoissonSpheres", 0.03), ("BoltzmannGrad in space", 0.04)]
     for e, et in ((0.0, 1.0), (0.5, 0.8), (1.0, 1.0)) if quick else (
@@ -808,11 +789,10 @@ def _of_particles(quick: bool) -> Iterator[Any]:
 
 
 def run_stress(
-    quick: bool = False,
-    groups: Iterable[str] | None = None,
-    progress: Callable[[str, int], None] | None = None,
-    interrupted: Callable[[StressReport], None] | None = None,
-) -> StressReport:
+    quick: bool = False, groups: Iterable[str] | None = None,
+    progress: Callable[[str, int], None] = lambda group, total: None,
+    interrupted: Callable[[StressReport], None] = lambda report: None,
+) -> StressReport:  # fmt: skip
     """Run the sweep, or the named groups of it.
 
     progress(name of the group, number of cases in all) is called before each case. After Ctrl-C or
@@ -834,12 +814,10 @@ def run_stress(
 
     try:
         for case in chosen:
-            if progress is not None:
-                progress(case.group, len(chosen))
+            progress(case.group, len(chosen))
             found.append(attempt(case))
     except (KeyboardInterrupt, SystemExit):
-        if interrupted is not None:
-            interrupted(report())
+        interrupted(report())
         raise
     return report()
 
@@ -891,10 +869,10 @@ class StressReport:
             ("Every case", self.cases if every_case else ()),
         ):
             if shown:
-                lines += [f"## {title}", "", *markdown_table([_cells(c) for c in shown])]
+                cells = [
+                    {n: x if isinstance(x, str) else "" if math.isnan(x) else f"{x:.1e}"
+                     for n, x in ({"verdict": ""} | vars(case)).items() if n != "seconds"}
+                    for case in shown
+                ]  # fmt: skip
+                lines += [f"## {title}", "", *markdown_table(cells)]
         return "\n".join(lines) + "\n"
-
-
-def _cells(case: StressCase) -> dict[str, str]:
-    shown = {"verdict": case.verdict, **{n: x for n, x in vars(case).items() if n != "seconds"}}
-    return {n: x if isinstance(x, str) else "" if x != x else f"{x:.1e}" for n, x in shown.items()}

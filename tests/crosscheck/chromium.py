@@ -2,18 +2,16 @@
 
 import json
 import os
-import shutil
 import subprocess
-import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
-
-def found() -> str | None:
-    """The browser's path, None without one."""
-    return shutil.which("chromium") or shutil.which("chromium-browser")
+FLAGS = (
+    "--headless=new --no-sandbox --disable-gpu --hide-scrollbars --no-first-run "
+    "--disable-background-networking --disable-component-update --disable-dev-shm-usage "
+    "--remote-debugging-pipe"
+)
 
 
 @dataclass
@@ -28,48 +26,25 @@ class Visit:
 class Browser:
     """Messages are JSON that end in a zero byte, on file descriptors 3 and 4 of the browser."""
 
-    def __init__(self, program: str) -> None:
-        self._profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-        to_read, self._write = os.pipe()
-        self._read, to_write = os.pipe()
-
-        def place() -> None:
-            # Moved out of the way first: either of them may itself be 3 or 4.
-            high, higher = os.dup(to_read), os.dup(to_write)
-            while min(high, higher) < 5:
-                high, higher = os.dup(high), os.dup(higher)
-            os.dup2(high, 3)
-            os.dup2(higher, 4)
-
-        self._process = subprocess.Popen(
-            [
-                program, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-                "--no-first-run", "--disable-background-networking", "--disable-component-update",
-                "--disable-dev-shm-usage", "--remote-debugging-pipe",
-                f"--user-data-dir={self._profile.name}", "about:blank",
-            ],
-            preexec_fn=place,
-            close_fds=False,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+    def __init__(self, program: str, profile: str) -> None:
+        theirs_in, self._write = os.pipe()
+        self._read, theirs_out = os.pipe()
+        pipes = f"3<&{theirs_in} 4>&{theirs_out}"
+        command = f'exec "$0" {FLAGS} --user-data-dir="$1" about:blank {pipes}'
+        self.process = subprocess.Popen(
+            ["bash", "-c", command, program, profile], pass_fds=(theirs_in, theirs_out),
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
-        os.close(to_read)
-        os.close(to_write)
-        self._number = 0
+        os.close(theirs_in)
+        os.close(theirs_out)
+        self._number, self._rest = 0, b""
         self._waiting: list[dict[str, Any]] = []
-        self._rest = b""
 
-    def __enter__(self) -> "Browser":
-        return self
-
-    def __exit__(
-        self, kind: type | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._process.kill()
-        self._process.wait()
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
         os.close(self._read)
         os.close(self._write)
-        self._profile.cleanup()
 
     def visit(
         self, page: Path, width: int, questions: dict[str, str], dark: bool = False,
@@ -79,50 +54,45 @@ class Browser:
 
         media: "screen" or "print".
         """
-        seen = Visit()
-        target = self._ask("Target.createTarget", {"url": "about:blank"}, None)["targetId"]
-        attach = {"targetId": target, "flatten": True}
-        session = self._ask("Target.attachToTarget", attach, None)["sessionId"]
+        seen, scheme = Visit(), "dark" if dark else "light"
+        target = self._ask("Target.createTarget", url="about:blank")["targetId"]
+        session = self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for part in ("Page", "Network", "Runtime", "Log"):
-            self._ask(f"{part}.enable", {}, session)
-        metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-        self._ask("Emulation.setDeviceMetricsOverride", metrics, session)
-        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self._ask("Emulation.setEmulatedMedia", {"media": media, "features": [scheme]}, session)
+            self._ask(f"{part}.enable", session)
+        self._ask("Emulation.setDeviceMetricsOverride", session, width=width, height=900,
+                  deviceScaleFactor=1, mobile=width < 500)  # fmt: skip
+        self._ask("Emulation.setEmulatedMedia", session, media=media,
+                  features=[{"name": "prefers-color-scheme", "value": scheme}])  # fmt: skip
         self._waiting.clear()
-        self._ask("Page.navigate", {"url": page.resolve().as_uri()}, session)
+        self._ask("Page.navigate", session, url=page.resolve().as_uri())
         while not any(m.get("method") == "Page.loadEventFired" for m in self._waiting):
             self._waiting.append(self._receive())
-        for name, expression in questions.items():
-            answer = self._ask(
-                "Runtime.evaluate", {"expression": expression, "returnByValue": True}, session
-            )
+        for name, text in questions.items():
+            answer = self._ask("Runtime.evaluate", session, expression=text, returnByValue=True)
             seen.answers[name] = answer["result"].get("value")
         for message in self._waiting:
             method, params = message.get("method"), message.get("params", {})
             if method == "Network.requestWillBeSent":
                 seen.requests.append(params["request"]["url"])
-            elif method == "Log.entryAdded":
-                seen.complaints.append(params["entry"]["text"])
-            elif method in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown"):
+            elif method in (
+                "Log.entryAdded",
+                "Runtime.consoleAPICalled",
+                "Runtime.exceptionThrown",
+            ):
                 seen.complaints.append(json.dumps(params))
         self._waiting.clear()
-        self._ask("Target.closeTarget", {"targetId": target}, None)
+        self._ask("Target.closeTarget", targetId=target)
         return seen
 
-    def _ask(self, method: str, params: dict[str, Any], session: str | None) -> dict[str, Any]:
+    def _ask(self, method: str, session: str = "", **params: Any) -> Any:
         self._number += 1
-        message: dict[str, Any] = {"id": self._number, "method": method, "params": params}
-        if session is not None:
-            message["sessionId"] = session
+        message = {"id": self._number, "method": method, "params": params}
+        message |= {"sessionId": session} if session else {}
         os.write(self._write, json.dumps(message).encode() + b"\0")
-        while True:
-            answer = self._receive()
-            if answer.get("id") == self._number:
-                assert "error" not in answer, answer
-                result: dict[str, Any] = answer["result"]
-                return result
+        while (answer := self._receive()).get("id") != self._number:
             self._waiting.append(answer)
+        assert "error" not in answer, answer
+        return answer["result"]
 
     def _receive(self) -> dict[str, Any]:
         while b"\0" not in self._rest:
@@ -130,5 +100,4 @@ class Browser:
             assert more, "the browser has ended"
             self._rest += more
         text, self._rest = self._rest.split(b"\0", 1)
-        message: dict[str, Any] = json.loads(text)
-        return message
+        return dict(json.loads(text))

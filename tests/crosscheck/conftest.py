@@ -1,5 +1,6 @@
 """Debian's Chromium for the tests of pages, where it is installed."""
 
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,14 +10,15 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))  # for chromium.py and pages.py
 
-from chromium import Browser, found
+from chromium import Browser
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Debian's Chromium; skips where there is none."""
-    program = found()
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
     if program is None:
         pytest.skip("no Chromium on PATH")
-    with Browser(program) as opened:
-        yield opened
+    opened = Browser(program, str(tmp_path_factory.mktemp("profile")))
+    yield opened
+    opened.close()

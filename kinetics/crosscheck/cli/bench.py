@@ -8,14 +8,14 @@ from typing import Any
 
 import click
 
-from kinetics.crosscheck.cli.options import json_option, output_path, progress
+from kinetics.crosscheck.cli.options import Output, json_option, progress
 
 CASES = ("scaled", "cooling", "position", "field", "skipping", "particles")
 
 
 def _output_option(names: str) -> Any:
     return click.option(
-        "-o", "--output", type=output_path, help=f"Folder for {names}. [default: none is written]"
+        "-o", "--output", type=Output(), help=f"Folder for {names}. [default: none is written]"
     )
 
 
@@ -35,7 +35,6 @@ def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: boo
     """
     from kinetics.crosscheck.bench import run_bench
 
-    _require(output)
     with progress() as tell:
         report = run_bench(quick, cases or None, tell)
     _show(report, output, as_json)
@@ -62,19 +61,10 @@ def stress(quick: bool, groups: tuple[str, ...], output: Path | None, as_json: b
         _show(report, output, as_json)
         click.echo(f"lorentz: interrupted: {report.not_run} cases were not run", err=True)
 
-    _require(output)
     with progress() as tell:
         report = run_stress(quick, groups or None, tell, interrupted)
     _show(report, output, as_json)
     return int(bool(report.rejected))
-
-
-def _require(output: Path | None) -> None:
-    """Raise ValueError, before the work, for a folder that cannot be written."""
-    from kinetics.crosscheck.files import require_writable_folder
-
-    if output is not None:
-        require_writable_folder(output)
 
 
 def _show(report: Any, output: Path | None, as_json: bool) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click import Choice, option
 
-from kinetics.crosscheck.cli.options import json_option, output_path
+from kinetics.crosscheck.cli.options import Output, json_option
 
 COLUMNS = """DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy
 and, where known, tracer and medium (the configuration of scatterers), one row for each tracer at
@@ -67,7 +67,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--columns", default="", metavar="NAME=THEIRS,...",
         help="Names of columns in the files, as in time=t_sim,tracer=id.")
 @option("--type", help="Particles of this type (species) alone, where a file has several.")
-@option("-o", "--output", type=output_path, metavar="PAGE.html",
+@option("-o", "--output", type=Output(""), metavar="PAGE.html",
         help="Write the page here, and beside it a .json file with every number in it.")
 @option("--figures", multiple=True, type=Choice(["pdf", "png", "svg"]),
         help="Write each figure as a file beside the page; may be repeated. Needs --output.")

@@ -39,17 +39,28 @@ class Numbers(click.ParamType):
             self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
 
 
-class OutputPath(click.Path):
-    """A path to write to. The empty text, as of a variable that is not set, is refused."""
+class Output(click.Path):
+    """What is to be written: a folder, or a file with one of these endings ("": any).
+
+    Refused before any work where it cannot be, and where it is the empty text.
+    """
+
+    def __init__(self, *endings: str) -> None:
+        super().__init__(path_type=Path)
+        self.endings = endings
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The path, or click's complaint that names the option."""
+        from kinetics.crosscheck.files import require_file, require_writable_folder
+
         if value == "":
             self.fail("'' is no path; it must name a file or a folder", param, ctx)
-        return super().convert(value, param, ctx)
-
-
-output_path = OutputPath(path_type=Path)
+        path: Any = super().convert(value, param, ctx)
+        if self.endings:
+            require_file(param.name, path, [end for end in self.endings if end])
+        else:
+            require_writable_folder(path)
+        return path
 
 
 def _numbers(part: str) -> tuple[float, ...]:
@@ -144,32 +155,21 @@ def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
 
     Each of these begins with the first column. Heads are bold where the terminal has colours.
     """
-    from rich.console import Console
-    from rich.table import Table
-
-    cells = [
-        [head, *(written(float(x)) for x in column)]
-        for head, column in zip(heads, values, strict=True)
-    ]
-    blocks, width = [cells[:1]], 0
-    for column in cells[1:]:
-        wide = max(map(len, column)) + 2
-        if len(blocks[-1]) > 1 and width + wide > WIDTH:
+    cells = []
+    for head, column in zip(heads, values, strict=True):
+        texts = [head, *(written(float(x)) for x in column)]
+        wide = max(map(len, texts))
+        cells.append([text.rjust(wide) for text in texts])
+    blocks = [cells[:1]]
+    for texts in cells[1:]:
+        if sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
             blocks.append(cells[:1])
-        if len(blocks[-1]) == 1:
-            width = max(map(len, cells[0]))
-        blocks[-1].append(column)
-        width += wide
-    console = Console(width=10_000, force_terminal=sys.stdout.isatty())
-    with console.capture() as capture:
-        for block in blocks:
-            table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, header_style="bold")
-            for head, *_ in block:
-                table.add_column(head.replace("[", r"\["), justify="right", no_wrap=True)
-            for row in zip(*(column[1:] for column in block), strict=True):
-                table.add_row(*row)
-            console.print(table)
-    return capture.get().rstrip("\n")
+        blocks[-1].append(texts)
+    lines = []
+    for block in blocks:
+        first, *others = ("  ".join(row) for row in zip(*block, strict=True))
+        lines += [click.style(first, bold=True), *others]
+    return "\n".join(lines)
 
 
 @contextmanager

@@ -10,12 +10,16 @@ import click
 
 from kinetics.crosscheck.cli import options
 
+# The matrices are small: BLAS threads wait more than they work. NumPy reads this when it is first
+# imported, which the option --output does.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 
 @click.command(
     epilog=options.UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts."
 )
 @click.option(
-    "-o", "--output", type=options.output_path, default=Path("lorentz-report"),
+    "-o", "--output", type=options.Output(), default=Path("lorentz-report"),
     help="Folder for report.html, report.json and its tables as CSV.",
 )  # fmt: skip
 @click.option("--quick", is_flag=True, help="A tenth of the samples.")
@@ -54,13 +58,9 @@ from kinetics.crosscheck.cli import options
 @options.workers_option
 @options.json_option
 def report(
-    output: Path,
-    quick: bool,
-    in_field: bool,
-    figures: tuple[str, ...],
-    as_json: bool,
+    output: Path, quick: bool, in_field: bool, figures: tuple[str, ...], as_json: bool,
     **system: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
     Of spheres, or with a tangential restitution, without the paper's formulas, which are of smooth
@@ -69,15 +69,11 @@ def report(
     Writes report.html, which needs nothing beside it, report.json with every number in it, and its
     tables as CSV, and prints a verdict per comparison.
     """
-    # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kinetics.crosscheck import report as work
-    from kinetics.crosscheck.files import require_writable_folder
     from kinetics.crosscheck.report.systems import Cooling, Falling
 
     asked: Any = Falling(**_of_field(system)) if in_field else Cooling(**system)
     asked = asked.quick() if quick else asked
-    require_writable_folder(output)
     with options.progress(asked.stages) as tell:
         found = work.make_report(asked, tell)
         tell("writing")

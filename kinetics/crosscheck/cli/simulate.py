@@ -78,12 +78,12 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
     "velocities, finals.",
 )  # fmt: skip
 @click.option(
-    "-o", "--output", type=options.output_path, metavar="HDF5",
+    "-o", "--output", type=options.Output(""), metavar="HDF5",
     help="Save here, configuration by configuration; FILE.h5md: positions and velocities as H5MD, "
     "for other programs, written at the end.",
 )  # fmt: skip
 @click.option(
-    "--picture", type=options.output_path, metavar="FILE",
+    "--picture", type=options.Output(*PICTURES), metavar="FILE",
     help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
     ".svg or .pdf.",
 )  # fmt: skip
@@ -100,12 +100,8 @@ def simulate(
     With --output, a run that was stopped in whatever way goes on with --resume to the same bits.
     """
     import particles
-    from kinetics.crosscheck.files import require_file
 
     times = options.times_until(times, until)
-    for name, file, endings in (("output", output, ()), ("picture", picture, PICTURES)):
-        if file is not None:
-            require_file(name, file, endings)
     names = options.names_in(observables)
     h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     if h5md is not None:
@@ -157,12 +153,11 @@ def make_medium(
         )
     if positions is not None and box_side is not None:
         return particles.Positions.from_csv(positions, box_side)
-    if medium == "hard-spheres":
-        return particles.HardSpheres(number_density, count=count)
-    if spheres:
-        return particles.PoissonSpheres(number_density, count=count)
-    disks = particles.HardDisks if medium == "hard-disks" else particles.Poisson
-    return disks(number_density, count)
+    made: Any = {
+        "hard-disks": particles.HardDisks, "poisson": particles.Poisson,
+        "hard-spheres": particles.HardSpheres, "poisson-spheres": particles.PoissonSpheres,
+    }[medium]  # fmt: skip
+    return made(number_density, count=count)
 
 
 def write_picture(run: Any, path: Path) -> None:

@@ -108,7 +108,7 @@ _points = partial(click.option, type=options.Numbers(), default="")
     "--rtol", type=float, help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6."
 )
 @click.option(
-    "-o", "--output", type=options.output_path, metavar="FILE",
+    "-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
     help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF) or .h5 (for "
     "kinetics.load).",
 )  # fmt: skip
@@ -122,10 +122,6 @@ def solve(
     mode = "--scaled" if scaled else "--field-steady" if field_steady else ""
     if mode:
         options.refuse_given((*OVER_TIME, *(("field_steady",) if scaled else MEDIUM)), mode)
-    if output is not None:
-        from kinetics.crosscheck.files import require_file
-
-        require_file("output", output, ENDINGS)
     system["times"] = options.times_until(system["times"], until)
     asked: dict[str, Any] = {}
     if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it

@@ -43,8 +43,7 @@ _DASHES: dict[str, Any] = {
     **dict.fromkeys(("paper's integral", "limiting law"), _DOTTED),
     **dict.fromkeys((FIT, "paper, peak", "Gaussian"), _BOTH),
 }
-_WIDTH, _LEFT, _RIGHT, _BELOW, _GAP = 5.0, 0.78, 0.12, 0.52, 0.2  # inches, as are all lengths
-_LEGEND_LINE, _LEGEND_COLUMNS = 0.2, 3
+_WIDTH = 5.0  # inches, as are all lengths
 _TIME, _RESTITUTION, _FIELD_TIME = "time $t$  [d/U]", "restitution $e$", "time $t$  [√(l/g)]"
 _FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))  # e, ever closer to 1
 
@@ -91,29 +90,21 @@ class Drawn:
 
 
 class _Sheet:
-    """Axes in a grid of rows of these heights, and a legend of all that is drawn on them.
-
-    Margins are set by hand: a layout engine would draw everything a second time to find them.
-    """
+    """Axes in a grid of rows of these heights, and a legend of all that is drawn on them."""
 
     def __init__(
         self, order: Sequence[float], heights: Sequence[float] = (2.9,), columns: int = 1,
-        panels: bool = False, share: bool = True,
+        panels: bool = False,
     ) -> None:  # fmt: skip
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        self.figure, self.order, self.columns = Figure(), list(order), columns
+        self.figure, self.order, self.columns = Figure(layout="constrained"), list(order), columns
         FigureCanvasAgg(self.figure)  # knows the other formats as well
-        gap = 0.4 if panels else _GAP  # panels have titles
-        wide, self.top = _GAP if share else _LEFT, 0.3 if panels else 0.12
-        width = (_WIDTH - _LEFT - _RIGHT - (columns - 1) * wide) / columns
-        self.tall = sum(heights) + (len(heights) - 1) * gap
-        grid = {"hspace": gap * len(heights) / sum(heights), "wspace": wide / width}
+        self.tall = sum(heights) + len(heights) * (0.35 if panels else 0.15)  # panels have titles
         axes = self.figure.subplots(
-            len(heights), columns, squeeze=False, sharex="all" if share else "none",
-            sharey="all" if panels and share else "none",
-            gridspec_kw={**grid, "height_ratios": heights},
+            len(heights), columns, squeeze=False, sharex="all", sharey="all" if panels else "none",
+            height_ratios=heights,
         )  # fmt: skip
         self.axes = list(axes.flat)
         self._legend: dict[str, dict[str, Any]] = {}
@@ -171,12 +162,8 @@ class _Sheet:
         from matplotlib.lines import Line2D
         from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
-        lines, many = math.ceil(len(self._legend) / _LEGEND_COLUMNS), len(self.axes) > 1
-        high = _BELOW + self.tall + self.top + _LEGEND_LINE * lines
-        self.figure.set_size_inches(_WIDTH, high)
-        self.figure.subplots_adjust(
-            _LEFT / _WIDTH, _BELOW / high, 1 - _RIGHT / _WIDTH, (_BELOW + self.tall) / high
-        )
+        lines, many = math.ceil(len(self._legend) / 3), len(self.axes) > 1
+        self.figure.set_size_inches(_WIDTH, self.tall + 0.5 + 0.2 * lines)
         for k, ax in enumerate(self.axes):
             row, column = divmod(k, self.columns)
             if k >= len(self.axes) - self.columns:
@@ -193,23 +180,16 @@ class _Sheet:
                 subs = (1.0,) if top > 30 * low else (1.0, 2.0, 5.0)
                 side.set_major_locator(LogLocator(subs=subs, numticks=5 if many else 7))
                 side.set_minor_locator(NullLocator())
-                side.set_major_formatter(_power_of_ten if top > 30 * low else _plain)
+                side.set_major_formatter(
+                    (lambda x, _: numeral(x, ".0e")) if top > 30 * low else "{x:g}"
+                )
         if self._legend:
             self.figure.legend(
                 handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
-                labels=list(self._legend), loc="upper left", ncols=_LEGEND_COLUMNS,
+                labels=list(self._legend), loc="outside upper left", ncols=3,
                 handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
             )  # fmt: skip
         return self.figure
-
-
-def _power_of_ten(value: float, _: int | None = None) -> str:
-    exponent = str(round(math.log10(value)))
-    return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-
-
-def _plain(value: float, _: int | None = None) -> str:
-    return f"{value:g}"
 
 
 def figures(results: Results) -> list[Drawn]:

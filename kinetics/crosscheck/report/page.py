@@ -85,20 +85,6 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
     ]
 
 
-def printed_equations() -> dict[str, list[str]]:
-    """MathML of the page's equations as `derivations` prints them: what its JSON file keeps."""
-    from derivations import printed_equation
-    from derivations.printers import mathml
-
-    def block(label: str) -> str:
-        # Ascending powers read better: 1 - e^2.
-        element = mathml(printed_equation(label).formula, order="rev-lex")
-        return element.replace("<math>", '<math display="block">')
-
-    equations = kept()["equations"].items()
-    return {name: [block(label) for label in labels] for name, (_, *labels) in equations}
-
-
 def with_numbers(text: Any) -> Any:
     """A text, or several, with the numbers of the paper's equations in place of their labels."""
     if not isinstance(text, str):

@@ -83,33 +83,14 @@ def contact_value(number_density: float, dimension: int = 2) -> float:
 
 
 def cooling_rate_between(times: Array, thermal_speed: Array, early: int, half_rate: float) -> float:
-    """Estimate h from 1/v0 at index `early` and at the last time: the slope of eq. (7) over d rho0.
-
-    times and thermal_speed (n_times,) in d/U and U; half_rate is 1/(2 l) in 1/d, for disks d rho0.
-    """
+    """h from 1/v0 at index `early` and at the last time; half_rate is 1/(2 l), for disks d rho0."""
     slope = (1 / thermal_speed[-1] - 1 / thermal_speed[early]) / (times[-1] - times[early])
     return float(slope / half_rate)
 
 
 def msd_slope_between(times: Array, msd: Array, early: int) -> float:
-    """Mean d<r^2>/d ln t between index `early` and the last time, in d^2.
-
-    times and msd (n_times,) in d/U and d^2.
-    """
+    """Mean d<r^2>/d ln t between index `early` and the last time."""
     return float((msd[-1] - msd[early]) / np.log(times[-1] / times[early]))
-
-
-def printed_msd_slopes(restitution: float, number_density: float) -> tuple[float, float]:
-    """Late d<r^2>/d ln t of the printed formulas, in d^2: random walk (eq. 22), Sonine (eq. C9).
-
-    NaN where the formula has no real value; e must be below 1.
-    """
-    times = np.array([1e150, 1e300])  # d/U, where <r^2> is its limit, a + b ln t, to rounding
-    walk, printed = (
-        msd_slope_between(times, formula(times, restitution, number_density), 0)
-        for formula in (sonine.msd_random_walk, sonine.msd_sonine)
-    )
-    return walk, printed
 
 
 def ball(dimension: int) -> float:
@@ -160,24 +141,13 @@ def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
     measure (n_bins,): length or area of each bin. The scale is the sample's, also when a group is
     left out.
     """
-    every, replicates = _shares(samples, edges)
-    return Measured(every / measure, jackknife_error(replicates / measure))
+    every, by_group = np.sort(samples, axis=None), np.sort(samples, axis=1)
 
+    def density(left_out: Array) -> Array:
+        n = every.size - left_out.size
+        at = edges * np.sqrt((np.sum(every**2) - np.sum(left_out**2)) / n)
+        inside = np.diff(np.searchsorted(every, at) - np.searchsorted(left_out, at))
+        return np.asarray(inside / n / measure)
 
-def _shares(samples: Array, edges: Array) -> tuple[Array, Array]:
-    """Share of the samples in each bin of x/rms, and the same without each of the groups."""
-    groups, size = samples.shape
-    everything, by_group = np.sort(samples, axis=None), np.sort(samples, axis=1)
-    squares = np.sum(samples**2, axis=1)
-
-    def share(without: int | None) -> Array:
-        n, total = groups * size, float(np.sum(squares))
-        if without is not None:
-            n, total = n - size, total - float(squares[without])
-        at = edges * np.sqrt(total / n)
-        below = np.searchsorted(everything, at)
-        if without is not None:
-            below = below - np.searchsorted(by_group[without], at)
-        return np.asarray(np.diff(below) / n)
-
-    return share(None), np.array([share(group) for group in range(groups)])
+    replicates = np.array([density(group) for group in by_group])
+    return Measured(density(every[:0]), jackknife_error(replicates))

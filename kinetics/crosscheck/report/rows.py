@@ -56,20 +56,12 @@ through 0). `within` is the relative difference that would have been seen at 95 
 bin."""
 PAPER_KURTOSIS = 4.0
 """<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta."""
-NEARLY_ELASTIC = 0.9
-"""The limiting laws in a field are compared from this restitution on."""
-LOW_POWER = 0.1
-"""Relative difference that must have been seen for "agrees"; else nothing was tested."""
-SURE = 20.0
-"""Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
 POSITION_FORMS = (
     ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
     ("paper, tail", sonine.position_tail, 2.0, 4.0, "eq. (58), η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
     ("paper's integral", sonine.position_integral, 0.2, 4.0, "eq. (53), η = 1/2, 0.2 ≤ R ≤ 4"),
 )
 """Source, the printed G(R), and the R between which it is held against the equation."""
-_TWO_SIDED = 1.96  # standard errors of a Gaussian's two-sided 95 %
-_TURNED = {"momentum", "energy", "cube", "direction"}  # relations of averages of finite variance
 
 
 def comparisons(results: Results) -> "DataFrame":
@@ -103,16 +95,12 @@ def _row(
     observable: str, kind: str, source: str, against: str, value: float, theory: float, **more: Any
 ) -> dict[str, Any]:
     deviation = float((value - theory) / scale_of(observable, theory))
-    row: dict[str, Any] = {
-        "observable": observable,
-        "kind": kind,
-        "source": source,
-        "against": against,
-    }
-    row |= {"value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1}
+    row = {"observable": observable, "kind": kind, "source": source, "against": against,
+           "value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1,
+           "note": ""}  # fmt: skip
     if kind == "approximation":
         row["verdict"] = judge_approximation(deviation).value
-    return {**row, "note": "", **more}
+    return row | more
 
 
 def _numerical(observable: str, value: float, theory: float, tolerance: float) -> dict[str, Any]:
@@ -123,14 +111,9 @@ def _numerical(observable: str, value: float, theory: float, tolerance: float) -
 
 
 def estimated(
-    observable: str,
-    who: tuple[str, str],
-    measured: Measured,
-    theory: Any,
-    groups: int,
-    place: tuple[str, Array] | None = None,
-    note: str = "",
-) -> list[dict[str, Any]]:
+    observable: str, who: tuple[str, str], measured: Measured, theory: Any, groups: int,
+    place: tuple[str, Array] | None = None, note: str = "",
+) -> list[dict[str, Any]]:  # fmt: skip
     """The row of an estimate at one or several places: the worst. NaN is left out.
 
     who: source and against; groups: independent ones behind the errors; place: "time", "c" or
@@ -145,9 +128,10 @@ def estimated(
     k, sigmas, looks = found
     corrected = corrected_sigmas(sigmas, groups, looks)
     usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
-    seen = (np.abs(value - expected) + _TWO_SIDED * error) / scale_of(observable, expected)
+    # 1.96 standard errors: a Gaussian's two-sided 95 %
+    seen = (np.abs(value - expected) + 1.96 * error) / scale_of(observable, expected)
     within, verdict = float(np.max(seen[usable])), judge_sigmas(corrected)
-    if verdict is Verdict.AGREES and within > LOW_POWER:
+    if verdict is Verdict.AGREES and within > 0.1:  # a tenth would not have been seen
         verdict = Verdict.NOT_TESTED
     where: dict[str, Any] = {} if place is None else {place[0]: float(place[1][k])}
     row = _row(
@@ -159,20 +143,15 @@ def estimated(
 
 
 def _measured(
-    case: Case,
-    observable: str,
-    source: str,
-    against: str,
-    note: str = "",
-    theory: Any = None,
+    case: Case, observable: str, source: str, against: str, note: str = "", theory: Any = None,
     said: str = "",
-) -> list[dict[str, Any]]:
+) -> list[dict[str, Any]]:  # fmt: skip
     """What a source of a case measured against what somebody says there, called `said`."""
     expected = case.theory[against][observable] if theory is None else theory
     found = case.measured[source][observable]
     if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
         found = Measured(found.value, case.differences.get(observable, found.error))
-    place, groups = case.places.get(observable), case.groups[source]
+    place, groups = case.places.get(observable), case.groups(source)
     return estimated(observable, (source, said or against), found, expected, groups, place, note)
 
 
@@ -184,9 +163,9 @@ def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
             yield from _measured(case, name, source, runs.SOLVER)
     for name, theory in exact.items():
         yield _numerical(name, solver[name], theory, system.rtol)
-        if name in _TURNED:
+        if name in case.measured[source]:  # those of averages of finite variance
             yield from _measured(case, name, source, runs.EXACT)
-    if case.restitution >= NEARLY_ELASTIC:
+    if case.restitution >= 0.9:  # near the limit
         for name, value in case.theory.get(runs.LIMIT, {}).items():
             yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
 
@@ -234,7 +213,7 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield from particles(name)
     for run, note in ((free, ""), (hard, "finite density")):
         share = theory[runs.KINETIC]["position"]
-        filled = _filled(share, case.samples[run], np.diff(reduce.POSITION_EDGES))
+        filled = _filled(share, case.samples(run), np.diff(reduce.POSITION_EDGES))
         yield from _measured(case, "position", run, runs.KINETIC, note, filled)
     if not paper:
         return
@@ -262,13 +241,10 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         if r.size:
             values = form(r)
             k = int(np.argmax(np.abs(np.log(values / density))))
-            where: dict[str, Any] = {
-                **end,
-                "distance": float(r[k]),
-                "note": note + ", at its worst",
-            }
-            both = float(values[k]), float(density[k])
-            yield _row("position", "approximation", source, runs.KINETIC, *both, **where)
+            yield _row(
+                "position", "approximation", source, runs.KINETIC, values[k], density[k], **end,
+                distance=float(r[k]), note=f"{note}, at its worst",
+            )  # fmt: skip
 
 
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
@@ -293,7 +269,7 @@ def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     )
     for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
         expected = case.theory[against]["scaled_vdf"]
-        filled = _filled(expected, case.samples[run], reduce.bin_measure(case.dimension))
+        filled = _filled(expected, case.samples(run), reduce.bin_measure(case.dimension))
         yield from _measured(case, "scaled_vdf", run, against, note, filled)
 
 
@@ -306,7 +282,7 @@ def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
     """Those of the R (n,) at which the last G(R) is well above its error, and G(R) there."""
     position = case.solved.position
     density = position.scaled_position_density(r)[-1]
-    known = density > SURE * position.rtol
+    known = density > 20.0 * position.rtol  # its logarithm is known to 5 %
     return r[known], density[known]
 
 

@@ -36,11 +36,8 @@ OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
 """Observables of a gas that cools that have a value at each time."""
 LATEST = 1e9
 """Last time in d/U of the equation alone."""
-FORGOTTEN, LONGER = 10.0, 3.0
-"""Relaxation times in a field after which e^-10 of the start is left; the last time over that."""
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
 """Of the approach to the steady state in a field, in sqrt(l/g)."""
-_GROUPS = 100  # independent groups of tracers of a Boltzmann-Grad run, for its jackknife
 
 Tell = Callable[[str], None]
 
@@ -51,7 +48,7 @@ class Case:
 
     measured : by source and observable, estimates with their errors
     theory : by who says so and observable; arrays where there are several times or bins
-    groups, samples : of each source, independent groups of tracers and tracers
+    runs : of each source, with independent groups of tracers
     places : of an observable, the name and the values of what it depends on
     differences : standard errors of the hard scatterers minus `RESCALED`, which both change
     solved : the solutions behind, which figures draw between the points
@@ -63,9 +60,8 @@ class Case:
     times: Array
     measured: dict[str, dict[str, Measured]]
     theory: dict[str, dict[str, Any]]
-    groups: dict[str, int]
-    samples: dict[str, int]
-    places: dict[str, tuple[str, Array]]
+    runs: dict[str, Ensemble]
+    places: dict[str, tuple[str, Array]] = field(default_factory=dict)
     differences: dict[str, Array] = field(default_factory=dict)
     solved: Any = None
 
@@ -73,6 +69,14 @@ class Case:
     def cools(self) -> bool:
         """Whether there is a scaling state: the law is not elastic."""
         return getattr(self.solved, "exact", None) is not None
+
+    def groups(self, source: str) -> int:
+        """How many independent groups of tracers are behind the errors of a source."""
+        return self.runs[source].media
+
+    def samples(self, source: str) -> int:
+        """How many tracers a source has."""
+        return self.runs[source].media * self.runs[source].tracers
 
 
 @dataclass(frozen=True)
@@ -119,13 +123,14 @@ def cooling_case(
         dense = HardSpheres(system.number_density, count=system.count)
     tell(f"e = {e:g}: {hard}")
     solving = beside.submit(_solutions, law, times, system)
-    counts = {"media": system.media, "tracers": system.tracers}
-    packed = _followed(dense, e, times, seed + 1, system, **counts)
+    packed = _followed(dense, e, times, seed + 1, system, system.media, system.tracers)
     path = float(packed.mean_free_path.value)
     if not np.isfinite(path):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")
     tell(f"e = {e:g}: {FREE} particles")
-    free = _free_run(e, times, seed, system)
+    groups = min(100, system.free_tracers // 2)  # independent ones, for the jackknife
+    dilute = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
+    free = _followed(dilute, e, times, seed, system, groups, system.free_tracers // groups)
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
     thinner = 1 / (2 * path) / half_section(d)
@@ -135,21 +140,14 @@ def cooling_case(
     position = found.position
     edges = reduce.POSITION_EDGES
     shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
-    vdf = {
-        name: reduce.bin_average(reduce.last_vdf(solution), d)
+    theory: dict[str, dict[str, Any]] = {
+        name: _over_time(solution, early, half_rate)
+        | {"scaled_vdf": reduce.bin_average(reduce.last_vdf(solution), d)}
         for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
     }
+    theory[KINETIC] |= {"free_path": 0.5 / half_rate, "position": shares / np.diff(edges)}
     contact = reduce.contact_value(system.number_density, d)
-    of_kinetic = {
-        "free_path": 1 / (2 * half_rate),
-        "scaled_vdf": vdf[KINETIC],
-        "position": shares / np.diff(edges),
-    }
-    theory = {
-        KINETIC: _over_time(found.kinetic, early, half_rate) | of_kinetic,
-        RESCALED: _over_time(found.rescaled, early, half_rate) | {"scaled_vdf": vdf[RESCALED]},
-        "contact": {"free_path": 1 / (2 * half_rate) / contact},
-    }
+    theory["contact"] = {"free_path": 0.5 / half_rate / contact}
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
         names = ("cooling_rate", "a2")
@@ -157,23 +155,14 @@ def cooling_case(
         theory[SOLVER] = {n: getattr(found.scaled, n) for n in names}
     if system.is_papers_law:
         theory |= _printed(e, times, system.number_density)
+    places = {name: ("time", times) for name in OVER_TIME}
+    places["scaled_vdf"] = "c", reduce.middles(reduce.SPEED_EDGES)
+    places["position"] = "distance", reduce.middles(reduce.POSITION_EDGES)
     return Case(
-        system=system.scatterers if system.is_smooth else f"rough {system.scatterers}",
-        restitution=e,
-        dimension=d,
-        times=times,
-        measured={FREE: _reduced(free, early, half_rate)[0], hard: measured},
-        theory=theory,
-        groups={FREE: free.media, hard: packed.media},
-        samples={FREE: free.media * free.tracers, hard: packed.media * packed.tracers},
-        places={
-            **{name: ("time", times) for name in OVER_TIME},
-            "scaled_vdf": ("c", reduce.middles(reduce.SPEED_EDGES)),
-            "position": ("distance", reduce.middles(reduce.POSITION_EDGES)),
-        },
-        differences=differences,
-        solved=found,
-    )
+        system.scatterers if system.is_smooth else f"rough {system.scatterers}", e, d, times,
+        {FREE: _reduced(free, early, half_rate)[0], hard: measured}, theory,
+        {FREE: free, hard: packed}, places, differences, found,
+    )  # fmt: skip
 
 
 def _followed(
@@ -184,14 +173,6 @@ def _followed(
         tracers=tracers, observables=("finals",),
         tangential_restitution=system.tangential_restitution,
     )  # fmt: skip
-
-
-def _free_run(e: float, times: Array, seed: int, system: Cooling) -> Ensemble:
-    """Tracers of the Boltzmann-Grad limit, in groups for the jackknife."""
-    groups = min(_GROUPS, system.free_tracers // 2)
-    medium = BoltzmannGrad(system.number_density, dimension=3 if system.dimension == 3 else 2)
-    counts = {"media": groups, "tracers": system.free_tracers // groups}
-    return _followed(medium, e, times, seed, system, **counts)
 
 
 def _solved(
@@ -208,7 +189,10 @@ def _solved(
 def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamespace:
     """The equation at the times of the particles and much later, in place, and among hard disks."""
     density, rtol = system.number_density, system.rtol
-    found = SimpleNamespace(**_scaling_states(law, rtol), dense=None, dense_slope=None, levels={})
+    found = SimpleNamespace(exact=None, scaled=None, dense=None, dense_slope=None, levels={})
+    if not law.is_elastic:  # the scaling state, in closed form and as solved
+        found.exact = ScalingSolution(**law.arguments)
+        found.scaled = solve_scaled(**law.arguments, rtol=rtol)
     found.kinetic = _solved(law, density, times, (*OVER_TIME, "speed_density"), rtol)
     late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), 55)
     found.late = _solved(law, density, late, (*OVER_TIME, "diffusion_coefficient"), rtol)
@@ -225,30 +209,19 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     return found
 
 
-def _scaling_states(law: CollisionLaw, rtol: float) -> dict[str, Any]:
-    """The scaling state in closed form and as solved; None if elastic."""
-    if law.is_elastic:
-        return {"exact": None, "scaled": None}
-    solved = solve_scaled(**law.arguments, rtol=rtol)
-    return {"exact": ScalingSolution(**law.arguments), "scaled": solved}
-
-
 def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
     """What the paper's formulas say."""
-    walk, printed = reduce.printed_msd_slopes(e, density) if e < 1 else (math.nan, math.nan)
-    return {
-        FIT: {
-            "cooling_rate": float(sonine.cooling_rate_fitted(e)),
-            "msd": sonine.msd_random_walk(times, e, density),
-            "msd_slope": walk,
-        },
-        SONINE: {
-            "cooling_rate": float(sonine.cooling_rate(e)),
-            "a2": float(sonine.a2(e)),
-            "msd": sonine.msd_sonine(times, e, density),
-            "msd_slope": printed,
-        },
+    found: dict[str, dict[str, Any]] = {
+        FIT: {"cooling_rate": float(sonine.cooling_rate_fitted(e))},
+        SONINE: {"cooling_rate": float(sonine.cooling_rate(e)), "a2": float(sonine.a2(e))},
     }
+    late = np.array([1e150, 1e300])  # d/U, where <r^2> is its limit, a + b ln t, to rounding
+    for source, msd in ((FIT, sonine.msd_random_walk), (SONINE, sonine.msd_sonine)):
+        found[source]["msd"] = msd(times, e, density)
+        if e < 1:
+            slope = reduce.msd_slope_between(late, msd(late, e, density), 0)
+            found[source]["msd_slope"] = slope
+    return found
 
 
 def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
@@ -384,40 +357,17 @@ def _in_field(system: Falling, tell: Tell) -> Results:
     return Results(system, [*cases, *more["approach"]], more)
 
 
-def relaxation_time(state: Any) -> float:
-    """About how long the energy remembers, in sqrt(l/g).
-
-    From d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively.
-    """
-    return 1.0 / (1.5 * float(state.law.decay_rate(2.0)) * state.mean_speed)
-
-
 def _fallen(state: Any, times: Array, system: Falling, *observables: str) -> Ensemble:
     """Boltzmann-Grad tracers from rest, so many that they make the collisions asked for."""
     d, e = state.dimension, float(state.restitution)
     wanted = system.collisions / (float(times[-1]) * state.mean_speed)
     tracers = max(2, round(min(wanted, system.most_tracers) / system.groups))
     # the density at which l = d, so that lengths in d are lengths in l
-    medium = BoltzmannGrad(_unit_density(d), dimension=3 if d == 3 else 2)
+    medium = BoltzmannGrad(0.5 / half_section(d), dimension=3 if d == 3 else 2)
     seed = system.seed + 1000 * d + round(1e6 * e)
     return simulate(
         medium, e, "rest", times, media=system.groups, tracers=tracers, seed=seed,
         workers=system.workers, field=1.0, observables=observables,
-    )  # fmt: skip
-
-
-def _unit_density(dimension: int) -> float:
-    return 0.5 if dimension == 2 else 1.0 / math.pi
-
-
-def _field_case(
-    state: Any, system: str, run: Ensemble, measured: dict[str, Measured],
-    theory: dict[str, dict[str, Any]], times: Array, timed: Sequence[str] = (),
-) -> Case:  # fmt: skip
-    return Case(
-        system, float(state.restitution), state.dimension, times, {FREE: measured}, theory,
-        {FREE: run.media}, {FREE: run.media * run.tracers},
-        {name: ("time", times) for name in timed}, solved=state,
     )  # fmt: skip
 
 
@@ -428,8 +378,10 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     sides come from the same tracers.
     """
     state = solve_field(restitution, dimension, rtol=system.rtol)
-    first = FORGOTTEN * relaxation_time(state)
-    times = np.linspace(first, LONGER * first, 9)
+    # d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively: after
+    # ten such times e^-10 of the start is left, as far as the energy remembers it
+    first = 10.0 / (1.5 * float(state.law.decay_rate(2.0)) * state.mean_speed)
+    times = np.linspace(first, 3.0 * first, 9)
     run = _fallen(state, times, system, "positions", "velocities")
     law, d, n = state.law, dimension, times.size
     v = run.velocities.reshape(n, run.media, run.tracers, d)
@@ -469,7 +421,7 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     solved, exact = exact_relations(state)
     theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
     name = f"{SCATTERERS[d]} in a field"
-    return _field_case(state, name, run, measured, theory, times)
+    return Case(name, restitution, d, times, {FREE: measured}, theory, {FREE: run}, solved=state)
 
 
 def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
@@ -523,7 +475,7 @@ def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
     """Solver and particles from rest, at `APPROACH_TIMES`."""
     state = solve_field(restitution, dimension, rtol=system.rtol)
     run = _fallen(state, APPROACH_TIMES, system)
-    density, outputs = _unit_density(dimension), ("mean_velocity", "thermal_speed")
+    density, outputs = 0.5 / half_section(dimension), ("mean_velocity", "thermal_speed")
     more = {"field": 1.0, "initial": "rest"}
     solved = _solved(state.law, density, APPROACH_TIMES, outputs, system.time_rtol, **more)
     second = Measured.of(run.thermal_speed)
@@ -531,10 +483,12 @@ def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
         "drift_from_rest": Measured.of(run.drift),
         "square_from_rest": Measured(second.value**2, 2 * second.value * second.error),
     }
-    theory = {
+    theory = {SOLVER: {
         "drift_from_rest": solved.mean_velocity[:, 0],
         "square_from_rest": solved.thermal_speed**2,
-    }
-    name = f"{SCATTERERS[dimension]} in a field"
-    case = (state, name, run, measured, {SOLVER: theory})
-    return _field_case(*case, APPROACH_TIMES, tuple(measured))
+    }}  # fmt: skip
+    return Case(
+        f"{SCATTERERS[dimension]} in a field", restitution, dimension, APPROACH_TIMES,
+        {FREE: measured}, theory, {FREE: run},
+        {name: ("time", APPROACH_TIMES) for name in measured}, solved=state,
+    )  # fmt: skip
