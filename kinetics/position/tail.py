@@ -62,22 +62,11 @@ class PowerTail(Value):
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
-        d, count = self.dimension, self.coefficients.size
-        parts = origin_transforms(self.scale * rho, count, kind, d, self.first)
-        found = np.asarray(self.coefficients @ parts) * self.scale ** (d, d - 1, d + 1)[kind]
-        if self.returned:
-            found = found + self.returned * _transform_of_returned(rho, self.scale, kind)
-        return found
-
-
-def _transform_of_returned(rho: FloatArray, scale: float, kind: int) -> FloatArray:
-    """Integral over all K of (K^2 + scale^2)^(-1/2), of a kind of `radial_waves`, in the plane."""
-    near = np.maximum(rho, 1e-12)
-    with np.errstate(under="ignore"):
-        fall = np.exp(-scale * near)
-    if kind == 1:
-        return np.asarray(-np.expm1(-scale * near) / (scale * near))
-    return np.asarray(fall / near if kind == 0 else fall * (scale + 1.0 / near) / near)
+        d, count, x = self.dimension, self.coefficients.size, self.scale * rho
+        found = self.coefficients @ origin_transforms(x, count, kind, d, self.first)
+        if self.returned:  # a term of nu = -1/2
+            found = found + self.returned / self.scale * origin_transforms(x, 1, kind, d, -1)[0]
+        return np.asarray(found) * self.scale ** (d, d - 1, d + 1)[kind]
 
 
 def origin_terms(q: FloatArray, count: int, dimension: int, first: int = 1) -> FloatArray:

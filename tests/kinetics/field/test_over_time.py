@@ -19,7 +19,6 @@ from kinetics import (
     solve,
     solve_field,
 )
-from kinetics.field import radau
 from kinetics.field.collisions import loss_matrices
 from kinetics.field.elimination import Chain
 from kinetics.field.grid import SpeedPanels
@@ -265,16 +264,3 @@ def test_the_free_way_in_a_field() -> None:
         for a, b in zip(edges.T[:-1], edges.T[1:], strict=True)
     )
     assert free_way(along, across, time) == pytest.approx(expected, rel=1e-12)
-
-
-def test_radau_rule() -> None:
-    """Exact for polynomials; the rational function that it makes of exp(z) has the order 9."""
-    z = -0.7
-    modes = radau.modes()
-    end = sum((stages[-1] * share / (1.0 - value * z)).real for value, share, _, stages in modes)
-    assert end == pytest.approx(math.exp(z), rel=1e-10)
-    local = np.linspace(0.0, 1.0, 7)
-    assert radau.rows(local) @ radau.POINTS**5 == pytest.approx(local**5, abs=1e-13)
-    assert radau.integral_rows(local) @ radau.POINTS**4 == pytest.approx(local**5 / 5, abs=1e-13)
-    assert radau.roughness(radau.POINTS**4) == pytest.approx(0.0, abs=1e-13)
-    assert radau.projected(radau.FINE**4) == pytest.approx(radau.POINTS**4, abs=1e-13)

@@ -17,22 +17,26 @@ import numpy as np
 from kinetics import Scene, solve
 from kinetics.collision.medium import ORDERS
 from kinetics.numerics import FloatArray
-from particles import HardDisks, Poisson, simulate
+from particles import Ensemble, HardDisks, Poisson, simulate
 
 MEDIA = 1000  # a tracer or two of each: those of one medium start near each other
 TIMES = np.array([5.0, 30.0, 100.0, 300.0, 1000.0])  # in l/U, l = 1/(2 n)
 ELASTIC_TIMES = np.array([10.0, 30.0, 60.0, 100.0])
 
 
-def deviations(name: str, e: float, n: float, tracers: int) -> dict[str, tuple[FloatArray, ...]]:
-    """Row -> deviations of <r^2> and of v0 in per cent, (n_times,) each; the errors as a row."""
-    medium = HardDisks(n, count=5000) if name == "hard disks" else Poisson(n)
-    times = (TIMES if e < 1.0 else ELASTIC_TIMES) / (2.0 * n)
-    run = simulate(
-        medium, restitution=e, initial="gaussian", times=times, media=MEDIA,
+def simulated(name: str, e: float, n: float, times: FloatArray, tracers: int) -> Ensemble:
+    """Averages of so many tracers at times in d/U."""
+    return simulate(
+        HardDisks(n, count=5000) if name == "hard disks" else Poisson(n),
+        restitution=e, initial="gaussian", times=times, media=MEDIA,
         tracers=max(2, tracers // MEDIA), max_collisions=None, seed=7, workers=1,
     )  # fmt: skip
-    found = {}
+
+
+def deviations(name: str, e: float, n: float, tracers: int) -> dict[str, tuple[FloatArray, ...]]:
+    """Row -> deviations of <r^2> and of v0 in per cent, (n_times,) each; the errors as a row."""
+    times = (TIMES if e < 1.0 else ELASTIC_TIMES) / (2.0 * n)
+    run, found = simulated(name, e, n, times, tracers), {}
     for order in ("dilute", *ORDERS):
         more = {} if order == "dilute" else {"scatterers": name, "density_order": order}
         exact = solve(Scene(e, n, times=times, outputs=("msd", "thermal_speed"), **more))

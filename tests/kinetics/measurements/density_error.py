@@ -17,9 +17,8 @@ import numpy as np
 from kinetics import Scene, solve
 from kinetics.collision.medium import SETTLED
 from kinetics.numerics import FloatArray
-from particles import HardDisks, Poisson, simulate
+from tests.kinetics.measurements.density import simulated
 
-MEDIA = 1000
 TIMES = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 100.0, 200.0, 500.0, 1000.0])  # l/U
 LAST_ELASTIC = 100.0
 AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
@@ -27,12 +26,8 @@ AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
 
 def squares(name: str, e: float, n: float, tracers: int) -> dict[str, FloatArray]:
     """Squared deviation of each average over n^2, without its statistical part, (n_times,)."""
-    medium = HardDisks(n, count=5000) if name == "hard disks" else Poisson(n)
     times = (TIMES if e < 1.0 else TIMES[TIMES <= LAST_ELASTIC]) / (2.0 * n)
-    run = simulate(
-        medium, restitution=e, initial="gaussian", times=times, media=MEDIA,
-        tracers=max(2, tracers // MEDIA), max_collisions=None, seed=7, workers=1,
-    )  # fmt: skip
+    run = simulated(name, e, n, times, tracers)
     exact = solve(Scene(e, n, times=times, outputs=AVERAGES, scatterers=name))
     found = {}
     for average in AVERAGES:
