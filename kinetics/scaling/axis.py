@@ -220,6 +220,9 @@ class SpeedAxis:
         self._sampled = None
         if self._low is not None:
             bottom = self._bottom
+            if self._low.top - bottom > 500.0:  # F has long ended: too few nodes made another
+                self.unresolved = True
+                return False
             self._low.extend(bottom - 4.0)
             return self._bottom < bottom
         known, theta = self.tilts[0], None

@@ -246,13 +246,14 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
 # -- the theory's own error, among scatterers at a finite density ----------------------------------
 
 _OWN_ERROR: Mapping[str, tuple[float, float]] = {
-    "thermal_speed": (0.1, 0.2), "a2": (0.3, 0.3), "msd": (0.15, 0.2), "kurtosis": (0.35, 0.2),
+    "thermal_speed": (0.1, 0.3), "a2": (0.15, 0.25), "msd": (0.08, 0.1), "kurtosis": (0.1, 0.1),
 }  # fmt: skip
-_LATE_RETURNS = 1.5
-"""Standard deviation of simulations from the theory of kinetics/collision/medium.py, relative (to
-1 + a2 for a2) and divided by n = rho d^2: before SETTLED, and from then on. Root mean squares over
-n = .04 and .1, six e from 0.25 to 1 and both media, rounded up (commit 7baf535 has the script).
-Before SETTLED <r^2> deviates by up to 1.5 e^2 n more, because returns take time."""
+"""Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
+1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
+n = .02 and .04, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density_error.py);
+at n = .1 they are up to three times as large."""
+_LATE = 30.0
+"""In l/U."""
 _REMEMBERED = np.log(10.0)
 """In ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)."""
 
@@ -264,13 +265,9 @@ def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Arr
     """
     if point.scatterers == "dilute":
         return None
-    from kinetics.collision.medium import SETTLED
-
     times, names = expectation.sample.times, expectation.names
-    late = times >= SETTLED * point.path
+    late = times >= _LATE * point.path
     share = np.array([np.where(late, *_OWN_ERROR[name][::-1]) for name in names])
-    if "msd" in names:
-        share[names.index("msd")] += np.where(late, 0.0, _LATE_RETURNS * point.restitution**2)
     size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
     error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
     logs = np.log(np.where(times > 0, times, 1.0))

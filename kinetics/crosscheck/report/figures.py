@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics import ScalingSolution, sonine
-from kinetics.collision.medium import SETTLED
 from kinetics.crosscheck.report import reduce, runs
 from kinetics.crosscheck.report.reduce import Array, Measured
 from kinetics.crosscheck.report.rows import PAPER_KURTOSIS
@@ -287,8 +286,7 @@ def msd(results: Results) -> Made:
         if case.solved.dense is not None:
             sheet.line(below, "corrected equation", t, case.solved.dense.msd / kinetic, e)
             said = "Lines there: the equation of hard disks at this density, with nothing fitted"
-            settled = numeral(SETTLED / (2 * system.half_rate), ".2g")
-            said += f" here, trusted from {settled} d/U on."
+            said += " here."
         if system.is_papers_law:
             sheet.line(top, FIT, t, case.theory[FIT]["msd"], e)
     below.axhline(1, color=INK, linewidth=0.8)

