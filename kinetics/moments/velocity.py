@@ -58,6 +58,7 @@ class Averages:
     degree, lowest : largest and smallest power of the speed that will be asked for
     nodes : of a panel of the backward equation; chosen from rtol and degree by default
     harmonic : the largest angular harmonic that will be asked for
+    delayed : whether scatterers that are met again are met after a loop, or at once
     """
 
     law: CollisionLaw
@@ -69,6 +70,7 @@ class Averages:
     lowest: float = 0.0
     nodes: int | None = None
     harmonic: int = 2
+    delayed: bool = True
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -101,8 +103,8 @@ class Averages:
 
     @property
     def returns(self) -> bool:
-        """Whether scatterers are met again."""
-        return bool(self.law.medium is not None and self.law.restitution)
+        """Whether scatterers are met again after a loop."""
+        return bool(self.delayed and self.law.medium is not None and self.law.restitution)
 
     def _is_closed(self, y: Observable) -> bool:
         """Whether y has a closed form: speeds are kept, and a harmonic decays at one rate."""

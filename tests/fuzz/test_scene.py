@@ -92,7 +92,7 @@ def test_averages(system: Any, rtol: Any, power: Any, order: Any) -> None:
     if found is None:
         return
     if found.status is SolverStatus.CONVERGED:
-        fine = again(found, 1e-13)
+        fine = again(found, 1e-12)
         assert apart(found, fine) <= 1.5 * (found.rtol + fine.error_estimate)
     for moment in (tried(found.moment, power), tried(found.harmonic, power, order)):
         assert moment is None or np.all(np.isfinite(moment))
