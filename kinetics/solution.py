@@ -417,7 +417,7 @@ class Solution(Result):
     def scaled_position_density(self, scaled_radii: ArrayLike) -> FloatArray:
         """G(R) = sqrt(<r^2>) g(r, t) at R = r/sqrt(<r^2>), shape (n_times, n_R).
 
-        <r^2> is that of g itself: at a finite density :attr:`msd` knows more, that returns take time.
+        <r^2> is that of g itself: at a finite density :attr:`msd` knows that returns take time.
         NaN at t = 0, where all tracers are at the origin. Raises InputError for negative R.
         """
         found, x = self._position(), not_negative_line("scaled_radii", scaled_radii)
