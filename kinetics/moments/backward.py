@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,6 +122,14 @@ def smaller_ends(values: FloatArray) -> FloatArray:
     return np.maximum(np.maximum(ends, 1e-3 * size.max(axis=1)), 1e-300)
 
 
+@lru_cache(maxsize=8)
+def _kept(
+    law: CollisionLaw, nodes: int, width: float, at_once: bool
+) -> tuple[dict[int, Any], dict[int, PanelShifts], dict[Observable, FloatArray]]:
+    """Kernels, shifts and series, which start and times do not change: filled where asked for."""
+    return {}, {}, {}
+
+
 @dataclass
 class BackwardEquation:
     """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
@@ -139,13 +148,12 @@ class BackwardEquation:
     nodes: int
     width: float = 1.0
     harmonic: int = 2
-    _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
-    _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
-    _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
+        kept = _kept(self.law, self.nodes, self.width, self._at_once(1))
+        self._kernels, self._shifts, self._series = kept
         end = min(self.highest, self._saturation)
         self.count = max(1, math.ceil((end - self.start) / self.width))
 
@@ -282,16 +290,14 @@ class BackwardEquation:
             self._errors[observable] = float(error)
         return self._errors[observable]
 
-    def at(
-        self, observable: Observable, x: FloatArray, leading: int = 0
-    ) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """y at X = x, -inf allowed, and whether that is below the panels; each of shape (n,).
+    def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:
+        """y at X = x, -inf allowed, and whether that is below the panels; each of its shape.
 
         Below them it is y T^-(p + leading), by the power series, whose first ``leading`` terms must
         vanish, because T^p alone may overflow. Above them y is on its asymptote, a polynomial in X,
         or a power where speeds are kept.
         """
-        values = self.solve(observable)
+        values = self.solve(y)
         low = x < self.start
         level = (x[~low] - self.start) / self.width
         index = np.minimum(level.astype(int), self.count - 1)
@@ -299,12 +305,12 @@ class BackwardEquation:
         inside = np.einsum("ij,ij->i", shares, values[index]) / shares.sum(axis=1)
         beyond = level > self.count
         if beyond.any():
-            if self.law.is_elastic and observable.harmonic and observable.is_power:
+            if self.law.is_elastic and y.harmonic and y.is_power:
                 inside[beyond] = 0.0  # it has decayed
             else:
-                inside[beyond] = self._asymptote(values, observable.growth, level[beyond])
+                inside[beyond] = self._asymptote(values, y.growth, level[beyond])
         value = np.empty(x.shape)
-        series = self.series(observable)[leading:]
+        series = self.series(y)[leading:]
         value[low] = np.polynomial.polynomial.polyval(np.exp(x[low]), series)
         value[~low] = inside
         return value, low

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
@@ -69,10 +68,8 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _powers: dict[tuple[float, int], NDArray[Any]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
-    _rows: dict[bytes, NDArray[Any]] = field(
+    # powers by p and m, and matrices by the points that they average over
+    _kept: dict[tuple[Any, Any], NDArray[Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -172,9 +169,9 @@ class Averages:
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
-        if (p, m) not in self._powers:
-            self._powers[p, m] = self.average(speed_power(p, m))
-        return self._powers[p, m]
+        if (p, m) not in self._kept:
+            self._kept[p, m] = self.average(speed_power(p, m))
+        return self._kept[p, m]
 
     def average(
         self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
@@ -223,23 +220,24 @@ class Averages:
         reach = 2 + int((points.x.max() - points.x.min()) / width)
         if rule.nodes * (points.x.size + count * reach) >= points.x.size * stretch.size:
             return self._at(points, y, leading, self.log_stretch)
+        # powers of T as their unit, where each panel begins; v_ref has a kink in ln t
         panel = first + 1 - reach + np.arange(count + reach - 1)
-        x = equation.start + width * (panel[:, None] + equation.rule.local)
-        value, low = equation.at(y, x.ravel(), leading)
-        # powers of T as their unit, where each panel in ln t begins; v_ref has a kink in ln t
-        begin = equation.start - points.x.max() + width * (first + np.arange(count))
-        unit = begin + self._reference(begin)
-        windows = partial(sliding_window_view, window_shape=reach, axis=0)
+        begin = equation.start + width * panel
+        x = begin[:, None] + width * equation.rule.local
+        value, low = equation.at(y, x, leading)
+        low_begin = np.where(panel < 0, begin, 0.0)
+        unit = begin[reach - 1 :] - points.x.max()
+        unit += self._reference(unit)
+        window = np.arange(count)[:, None] + np.arange(reach)
         with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-            scale = np.exp(
-                p * (windows(np.where(low.reshape(x.shape), x, 0.0)) - unit[:, None, None])
-            )
-        key = points.x.tobytes() + points.weight.tobytes()
-        if key not in self._rows:  # most observables of a scene share them
-            self._rows[key] = self._rows_of(points, rule, reach)
-        values = (windows(value.reshape(x.shape)) * scale).reshape(count, -1) @ self._rows[key]
-        out = np.empty(self.times.shape, dtype=values.dtype)
+            value *= np.exp(p * (np.where(low, x, 0.0) - low_begin[:, None]))
+            scale = np.exp(p * (low_begin[window] - unit[:, None]))
+        key = points.x.tobytes(), points.weight.tobytes()
+        if key not in self._kept:  # most observables of a scene share them
+            self._kept[key] = self._rows_of(points, rule, reach)
+        values = (value[window] * scale[:, :, None]).reshape(count, -1) @ self._kept[key]
         back = np.exp(p * (unit[which - first] - stretch - self._reference(stretch)))
+        out = np.empty(self.times.shape, dtype=values.dtype)
         out[late] = np.einsum("ij,ij->i", rule.rows(level - which), values[which - first]) * back
         out[~late] = self._at(points, y, leading, self.log_stretch[~late])
         return out
@@ -247,7 +245,7 @@ class Averages:
     def _rows_of(self, points: LogMeasure, rule: PanelRule, reach: int) -> NDArray[Any]:
         """The average at the nodes of a panel in ln t from y in so many panels up to that in X.
 
-        Shape (nodes * reach, nodes of rule). The fastest points are where the node itself is.
+        Shape (reach * nodes, nodes of rule). The fastest points are where the node itself is.
         """
         inner, order = self.equation.rule, np.argsort(points.x)
         out = np.zeros((rule.nodes * reach, inner.nodes), dtype=points.weight.dtype)
@@ -259,8 +257,7 @@ class Averages:
             into = np.arange(1, rule.nodes + 1)[:, None] * reach - 1 + below.astype(int)
             found, begin = np.unique(into, return_index=True)  # it rises
             out[found] += np.add.reduceat(weight[:, None] * rows, begin, axis=0)
-        out = out.reshape(rule.nodes, reach, inner.nodes).transpose(2, 1, 0)
-        return out.reshape(-1, rule.nodes)
+        return out.reshape(rule.nodes, -1).T
 
     def _at(
         self, points: LogMeasure, y: Observable, leading: int, log_stretch: FloatArray
@@ -273,11 +270,10 @@ class Averages:
         for first in range(0, log_stretch.size, piece):
             stretch = log_stretch[first : first + piece, None]
             reference = self._reference(stretch)
-            value, low = self.equation.at(y, (x + stretch).ravel(), leading)
+            value, low = self.equation.at(y, x + stretch, leading)
             with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-                # y = T^p m: m where T is small, y where it is not
-                unit = np.where(low.reshape(-1, x.size), x, -stretch) - reference
-                out[first : first + piece] = (value.reshape(unit.shape) * np.exp(p * unit)) @ w
+                unit = np.where(low, x, -stretch) - reference
+                out[first : first + piece] = (value * np.exp(p * unit)) @ w
         return out
 
 
