@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,16 +122,12 @@ def smaller_ends(values: FloatArray) -> FloatArray:
     return np.maximum(np.maximum(ends, 1e-3 * size.max(axis=1)), 1e-300)
 
 
-@dataclass(frozen=True)
-class Places:
-    """Where values of X lie; see `BackwardEquation.locate`."""
-
-    low: NDArray[np.bool_]  # whether each is below the panels, (n,)
-    early: FloatArray  # T of those, (n_low,)
-    index: NDArray[np.intp]  # panel of each of the others, (n_others,)
-    shares: FloatArray  # barycentric weights over distances to its nodes, (n_others, nodes)
-    total: FloatArray  # their sums
-    level: FloatArray  # X in panels, (n_others,)
+@lru_cache(maxsize=8)
+def _kept(
+    law: CollisionLaw, nodes: int, width: float, at_once: bool
+) -> tuple[dict[int, Any], dict[int, PanelShifts], dict[Observable, FloatArray]]:
+    """Kernels, shifts and series, which start and times do not change: filled where asked for."""
+    return {}, {}, {}
 
 
 @dataclass
@@ -151,13 +148,12 @@ class BackwardEquation:
     nodes: int
     width: float = 1.0
     harmonic: int = 2
-    _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
-    _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
-    _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
+        kept = _kept(self.law, self.nodes, self.width, self._at_once(1))
+        self._kernels, self._shifts, self._series = kept
         end = min(self.highest, self._saturation)
         self.count = max(1, math.ceil((end - self.start) / self.width))
 
@@ -294,35 +290,30 @@ class BackwardEquation:
             self._errors[observable] = float(error)
         return self._errors[observable]
 
-    def locate(self, x: FloatArray) -> Places:
-        """Where X = x lies, for every observable; any shape, -inf allowed."""
-        flat = x.ravel()
-        level = (flat - self.start) / self.width
-        low = level < 0.0
-        level = level[~low]
+    def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:
+        """y at X = x, -inf allowed, and whether that is below the panels; each of its shape.
+
+        Below them it is y T^-(p + leading), by the power series, whose first ``leading`` terms must
+        vanish, because T^p alone may overflow. Above them y is on its asymptote, a polynomial in X,
+        or a power where speeds are kept.
+        """
+        values = self.solve(y)
+        low = x < self.start
+        level = (x[~low] - self.start) / self.width
         index = np.minimum(level.astype(int), self.count - 1)
         shares = self.rule.shares(np.minimum(level - index, 1.0))
-        return Places(low, np.exp(flat[low]), index, shares, shares.sum(axis=1), level)
-
-    def reduced(
-        self, observable: Observable, places: Places, leading: int = 0
-    ) -> tuple[FloatArray, FloatArray]:
-        """y T^-(p + leading) where X is below the panels, (n_low,), and y elsewhere, (n_others,).
-
-        Below the panels by the power series, whose first ``leading`` terms must vanish; above
-        them on the asymptote, a polynomial in X, or a power where speeds are kept. Apart, because
-        T^p alone may overflow.
-        """
-        values = self.solve(observable)
-        small = np.polynomial.polynomial.polyval(places.early, self.series(observable)[leading:])
-        value = np.einsum("ij,ij->i", places.shares, values[places.index]) / places.total
-        beyond = places.level > self.count
+        inside = np.einsum("ij,ij->i", shares, values[index]) / shares.sum(axis=1)
+        beyond = level > self.count
         if beyond.any():
-            if self.law.is_elastic and observable.harmonic and observable.is_power:
-                value[beyond] = 0.0  # it has decayed
+            if self.law.is_elastic and y.harmonic and y.is_power:
+                inside[beyond] = 0.0  # it has decayed
             else:
-                value[beyond] = self._asymptote(values, observable.growth, places.level[beyond])
-        return np.asarray(small), value
+                inside[beyond] = self._asymptote(values, y.growth, level[beyond])
+        value = np.empty(x.shape)
+        series = self.series(y)[leading:]
+        value[low] = np.polynomial.polynomial.polyval(np.exp(x[low]), series)
+        value[~low] = inside
+        return value, low
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
         """The power, or polynomial in X, through the ends of the last panels, at X in panels."""

@@ -23,21 +23,17 @@ from kinetics.moments.backward import (
     START,
     BackwardEquation,
     Observable,
-    Places,
     fall_of,
     panel_width,
     speed_power,
 )
 from kinetics.moments.delayed import DelayedReturns
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import panel_rule
+from kinetics.numerics.panels import PanelRule, panel_rule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 from kinetics.validation import exponent, whole_number
 
-# Many times are interpolated in ln t: where there are more than this for each node of the panels in
-# ln t, and as many points of the initial state.
-_MANY, _FEW_POINTS = 2, 4
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.
 _NODES, _PER_POWER, _PER_DIGIT = 2.0, 0.75, 1.12
@@ -74,8 +70,8 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
-    _powers: dict[tuple[float, int], NDArray[Any]] = field(
+    # powers by p and m, and matrices by the points that they average over
+    _kept: dict[tuple[Any, Any], NDArray[Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -175,9 +171,9 @@ class Averages:
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
-        if (p, m) not in self._powers:
-            self._powers[p, m] = self.average(speed_power(p, m))
-        return self._powers[p, m]
+        if (p, m) not in self._kept:
+            self._kept[p, m] = self.average(speed_power(p, m))
+        return self._kept[p, m]
 
     def average(
         self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
@@ -212,41 +208,58 @@ class Averages:
         """The average at all times, (n_times,); where there are many, most by interpolation.
 
         An average over speeds is as smooth in ln t as its observable is in ln T: a few times of
-        each panel give the others.
+        each panel give the others. Panels in ln t are those in X, moved by the largest ln v: then
+        the average is the same few small matrices on all of them.
         """
+        equation, width, p = self.equation, self.width, y.degree + leading
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
         # a node is about one digit: with two more a hundredth of rtol remains
-        rule = panel_rule(self.equation.nodes + 2, self.width)
-        # panels down from the last time: the equation is not solved beyond it
-        end = stretch[-1:]
-        used, which = np.unique(
-            np.floor((end - stretch) / self.width).astype(int), return_inverse=True
-        )
-        if stretch.size <= _MANY * used.size * rule.nodes or points.x.size < _FEW_POINTS:
+        rule = panel_rule(equation.nodes + 2, width)
+        level = (stretch + points.x.max() - equation.start) / width
+        which = np.ceil(level).astype(int) - 1
+        first, count = (int(which[0]), int(which[-1] - which[0]) + 1) if which.size else (0, 0)
+        reach = 2 + int((points.x.max() - points.x.min()) / width)
+        if rule.nodes * (points.x.size + count * reach) >= points.x.size * stretch.size:
             return self._at(points, y, leading, self.log_stretch)
-        first = end - (used + 1) * self.width
-        nodes = first[:, None] + self.width * rule.local
-        values = self._at(points, y, leading, nodes.ravel()).reshape(nodes.shape)
-        # interpolated with powers of T as their unit; v_ref has a kink in ln t
-        p = y.degree + leading
-        power = nodes + self._reference(nodes)
-        values = values * np.exp(p * (power - power[:, :1]))
-        rows = rule.rows((stretch - first[which]) / self.width)
-        at_times = stretch + self._reference(stretch) - power[which, 0]
+        # powers of T as their unit, where each panel begins; v_ref has a kink in ln t
+        panel = first + 1 - reach + np.arange(count + reach - 1)
+        begin = equation.start + width * panel
+        x = begin[:, None] + width * equation.rule.local
+        value, low = equation.at(y, x, leading)
+        low_begin = np.where(panel < 0, begin, 0.0)
+        unit = begin[reach - 1 :] - points.x.max()
+        unit += self._reference(unit)
+        window = np.arange(count)[:, None] + np.arange(reach)
+        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+            value *= np.exp(p * (np.where(low, x, 0.0) - low_begin[:, None]))
+            scale = np.exp(p * (low_begin[window] - unit[:, None]))
+        key = points.x.tobytes(), points.weight.tobytes()
+        if key not in self._kept:  # most observables of a scene share them
+            self._kept[key] = self._rows_of(points, rule, reach)
+        values = (value[window] * scale[:, :, None]).reshape(count, -1) @ self._kept[key]
+        back = np.exp(p * (unit[which - first] - stretch - self._reference(stretch)))
         out = np.empty(self.times.shape, dtype=values.dtype)
-        out[late] = np.einsum("ij,ij->i", rows, values[which]) * np.exp(-p * at_times)
+        out[late] = np.einsum("ij,ij->i", rule.rows(level - which), values[which - first]) * back
         out[~late] = self._at(points, y, leading, self.log_stretch[~late])
         return out
 
-    def _places(self, x: FloatArray) -> Places:
-        """Where these X lie; kept, because all observables of a scene ask for the same X."""
-        key = x.tobytes()
-        if key not in self._known:
-            if len(self._known) >= 16:
-                self._known.clear()
-            self._known[key] = self.equation.locate(x)
-        return self._known[key]
+    def _rows_of(self, points: LogMeasure, rule: PanelRule, reach: int) -> NDArray[Any]:
+        """The average at the nodes of a panel in ln t from y in so many panels up to that in X.
+
+        Shape (reach * nodes, nodes of rule). The fastest points are where the node itself is.
+        """
+        inner, order = self.equation.rule, np.argsort(points.x)
+        out = np.zeros((rule.nodes * reach, inner.nodes), dtype=points.weight.dtype)
+        for part in np.array_split(order, 1 + order.size * rule.nodes // _PIECE):
+            place = rule.local[:, None] + (points.x[part] - points.x.max()) / self.width
+            below = np.minimum(np.floor(place), 0.0)
+            rows = inner.shares((place - below).ravel())
+            weight = np.tile(points.weight[part], rule.nodes) / np.einsum("ij->i", rows)
+            into = np.arange(1, rule.nodes + 1)[:, None] * reach - 1 + below.astype(int)
+            found, begin = np.unique(into, return_index=True)  # it rises
+            out[found] += np.add.reduceat(weight[:, None] * rows, begin, axis=0)
+        return out.reshape(rule.nodes, -1).T
 
     def _at(
         self, points: LogMeasure, y: Observable, leading: int, log_stretch: FloatArray
@@ -259,14 +272,10 @@ class Averages:
         for first in range(0, log_stretch.size, piece):
             stretch = log_stretch[first : first + piece, None]
             reference = self._reference(stretch)
-            places = self._places(x + stretch)
-            small, large = self.equation.reduced(y, places, leading)
+            value, low = self.equation.at(y, x + stretch, leading)
             with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-                # y = T^p m: m where T is small, y where it is not
-                value = np.repeat(np.exp(-p * (stretch + reference)), x.size)
-                value[~places.low] *= large
-                value[places.low] = small * np.exp(p * (x - reference).ravel()[places.low])
-            out[first : first + piece] = value.reshape(-1, x.size) @ w
+                unit = np.where(low, x, -stretch) - reference
+                out[first : first + piece] = (value * np.exp(p * unit)) @ w
         return out
 
 

@@ -48,7 +48,7 @@ RESTITUTIONS = (0.0, 0.15, 0.35, 0.55, 0.7, 0.8, 0.92, 0.98, 0.9999)
 
 def evaluate(equation: BackwardEquation, y: Observable, x: Any) -> Any:
     """y(X) at X = x, on the panels."""
-    return equation.reduced(y, equation.locate(x))[1]
+    return equation.at(y, x)[0]
 
 
 def relative_error(equation: BackwardEquation, exact: BackwardEquation, y: Observable) -> float:
