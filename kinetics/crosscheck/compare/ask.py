@@ -73,7 +73,7 @@ def compare_data(
     tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
         runs in space, averages are compared and densities are not
     field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
-        restitution and number_density are needed, and causes are not looked for
+        restitution and number_density are needed; the cause that is looked for is another axis
     explain : test what may explain a difference; False is quicker
     scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (at their density,
         see Scene), or "auto": as an Ensemble says, or the likeliest for the data. For others than
