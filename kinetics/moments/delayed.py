@@ -33,7 +33,7 @@ _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4
 _LOOPS = 1.5  # b in l, which loops of the size of l are spread over
 _LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
 _SHARPEST = 3.0  # e-folds below n: how sharp what follows the first returns is
-_SETTLED = 30.0  # longest loops after which time is left in abundance
+_SETTLED, _FEW = 100.0, 8  # T/c after which so many loops of each kind stand for all, to e^-35
 _FIRST = 7.0  # e-folds below 2 n: e^-28 of the near loops are shorter
 
 Operator = tuple[int, FloatArray, FloatArray, FloatArray]
@@ -50,6 +50,20 @@ def loops(medium: Medium, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     e, n = medium.restitution, medium.density
     near = 2.0 * e / (1.0 + e) * n * np.exp(-_CORRIDOR * y) / (y * (1.0 + (2.0 * n / y) ** 4))
     return near, y * np.exp(-y / _LOOPS) / _LOOPS**2
+
+
+def _gauss_of(x: FloatArray, weight: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss nodes and weights of a sum over many points x, (count,) each: Stieltjes' recurrence."""
+    middle, norm = np.empty(count), np.empty(count)
+    before, now = np.zeros(x.size), np.ones(x.size)
+    for k in range(count):
+        norm[k] = weight @ now**2
+        middle[k] = weight @ (x * now**2) / norm[k]
+        ratio = norm[k] / norm[k - 1] if k else 0.0
+        before, now = now, (x - middle[k]) * now - ratio * before
+    side = np.sqrt(norm[1:] / norm[:-1])
+    nodes, vectors = np.linalg.eigh(np.diag(middle) + np.diag(side, 1) + np.diag(side, -1))
+    return nodes, norm[0] * vectors[0] ** 2
 
 
 @dataclass
@@ -92,17 +106,26 @@ class DelayedReturns(BackwardEquation):
         rest = [(self.medium.returns(m) - near) / far for m in range(self.harmonic + 1)]
         return np.array([((-1.0) ** m, (-1.0) ** m * each) for m, each in enumerate(rest)])
 
+    @cached_property
+    def _late(self) -> tuple[FloatArray, FloatArray]:
+        """A few loops that stand for all where much time is left: y (16,), weights (2, 16)."""
+        u, w = equal_panels(math.log(_LONGEST / self._shortest), 16)
+        y = self._shortest * np.exp(u)
+        near, far = (_gauss_of(y, w * y * shape, _FEW) for shape in loops(self.medium, y))
+        none = np.zeros(_FEW)
+        weight = np.stack([np.append(near[1], none), np.append(none, far[1])])
+        return np.append(near[0], far[0]), weight
+
     def _paths(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Loops y in l and the steps dy of their sum, for each X: (n, n_loops) each.
+        """Loops y in l for each X, (n, n_loops), and their weights, near and far, (2, n, n_loops).
 
         Up to half of the longest one in ln y; then in ln of what is left to the longest, because
         the first returns are a sharp event in the time that is left.
         """
-        points = self.nodes
-        if x[0] > math.log(_SETTLED * _LONGEST * self._pace):
-            u, w = equal_panels(math.log(_LONGEST / self._shortest), points)
-            y = np.tile(self._shortest * np.exp(u), (x.size, 1))
-            return y, w * y
+        if x[0] > math.log(_SETTLED * self._pace):
+            y, weight = self._late
+            return np.tile(y, (x.size, 1)), np.repeat(weight[:, None], x.size, axis=1)
+        points = max(6, (2 * self.nodes) // 3)
         top = np.minimum(np.exp(x) / self._pace, _LONGEST)[:, None]
         log_half = math.log(0.5 * _LONGEST / self._shortest)
         u, w = equal_panels(log_half, points)
@@ -112,7 +135,8 @@ class DelayedReturns(BackwardEquation):
         near, part = equal_panels(math.exp(-v[-1] - v[0]), points)
         v, z = np.append(np.exp(-v), near), np.append(np.exp(-v) * z, part)
         y = np.concatenate([low, top * (1.0 - 0.5 * v)], axis=1)
-        return y, np.concatenate([span * w * low, 0.5 * top * z], axis=1)
+        step = np.concatenate([span * w * low, 0.5 * top * z], axis=1)
+        return y, step * np.stack(loops(self.medium, y))
 
     def _operator(self, p: float) -> list[Operator]:
         """What loops make of (K - 1) U on each panel, as powers T^p of the time that is left."""
@@ -120,15 +144,14 @@ class DelayedReturns(BackwardEquation):
             found = []
             for j in range(self.count):
                 x = self.start + self.width * (j + self.rule.local)
-                y, step = self._paths(x)
-                weight = step * np.stack(loops(self.medium, y))
+                y, weight = self._paths(x)
                 left = np.maximum(-np.expm1(np.log(y * self._pace) - x[:, None]), 1e-300)
                 level = x[:, None] + np.log(self.medium.restitution * left) - self.start
                 level /= self.width
                 low = level < 0.0
                 early = np.exp(self.start + self.width * np.where(low, level, -np.inf))
                 power = np.exp(p * (x + math.log(self.medium.restitution)))[:, None]
-                weight *= np.where(low, power, np.where(low, 1.0, left) ** -p)
+                weight = weight * np.where(low, power, np.where(low, 1.0, left) ** -p)
                 index = np.clip(level.astype(int), 0, j)
                 first = int(index[~low].min(initial=j))
                 rows = self.rule.shares(np.clip(level - index, 0.0, 1.0).ravel())
