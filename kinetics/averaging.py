@@ -121,7 +121,7 @@ def displacement_of(averages: Averages, outputs: tuple[str, ...]) -> Displacemen
     if not any(OUTPUTS[name].step == POSITION for name in outputs):
         return None
     # distributions take returns to be at once, and G(R) has the scale of its own distribution
-    own = replace(averages, delayed=False) if averages.returns else averages
+    own = replace(averages, delayed=False) if averages.has_delays else averages
     root = in_range("msd", root_mean_square(own))
     rtol = 0.4 * max(averages.rtol, BEST_DENSITY)  # the rest is for its transform
     path = averages.mean_free_path

@@ -33,7 +33,7 @@ _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4
 _LOOPS = 1.5  # b in l, which loops of the size of l are spread over
 _LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
 _SHARPEST = 3.0  # e-folds below n: how sharp what follows the first returns is
-_SETTLED, _FEW = 100.0, 8  # T/c after which so many loops of each kind stand for all, to e^-35
+_AMPLE, _FEW = 100.0, 8  # T/c after which so many loops of each kind stand for all, to e^-35
 _FIRST = 7.0  # e-folds below 2 n: e^-28 of the near loops are shorter
 
 Operator = tuple[int, FloatArray, FloatArray, FloatArray]
@@ -98,20 +98,24 @@ class DelayedReturns(BackwardEquation):
         return 0.5 * (1.0 + 1.0 / self.medium.restitution)
 
     @cached_property
-    def _shares(self) -> FloatArray:
-        """Factors of the near and of the far loops so that together they are eps, (m, 2)."""
+    def _all_loops(self) -> tuple[FloatArray, FloatArray]:
+        """All loops y in l, (n,), and their weights, near and far, (2, n)."""
         u, w = equal_panels(math.log(_LONGEST / self._shortest), 16)
         y = self._shortest * np.exp(u)
-        near, far = (float((w * y) @ shape) for shape in loops(self.medium, y))
+        return y, w * y * np.stack(loops(self.medium, y))
+
+    @cached_property
+    def _shares(self) -> FloatArray:
+        """Factors of the near and of the far loops so that together they are eps, (m, 2)."""
+        near, far = self._all_loops[1].sum(axis=1).tolist()
         rest = [(self.medium.returns(m) - near) / far for m in range(self.harmonic + 1)]
         return np.array([((-1.0) ** m, (-1.0) ** m * each) for m, each in enumerate(rest)])
 
     @cached_property
     def _late(self) -> tuple[FloatArray, FloatArray]:
         """A few loops that stand for all where much time is left: y (16,), weights (2, 16)."""
-        u, w = equal_panels(math.log(_LONGEST / self._shortest), 16)
-        y = self._shortest * np.exp(u)
-        near, far = (_gauss_of(y, w * y * shape, _FEW) for shape in loops(self.medium, y))
+        y, each = self._all_loops
+        near, far = (_gauss_of(y, weight, _FEW) for weight in each)
         none = np.zeros(_FEW)
         weight = np.stack([np.append(near[1], none), np.append(none, far[1])])
         return np.append(near[0], far[0]), weight
@@ -122,7 +126,7 @@ class DelayedReturns(BackwardEquation):
         Up to half of the longest one in ln y; then in ln of what is left to the longest, because
         the first returns are a sharp event in the time that is left.
         """
-        if x[0] > math.log(_SETTLED * self._pace):
+        if x[0] > math.log(_AMPLE * self._pace):
             y, weight = self._late
             return np.tile(y, (x.size, 1)), np.repeat(weight[:, None], x.size, axis=1)
         points = max(6, (2 * self.nodes) // 3)

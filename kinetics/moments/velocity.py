@@ -98,13 +98,13 @@ class Averages:
         return self.law.is_elastic
 
     @property
-    def returns(self) -> bool:
+    def has_delays(self) -> bool:
         """Whether scatterers are met again after a loop."""
         return bool(self.delayed and self.law.medium is not None and self.law.restitution)
 
     def _is_closed(self, y: Observable) -> bool:
         """Whether y has a closed form: speeds are kept, and a harmonic decays at one rate."""
-        if self.returns:
+        if self.has_delays:
             return self.elastic and y.is_power and not y.harmonic
         return self.elastic and (y.is_power or y == SQUARED_DISPLACEMENT)
 
@@ -166,7 +166,7 @@ class Averages:
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
         largest = min(max(abs(self.degree), abs(self.lowest)), 4.0)  # narrower panels do the rest
         first = math.ceil(_NODES + _PER_POWER * largest - _PER_DIGIT * math.log10(self.rtol))
-        kind = DelayedReturns if self.returns else BackwardEquation
+        kind = DelayedReturns if self.has_delays else BackwardEquation
         return kind(self.law, max(highest, START), self.nodes or first, self.width, self.harmonic)
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:

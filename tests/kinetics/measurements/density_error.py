@@ -1,10 +1,10 @@
 """Measures the error that the theory of a finite density has of its own, for `lorentz compare`.
 
-Root mean squares, over restitutions, media and times, of the relative deviation of simulations from
-the theory, less the simulations' own variance, divided by the density n; before 30 l/U, and from
-then on. kinetics/crosscheck/compare/theory.py has them, rounded up.
+Root mean squares, at each density over restitutions, media and times, of the relative deviation of
+simulations from the theory, less the simulations' own variance, divided by the density n; before
+30 l/U, and from then on. kinetics/crosscheck/compare/theory.py has them, rounded up.
 
-    python -m tests.kinetics.measurements.density_error [tracers]     two minutes with 100,000
+    python -m tests.kinetics.measurements.density_error [tracers]     eight minutes with 400,000
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ def squares(name: str, e: float, n: float, tracers: int) -> dict[str, FloatArray
 
 if __name__ == "__main__":
     tracers = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
-    every: dict[tuple[str, str], list[float]] = {}
-    for n, e, name in itertools.product(
-        (0.04, 0.1), (0.25, 0.4, 0.55, 0.7, 0.9, 1.0), ("hard disks", "overlapping")
-    ):
-        for average, values in squares(name, e, n, tracers).items():
-            early = TIMES[: values.size] < SETTLED
-            every.setdefault((average, "before"), []).append(float(values[early].mean()))
-            every.setdefault((average, "after"), []).append(float(values[~early].mean()))
-    for (average, when), means in every.items():
-        print(f"{average:>13} {when:>6} {SETTLED:g} l/U: {np.sqrt(max(np.mean(means), 0)):.2f} n")
+    for n in (0.02, 0.04, 0.06, 0.1):
+        every: dict[tuple[str, str], list[float]] = {}
+        for e, name in itertools.product((0.4, 0.55, 0.7, 0.9, 1.0), ("hard disks", "overlapping")):
+            for average, values in squares(name, e, n, tracers).items():
+                early = TIMES[: values.size] < SETTLED
+                every.setdefault((average, "before"), []).append(float(values[early].mean()))
+                every.setdefault((average, "after"), []).append(float(values[~early].mean()))
+        for (average, when), means in every.items():
+            size = np.sqrt(max(np.mean(means), 0))
+            print(f"n = {n:g}: {average:>13} {when:>6} {SETTLED:g} l/U: {size:.2f} n")
