@@ -257,7 +257,7 @@ class BackwardEquation:
     def series(self, y: Observable) -> FloatArray:
         """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy.
 
-        Without the end, which adds nothing up to T = exp(START).
+        Without the end, which adds nothing up to where the panels begin.
         """
         if y not in self._series:
             drive = np.zeros(_TERMS)
@@ -270,7 +270,7 @@ class BackwardEquation:
             a = [1.0 if y.is_power else 0.0]
             for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
                 a.append((source - rate * a[k]) / (k + 1.0))
-            size = np.abs(a) * np.exp(START * np.arange(len(a)))
+            size = np.abs(a) * np.exp(self.start * np.arange(len(a)))
             kept = np.nonzero(size > 1e-19 * size.max())[0]  # the rest is below rounding
             self._series[y] = np.array(a[: max(8, int(kept[-1]) + 1)])  # the first 4 may vanish
         return self._series[y]

@@ -32,9 +32,13 @@ from kinetics.numerics.gauss import equal_panels
 _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
 _LOOPS = 1.5  # b in l, which loops of the size of l are spread over
 _LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
-_SHARPEST = 3.0  # e-folds below n: how sharp what follows the first returns is
+_LEAST = 36.0  # near loops that are so many times shorter than those that begin: e^-36
+_POINTS, _WIDE = (
+    2,
+    2.0,
+)  # of the quadrature over loops: points beside half of the nodes, panels in ln y
+_SHARPEST = 2.0  # e-folds below n: how sharp what follows the first returns is
 _AMPLE, _FEW = 100.0, 8  # T/c after which so many loops of each kind stand for all, to e^-35
-_FIRST = 7.0  # e-folds below 2 n: e^-28 of the near loops are shorter
 
 Operator = tuple[int, FloatArray, FloatArray, FloatArray]
 """Of a panel: the first panel that loops lead to; what they bring from there on, to itself, near
@@ -42,14 +46,20 @@ and far (2, nodes, n_panels * nodes); their weights (2, nodes, n_early) and time
 n_early) where these are below all panels."""
 
 
+def _begin(medium: Medium) -> float:
+    """Length a in l: the integral of exp(-a/y)/y is that of 1/y from 2 n on."""
+    return 2.0 * medium.density * math.exp(-np.euler_gamma)
+
+
 def loops(medium: Medium, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """k(y) of near loops, and the shape of those of the size of l, of y in l, in its shape.
 
-    Near loops have y^3/(y^4 + (2 n)^4) in place of 1/y from 2 n on; the shape has the integral 1.
+    Near loops have exp(-a/y)/y in place of 1/y from 2 n on, and as many; all loops begin so.
     """
-    e, n = medium.restitution, medium.density
-    near = 2.0 * e / (1.0 + e) * n * np.exp(-_CORRIDOR * y) / (y * (1.0 + (2.0 * n / y) ** 4))
-    return near, y * np.exp(-y / _LOOPS) / _LOOPS**2
+    e, a = medium.restitution, _begin(medium)
+    begin = np.exp(-a / y)
+    near = 2.0 * e / (1.0 + e) * medium.density * np.exp(-_CORRIDOR * y) / y
+    return near * begin, y * np.exp(-y / _LOOPS) * begin
 
 
 def _gauss_of(x: FloatArray, weight: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
@@ -90,7 +100,7 @@ class DelayedReturns(BackwardEquation):
     @property
     def _shortest(self) -> float:
         """Loop in l below which there are none to rounding."""
-        return 2.0 * self.medium.density * math.exp(-_FIRST)
+        return _begin(self.medium) / _LEAST
 
     @property
     def _pace(self) -> float:
@@ -118,7 +128,9 @@ class DelayedReturns(BackwardEquation):
         near, far = (_gauss_of(y, weight, _FEW) for weight in each)
         none = np.zeros(_FEW)
         weight = np.stack([np.append(near[1], none), np.append(none, far[1])])
-        return np.append(near[0], far[0]), weight
+        y = np.append(near[0], far[0])
+        rising = np.argsort(y)
+        return y[rising], weight[:, rising]
 
     def _paths(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Loops y in l for each X, (n, n_loops), and their weights, near and far, (2, n, n_loops).
@@ -129,15 +141,15 @@ class DelayedReturns(BackwardEquation):
         if x[0] > math.log(_AMPLE * self._pace):
             y, weight = self._late
             return np.tile(y, (x.size, 1)), np.repeat(weight[:, None], x.size, axis=1)
-        points = max(6, (2 * self.nodes) // 3)
+        points = self.nodes // 2 + _POINTS
         top = np.minimum(np.exp(x) / self._pace, _LONGEST)[:, None]
-        log_half = math.log(0.5 * _LONGEST / self._shortest)
-        u, w = equal_panels(log_half, points)
-        span = np.maximum(np.log(0.5 * top / self._shortest), 0.0) / log_half
+        log_half = np.maximum(np.log(0.5 * top / self._shortest), 1e-300)
+        u, w = equal_panels(float(log_half[-1, 0]), points, _WIDE)
+        span = log_half / log_half[-1]
         low = self._shortest * np.exp(span * u)
-        v, z = equal_panels(_SHARPEST - math.log(self.medium.density), points)
-        near, part = equal_panels(math.exp(-v[-1] - v[0]), points)
-        v, z = np.append(np.exp(-v), near), np.append(np.exp(-v) * z, part)
+        v, z = equal_panels(_SHARPEST - math.log(self.medium.density), points, _WIDE)
+        near, part = equal_panels(math.exp(-_SHARPEST) * self.medium.density, points)
+        v, z = np.append(np.exp(-v), near[::-1]), np.append(np.exp(-v) * z, part[::-1])
         y = np.concatenate([low, top * (1.0 - 0.5 * v)], axis=1)
         step = np.concatenate([span * w * low, 0.5 * top * z], axis=1)
         return y, step * np.stack(loops(self.medium, y))
@@ -145,30 +157,34 @@ class DelayedReturns(BackwardEquation):
     def _operator(self, p: float) -> list[Operator]:
         """What loops make of (K - 1) U on each panel, as powers T^p of the time that is left."""
         if p not in self._operators:
-            found = []
-            for j in range(self.count):
-                x = self.start + self.width * (j + self.rule.local)
-                y, weight = self._paths(x)
-                left = np.maximum(-np.expm1(np.log(y * self._pace) - x[:, None]), 1e-300)
-                level = x[:, None] + np.log(self.medium.restitution * left) - self.start
-                level /= self.width
-                low = level < 0.0
-                early = np.exp(self.start + self.width * np.where(low, level, -np.inf))
-                power = np.exp(p * (x + math.log(self.medium.restitution)))[:, None]
-                weight = weight * np.where(low, power, np.where(low, 1.0, left) ** -p)
-                index = np.clip(level.astype(int), 0, j)
-                first = int(index[~low].min(initial=j))
-                rows = self.rule.shares(np.clip(level - index, 0.0, 1.0).ravel())
-                rows = (rows / rows.sum(axis=1)[:, None]).reshape(*y.shape, -1)
-                blocks = [
-                    np.where(low | (index != k), 0.0, weight).swapaxes(0, 1) @ rows
-                    for k in range(first, j + 1)
-                ]
-                used = low.any(axis=0)
-                before = np.where(low, weight, 0.0)[:, :, used], early[:, used]
-                found.append((first, np.concatenate(blocks, axis=2).swapaxes(0, 1), *before))
-            self._operators[p] = found
+            self._operators[p] = [self._of_panel(j, p) for j in range(self.count)]
         return self._operators[p]
+
+    def _of_panel(self, j: int, p: float) -> Operator:
+        n = self.nodes
+        x = self.start + self.width * (j + self.rule.local)
+        y, weight = self._paths(x)
+        left = np.maximum(-np.expm1(np.log(y * self._pace) - x[:, None]), 1e-300)
+        level = x[:, None] + np.log(self.medium.restitution * left) - self.start
+        level /= self.width
+        low = level < 0.0
+        early = np.exp(self.start + self.width * np.where(low, level, -np.inf))
+        if p:
+            power = np.exp(p * (x + math.log(self.medium.restitution)))[:, None]
+            weight = weight * np.where(low, power, np.where(low, 1.0, left) ** -p)
+        index = np.clip(level.astype(int), 0, j)
+        rows = self.rule.shares(np.clip(level - index, 0.0, 1.0).ravel())
+        rows = (np.where(low, 0.0, weight).reshape(2, -1) / rows.sum(axis=1))[:, :, None] * rows
+        # the time that is left falls along a row: loops to the same panel are neighbours
+        place = (np.arange(n)[:, None] * (j + 1) + j - index).ravel()
+        begin = np.flatnonzero(np.diff(place, prepend=-1))
+        blocks = np.zeros((2, n * (j + 1), n))
+        blocks[:, place[begin]] = np.add.reduceat(rows, begin, axis=1)
+        first = int(np.where(low, j, index).min())
+        blocks = blocks.reshape(2, n, j + 1, n)[:, :, j - first :: -1]
+        used = low.any(axis=0)
+        before = np.where(low, weight, 0.0)[:, :, used], early[:, used]
+        return first, blocks.reshape(2, n, -1), *before
 
     def _solve(self, y: Observable) -> FloatArray:
         m, p, n = y.harmonic, y.degree, self.nodes
@@ -183,26 +199,32 @@ class DelayedReturns(BackwardEquation):
         series = (
             -self.law.without_medium.harmonic_decay_rate(p + np.arange(series.size), m) * series
         )
+        back, ended = [], np.empty((self.count, n))
+        for j, (_, blocks, weight, early) in enumerate(self._operator(p)):
+            back.append(np.tensordot(self._shares[m], blocks, axes=1))
+            each = self._shares[m] @ weight.swapaxes(0, 1)
+            ended[j] = np.sum(each * np.polynomial.polynomial.polyval(early, series), axis=1)
+        # V = here ((K - 1) U there) + what loops bring from panels below, U = Y + V
+        here, one = np.stack([each[:, -n:] for each in back]), np.eye(n)
+        inverse = np.linalg.inv(one + here @ loss)
+        scale = 1.0 / np.maximum(1.0, rate)
+        rate *= scale
+        matrix = scale[:, :, None] * (self.rule.derivative - p * one)
+        matrix += rate[:, :, None] * (loss @ inverse)
+        matrix[:, 0] = one[0]
+        matrix = np.linalg.inv(matrix)
         total = np.empty((reach + self.count, n))  # U
         total[:reach] = known[:-1].reshape(reach, n)
         found, lost = np.empty((self.count, n)), np.empty((self.count, n))  # Y, (K - 1) U
-        one, start = np.eye(n), known[-1]
-        for j, (first, blocks, weight, early) in enumerate(self._operator(p)):
-            back = np.tensordot(self._shares[m], blocks, axes=1)
-            back, here = back[:, :-n], back[:, -n:]
-            ended = np.sum(weight * np.polynomial.polynomial.polyval(early, series), axis=2)
+        start = known[-1]
+        for j, (first, *_) in enumerate(self._operator(p)):
             below = gain @ total[j : j + reach].ravel()
-            # V = here (below - loss U) + what loops bring from panels below, U = Y + V
-            inverse = np.linalg.inv(one + here @ loss)
-            added = here @ below + back @ lost[first:j].ravel() + self._shares[m] @ ended
-            added = inverse @ added
-            scale = 1.0 / np.maximum(1.0, rate[j])
-            matrix = scale[:, None] * (self.rule.derivative - p * one)
-            matrix += (scale * rate[j])[:, None] * (loss @ inverse)
-            right = scale * rate[j] * (below - loss @ added + drive[j])
-            matrix[0], right[0] = one[0], start
-            found[j] = np.linalg.solve(matrix, right)
+            added = here[j] @ below + back[j][:, :-n] @ lost[first:j].ravel() + ended[j]
+            added = inverse[j] @ added
+            right = rate[j] * (below - loss @ added + drive[j])
+            right[0] = start
+            found[j] = matrix[j] @ right
             start = found[j, -1]
-            total[reach + j] = inverse @ found[j] + added
+            total[reach + j] = inverse[j] @ found[j] + added
             lost[j] = below - loss @ total[reach + j]
         return found

@@ -36,7 +36,7 @@ from kinetics.validation import exponent, whole_number
 
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.
-_NODES, _PER_POWER, _PER_DIGIT = 2.0, 0.75, 1.12
+_NODES, _PER_POWER, _PER_DIGIT, _PER_DELAY = 2.0, 0.75, 1.12, 2
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 
 
@@ -166,6 +166,8 @@ class Averages:
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
         largest = min(max(abs(self.degree), abs(self.lowest)), 4.0)  # narrower panels do the rest
         first = math.ceil(_NODES + _PER_POWER * largest - _PER_DIGIT * math.log10(self.rtol))
+        if self.has_delays:
+            first += _PER_DELAY
         kind = DelayedReturns if self.has_delays else BackwardEquation
         return kind(self.law, max(highest, START), self.nodes or first, self.width, self.harmonic)
 

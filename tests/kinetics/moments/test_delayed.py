@@ -18,11 +18,13 @@ def along_the_start(e: float, n: float, eps: float, step: float, last: float) ->
     impact, weight = 0.5 * (impact + 1.0), 0.5 * weight
     ratio = np.sqrt(e**2 + (1 - e**2) * impact**2)
     gain = weight * ((1 + e) * impact**2 - e) / ratio
-    log_y = np.linspace(np.log(2e-3 * n), np.log(40.0), 1200)
+    log_y = np.linspace(np.log(0.03 * n), np.log(40.0), 1200)
     y = np.exp(log_y)
-    near = 2 * e / (1 + e) * n * np.exp(-0.6 * y) * y**3 / (y**4 + (2 * n) ** 4)
-    far = y * np.exp(-y / 1.5) / 1.5**2
-    loops = near + (eps - np.trapezoid(near * y, log_y)) * far
+    begin = np.exp(-2 * n * np.exp(-np.euler_gamma) / y)
+    near = 2 * e / (1 + e) * n * np.exp(-0.6 * y) / y * begin
+    far = y * np.exp(-y / 1.5) * begin
+    rest = (eps - np.trapezoid(near * y, log_y)) / np.trapezoid(far * y, log_y)
+    loops = near + rest * far
     loops *= y * (log_y[1] - log_y[0])
     total, lost = np.zeros(grid.size), np.zeros(grid.size)  # U and (K - 1) U
     value, found = 0.0, np.zeros(grid.size)
