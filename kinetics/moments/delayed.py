@@ -28,15 +28,13 @@ from kinetics.collision.medium import Medium
 from kinetics.moments.backward import START, BackwardEquation, Observable
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels
+from kinetics.numerics.panels import PanelRule
 
 _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
 _LOOPS = 1.5  # b in l, which loops of the size of l are spread over
 _LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
 _LEAST = 36.0  # near loops that are so many times shorter than those that begin: e^-36
-_POINTS, _WIDE = (
-    2,
-    2.0,
-)  # of the quadrature over loops: points beside half of the nodes, panels in ln y
+_POINTS, _WIDE = 2, 2.0  # of the sums over loops: points beside half of the nodes; panels in ln y
 _SHARPEST = 2.0  # e-folds below n: how sharp what follows the first returns is
 _AMPLE, _FEW = 100.0, 8  # T/c after which so many loops of each kind stand for all, to e^-35
 
@@ -49,6 +47,21 @@ n_early) where these are below all panels."""
 def _begin(medium: Medium) -> float:
     """Length a in l: the integral of exp(-a/y)/y is that of 1/y from 2 n on."""
     return 2.0 * medium.density * math.exp(-np.euler_gamma)
+
+
+def _shortest(medium: Medium) -> float:
+    """Loop in l below which there are none to rounding."""
+    return _begin(medium) / _LEAST
+
+
+def _pace(medium: Medium) -> float:
+    """Time that a loop takes over its path: c."""
+    return 0.5 * (1.0 + 1.0 / medium.restitution)
+
+
+def first_closed(medium: Medium) -> float:
+    """X = ln T below which no loop is closed to rounding."""
+    return math.log(_shortest(medium) * _pace(medium))
 
 
 def loops(medium: Medium, y: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -76,46 +89,34 @@ def _gauss_of(x: FloatArray, weight: FloatArray, count: int) -> tuple[FloatArray
     return nodes, norm[0] * vectors[0] ** 2
 
 
-@dataclass
-class DelayedReturns(BackwardEquation):
-    """The backward equation with returns that take time; its law must have a medium, e > 0."""
+@dataclass(frozen=True)
+class Loops:
+    """What loops bring to the nodes of panels in X = ln T.
 
-    _operators: dict[float, list[Operator]] = field(default_factory=dict, repr=False)
+    Parameters
+    ----------
+    medium : the scatterers, e > 0
+    rule : the collocation of a panel
+    start : X where the panels begin, not above `first_closed`
+    harmonic : the largest m that is asked for
+    turning : how many times narrower panels in the path of a loop are, for what turns with it
+    """
 
-    @property
-    def medium(self) -> Medium:
-        """The scatterers."""
-        assert self.law.medium is not None
-        return self.law.medium
-
-    def _at_once(self, m: int) -> bool:
-        """The speed alone is nearer to simulations so."""
-        return m == 0
-
-    @property
-    def start(self) -> float:
-        """X below which no loop is closed to rounding."""
-        return min(START, math.log(self._shortest * self._pace))
-
-    @property
-    def _shortest(self) -> float:
-        """Loop in l below which there are none to rounding."""
-        return _begin(self.medium) / _LEAST
-
-    @property
-    def _pace(self) -> float:
-        """Time that a loop takes over its path: c."""
-        return 0.5 * (1.0 + 1.0 / self.medium.restitution)
+    medium: Medium
+    rule: PanelRule
+    start: float
+    harmonic: int
+    turning: float = 1.0
 
     @cached_property
     def _all_loops(self) -> tuple[FloatArray, FloatArray]:
         """All loops y in l, (n,), and their weights, near and far, (2, n)."""
-        u, w = equal_panels(math.log(_LONGEST / self._shortest), 16)
-        y = self._shortest * np.exp(u)
+        u, w = equal_panels(math.log(_LONGEST / _shortest(self.medium)), 16)
+        y = _shortest(self.medium) * np.exp(u)
         return y, w * y * np.stack(loops(self.medium, y))
 
     @cached_property
-    def _shares(self) -> FloatArray:
+    def shares(self) -> FloatArray:
         """Factors of the near and of the far loops so that together they are eps, (m, 2)."""
         near, far = self._all_loops[1].sum(axis=1).tolist()
         rest = [(self.medium.returns(m) - near) / far for m in range(self.harmonic + 1)]
@@ -138,37 +139,32 @@ class DelayedReturns(BackwardEquation):
         Up to half of the longest one in ln y; then in ln of what is left to the longest, because
         the first returns are a sharp event in the time that is left.
         """
-        if x[0] > math.log(_AMPLE * self._pace):
+        if x[0] > math.log(_AMPLE * _pace(self.medium)):
             y, weight = self._late
             return np.tile(y, (x.size, 1)), np.repeat(weight[:, None], x.size, axis=1)
-        points = self.nodes // 2 + _POINTS
-        top = np.minimum(np.exp(x) / self._pace, _LONGEST)[:, None]
-        log_half = np.maximum(np.log(0.5 * top / self._shortest), 1e-300)
-        u, w = equal_panels(float(log_half[-1, 0]), points, _WIDE)
+        points = self.rule.nodes // 2 + _POINTS
+        top = np.minimum(np.exp(x) / _pace(self.medium), _LONGEST)[:, None]
+        log_half = np.maximum(np.log(0.5 * top / _shortest(self.medium)), 1e-300)
+        u, w = equal_panels(float(log_half[-1, 0]), points, _WIDE / self.turning)
         span = log_half / log_half[-1]
-        low = self._shortest * np.exp(span * u)
-        v, z = equal_panels(_SHARPEST - math.log(self.medium.density), points, _WIDE)
+        low = _shortest(self.medium) * np.exp(span * u)
+        v, z = equal_panels(_SHARPEST - math.log(self.medium.density), points, _WIDE / self.turning)
         near, part = equal_panels(math.exp(-_SHARPEST) * self.medium.density, points)
         v, z = np.append(np.exp(-v), near[::-1]), np.append(np.exp(-v) * z, part[::-1])
         y = np.concatenate([low, top * (1.0 - 0.5 * v)], axis=1)
         step = np.concatenate([span * w * low, 0.5 * top * z], axis=1)
         return y, step * np.stack(loops(self.medium, y))
 
-    def _operator(self, p: float) -> list[Operator]:
-        """What loops make of (K - 1) U on each panel, as powers T^p of the time that is left."""
-        if p not in self._operators:
-            self._operators[p] = [self._of_panel(j, p) for j in range(self.count)]
-        return self._operators[p]
-
-    def _of_panel(self, j: int, p: float) -> Operator:
-        n = self.nodes
-        x = self.start + self.width * (j + self.rule.local)
+    def of_panel(self, j: int, p: float = 0.0) -> Operator:
+        """What they bring to panel j, as powers T^p of the time that is left."""
+        n, width = self.rule.nodes, self.rule.width
+        x = self.start + width * (j + self.rule.local)
         y, weight = self._paths(x)
-        left = np.maximum(-np.expm1(np.log(y * self._pace) - x[:, None]), 1e-300)
+        left = np.maximum(-np.expm1(np.log(y * _pace(self.medium)) - x[:, None]), 1e-300)
         level = x[:, None] + np.log(self.medium.restitution * left) - self.start
-        level /= self.width
+        level /= width
         low = level < 0.0
-        early = np.exp(self.start + self.width * np.where(low, level, -np.inf))
+        early = np.exp(self.start + width * np.where(low, level, -np.inf))
         if p:
             power = np.exp(p * (x + math.log(self.medium.restitution)))[:, None]
             weight = weight * np.where(low, power, np.where(low, 1.0, left) ** -p)
@@ -186,10 +182,39 @@ class DelayedReturns(BackwardEquation):
         before = np.where(low, weight, 0.0)[:, :, used], early[:, used]
         return first, blocks.reshape(2, n, -1), *before
 
+
+@dataclass
+class DelayedReturns(BackwardEquation):
+    """The backward equation with returns that take time; its law must have a medium, e > 0."""
+
+    _operators: dict[float, list[Operator]] = field(default_factory=dict, repr=False)
+
+    def _at_once(self, m: int) -> bool:
+        """The speed alone is nearer to simulations so."""
+        return m == 0
+
+    @property
+    def start(self) -> float:
+        """X where the panels begin."""
+        assert self.law.medium is not None
+        return min(START, first_closed(self.law.medium))
+
+    @cached_property
+    def _loops(self) -> Loops:
+        assert self.law.medium is not None
+        return Loops(self.law.medium, self.rule, self.start, self.harmonic)
+
+    def _operator(self, p: float) -> list[Operator]:
+        """What loops make of (K - 1) U on each panel, as powers T^p of the time that is left."""
+        if p not in self._operators:
+            self._operators[p] = [self._loops.of_panel(j, p) for j in range(self.count)]
+        return self._operators[p]
+
     def _solve(self, y: Observable) -> FloatArray:
         m, p, n = y.harmonic, y.degree, self.nodes
         if self._at_once(m):
             return super()._solve(y)
+        shares = self._loops.shares[m]
         loss, gain = self._kernel(m)
         reach = gain.shape[1] // n
         x, known, drive = self._known(y, reach)
@@ -201,8 +226,8 @@ class DelayedReturns(BackwardEquation):
         )
         back, ended = [], np.empty((self.count, n))
         for j, (_, blocks, weight, early) in enumerate(self._operator(p)):
-            back.append(np.tensordot(self._shares[m], blocks, axes=1))
-            each = self._shares[m] @ weight.swapaxes(0, 1)
+            back.append(np.tensordot(shares, blocks, axes=1))
+            each = shares @ weight.swapaxes(0, 1)
             ended[j] = np.sum(each * np.polynomial.polynomial.polyval(early, series), axis=1)
         # V = here ((K - 1) U there) + what loops bring from panels below, U = Y + V
         here, one = np.stack([each[:, -n:] for each in back]), np.eye(n)

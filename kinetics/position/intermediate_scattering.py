@@ -26,6 +26,7 @@ from kinetics.states.state import State
 _POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
+_LARGEST_DELAYED = 20.0  # K from which F has fallen before a loop is closed
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
 # Where the tolerance was missed, F is solved once more for this share of it, not below _LEAST.
 _ONCE_MORE, _LEAST = 0.03, 1e-14
@@ -71,6 +72,7 @@ class Scattering:
     mean_free_path : l, in d
     state : the initial state
     times : in d/U, shape (n_times,)
+    delayed : whether returns to a scatterer take time, up to K = _LARGEST_DELAYED, or none
     systems : how many systems of so many equations have been solved, by their size
     """
 
@@ -78,6 +80,7 @@ class Scattering:
     mean_free_path: float
     state: State
     times: FloatArray
+    delayed: bool = False
     systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
 
     @property
@@ -112,7 +115,8 @@ class Scattering:
         highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        waves = solve_waves(self.law, wave_numbers, highest, least, kept)
+        delayed = self.delayed and float(wave_numbers.max()) <= _LARGEST_DELAYED
+        waves = solve_waves(self.law, wave_numbers, highest, least, kept, delayed)
         self.systems[waves.rule.nodes - 1] += waves.systems
         speeds = points_of(self.state, 0, waves.rule.width, tolerance)
         assert speeds is not None
@@ -195,7 +199,7 @@ def scattering_function(
     directed = direction is not None and averages.state.highest_harmonic != 0
     out = np.ones((times.size, scaled.size), dtype=complex if directed else float)
     late = times > 0.0
-    system = Scattering(averages.law, path, averages.state, times[late])
+    system = Scattering(averages.law, path, averages.state, times[late], averages.has_delays)
     left = (scaled > 0.0) & bool(late.any())
     tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():

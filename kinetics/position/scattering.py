@@ -28,6 +28,7 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
+from kinetics.moments.delayed import Loops, first_closed
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
 from kinetics.position.coupled_harmonics import eliminate, iterate
@@ -112,6 +113,7 @@ def solve_waves(
     highest: float,
     tolerance: float,
     kept: int = 0,
+    delayed: bool = False,
 ) -> Waves:
     """Solve for wave numbers K = k l (n_k,), of similar size, up to X = highest.
 
@@ -119,6 +121,7 @@ def solve_waves(
     ----------
     tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
+    delayed : whether returns in the harmonics m > 0 take time, `kinetics.moments.delayed`
     """
     largest = float(wave_numbers.max())
     rule = _rule(largest, highest, tolerance)
@@ -129,9 +132,11 @@ def solve_waves(
     top = _harmonics(largest, limit, tolerance**2 if kept else tolerance)
     if law.returns(0)[0]:  # panels from which a bounce straight back leads to none below the first
         first = min(first, limit - min(law.largest_loss, _DEEPEST) - 2.0 * rule.width)
+    if delayed and law.medium is not None:
+        first = min(first, first_closed(law.medium))
     start = rule.width * math.floor(min(first, highest) / rule.width)
     count = max(1, math.ceil((limit - start) / rule.width))
-    return Sweep(law, wave_numbers, rule, start, top, count).run(count, tolerance, kept)
+    return Sweep(law, wave_numbers, rule, start, top, count, delayed).run(count, tolerance, kept)
 
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
@@ -167,6 +172,7 @@ class Sweep:
     start : X where the panels begin
     top : the last harmonic, even
     count : how many panels there are, at most
+    delayed : see `solve_waves`
     """
 
     def __init__(
@@ -177,9 +183,12 @@ class Sweep:
         start: float,
         top: int,
         count: int,
+        delayed: bool = False,
     ) -> None:
         self.law, self.wave_numbers, self.rule = law, wave_numbers, rule
-        self.start, self.top = start, top
+        self.start, self.top, self._loops = start, top, None
+        if delayed and law.medium is not None:
+            self._loops = Loops(law.medium, rule, start, top, 1.0 / rule.width)
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         # collisions that lose more speed lead from every panel to where the series holds
         near = q.log_loss <= count * rule.width
@@ -189,6 +198,8 @@ class Sweep:
         loss += many.weight.sum() * np.eye(rule.nodes)
         if law.returns(0)[0]:
             eps = np.array([law.returns(m)[0] for m in range(top + 1)])
+            if self._loops:
+                eps[1:] = 0.0
             loss, gain = with_returns(rule, loss, gain, eps, law.returns(0)[1])
         # row m of the equations over the coupling: free flights then look the same for all m
         self._coupling = coupling(top, law.dimension)
@@ -210,7 +221,11 @@ class Sweep:
         n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
         gain, recent = self._near_gain(tolerance)
         reach = gain.shape[2] // n
-        series = self._coefficients()
+        series, decay = self._coefficients()
+        returns = None
+        if self._loops:
+            early = -decay * series[:-1] / self._coupling[:, None]
+            returns = _Returns(self._loops, self._coupling, early, count)
         far = series * self._far[:, :, None]
         below = deque(self._below(series, reach), maxlen=max(reach, 1))
         largest = deque((float(np.abs(a).max(initial=0.0)) for a in below), maxlen=recent.size)
@@ -227,13 +242,20 @@ class Sweep:
             if self._far.any():
                 come = _series_sum(far[:, : used + 1], self._far_ratio * rate)
                 drive += np.moveaxis(come, 1, 0)
-            found = self._solve_panel(rate, rate[:, None] * drive, known[: used + 1], tolerance)
+            loss, come = self._loss[: used + 1], drive
+            if returns:
+                loss, come = returns.begin(j, loss, drive)
+            found = self._solve_panel(
+                rate, rate[:, None] * come, known[: used + 1], loss, tolerance
+            )
             systems += (used + 1) * size
             panel = np.zeros((self.top + 1, n, size))
             panel[: used + 1] = found
-            below.append(panel)
             known = panel[:, -1].copy()
             values.append(panel[: kept + 1].copy())
+            if returns:
+                panel[: used + 1] = returns.end(j, found)
+            below.append(panel)
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
             miss = float(np.abs(found[used]).max())
             errors.append(self._left_out(values[-1]) + (miss if kept else miss**2))
@@ -264,13 +286,15 @@ class Sweep:
         far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * tolerance))
         return self._gain[:, :, far * n :], np.append(size[far:], 1.0)
 
-    def _coefficients(self) -> FloatArray:
-        """Of T^j in a_m, shape (terms, top + 1, n_k)."""
+    def _coefficients(self) -> tuple[FloatArray, FloatArray]:
+        """Of T^j in a_m, (terms + 1, top + 1, n_k), and the rates at which T^j decays, (.., 1)."""
         order = np.arange(float(_TERMS))
         q = self.law.quadrature_for(float(_TERMS), self.top)
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, order))
         kept = [(1.0 - lost) @ powers for lost in q.harmonic_losses(self.top)]
-        loss = np.stack([self.law.met_again(order, 1.0 - k, m) for m, k in enumerate(kept)])
+        loss = 1.0 - np.stack(kept)
+        if not self._loops:
+            loss = np.stack([self.law.met_again(order, rate, m) for m, rate in enumerate(loss)])
         loss[0] = self.law.decay_rate(order)
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0
@@ -282,7 +306,7 @@ class Sweep:
             coupled[0] -= a[1]
             coupled *= self._coupling[:, None]
             out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
-        return out
+        return out, loss.T[:, :, None]
 
     def _below(self, series: FloatArray, reach: int) -> FloatArray:
         """a_m on the panels below the first, by the series, (reach, top + 1, nodes, n_k)."""
@@ -311,19 +335,24 @@ class Sweep:
         return min(self.top, _even(needed))
 
     def _solve_panel(
-        self, rate: FloatArray, drive: FloatArray, known: FloatArray, tolerance: float
+        self,
+        rate: FloatArray,
+        drive: FloatArray,
+        known: FloatArray,
+        loss: FloatArray,
+        tolerance: float,
     ) -> FloatArray:
         """One panel: shape (m, nodes, n_k).
 
         rate : T at the nodes; drive : the gain from below, shape (m, nodes, n_k); known : a_m at
-        the first node, shape (m, n_k). The number of harmonics is odd.
+        the first node, shape (m, n_k); loss : by the panel itself, (m, nodes, nodes). The number of
+        harmonics is odd.
         """
         count, flights = drive.shape[0], rate[-1] - rate[0]
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
         blocks: FloatArray = (
-            self._rise[:count, 1:] * scale[:, None]
-            + (rate * scale)[:, None] * self._loss[:count, 1:]
+            self._rise[:count, 1:] * scale[:, None] + (rate * scale)[:, None] * loss[:, 1:]
         )
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
@@ -343,6 +372,51 @@ class Sweep:
         fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
         each = (last * np.sqrt(fall)).max(axis=1)
         return _SAFETY * math.sqrt(4.0 * float(each @ each) - 3.0 * each[0] ** 2)
+
+
+class _Returns:
+    """Returns that take time, for the harmonics m > 0: V of `kinetics.moments.delayed`.
+
+    Collisions act on U = a_m + V, and V is what loops make of W = (K - 1) U. Rows are over their
+    coupling.
+
+    Parameters
+    ----------
+    loops : what loops bring to a panel
+    coupling : that of each row, shape (m,)
+    early : the power series of W below all panels, shape (n_terms, m, n_k)
+    count : how many panels there are, at most
+    """
+
+    def __init__(self, loops: Loops, coupling: FloatArray, early: FloatArray, count: int) -> None:
+        self._loops, self._early = loops, early
+        self._shares = loops.shares * coupling[:, None]
+        self._shares[0] = 0.0  # at once, in the kernel
+        self._lost = np.zeros((count, loops.rule.nodes, *early.shape[1:]))  # W
+
+    def begin(self, j: int, loss: FloatArray, drive: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Loss matrices (m, n, n) and gain (m, n, n_k) of panel j with what loops bring to it."""
+        first, blocks, weight, left = self._loops.of_panel(j)
+        n, used = self._loops.rule.nodes, drive.shape[0]
+        powers = left[:, :, None] ** np.arange(self._early.shape[0])
+        come = np.tensordot(weight[:, :, None] @ powers, self._early[:, :used], axes=1)[:, :, 0]
+        come += np.tensordot(
+            blocks[:, :, :-n],
+            self._lost[first:j, :, :used].reshape(-1, used, drive.shape[2]),
+            axes=1,
+        )
+        shares = self._shares[:used]
+        here = np.tensordot(shares, blocks[:, :, -n:], axes=1)
+        self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
+        self._added = self._inverse @ (here @ drive + np.einsum("mk,kimq->miq", shares, come))
+        self._loss, self._drive = loss, drive
+        return loss @ self._inverse, drive - loss @ self._added
+
+    def end(self, j: int, found: FloatArray) -> FloatArray:
+        """U on panel j, where a_m was found, both (m, n, n_k)."""
+        total = self._inverse @ found + self._added
+        self._lost[j, :, : found.shape[0]] = np.moveaxis(self._drive - self._loss @ total, 0, 1)
+        return np.asarray(total)
 
 
 def _series_sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
