@@ -22,8 +22,6 @@ from kinetics.outputs import (
 from kinetics.position.density import Displacement
 from kinetics.status import PlanStep
 
-# Against hard disks: see `kinetics.collision.medium`
-_LOW_SPEEDS = "; the speed density is less certain below 0.4 of the thermal speed"
 _SPEEDS = np.geomspace(0.01, 3.0, 50)  # in thermal ones: where a density may not be below zero
 
 
@@ -47,12 +45,12 @@ def make_plan(
     velocity = f"backward equation for {moments}" if pairs else "no output needs them"
     if pairs and averages.elastic:
         velocity = "elastic: speeds are kept, harmonics relax at their own rates"
-    level, _ = averages.law.density_theory(0.0)
+    medium = averages.law.medium
     points = f"{averages.speeds.x.size} weighted speeds represent it"
     others = "the start is isotropic" if isotropic else "no output needs more"
     waves = f"{displacement.wave_numbers} wave numbers" if displacement else "not asked for"
     steps = (
-        ("scatterers met again", True, level),
+        ("scatterers met again", True, medium.level if medium else ""),
         (VELOCITY, bool(pairs) and not averages.elastic, velocity),
         ("initial state", True, points),
         (COLLISIONS, COLLISIONS in asked, "asked for"),
@@ -70,13 +68,20 @@ def make_plan(
     )
 
 
-def limits(averages: Averages, profiles: Mapping[int, Profile] | None = None) -> str:
+def limits(
+    averages: Averages, profiles: Mapping[int, Profile], displacement: Displacement | None
+) -> str:
     """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
-    with np.errstate(over="ignore"):
-        first = averages.times[0] / averages.mean_free_path
-    found = averages.law.density_theory(first)[1]
-    if profiles and averages.law.returns(0)[0]:
-        found += _LOW_SPEEDS + _negative_density(averages, profiles[0])
+    medium = averages.law.medium
+    if medium is None:
+        return ""
+    found = medium.limits()
+    if profiles:
+        found += medium.limits_of_speeds() + _negative_density(averages, profiles[0])
+    if displacement is not None:
+        with np.errstate(over="ignore"):
+            first = averages.times[0] / averages.mean_free_path
+        found += medium.limits_of_displacements(first)
     return found
 
 

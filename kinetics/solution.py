@@ -505,7 +505,8 @@ def answer(
         rtol=rtol,
         values=values,
         status=status_of(errors, allowed),
-        message=explain(errors, allowed, nodes if profiles else None) + limits(averages, profiles),
+        message=explain(errors, allowed, nodes if profiles else None)
+        + limits(averages, profiles, displacement),
         error_estimate=max(errors.values()),
         plan=make_plan(averages, scene.outputs, profiles, displacement),
         stats=make_stats(averages, profiles, displacement),

@@ -151,6 +151,46 @@ def _corridor() -> Derived:
     )
 
 
+@derives("beyond:return-delay")
+def _return_delay() -> Derived:
+    there = s.loop * s.l / 2
+    per_path = sp.cancel(return_chance().subs(s.dist, there) * sp.diff(there, s.loop))
+    per_path = per_path.subs(s.l, mean_free_path(2))
+    a, rate, y = sp.symbols("a rate y", positive=True)
+    each = sp.exp(-a / y - rate * y) / y
+    integral = 2 * sp.besselk(0, 2 * sp.sqrt(a * rate))
+
+    def equation(f: sp.Expr) -> sp.Expr:
+        return sp.diff(rate * sp.diff(f, rate), rate) - a * f
+
+    # the integral of each obeys the equation of the Bessel functions, falls, begins as -ln(rate)
+    zero(
+        sp.simplify(equation(each) + sp.diff(y * sp.exp(-a / y - rate * y), y)), "not a divergence"
+    )
+    zero(sp.simplify(sp.expand_func(equation(integral))), "another equation")
+    must(sp.limit(rate * sp.diff(integral, rate), rate, 0) == -1, "another beginning")
+    whole = sp.factor(sp.cancel(per_path * s.loop)) * integral.subs(
+        {a: s.loop0, rate: s.lost + s.pathz}
+    )
+    small = sp.Symbol("small", positive=True)  # n; a loop begins at a path of the order n
+    over = (whole / (s.rho0 * s.d**2)).subs(s.pathz, 0).subs(s.loop0, small)
+    return result(
+        sp.Tuple(
+            eq(s.retz(s.pathz), whole),
+            eq(s.coefA(s.e), sp.limit(over / sp.log(1 / small), small, 0)),
+            eq(s.retz(sp.oo), sp.limit(whole, s.pathz, sp.oo)),
+        ),
+        ("loops of the path y, there and back, per unit of it", sp.factor(per_path)),
+        (
+            "those that are free, by the corridor and by near pairs",
+            sp.exp(-s.loop0 / s.loop - s.lost * s.loop),
+        ),
+        note="Late, where all loops are closed, returns are the operator above; before the first "
+        "loop there are none. What is left of its chance is of the order n, in loops of the size "
+        "of l.",
+    )
+
+
 @derives("beyond:free-flight")
 def _free_flight() -> Derived:
     q, size = sp.symbols("q size")

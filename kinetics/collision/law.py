@@ -393,10 +393,6 @@ class CollisionLaw:
             out.append(np.asarray((rate[n] - known) / (1.0 + below[0])))
         return out
 
-    def density_theory(self, first: float) -> tuple[str, str]:
-        """In words: its level, and what averages from this time (in l/U) on lack; none here."""
-        return ("", "") if self.medium is None else (self.medium.level, self.medium.limits(first))
-
     @property
     def _log_tangential(self) -> float:
         """ln et, at e = 0, where s = et y."""

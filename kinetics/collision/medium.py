@@ -20,13 +20,14 @@ Orders of the theory ("density_order"):
     harmonic m = 0, 1, 2, and collisions 1 + d(e) n times as often. C and d are integrals over two
     scatterers and over loops, in returns.json (tests/kinetics/measurements/returns.py makes it).
     C depends on the power p of the speed: it is that of the average which is slowest, p = 1 for
-    m = 0 and p = 0 for the others. For m > 2, and for e < 0.2, where many tracers end in corners
-    of two disks, it is the leading order.
+    m = 0 and p = 0 for the others. For m > 2 it is the leading order. For e < 0.2, where many
+    tracers end in corners of two disks, C and d are those of e = 0.2.
 "second" : with a term of the order (n ln n)^2 in the harmonic m = 1, fitted to simulations. The
     default, because it is the nearest: <r^2> is within .8, 1 and 3.5 per cent of simulations at
     n = .02, .04 and .1 (measured by tests/kinetics/measurements/density.py)
 
-Averages over time know that returns take time (`kinetics.moments.delayed`); distributions do not.
+Averages over time and F(k, t) know that returns take time (`kinetics.moments.delayed`); the
+distribution of the displacement does not.
 
 The operator is no jump process: at low speeds (c < .1) and high densities the speed density may
 fall below zero.
@@ -51,8 +52,11 @@ ORDERS = ("leading", "first", "second")
 HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 SETTLED = 30.0  # in l/U: distributions have returns at once, which need some free paths
-_EARLY = 0.4  # times n: by how much F(k, t) is off before then (e = .4, n = .04, 2 l/U)
-_LEAST_RESTITUTION = 0.2  # of the constants of the first order
+# Simulations over n, at n = .04 and .1, both media: the share of tracers nearer than r, e = .4 to
+# .9, before SETTLED; and of those slower than v, less 1 - e, e = .1 to .9, at all times (at most
+# .92, .54, .29, .2 at e = .2, .4, .7, .9)
+_NEAR, _SLOW = 0.5, 1.15
+_LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
 # J_1(0) less (a + b n) (e n ln n)^2: fitted, see tests/kinetics/measurements/density.py
 _SECOND = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
 
@@ -123,9 +127,9 @@ class Medium:
     @cached_property
     def _row(self) -> tuple[float, float, float, float]:
         """d, and ln C of the harmonics 0, 1 and 2; zeros at the leading order."""
-        if self.order == "leading" or self.restitution < _LEAST_RESTITUTION:
+        if self.order == "leading":
             return 0.0, 0.0, 0.0, 0.0
-        e, table = self.restitution, _constants()
+        e, table = max(self.restitution, _LEAST_RESTITUTION), _constants()
         # above .9 C(e; 0) is held: eps lambda_0 vanishes with 1 - e
         cooling = _interpolated(min(e, 0.9), table["restitution"], table["ln C 0"])
         rest = [_interpolated(e, table["restitution"], table[k]) for k in ("d", "ln C 1", "ln C 2")]
@@ -140,19 +144,31 @@ class Medium:
             "second": "order n, and (n ln n)^2 for <r^2>, fitted to simulations",
         }[self.order]
         if self.order != "leading" and self.restitution < _LEAST_RESTITUTION:
-            what = f"order n ln n: constants of the order n begin at e = {_LEAST_RESTITUTION:g}"
+            what += f", with the constants of e = {_LEAST_RESTITUTION:g}"
         return f"{self.scatterers} at n = {self.density:g}: {what}"
 
-    def limits(self, first: float) -> str:
-        """What averages from this time on, in l/U, lack, to follow a sentence; perhaps empty."""
-        found = ""
-        if self.density > TESTED_DENSITY:
-            found += f"; n = {self.density:g} is outside the range where the correction for the "
-            found += f"density was tested (up to {TESTED_DENSITY:g})"
-        if first < SETTLED:
-            found += f"; before {SETTLED:g} l/U distributions take returns to be at once: "
-            found += f"F(k, t) is off by up to {_EARLY:g} n"
-        return found
+    def limits(self) -> str:
+        """What averages lack, to follow a sentence; perhaps empty."""
+        if self.density <= TESTED_DENSITY:
+            return ""
+        return (
+            f"; n = {self.density:g} is outside the range where the correction for the density was "
+            f"tested (up to {TESTED_DENSITY:g})"
+        )
+
+    def limits_of_speeds(self) -> str:
+        """The same of the speed density."""
+        share = (_SLOW - self.restitution) * self.density
+        return f"; the share of tracers slower than v is off by up to {share:.2g}, by slow ones"
+
+    def limits_of_displacements(self, first: float) -> str:
+        """The same of the distribution of the displacement from this time on, in l/U."""
+        if first >= SETTLED:
+            return ""
+        return (
+            f"; before {SETTLED:g} l/U its distribution takes returns to be at once: the share of "
+            f"tracers nearer than r is off by up to {_NEAR * self.density:.2g}"
+        )
 
 
 def checked_medium(

@@ -11,9 +11,9 @@ left the tracer keeps e (T - y c). With K one collision, for an observable of de
 where loops that are not yet closed bring nothing. Loops between near pairs of scatterers have
 k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on (one neighbour and back), 0.6 being the mean
 corridor that is known to be empty; the rest of eps, of loops of the size of l, is spread as
-y exp(-y/b)/b^2. The integral of k is eps: the late <r^2> grows as with returns at once. b is
-fitted to <r^2> of simulations. The harmonic m = 0, of the speed alone, keeps returns at once: with
-a delay a_2 is some 60 n per cent off, without it half of that at most.
+y exp(-y/b). Both begin as exp(-a/y). The integral of k is eps: the late <r^2> grows as with returns
+at once. b is fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at once: with a delay
+a_2 is some 60 n per cent off, without it half of that at most.
 """
 
 from __future__ import annotations
@@ -237,7 +237,7 @@ class DelayedReturns(BackwardEquation):
         matrix = scale[:, :, None] * (self.rule.derivative - p * one)
         matrix += rate[:, :, None] * (loss @ inverse)
         matrix[:, 0] = one[0]
-        matrix = np.linalg.inv(matrix)
+        solved = np.asarray(np.linalg.inv(matrix))
         total = np.empty((reach + self.count, n))  # U
         total[:reach] = known[:-1].reshape(reach, n)
         found, lost = np.empty((self.count, n)), np.empty((self.count, n))  # Y, (K - 1) U
@@ -248,7 +248,7 @@ class DelayedReturns(BackwardEquation):
             added = inverse[j] @ added
             right = rate[j] * (below - loss @ added + drive[j])
             right[0] = start
-            found[j] = matrix[j] @ right
+            found[j] = solved[j] @ right
             start = found[j, -1]
             total[reach + j] = inverse[j] @ found[j] + added
             lost[j] = below - loss @ total[reach + j]

@@ -142,8 +142,20 @@ def test_the_plan_and_the_message_say_what_was_done() -> None:
     ]
     assert "no fitted number" in step.reason
     assert solved(0.04, 1e4).message == "the error estimate meets rtol"
-    assert "before 30 l/U" in solved(0.04, 10.0).message
+    early = solved(0.04, 10.0, outputs="position_density", initial="gaussian")
+    assert "before 30 l/U" in early.message
     assert "outside the range" in solved(0.11, 1e4).message
+
+
+@pytest.mark.parametrize("scatterers", ["overlapping", "hard disks"])
+def test_nothing_jumps_where_the_constants_begin(scatterers: str) -> None:
+    outputs = ("msd", "thermal_speed", "kurtosis", "collisions")
+    below, above = (
+        solve(Scene(e, 0.04, times=[1.0, 1e2, 1e4], scatterers=scatterers, outputs=outputs))
+        for e in (0.2 - 1e-9, 0.2)
+    )
+    for name in outputs:
+        assert getattr(below, name) == pytest.approx(getattr(above, name), rel=1e-7)
 
 
 # -- the constants of the first order ------------------------------------------------------------
