@@ -22,9 +22,8 @@ Orders of the theory ("density_order"):
     C depends on the power p of the speed: it is that of the average which is slowest, p = 1 for
     m = 0 and p = 0 for the others. For m > 2 it is the leading order. For e < 0.2, where many
     tracers end in corners of two disks, C and d are those of e = 0.2.
-"second" : with a term of the order (n ln n)^2 in the harmonic m = 1, fitted to simulations. The
-    default, because it is the nearest: <r^2> is within .8, 1 and 3.5 per cent of simulations at
-    n = .02, .04 and .1 (measured by tests/kinetics/measurements/density.py)
+"second" : with terms of the order (n ln n)^2 in the path and in the harmonic m = 1, fitted to
+    simulations. The default, because it is the nearest
 
 Averages over time and F(k, t) know that returns take time (`kinetics.moments.delayed`); the
 distribution of the displacement does not.
@@ -57,8 +56,11 @@ SETTLED = 30.0  # in l/U: distributions have returns at once, which need some fr
 # .92, .54, .29, .2 at e = .2, .4, .7, .9)
 _NEAR, _SLOW = 0.5, 1.15
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
-# J_1(0) less (a + b n) (e n ln n)^2: fitted, see tests/kinetics/measurements/density.py
+# Of the order (n ln n)^2, fitted, see tests/kinetics/measurements/density.py. J_1(0) is less by
+# (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 1.5 e (1 - e), and J_1(0), near
+# 1.07 - .45 e, loses twice that, because <r^2> is not longer
 _SECOND = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
+_LOSSY, _LONGER, _J1 = (0.29, 3.2), 1.5, (1.07, 0.45)
 
 
 @dataclass(frozen=True)
@@ -90,18 +92,24 @@ class Medium:
         if self.scatterers == "hard disks":
             eta = 0.25 * math.pi * self.density
             ratio = (1.0 - eta) ** 2 / (1.0 - 7.0 * eta / 16.0)
-        return ratio / (1.0 + self._row[0] * self.density)
+        return ratio * (1.0 + self._longer) / (1.0 + self._row[0] * self.density)
+
+    @property
+    def _longer(self) -> float:
+        """By how much paths are longer than to the order n."""
+        e, n = self.restitution, self.density
+        return _LONGER * e * (1.0 - e) * (n * math.log(n)) ** 2 if self.order == "second" else 0.0
 
     def returns(self, m: int) -> float:
         """eps: the chance per collision to be thrown back to the scatterer before."""
         e, n = self.restitution, self.density
-        log = math.log(1.0 / n)
-        if m in (0, 1, 2):
-            log -= self._row[1 + m]
-        eps = 2.0 * e / (1.0 + e) * n * log
+        log_n = math.log(n)
+        log = log_n + self._row[1 + m] if m in (0, 1, 2) else log_n
+        eps = -2.0 * e / (1.0 + e) * n * log
         if m == 1 and self.order == "second":
-            a, b = _SECOND[self.scatterers]
-            eps += (a + b * n) * (e * n * math.log(n)) ** 2
+            (a, b), (f, g) = _SECOND[self.scatterers], _LOSSY
+            more = (a + b * n) * e * e + (f + g * n) * math.sqrt(1.0 - e * e)
+            eps += more * (n * log_n) ** 2 + 2.0 * self._longer * (_J1[0] - _J1[1] * e)
         # returns of returns must add up, eps |lambda| < 1: above the tested densities only
         return min(eps, 0.45)
 
@@ -141,7 +149,7 @@ class Medium:
         what = {
             "leading": "order n ln n, no fitted number",
             "first": "order n, no fitted number",
-            "second": "order n, and (n ln n)^2 for <r^2>, fitted to simulations",
+            "second": "order n, and (n ln n)^2 fitted to simulations",
         }[self.order]
         if self.order != "leading" and self.restitution < _LEAST_RESTITUTION:
             what += f", with the constants of e = {_LEAST_RESTITUTION:g}"
