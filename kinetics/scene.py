@@ -119,6 +119,11 @@ class Scene(Value):
         system = (self.scatterers, self.number_density, self.diameter)
         return law_in_medium(law, *system, self.density_order)
 
+    @property
+    def problem(self) -> tuple[CollisionLaw, float, State, FloatArray]:
+        """What every solver needs: law, mean free path in d, initial state, times in d/U."""
+        return self.law, self.mean_free_path, self.state, np.asarray(self.times)
+
     def _system(self) -> str:
         """The arguments without the outputs, for texts."""
         initial = self.initial if isinstance(self.initial, str) else self.state
@@ -145,10 +150,6 @@ class Scene(Value):
             f"<p>Scene: {html.escape(self._system())}</p>"
             f"<table><tr><th>output</th><th>unit</th><th>what it is</th></tr>{rows}</table>"
         )
-
-    @classmethod
-    def _from_storage(cls, parts: dict[str, Any]) -> Scene:
-        return cls(**parts)
 
 
 def _span(times: ArrayLike, name: str = "times") -> str:

@@ -19,7 +19,7 @@ METHODS = ("kinetics", "particles", "derivations")
 CHECKS = {"errors", "validation"}
 BASE = {"numerics", "collision", "results"} | CHECKS
 VELOCITY = {"states", "scaling", "moments", "densities"}
-QUESTION = {"status", "outputs", "scene", "averaging", "plan"}
+QUESTION = {"status", "outputs", "scene", "answer"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "status": set(),
@@ -37,8 +37,7 @@ ROOMS: dict[str, set[str]] = {
     "field": BASE | {"states", "status"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs"},
-    "averaging": BASE | {"moments", "densities", "position", "outputs", "scene"},
-    "plan": {"moments", "densities", "position", "outputs", "status"},
+    "answer": BASE | {"moments", "densities", "position", "field", "outputs", "scene", "status"},
     "solution": BASE | VELOCITY | QUESTION | {"position", "field"},
     "solver": BASE | VELOCITY | QUESTION | {"position", "solution"},
 }
