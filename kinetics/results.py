@@ -134,6 +134,14 @@ class Value:
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         return dataset(type(self).__name__, self, {}, {})
 
+    def _figures(self) -> Mapping[str, str]:
+        """What a notebook shows, name -> text."""
+        return {}
+
+    def _repr_html_(self) -> str:
+        figures = (f"<tr><td>{escape(a)}<td>{escape(b)}" for a, b in self._figures().items())
+        return f"<p>{escape(repr(self).splitlines()[0])}</p><table>{''.join(figures)}</table>"
+
     def _to_storage(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self) if f.init}  # type: ignore[arg-type]
 
@@ -149,7 +157,7 @@ class Result(Value):
     A subclass writes ``_dataset(only, **points)`` with :func:`dataset`. ``only`` names what is
     needed; empty, that is what depends on the first coordinate alone, and single numbers; None is
     everything; ``_on_demand`` are names that it may leave out. ``_points`` names the points that
-    may be given, and ``_figures`` is what a notebook shows.
+    may be given.
     """
 
     _points: tuple[str, ...] = ()
@@ -234,13 +242,6 @@ class Result(Value):
             known = ", ".join(dict.fromkeys([*map(str, made), *self._on_demand]))
             raise InputError(f"name: got {short(name)}; this result has {known}")
         return found
-
-    def _figures(self) -> Mapping[str, str]:
-        return {}
-
-    def _repr_html_(self) -> str:
-        figures = (f"<tr><td>{escape(a)}<td>{escape(b)}" for a, b in self._figures().items())
-        return f"<p>{escape(repr(self).splitlines()[0])}</p><table>{''.join(figures)}</table>"
 
 
 def variable(

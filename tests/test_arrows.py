@@ -171,7 +171,7 @@ def test_the_check_sees_imports_of_every_kind() -> None:
     source = "def f():\n    from particles.media import Poisson\n"
     assert list(named(source, "kinetics.solver", False)) == [("particles.media", "Poisson")]
     source = "from ..collision import CollisionLaw\n"
-    assert list(named(source, "kinetics.states.isotropic", False)) == [
+    assert list(named(source, "kinetics.states.kinds", False)) == [
         ("kinetics.collision", "CollisionLaw")
     ]
     assert follow("kinetics", "CollisionLaw") == "kinetics.collision.law"
