@@ -262,38 +262,32 @@ class Answer(Value):
     def plan(self) -> tuple[PlanStep, ...]:
         """What was solved, what was skipped, and why."""
         averages, profiles, flights = self.averages, self.profiles, self.displacement
-        elastic, pairs = averages.elastic, self._powers
-        asked = {row.step for row in self._rows}
-        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in pairs)
-        velocity = f"backward equation for {moments}" if pairs else "no output needs them"
-        if pairs and elastic:
-            velocity = "elastic: speeds are kept, harmonics relax at their own rates"
+        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in self._powers)
         moving = [row for row in self._rows if row.step == DISPLACEMENT]
         chain = {y for row in moving for _, y, _ in row.made_of(self.scene.dimension)}
-        chains = f"{', '.join(r.name for r in moving)}: {len(chain)} scalar equations and what "
-        solved = sorted({m for _, m in pairs} | set(profiles))
+        harmonics = sorted({m for _, m in self._powers} | set(profiles))
         isotropic = averages.state.highest_harmonic == 0
-        others = "the start is isotropic" if isotropic else "no output needs more"
-        kinds = ", ".join(sorted({profile.method for profile in profiles.values()}))
-        points = f"{averages.speeds.x.size} weighted speeds represent it"
-        waves = f"{flights.wave_numbers} wave numbers" if flights else ""
-        steps = (
-            ("scatterers met again", True, averages.law.density_theory(0.0)[0]),
-            (VELOCITY, bool(pairs) and not elastic, velocity),
-            ("initial state", True, points),
-            (COLLISIONS, COLLISIONS in asked, "asked for"),
-            (DISPLACEMENT, bool(moving), f"{chains}drives them"),
-            (POSITION, flights is not None, waves),
-            (SCATTERING, SCATTERING in asked, "solved for the wave numbers that are asked for"),
-            ("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
-            (DENSITIES, bool(profiles), f"{len(profiles)} harmonics, {kinds}"),
-        )
-        always = (VELOCITY, "angular harmonics")  # they say why in any case
-        return tuple(
-            PlanStep(part, done, why if done or part in always else "not asked for")
-            for part, done, why in steps
-            if why or not done  # dilute scatterers are not met again
-        )
+        kept = "elastic: speeds are kept, harmonics relax at their own rates"
+        reasons = {
+            VELOCITY: kept if averages.elastic else f"backward equation for {moments}",
+            "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
+            COLLISIONS: "asked for",
+            DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
+            POSITION: f"{flights.wave_numbers if flights else 0} wave numbers",
+            SCATTERING: "solved for the wave numbers that are asked for",
+            "angular harmonics": f"m = {harmonics}: "
+            + ("the start is isotropic" if isotropic else "no output needs more"),
+            DENSITIES: f"{len(profiles)} harmonics, "
+            + ", ".join(sorted({one.method for one in profiles.values()})),
+        }
+        asked = {"initial state", *(row.step for row in self._rows)}
+        asked |= {"angular harmonics"} if harmonics else set()
+        level = averages.law.density_theory(0.0)[0]
+        steps = [PlanStep("scatterers met again", True, level)] if level else []
+        for part, why in reasons.items():
+            done = part in asked and not (part == VELOCITY and averages.elastic)
+            steps.append(PlanStep(part, done, why if part in asked else "not asked for"))
+        return tuple(steps)
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -5,7 +5,7 @@ Reading it costs no NumPy: the modules that its functions need are imported at f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -238,10 +238,3 @@ def described(name: str, dimension: int) -> tuple[str, str, str]:
     row = next(row for row in (FIELD_OUTPUTS | OUTPUTS).values() if name in row.names)
     also = {also: (unit, row.description, symbol) for also, unit, symbol in row.also}
     return also.get(name, (row.unit_in(dimension), row.description, row.symbol))
-
-
-def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:
-    """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
-    rows = [OUTPUTS[name] for name in outputs if OUTPUTS[name].step == VELOCITY]
-    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.made_of(dimension)}
-    return sorted(found)

@@ -71,14 +71,17 @@ def _contents(value: Any) -> Any:
 
 
 def _brief(value: Any) -> str:
-    """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
-    shown = {f.name: getattr(value, f.name) for f in fields(value) if f.repr}
-    for name, part in shown.items():
+    """A dataclass in one line: what is not as by default, arrays by their sizes and ranges."""
+    shown = {}
+    for one in fields(value):
+        part = getattr(value, one.name)
+        empty = isinstance(part, np.ndarray | tuple) and len(part) == 0
+        if empty or not one.repr or _contents(part) == _contents(one.default):
+            continue
+        shown[one.name] = getattr(part, "__qualname__", repr(part))
         if isinstance(part, np.ndarray):
-            ends = f", {part.min():.6g} to {part.max():.6g}" if part.size else ""
-            shown[name] = f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
-        else:
-            shown[name] = getattr(part, "__qualname__", repr(part))
+            size, ends = " x ".join(map(str, part.shape)), f"{part.min():.6g} to {part.max():.6g}"
+            shown[one.name] = f"<{size} numbers, {ends}>"
     return f"{type(value).__name__}({', '.join(f'{n}={part}' for n, part in shown.items())})"
 
 

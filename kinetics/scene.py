@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
-from kinetics.errors import short
 from kinetics.numerics import FloatArray
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 from kinetics.results import Value
@@ -79,7 +78,7 @@ class Scene(Value):
     scatterers: str = "dilute"
     density_order: str = "second"
     field: float = 0.0
-    state: State = dataclasses.field(init=False)
+    state: State = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         law = self.law
@@ -134,34 +133,10 @@ class Scene(Value):
         """What every solver needs: law, mean free path in d, initial state, times in d/U."""
         return self.law, self.mean_free_path, self.state, np.asarray(self.times)
 
-    def _system(self) -> str:
-        """The arguments without the outputs, for texts."""
-        initial = self.initial if isinstance(self.initial, str) else self.state
-        return (
-            f"{self.law.described}, number_density={self.number_density!r}, "
-            f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
-            + (f", field={self.field!r}" if self.field else "")
-        )
-
-    def __repr__(self) -> str:
-        numbers = ""
-        if np.size(self.collision_numbers):
-            numbers = f", collision_numbers={_span(self.collision_numbers, 'numbers')}"
-        rest = f"outputs={self.outputs!r}, harmonics={self.harmonics}{numbers}"
-        return f"Scene({self._system()}, {rest})"
-
     def _figures(self) -> dict[str, str]:
         """The outputs, with their units in brackets, and what they are."""
         rows = [(FIELD_OUTPUTS if self.field else OUTPUTS)[name] for name in self.outputs]
         return {f"{row.name} [{row.unit_in(self.dimension)}]": row.description for row in rows}
-
-
-def _span(times: ArrayLike, name: str = "times") -> str:
-    """How many times there are, or what the name says, and the first and the last."""
-    array = np.asarray(times)
-    if array.size == 1:
-        return f"[{array[0]:g}]"
-    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} {name}]"
 
 
 def _start(initial: Any, dimension: int, with_field: bool) -> State:

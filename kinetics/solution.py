@@ -18,6 +18,7 @@ from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, Output, described
+from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
@@ -112,7 +113,7 @@ class Solution(Result):
     def __repr__(self) -> str:
         status = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
         shown = ", ".join(f"{name} {about}" for name, about in self._outputs().items())
-        lines = [f"Solution of {self.scene._system()}", status]
+        lines = [f"Solution of {self.scene}", status]
         lines += [f"error estimate {self.error_estimate:.1e}", *textwrap.wrap(shown, 96)]
         return "\n  ".join(lines)
 
@@ -153,7 +154,7 @@ class Solution(Result):
             if only is None or names & set(only):
                 self._add(OUTPUTS[output], points, found, axes)
         return dataset(
-            f"Solution of the inelastic Lorentz equation: {self.scene._system()}",
+            f"Solution of the inelastic Lorentz equation: {self.scene}",
             self.scene,
             found,
             axes,
@@ -232,8 +233,13 @@ class Solution(Result):
         """The answer; InputError for a scene with a field, of which only the outputs are solved."""
         if self.scene.field:
             raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
-        found: Answer = self._answer
-        return found
+        return self._answer
+
+    def _velocities(self) -> Any:
+        return self._asked("speed_density", "velocity_density")
+
+    def _moved(self) -> Displacement:
+        return self._asked("position_density").displacement
 
     # -- moments ------------------------------------------------------------------------------
 
@@ -263,11 +269,10 @@ class Solution(Result):
     def at(self, times: ArrayLike) -> Solution:
         """The averages at other times up to the last of the scene, without solving it again.
 
-        ``times`` in d/U, not falling, shape (n,). The backward equation of the scene was solved
-        for all times up to the last: here it is evaluated, to the bits of a Solution of a scene
-        with these times and the same last one. `error_estimate` and `status` are of all times.
-        Densities, and scenes with a field, are not: InputError where nothing else was asked for,
-        and for times out of range.
+        ``times`` in d/U, not falling, shape (n,). The averages are those of a Solution of a scene
+        with these times and the same last one, to the bit; `error_estimate` and `status` are of all
+        times. Raises InputError where the scene asked for densities only, for one with a field, and
+        for times out of range.
         """
         answer = self._without_field()
         outputs = tuple(name for name in self.scene.outputs if OUTPUTS[name].values is not None)
@@ -283,37 +288,30 @@ class Solution(Result):
     def speed_density(self, v: ArrayLike) -> FloatArray:
         """Density of the speed at v (in U), shape (n_times, n_v), in 1/U; integral over v is 1.
 
-        The delta peak of the tracers of a monoenergetic start that have not collided is left out:
-        see :attr:`uncollided`. The error is at most rtol of the maximum for v above 1e-2 of the
-        thermal speed; at lower speeds that holds for the density of ln v. That is for smooth
-        starts. From rough ones (sharp speeds, steps, noise: the plan says "conservative") it is
-        the share of tracers slower than v, the integral of this density with :attr:`uncollided`,
-        that is right to rtol for every v; f itself is not at its steps (:attr:`speed_fronts`).
-        Raises InputError for v negative or not finite, or if "speed_density" was not among the
-        outputs.
-
-        With a field tracers of sharp velocities (rest, one speed, a Beam, samples) are left out as
-        long as they have not collided; what the error is relative to is `error_estimate`.
+        Without the tracers of :attr:`uncollided`. From smooth starts the error is at most rtol of
+        the maximum for v above 1e-2 of the thermal speed, below it that of the density of ln v.
+        From rough ones (sharp speeds, steps, noise: the plan says "conservative") the share of
+        tracers slower than v, the integral of this density with :attr:`uncollided`, is right to
+        rtol; f itself is not at its steps (:attr:`speed_fronts`). Raises InputError for v negative
+        or not finite, or if "speed_density" was not among the outputs.
         """
-        v_ = speeds(v)
-        return np.asarray(self._asked("speed_density", "velocity_density").speed_density(v_))
+        return self._velocities().speed_density(speeds(v))
 
     @property
     def uncollided(self) -> FloatArray:
         """Share of tracers in the delta peak of a monoenergetic start, shape (n_times,).
 
-        For e < 1 these are the tracers that have not collided; at e = 1 they are all tracers. It is
-        zero for other starts, whose uncollided tracers are part of :meth:`speed_density`. With a
-        field it is the share of those that fall freely with one of a few velocities.
+        Those that have not collided (at e = 1 all); zero for other starts. With a field, of any
+        start of sharp velocities (rest, one speed, a Beam, samples).
         """
-        return frozen(self._asked("speed_density", "velocity_density").uncollided)
+        return frozen(self._velocities().uncollided)
 
     @property
     def speed_fronts(self) -> FloatArray:
         """Speeds in U, rising, at which :meth:`speed_density` may step or be infinite.
 
         Of a start of sharp speeds (empty for others): those speeds, and the ends of what one and
-        two collisions make of them. A start that steps keeps its own steps besides.
+        two collisions make of them.
         """
         scene = self.scene
         sharp = scene.state.profile(0) is None and not scene.field
@@ -323,13 +321,11 @@ class Solution(Result):
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
 
-        The error is 1e-8 of the maximum for smooth densities, and a percent near the steps of rough
-        ones. With c_x = v_x/v0 it is the marginal F(c_x) of the paper's figure ``scalev``; its
-        integral is 1. With a field it is the component along it, and sharp starts are refused, by
-        an InputError; others as for :meth:`speed_density`.
+        Its integral is 1; with c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The
+        error is 1e-8 of the maximum, a percent near steps. With a field it is the component along
+        it, and sharp starts are refused. Raises InputError as :meth:`speed_density` does.
         """
-        x = finite_line("v_x", v_x)
-        return np.asarray(self._asked("speed_density", "velocity_density").component_density(x))
+        return self._velocities().component_density(finite_line("v_x", v_x))
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
@@ -341,7 +337,7 @@ class Solution(Result):
         was not among the outputs.
         """
         v_, phi_ = speeds(v, zero_allowed=False), finite_line("phi", phi)
-        return np.asarray(self._asked("velocity_density").velocity_density(v_, phi_))
+        return self._asked("velocity_density").velocity_density(v_, phi_)
 
     # -- position -----------------------------------------------------------------------------
 
@@ -352,7 +348,7 @@ class Solution(Result):
         Radius in d and share, shape (n_times, n_speeds) each: delta peaks, which
         :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
         """
-        found = self._asked("position_density").displacement
+        found = self._moved()
         return frozen(found.front_radius), frozen(found.front_weight)
 
     def position_density(self, r: ArrayLike) -> FloatArray:
@@ -362,7 +358,7 @@ class Solution(Result):
         absolute error is max(rtol, 1e-8) over sqrt(<r^2>). Raises InputError for negative radii,
         or if "position_density" was not among the outputs.
         """
-        found, r_ = self._asked("position_density").displacement, not_negative_line("r", r)
+        found, r_ = self._moved(), not_negative_line("r", r)
         return np.array([found.density(i, r_) for i in range(self.times.size)])
 
     def scaled_position_density(self, scaled_radii: ArrayLike) -> FloatArray:
@@ -371,10 +367,7 @@ class Solution(Result):
         <r^2> is that of g itself: at a finite density :attr:`msd` knows that returns take time.
         NaN at t = 0, where all tracers are at the origin. Raises InputError for negative R.
         """
-        found, x = (
-            self._asked("position_density").displacement,
-            not_negative_line("scaled_radii", scaled_radii),
-        )
+        found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
         out = np.full((self.times.size, x.size), np.nan)
         for i, root in enumerate(found.root_mean_square):
             if root > 0.0:
@@ -387,7 +380,7 @@ class Solution(Result):
         For histograms: the ballistic front is in it, in (low, high]. Raises InputError for edges
         that are negative or do not rise.
         """
-        found, r = self._asked("position_density").displacement, not_negative_line("edges", edges)
+        found, r = self._moved(), not_negative_line("edges", edges)
         if r.size < 2 or np.any(np.diff(r) <= 0.0):
             refuse("edges", edges, "they must rise, two at least")
         return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
@@ -395,15 +388,12 @@ class Solution(Result):
     def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """How the density p = G(R)/(2 pi R) in the plane falls at R: its exponent and its rate.
 
-        In space p = G(R)/(4 pi R^2). Shapes (n_times, n_R), for R > 0. With p ~ exp(-(R/b)^n) the
-        exponent is n: 2 for a Gaussian, 1 for an exponential. It is d ln(ln(p(0)/p(R)))/d ln R, and
-        the rate -d ln p/dR. Tracers that have not collided are left out. NaN where p is below its
-        error. Raises InputError as :meth:`scaled_position_density` does, and at a finite density.
+        In space p = G(R)/(4 pi R^2). Shapes (n_times, n_R), for R > 0. The exponent is
+        d ln(ln(p(0)/p(R)))/d ln R, n where p ~ exp(-(R/b)^n), and the rate -d ln p/dR; without
+        tracers that have not collided, NaN where p is below its error. Raises InputError as
+        :meth:`scaled_position_density` does, and at a finite density.
         """
-        found, x = (
-            self._asked("position_density").displacement,
-            not_negative_line("scaled_radii", scaled_radii),
-        )
+        found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
         if self.scene.law.returns(0)[0]:
             refuse("scatterers", self.scene.scatterers, "p(0) is infinite: some come straight back")
         exponent, rate = np.full((2, self.times.size, x.size), np.nan)

@@ -69,7 +69,7 @@ def gaussian(
 
     In the plane its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a
     power of k for the powers of v, for which 8 + 1.5 highest e-folds are added. The left end is
-    where v^(d + lowest), or v^2, is below rtol/e^2, the right one where exp(-v^2/2) is so far below.
+    where v^(d + lowest), or v^2, is below rtol/e^2, the right one where exp(-v^2/2) is as small.
     The density may be multiplied by a function of v/D that is at most ``ratio``, and at most D/v.
     """
     depth = math.log(1.0 / rtol) + 2.0
