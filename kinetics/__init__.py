@@ -77,7 +77,12 @@ __all__ = sorted({"__version__", "sonine", *_HOME_OF} - {*" ".join(_HIDDEN.value
 def __getattr__(name: str) -> Any:
     value: Any
     if name == "__version__":
-        value = import_module("kinetics.version").package_version()
+        from importlib import metadata
+
+        try:
+            value = metadata.version("inelastic-lorentz")
+        except metadata.PackageNotFoundError:
+            value = "0+unknown"
     elif name == "sonine":
         value = import_module("kinetics.paper")
     elif name in _HOME_OF:

@@ -29,7 +29,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, short
-from kinetics.version import package_version
 
 if TYPE_CHECKING:
     import pandas
@@ -268,7 +267,8 @@ def dataset(
 
     used = {d for dims, _, _ in variables.values() for d in dims}
     axes = {name: made for name, made in coordinates.items() if name in used}
-    about = {"scene": json.dumps(_plain(question, False)), "version": package_version()}
+    version = sys.modules["kinetics"].__version__
+    about = {"scene": json.dumps(_plain(question, False)), "version": version}
     return xarray.Dataset(variables, axes, {"title": title, **attributes, **about})
 
 

@@ -62,12 +62,6 @@ def check_rtol(value: Any) -> float:
     return real_number("rtol", value, 1e-14, 0.1)
 
 
-def exponent(name: str, value: Any, limit: float) -> float:
-    """A real number whose size is at most ``limit``."""
-    allowed = f"it must be a real number of size up to {limit:g}"
-    return real_number(name, value, -limit, limit, allowed)
-
-
 def whole_number(name: str, value: Any, low: int, high: int) -> int:
     """An int from low to high; True and 2.0 are refused."""
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)

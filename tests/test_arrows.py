@@ -23,10 +23,9 @@ QUESTION = {"status", "outputs", "scene", "answer"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "status": set(),
-    "version": set(),
     "numerics": set(),
     "validation": {"errors"},
-    "results": {"errors", "version"},
+    "results": {"errors"},
     "collision": {"numerics"} | CHECKS,
     "states": {"numerics", "results"} | CHECKS,
     "scaling": BASE | {"status"},

@@ -24,8 +24,8 @@ from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
-    exponent,
     not_negative,
+    real_number,
     refuse,
     whole_number,
 )
@@ -94,7 +94,7 @@ class ScaledVDF(Result):
         Where nodes that were given are far too few, so that the error estimate is 1 or more,
         nothing is known of the moment, and it is the largest number instead of an overflow.
         """
-        number = exponent("p", p, _LARGEST_POWER)
+        number = real_number("p", p, -_LARGEST_POWER, _LARGEST_POWER)
         if number <= self.law.lowest_power:
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         log_moment = self._log_moment(number) - 0.5 * number * self._log_second

@@ -147,17 +147,20 @@ class Rest(State):
 class Samples(State):
     """Particles of the same weight: a subclass gives their speeds, and angles to the x axis."""
 
+    peaks: tuple[FloatArray, FloatArray]
+    _angle: FloatArray | None
+
     def _place(self, speed: FloatArray, angle: FloatArray | None = None) -> None:
         """Store speeds (n,), and angles (n,) where the particles are directed."""
         self.store(peaks=(speed, np.full(speed.size, 1.0 / speed.size)), _angle=angle)
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """The samples with weights exp(-i m phi)/n, many of them gathered on a fine grid."""
-        (speed, weight), angle = vars(self)["peaks"], vars(self)["_angle"]
-        if m and angle is None:
+        speed, weight = self.peaks
+        if m and self._angle is None:
             return None
-        turned = weight * np.exp(-1j * m * angle) if m else weight
-        return quadrature.samples(np.log(speed), turned, rtol, max(highest, -lowest))
+        turn = np.exp(-1j * m * np.asarray(self._angle)) if m else 1.0
+        return quadrature.samples(np.log(speed), weight * turn, rtol, max(highest, -lowest))
 
 
 @dataclass(frozen=True)
@@ -225,6 +228,8 @@ class VelocitySamples(Samples):
 class Table(State):
     """A state whose f_m are linear between rising speeds; a subclass gives them at these."""
 
+    _columns: NDArray[Any]
+
     def _tabulate(self, v: FloatArray, columns: NDArray[Any], name: str) -> None:
         """Store f_m, column m, at the speeds v, shape (n_v, n_m), so that f_0 has the norm 1."""
         radial = columns[:, 0].real
@@ -236,11 +241,11 @@ class Table(State):
 
     def _values(self, m: int) -> NDArray[Any] | None:
         """f_m at the speeds; None where it is zero to rounding."""
-        columns = vars(self)["_columns"]
-        if m >= columns.shape[1]:
+        if m >= self._columns.shape[1]:
             return None
-        zero = np.abs(columns[:, m]).max() < _ZERO * np.abs(columns[:, 0]).max()
-        return None if zero else np.asarray(columns[:, m] if m else columns[:, 0].real)
+        first, values = self._columns[:, 0].real, self._columns[:, m]
+        zero = np.abs(values).max() < _ZERO * first.max()
+        return None if zero else (values if m else first)
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """Gauss points on the linear pieces."""
