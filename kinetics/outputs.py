@@ -190,28 +190,24 @@ _ROWS = (
         "f(v, phi) from its angular harmonics; in space phi is the angle to the x axis",
         in_space="1/U^3",
     ),
-)  # fmt: skip
-
-_FIELD_ROWS = (
     Output(
         "displacement_tensor", DISPLACEMENT, "cov(r)", "d^2", ("n_times", "d", "d"),
         "<(r_i - <r_i>)(r_j - <r_j>)>, with a field only",
     ),
 )  # fmt: skip
 
-FIELD_OUTPUTS: dict[str, Output] = {
-    row.name: row
-    for row in (*_ROWS, *_FIELD_ROWS)
-    if row.name
-    not in (
-        "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
-        "intermediate_scattering",
-    )
+_NOT_IN_FIELD = {
+    "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
+    "intermediate_scattering",
 }  # fmt: skip
-"""The same for scenes with a field, which `kinetics.field` solves."""
+_IN_FIELD_ONLY = {"displacement_tensor"}
 
 # what a row is made of is the same tuple each time
-OUTPUTS: dict[str, Output] = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
+_CACHED = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
+FIELD_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_IN_FIELD}
+"""Name -> row for scenes with a field, which `kinetics.field` solves."""
+
+OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _IN_FIELD_ONLY}
 """Name -> row, in the order in which outputs are listed."""
 
 
