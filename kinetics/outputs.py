@@ -79,10 +79,6 @@ class Output(NamedTuple):
     also: tuple[tuple[str, str, str], ...] = ()
     in_space: str = ""
 
-    def unit_in(self, dimension: int) -> str:
-        """The unit, in the plane or in space."""
-        return self.in_space if dimension == 3 and self.in_space else self.unit
-
     @property
     def names(self) -> tuple[str, ...]:
         """The names of its arrays."""
@@ -233,4 +229,5 @@ def described(name: str, dimension: int) -> tuple[str, str, str]:
     """Unit, words and symbol of an array of a Solution, or of a function."""
     row = next(row for row in (FIELD_OUTPUTS | OUTPUTS).values() if name in row.names)
     also = {also: (unit, row.description, symbol) for also, unit, symbol in row.also}
-    return also.get(name, (row.unit_in(dimension), row.description, row.symbol))
+    unit = row.in_space if dimension == 3 and row.in_space else row.unit
+    return also.get(name, (unit, row.description, row.symbol))

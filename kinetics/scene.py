@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics import FloatArray
-from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS, described
 from kinetics.results import Value
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
@@ -102,7 +102,7 @@ class Scene(Value):
         if field and at_a_density:
             refuse("field", field, "it is available for scatterers='dilute' only")
         if numbers.size and (field or at_a_density):
-            allowed = "they are available for scatterers='dilute' without a field only"
+            allowed = "they are available without a field and for scatterers='dilute' only"
             refuse("collision_numbers", numbers, allowed)
         self.store(
             **law.arguments,
@@ -135,8 +135,8 @@ class Scene(Value):
 
     def _figures(self) -> dict[str, str]:
         """The outputs, with their units in brackets, and what they are."""
-        rows = [(FIELD_OUTPUTS if self.field else OUTPUTS)[name] for name in self.outputs]
-        return {f"{row.name} [{row.unit_in(self.dimension)}]": row.description for row in rows}
+        rows = {name: described(name, self.dimension) for name in self.outputs}
+        return {f"{name} [{unit}]": words for name, (unit, words, _) in rows.items()}
 
 
 def _start(initial: Any, dimension: int, with_field: bool) -> State:
@@ -168,4 +168,4 @@ def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:
             if name in OUTPUTS or name in FIELD_OUTPUTS:
                 hint = f"not available {'with' if with_field else 'without'} a field; "
             refuse("outputs", name, f"{hint}known are {known}")
-    return tuple(dict.fromkeys(names))
+    return tuple(str(name) for name in dict.fromkeys(names))
