@@ -168,11 +168,12 @@ class Solution(Result):
         self, row: Output, points: Mapping[str, Any], found: dict[str, Any], axes: dict[str, Any]
     ) -> None:
         """A function, and what comes with it, at the points."""
-        more = {} if row.name != "intermediate_scattering" else {"direction"} & {*points}
+        turned = row.name == "intermediate_scattering" and "direction" in points
+        more = {"direction": points["direction"]} if turned else {}
         for name in row.names:
             along = [AXES[n] for n in (row.shape[1:] if name == row.name else ("n_R",))]
             at = [self._points_on(axis.points, points) for axis in along]
-            values = getattr(self, name)(*at, **{n: points[n] for n in more})
+            values = getattr(self, name)(*at, **more)
             for axis, x in zip(along, at, strict=True):
                 axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
             unit, words, symbol = described(name, self.scene.dimension)

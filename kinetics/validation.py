@@ -145,9 +145,10 @@ def speeds(value: ArrayLike, *, zero_allowed: bool = True) -> Array:
 
 def rising_speeds(speed: ArrayLike) -> Array:
     """At least two speeds that rise, the first of them 0 or more, shape (n,)."""
-    v = finite_array("speed", speed)
-    if v.size < 2 or np.any(np.diff(v) <= 0.0) or v[0] < 0.0:
-        refuse("speed", speed, "it must rise, from 0 or more, 2 at least")
+    allowed = "it must be a line of numbers that rise, from 0 or more, 2 at least"
+    v = finite_array("speed", speed, allowed, 0.0)
+    if v.size < 2 or np.any(np.diff(v) <= 0.0):
+        refuse("speed", speed, allowed)
     return v
 
 
