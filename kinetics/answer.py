@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,9 @@ from kinetics.scene import Scene
 from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import refuse
 
+if TYPE_CHECKING:
+    from kinetics.field.scene import FieldScene
+
 _ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
 _SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
@@ -53,7 +56,9 @@ _SPEEDS = np.geomspace(0.01, 3.0, 50)  # in thermal ones: where a density may no
 Needed = Sequence[tuple[Part, ...]]
 
 
-def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Any:
+def answer_to(
+    scene: Scene, rtol: float, method: str | None, nodes: int | None
+) -> Answer | FieldScene:
     """The answer to a scene, with a field or without; the arguments are those of `solve`."""
     if not scene.field:
         return Answer(scene, rtol, method, nodes)

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,9 @@ from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
 from kinetics.scene import Scene
 from kinetics.status import PlanStep, SolverStatus
 from kinetics.validation import finite_line, not_negative_line, real_number, refuse, speeds
+
+if TYPE_CHECKING:
+    from kinetics.field.scene import FieldScene
 
 _BESIDE = {
     "speed_density": {"uncollided"},
@@ -69,7 +72,12 @@ class Solution(Result):
 
     @classmethod
     def of(
-        cls, answer: Any, scene: Scene, rtol: float, method: str | None, nodes: int | None
+        cls,
+        answer: Answer | FieldScene,
+        scene: Scene,
+        rtol: float,
+        method: str | None,
+        nodes: int | None,
     ) -> Solution:
         """The solution that an answer of `kinetics.answer.answer_to` makes."""
         values = answer.values  # what overflows is refused before densities are solved
