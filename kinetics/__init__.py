@@ -6,105 +6,88 @@ so that `lorentz --help` costs neither numpy nor scipy.
 Rooms, each of which imports only those before it: `numerics` (no physics), `collision` (the law of
 one bounce), `states` (initial states) and `scaling` (the scaled distribution), `moments`
 (averages), `densities` (of the velocity), `position` (of the displacement) and `field` (the
-equation in a uniform field). Then the modules of
-this folder: `outputs` and `scene` say what can be asked, `solver` solves it, `solution` is the
-answer. `results` (values, datasets, plots and files), `status`, `errors` and `validation` serve all
-of them. `paper` (also `sonine`) holds the paper's approximations; `crosscheck` compares with
-particles and algebra. Begin reading with `solver.solve`.
+equation in a uniform field). Then the modules of this folder: `outputs` and `scene` say what can be
+asked, `answer` solves it, `solution` is what `solver.solve` returns: begin reading there. `results`
+(values, datasets, plots and files), `status`, `errors` and `validation` serve all of them. `paper`
+(also `sonine`) holds the paper's approximations; `crosscheck` compares with particles and algebra.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetics import paper as sonine
-    from kinetics.collision import CollisionLaw
-    from kinetics.errors import InputError, ToleranceWarning
-    from kinetics.field.solution import FieldState, solve_field
-    from kinetics.results import load
-    from kinetics.scaling.closed_form import ScalingSolution
-    from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
-    from kinetics.scene import Scene
-    from kinetics.solution import Solution
-    from kinetics.solver import solve
-    from kinetics.states.directed import AngularHarmonics, Beam, PolarGrid, VelocitySamples
-    from kinetics.states.isotropic import (
-        Gaussian,
-        Monoenergetic,
-        SpeedDensity,
-        SpeedSamples,
-        SpeedTable,
-    )
-    from kinetics.status import SolverStatus
+    from kinetics import paper as sonine  # noqa: F401
+    from kinetics.collision import CollisionLaw as CollisionLaw
+    from kinetics.errors import InputError as InputError
+    from kinetics.errors import ToleranceWarning as ToleranceWarning
+    from kinetics.field.solution import FieldState as FieldState
+    from kinetics.field.solution import solve_field as solve_field
+    from kinetics.results import load as load
+    from kinetics.scaling.closed_form import ScalingSolution as ScalingSolution
+    from kinetics.scaling.scaled_vdf import ScaledVDF as ScaledVDF
+    from kinetics.scaling.scaled_vdf import solve_scaled as solve_scaled
+    from kinetics.scene import Scene as Scene
+    from kinetics.solution import Solution as Solution
+    from kinetics.solver import solve as solve
+    from kinetics.states.kinds import AngularHarmonics as AngularHarmonics
+    from kinetics.states.kinds import Beam as Beam
+    from kinetics.states.kinds import Gaussian as Gaussian
+    from kinetics.states.kinds import Monoenergetic as Monoenergetic
+    from kinetics.states.kinds import PolarGrid as PolarGrid
+    from kinetics.states.kinds import SpeedDensity as SpeedDensity
+    from kinetics.states.kinds import SpeedSamples as SpeedSamples
+    from kinetics.states.kinds import SpeedTable as SpeedTable
+    from kinetics.states.kinds import VelocitySamples as VelocitySamples
+    from kinetics.status import SolverStatus as SolverStatus
 
-_HOMES = {
-    "collision": ("CollisionLaw",),
-    "collision.bounce": ("SampledBounce",),
-    "crosscheck": ("Comparison",),
-    "errors": ("InputError", "ToleranceWarning"),
-    "field.solution": ("FieldState", "FieldUnits", "solve_field"),
-    "moments.by_collision": ("ByCollision",),
-    "results": ("load",),
-    "scaling.closed_form": ("ScalingSolution",),
-    "scaling.scaled_vdf": ("ScaledVDF", "solve_scaled"),
-    "scene": ("Scene",),
-    "solution": ("Solution",),
-    "solver": ("solve",),
-    "states.directed": ("AngularHarmonics", "Beam", "PolarGrid", "VelocitySamples"),
-    "states.isotropic": (
-        "Gaussian",
-        "Maxwell",
-        "Monoenergetic",
-        "Rest",
-        "SpeedDensity",
-        "SpeedSamples",
-        "SpeedTable",
-    ),
-    "status": ("PlanStep", "SolverStatus"),
+_SHOWN = {
+    "collision": "CollisionLaw",
+    "errors": "InputError ToleranceWarning",
+    "field.solution": "FieldState solve_field",
+    "results": "load",
+    "scaling.closed_form": "ScalingSolution",
+    "scaling.scaled_vdf": "ScaledVDF solve_scaled",
+    "scene": "Scene",
+    "solution": "Solution",
+    "solver": "solve",
+    "states.kinds": """AngularHarmonics Beam Gaussian Monoenergetic PolarGrid SpeedDensity
+        SpeedSamples SpeedTable VelocitySamples""",
+    "status": "SolverStatus",
 }
-# Every public class is here, also those that are not shown: a file may hold any of them.
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+_HIDDEN = {
+    "collision.bounce": "SampledBounce",
+    "crosscheck": "Comparison",
+    "field.solution": "FieldUnits",
+    "moments.by_collision": "ByCollision",
+    "states.kinds": "Maxwell Rest",
+    "status": "PlanStep",
+}
+"""Homes of the classes that are not shown: a file may hold any of them."""
+_HOME_OF = {
+    name: (home, name)
+    for homes in (_SHOWN, _HIDDEN)
+    for home, names in homes.items()
+    for name in names.split()
+}
+_HOME_OF |= {name: ("crosscheck", f"{name}_data") for name in ("compare", "fit")}
 
-__all__ = [
-    "AngularHarmonics",
-    "Beam",
-    "CollisionLaw",
-    "FieldState",
-    "Gaussian",
-    "InputError",
-    "Monoenergetic",
-    "PolarGrid",
-    "ScaledVDF",
-    "ScalingSolution",
-    "Scene",
-    "Solution",
-    "SolverStatus",
-    "SpeedDensity",
-    "SpeedSamples",
-    "SpeedTable",
-    "ToleranceWarning",
-    "VelocitySamples",
-    "__version__",
-    "compare",
-    "fit",
-    "load",
-    "solve",
-    "solve_field",
-    "solve_scaled",
-    "sonine",
-]
+__all__ = sorted({"__version__", "sonine", *_HOME_OF} - {*" ".join(_HIDDEN.values()).split()})
 
 
 def __getattr__(name: str) -> Any:
     value: Any
     if name == "__version__":
-        value = import_module("kinetics.version").package_version()
+        from importlib import metadata
+
+        try:
+            value = metadata.version("inelastic-lorentz")
+        except metadata.PackageNotFoundError:
+            value = "0+unknown"
     elif name == "sonine":
         value = import_module("kinetics.paper")
-    elif name in ("compare", "fit"):
-        value = getattr(import_module("kinetics.crosscheck"), f"{name}_data")
     elif name in _HOME_OF:
-        value = getattr(import_module(f"kinetics.{_HOME_OF[name]}"), name)
+        home, inside = _HOME_OF[name]
+        value = getattr(import_module(f"kinetics.{home}"), inside)
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
@@ -112,4 +95,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return __all__

@@ -5,7 +5,7 @@ Reading it costs no NumPy: the modules that its functions need are imported at f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -78,10 +78,6 @@ class Output(NamedTuple):
     values: Callable[[Averages], Any] | None = None
     also: tuple[tuple[str, str, str], ...] = ()
     in_space: str = ""
-
-    def unit_in(self, dimension: int) -> str:
-        """The unit, in the plane or in space."""
-        return self.in_space if dimension == 3 and self.in_space else self.unit
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -190,28 +186,24 @@ _ROWS = (
         "f(v, phi) from its angular harmonics; in space phi is the angle to the x axis",
         in_space="1/U^3",
     ),
-)  # fmt: skip
-
-_FIELD_ROWS = (
     Output(
         "displacement_tensor", DISPLACEMENT, "cov(r)", "d^2", ("n_times", "d", "d"),
         "<(r_i - <r_i>)(r_j - <r_j>)>, with a field only",
     ),
 )  # fmt: skip
 
-FIELD_OUTPUTS: dict[str, Output] = {
-    row.name: row
-    for row in (*_ROWS, *_FIELD_ROWS)
-    if row.name
-    not in (
-        "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
-        "intermediate_scattering",
-    )
+_NOT_IN_FIELD = {
+    "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
+    "intermediate_scattering",
 }  # fmt: skip
-"""The same for scenes with a field, which `kinetics.field` solves."""
+_IN_FIELD_ONLY = {"displacement_tensor"}
 
 # what a row is made of is the same tuple each time
-OUTPUTS: dict[str, Output] = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
+_CACHED = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
+FIELD_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_IN_FIELD}
+"""Name -> row for scenes with a field, which `kinetics.field` solves."""
+
+OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _IN_FIELD_ONLY}
 """Name -> row, in the order in which outputs are listed."""
 
 
@@ -237,11 +229,5 @@ def described(name: str, dimension: int) -> tuple[str, str, str]:
     """Unit, words and symbol of an array of a Solution, or of a function."""
     row = next(row for row in (FIELD_OUTPUTS | OUTPUTS).values() if name in row.names)
     also = {also: (unit, row.description, symbol) for also, unit, symbol in row.also}
-    return also.get(name, (row.unit_in(dimension), row.description, row.symbol))
-
-
-def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:
-    """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
-    rows = [OUTPUTS[name] for name in outputs if OUTPUTS[name].step == VELOCITY]
-    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.made_of(dimension)}
-    return sorted(found)
+    unit = row.in_space if dimension == 3 and row.in_space else row.unit
+    return also.get(name, (unit, row.description, row.symbol))

@@ -29,7 +29,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, short
-from kinetics.version import package_version
 
 if TYPE_CHECKING:
     import pandas
@@ -71,14 +70,17 @@ def _contents(value: Any) -> Any:
 
 
 def _brief(value: Any) -> str:
-    """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
-    shown = {f.name: getattr(value, f.name) for f in fields(value) if f.repr}
-    for name, part in shown.items():
+    """A dataclass in one line: what is not as by default, arrays by their sizes and ranges."""
+    shown = {}
+    for one in fields(value):
+        part = getattr(value, one.name)
+        empty = isinstance(part, np.ndarray | tuple) and len(part) == 0
+        if empty or not one.repr or _contents(part) == _contents(one.default):
+            continue
+        shown[one.name] = getattr(part, "__qualname__", repr(part))
         if isinstance(part, np.ndarray):
-            ends = f", {part.min():.6g} to {part.max():.6g}" if part.size else ""
-            shown[name] = f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
-        else:
-            shown[name] = getattr(part, "__qualname__", repr(part))
+            size, ends = " x ".join(map(str, part.shape)), f"{part.min():.6g} to {part.max():.6g}"
+            shown[one.name] = f"<{size} numbers, {ends}>"
     return f"{type(value).__name__}({', '.join(f'{n}={part}' for n, part in shown.items())})"
 
 
@@ -134,6 +136,14 @@ class Value:
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         return dataset(type(self).__name__, self, {}, {})
 
+    def _figures(self) -> Mapping[str, str]:
+        """What a notebook shows, name -> text."""
+        return {}
+
+    def _repr_html_(self) -> str:
+        figures = (f"<tr><td>{escape(a)}<td>{escape(b)}" for a, b in self._figures().items())
+        return f"<p>{escape(repr(self).splitlines()[0])}</p><table>{''.join(figures)}</table>"
+
     def _to_storage(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self) if f.init}  # type: ignore[arg-type]
 
@@ -149,7 +159,7 @@ class Result(Value):
     A subclass writes ``_dataset(only, **points)`` with :func:`dataset`. ``only`` names what is
     needed; empty, that is what depends on the first coordinate alone, and single numbers; None is
     everything; ``_on_demand`` are names that it may leave out. ``_points`` names the points that
-    may be given, and ``_figures`` is what a notebook shows.
+    may be given.
     """
 
     _points: tuple[str, ...] = ()
@@ -235,13 +245,6 @@ class Result(Value):
             raise InputError(f"name: got {short(name)}; this result has {known}")
         return found
 
-    def _figures(self) -> Mapping[str, str]:
-        return {}
-
-    def _repr_html_(self) -> str:
-        figures = (f"<tr><td>{escape(a)}<td>{escape(b)}" for a, b in self._figures().items())
-        return f"<p>{escape(repr(self).splitlines()[0])}</p><table>{''.join(figures)}</table>"
-
 
 def variable(
     dims: tuple[str, ...], values: ArrayLike, units: str, long_name: str, symbol: str = ""
@@ -264,7 +267,8 @@ def dataset(
 
     used = {d for dims, _, _ in variables.values() for d in dims}
     axes = {name: made for name, made in coordinates.items() if name in used}
-    about = {"scene": json.dumps(_plain(question, False)), "version": package_version()}
+    version = sys.modules["kinetics"].__version__
+    about = {"scene": json.dumps(_plain(question, False)), "version": version}
     return xarray.Dataset(variables, axes, {"title": title, **attributes, **about})
 
 

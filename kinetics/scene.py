@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-import html
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
-from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
-from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS, described
 from kinetics.results import Value
-from kinetics.states.isotropic import Rest, as_state
+from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
 
@@ -79,33 +78,43 @@ class Scene(Value):
     scatterers: str = "dilute"
     density_order: str = "second"
     field: float = 0.0
-    state: State = dataclasses.field(init=False)
+    state: State = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         law = self.law
-        checked: dict[str, Any] = {
-            **law.arguments,
-            "number_density": check_positive("number_density", self.number_density),
-            "diameter": check_positive("diameter", self.diameter),
-        }
-        if not 0.0 < law.mean_free_path(checked["number_density"], checked["diameter"]) < math.inf:
-            formula = "2 diameter" if law.dimension == 2 else "pi diameter^2"
-            raise InputError(
-                f"number_density: got {short(self.number_density)} at diameter "
-                f"{short(self.diameter)}; the mean free path 1/({formula} number_density) must be "
-                "a finite number above 0"
-            )
+        rho = check_positive("number_density", self.number_density)
+        diameter = check_positive("diameter", self.diameter)
+        if not 0.0 < law.mean_free_path(rho, diameter) < math.inf:
+            allowed = f"at diameter {diameter:g} the mean free path must be a finite number above 0"
+            refuse("number_density", self.number_density, allowed)
         allowed = "it must be a finite number, 0 or more: the field is along +x"
-        checked["field"] = real_number("field", self.field, 0.0, allowed=allowed)
-        with_field = checked["field"] > 0.0
-        checked["state"] = _start(self.initial, law.dimension, with_field)
-        checked["collision_numbers"] = _check_numbers(self.collision_numbers)
-        only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
-        checked["times"] = _check_times([0.0] if only_collisions else self.times)
-        checked["outputs"] = _check_outputs(self.outputs, with_field)
-        _check_together(checked, law)
-        checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
-        self.store(**checked)
+        field = real_number("field", self.field, 0.0, allowed=allowed)
+        allowed = "collision numbers must be whole, not negative, up to 2^53"
+        numbers = finite_line("collision_numbers", self.collision_numbers, allowed, 0.0)
+        if np.any((numbers > 2.0**53) | (numbers != np.floor(numbers))):
+            refuse("collision_numbers", self.collision_numbers, allowed)
+        allowed = "times must be real, finite, not negative and not falling, at least one"
+        only_collisions = numbers.size > 0 and np.size(self.times) == 0
+        times = finite_line("times", [0.0] if only_collisions else self.times, allowed, 0.0)
+        if times.size == 0 or np.any(times[1:] < times[:-1]):
+            refuse("times", self.times, allowed)
+        at_a_density = law.medium is not None
+        if field and at_a_density:
+            refuse("field", field, "it is available for scatterers='dilute' only")
+        if numbers.size and (field or at_a_density):
+            allowed = "they are available without a field and for scatterers='dilute' only"
+            refuse("collision_numbers", numbers, allowed)
+        self.store(
+            **law.arguments,
+            number_density=rho,
+            diameter=diameter,
+            field=field,
+            state=_start(self.initial, law.dimension, field > 0.0),
+            collision_numbers=numbers,
+            times=times,
+            outputs=_check_outputs(self.outputs, field > 0.0),
+            harmonics=whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS),
+        )
 
     @property
     def mean_free_path(self) -> float:
@@ -119,104 +128,44 @@ class Scene(Value):
         system = (self.scatterers, self.number_density, self.diameter)
         return law_in_medium(law, *system, self.density_order)
 
-    def _system(self) -> str:
-        """The arguments without the outputs, for texts."""
-        initial = self.initial if isinstance(self.initial, str) else self.state
-        return (
-            f"{self.law.described}, number_density={self.number_density!r}, "
-            f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
-            + (f", field={self.field!r}" if self.field else "")
-        )
+    @property
+    def problem(self) -> tuple[CollisionLaw, float, State, FloatArray]:
+        """What every solver needs: law, mean free path in d, initial state, times in d/U."""
+        return self.law, self.mean_free_path, self.state, np.asarray(self.times)
 
-    def __repr__(self) -> str:
-        numbers = ""
-        if np.size(self.collision_numbers):
-            numbers = f", collision_numbers={_span(self.collision_numbers, 'numbers')}"
-        rest = f"outputs={self.outputs!r}, harmonics={self.harmonics}{numbers}"
-        return f"Scene({self._system()}, {rest})"
-
-    def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{row.name}</td><td>{row.unit_in(self.dimension)}</td>"
-            f"<td>{html.escape(row.description)}</td></tr>"
-            for row in ((FIELD_OUTPUTS if self.field else OUTPUTS)[name] for name in self.outputs)
-        )
-        return (
-            f"<p>Scene: {html.escape(self._system())}</p>"
-            f"<table><tr><th>output</th><th>unit</th><th>what it is</th></tr>{rows}</table>"
-        )
-
-    @classmethod
-    def _from_storage(cls, parts: dict[str, Any]) -> Scene:
-        return cls(**parts)
-
-
-def _span(times: ArrayLike, name: str = "times") -> str:
-    """How many times there are, or what the name says, and the first and the last."""
-    array = np.asarray(times)
-    if array.size == 1:
-        return f"[{array[0]:g}]"
-    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} {name}]"
+    def _figures(self) -> dict[str, str]:
+        """The outputs, with their units in brackets, and what they are."""
+        rows = {name: described(name, self.dimension) for name in self.outputs}
+        return {f"{name} [{unit}]": words for name, (unit, words, _) in rows.items()}
 
 
 def _start(initial: Any, dimension: int, with_field: bool) -> State:
     """The initial state in this dimension."""
-    state = Rest() if isinstance(initial, str) and initial == "rest" else as_state(initial)
+    state = as_state(initial)
     if isinstance(state, Rest) and not with_field:
         refuse("initial", initial, "tracers at rest stay there, give a field as well")
-    if dimension == 2:
-        return state
-    found = state.in_space()
+    found = state if dimension == 2 else state.in_space()
     if found is None:
         allowed = "with dimension 3 it must be isotropic, a Beam along x, or AngularHarmonics"
         refuse("initial", initial, allowed)
     return found
 
 
-def _check_together(checked: dict[str, Any], law: CollisionLaw) -> None:
-    """Finite densities have no averages after N collisions, and no field."""
-    at_a_density, numbers = law.medium is not None, checked["collision_numbers"]
-    if at_a_density and checked["field"]:
-        refuse("field", checked["field"], "it is available for scatterers='dilute' only")
-    if numbers.size and checked["field"]:
-        refuse("collision_numbers", numbers, "they are available without a field only")
-    if numbers.size and at_a_density:
-        refuse("collision_numbers", numbers, "they are available for scatterers='dilute' only")
-
-
-def _check_times(times: Any) -> FloatArray:
-    """The times as a read-only array; InputError if they cannot be used."""
-    allowed = "times must be real, finite, not negative and not falling, at least one"
-    array = finite_line("times", times, allowed)
-    if array.size == 0 or array[0] < 0.0 or np.any(array[1:] < array[:-1]):
-        refuse("times", times, allowed)
-    return array
-
-
-def _check_numbers(numbers: Any) -> FloatArray:
-    """The collision numbers as a read-only array; InputError if they cannot be used."""
-    allowed = "collision numbers must be whole, not negative, up to 2^53"
-    array = finite_line("collision_numbers", numbers, allowed)
-    if np.any((array < 0.0) | (array > 2.0**53) | (array != np.floor(array))):
-        refuse("collision_numbers", numbers, allowed)
-    return array
-
-
 def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:
     """The names without repetitions; InputError, with the nearest name, for an unknown one."""
-    try:
-        names = [outputs] if isinstance(outputs, str) else list(outputs)
-    except TypeError:
-        names = [outputs]
+    several = isinstance(outputs, Iterable) and not isinstance(outputs, str)
+    names = list(outputs) if several else [outputs]
     table = FIELD_OUTPUTS if with_field else OUTPUTS
     known = ", ".join(table)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if not isinstance(name, str) or name not in table:
-            near = difflib.get_close_matches(name, table, n=1) if isinstance(name, str) else []
+        if not isinstance(name, str):
+            refuse("outputs", name, f"known are {known}")
+        if name not in table:
+            near = difflib.get_close_matches(name, table, n=1)
             hint = f"did you mean {near[0]!r}? " if near else ""
-            if name in (*OUTPUTS, *FIELD_OUTPUTS):
+            if name in OUTPUTS or name in FIELD_OUTPUTS:
                 hint = f"not available {'with' if with_field else 'without'} a field; "
             refuse("outputs", name, f"{hint}known are {known}")
     return tuple(str(name) for name in dict.fromkeys(names))

@@ -11,44 +11,29 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.averaging import (
-    BEST_DENSITY,
-    SLACK,
-    arrays_of,
-    asked_for,
-    averages_of,
-    displacement_of,
-    error_of,
-    power_of_speed,
-    profiles_of,
-    solved_averages,
-)
-from kinetics.densities.harmonic import Profile, angular_function, speed_fronts
-from kinetics.densities.marginal import component_densities
+from kinetics.answer import Answer, answer_to
+from kinetics.densities.harmonic import speed_fronts
 from kinetics.errors import InputError
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
-from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
-from kinetics.outputs import AXES, DENSITIES, OUTPUTS, POSITION, Axis, described
-from kinetics.plan import limits, make_plan, make_stats
+from kinetics.outputs import AXES, OUTPUTS, Output, described
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
 from kinetics.scene import Scene
-from kinetics.status import PlanStep, SolverStatus, explain, status_of
+from kinetics.status import PlanStep, SolverStatus
 from kinetics.validation import finite_line, not_negative_line, real_number, refuse, speeds
 
 if TYPE_CHECKING:
     from kinetics.field.scene import FieldScene
 
-_WITH = {
-    "uncollided": "speed_density",
-    "front_radius": "position_density",
-    "front_weight": "position_density",
+_BESIDE = {
+    "speed_density": {"uncollided"},
+    "position_density": {"front_radius", "front_weight"},
 }
-"""What comes with a function in a dataset -> the function."""
+"""Function -> what comes with it in a dataset."""
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
 
@@ -85,6 +70,34 @@ class Solution(Result):
     method: str | None = None
     nodes: int | None = None
 
+    @classmethod
+    def of(
+        cls,
+        answer: Answer | FieldScene,
+        scene: Scene,
+        rtol: float,
+        method: str | None,
+        nodes: int | None,
+    ) -> Solution:
+        """The solution that an answer of `kinetics.answer.answer_to` makes."""
+        values = answer.values  # what overflows is refused before densities are solved
+        status, message = answer.verdict
+        found = cls(
+            scene=scene,
+            rtol=rtol,
+            values=values,
+            status=status,
+            message=message,
+            error_estimate=max(answer.errors.values()),
+            plan=answer.plan,
+            stats=answer.stats,
+            _typical_speed=answer.typical_speed,
+            method=method,
+            nodes=nodes,
+        )
+        vars(found)["_answer"] = answer
+        return found
+
     @property
     def times(self) -> FloatArray:
         """Output times in d/U, shape (n_times,)."""
@@ -106,16 +119,16 @@ class Solution(Result):
         return sorted({*super().__dir__(), *self.__dict__.get("values", {})})
 
     def __repr__(self) -> str:
-        lines = [f"Solution of {self.scene._system()}", f"error estimate {self.error_estimate:.1e}"]
-        lines[1:1] = [f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"]
+        status = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
         shown = ", ".join(f"{name} {about}" for name, about in self._outputs().items())
-        return "\n  ".join([*lines, *textwrap.wrap(shown, 96)])
+        lines = [f"Solution of {self.scene}", status]
+        lines += [f"error estimate {self.error_estimate:.1e}", *textwrap.wrap(shown, 96)]
+        return "\n  ".join(lines)
 
     def _outputs(self) -> dict[str, str]:
         """Shape and unit of every array, and of every output that is a function."""
         shapes = {name: str(array.shape) for name, array in self.values.items()}
-        for name in self._on_demand:
-            shapes[name] = f"({', '.join(OUTPUTS[name].shape)})"
+        shapes |= {name: f"({', '.join(OUTPUTS[name].shape)})" for name in self._on_demand}
         units = {name: described(name, self.scene.dimension)[0] for name in shapes}
         return {n: shapes[n] + ("" if u == "1" else f" in {u}") for n, u in units.items()}
 
@@ -145,11 +158,11 @@ class Solution(Result):
         axes = {"time": variable(("time",), self.times, "d/U", "time since the start", "t")}
         axes |= {c: variable((c,), list("xyz"[:d]), "1", "component") for c in COMPONENTS}
         for output in self._on_demand:
-            names = {*OUTPUTS[output].names, *(n for n, of in _WITH.items() if of == output)}
+            names = {*OUTPUTS[output].names, *_BESIDE.get(output, ())}
             if only is None or names & set(only):
-                self._add(output, points, found, axes)
+                self._add(OUTPUTS[output], points, found, axes)
         return dataset(
-            f"Solution of the inelastic Lorentz equation: {self.scene._system()}",
+            f"Solution of the inelastic Lorentz equation: {self.scene}",
             self.scene,
             found,
             axes,
@@ -160,16 +173,14 @@ class Solution(Result):
         )
 
     def _add(
-        self, output: str, points: Mapping[str, Any], found: dict[str, Any], axes: dict[str, Any]
+        self, row: Output, points: Mapping[str, Any], found: dict[str, Any], axes: dict[str, Any]
     ) -> None:
         """A function, and what comes with it, at the points."""
-        direction = points.get("direction") if output == "intermediate_scattering" else None
-        more = {} if direction is None else {"direction": direction}
-        for name in OUTPUTS[output].names:
-            along = (
-                [AXES[n] for n in OUTPUTS[output].shape[1:]] if name == output else [AXES["n_R"]]
-            )
-            at = [self._points_on(axis, points.get(axis.points)) for axis in along]
+        turned = row.name == "intermediate_scattering" and "direction" in points
+        more = {"direction": points["direction"]} if turned else {}
+        for name in row.names:
+            along = [AXES[n] for n in (row.shape[1:] if name == row.name else ("n_R",))]
+            at = [self._points_on(axis.points, points) for axis in along]
             values = getattr(self, name)(*at, **more)
             for axis, x in zip(along, at, strict=True):
                 axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
@@ -181,21 +192,20 @@ class Solution(Result):
             for part, array, sign in parts:
                 dims = ("time", *(axis.name for axis in along))
                 found[part] = variable(dims, array, unit, words, sign)
-        if output == "speed_density":
+        if row.name == "speed_density":
             words = "share of tracers of a start of one speed that have not collided (or e = 1)"
             found["uncollided"] = variable(("time",), self.uncollided, "1", words)
-        if output == "position_density" and (fronts := self.ballistic_front)[0].shape[1]:
+        if row.name == "position_density" and (fronts := self.ballistic_front)[0].shape[1]:
             numbers, dims = np.arange(fronts[0].shape[1]), ("time", "front")
             axes["front"] = variable(("front",), numbers, "1", "number of a sharp speed")
             words = "radius of tracers that have not collided"
             found["front_radius"] = variable(dims, fronts[0], "d", words)
             found["front_weight"] = variable(dims, fronts[1], "1", "share of these tracers")
 
-    def _points_on(self, axis: Axis, given: ArrayLike | None) -> FloatArray:
+    def _points_on(self, points: str, given: Mapping[str, Any]) -> FloatArray:
         """What was given, or else points where the distributions are."""
-        points = axis.points
-        if given is not None:
-            return finite_line(points, given)
+        if given.get(points) is not None:
+            return finite_line(points, given[points])
         if points == "speeds":
             usual = self._typical_speed[self._typical_speed > 0.0]  # at rest it is 0
             low, high = (usual.min(), usual.max()) if usual.size else (1.0, 1.0)
@@ -204,7 +214,7 @@ class Solution(Result):
             return np.linspace(0.0, np.pi if self.scene.dimension == 3 else 2.0 * np.pi, 73)
         if points == "scaled_radii":
             return np.linspace(0.0, 5.0, 101)
-        far = max(float(root_mean_square(averages_of(self.scene, self.rtol)).max()), 1e-12)
+        far = max(float(root_mean_square(self._answer.averages).max()), 1e-12)
         waves = np.geomspace(1e-2, 10.0, 61) / far
         return np.linspace(0.0, 5.0 * far, 121) if points == "radii" else waves
 
@@ -212,20 +222,46 @@ class Solution(Result):
         parts = super()._to_storage()
         return parts | {"values": {name: {"variable": name} for name in self.values}}
 
+    # -- what was solved: no part of the value, solved again where it is not there ------------
+
+    @cached_property
+    def _answer(self) -> Any:
+        return answer_to(self.scene, self.rtol, self.method, self.nodes)
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = vars(self).get("_answer")  # a copy need not solve densities again
+        return super().__getstate__() | ({"_answer": kept} if isinstance(kept, Answer) else {})
+
+    def _asked(self, *outputs: str) -> Any:
+        """The answer; InputError unless one of these outputs was asked for."""
+        if not set(outputs) & set(self.scene.outputs):
+            raise InputError(f"outputs: {outputs[0]!r} was not asked for; name it in the scene")
+        return self._answer
+
+    def _without_field(self) -> Answer:
+        """The answer; InputError for a scene with a field, of which only the outputs are solved."""
+        if self.scene.field:
+            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
+        return self._answer
+
+    def _velocities(self) -> Any:
+        return self._asked("speed_density", "velocity_density")
+
+    def _moved(self) -> Displacement:
+        return self._asked("position_density").displacement
+
     # -- moments ------------------------------------------------------------------------------
 
     def moment(self, p: float) -> FloatArray:
         """<v^p>(t) in U^p for real p, shape (n_times,); InputError where it does not exist."""
-        self._require_no_field()
-        return np.asarray(power_of_speed(self.scene, self.rtol, p, 0).real)
+        return np.asarray(self._without_field().power(p, 0).real)
 
     def harmonic(self, p: float, m: int) -> NDArray[Any]:
         """<v^p exp(-i m phi)>(t) in U^p, complex for m > 0, shape (n_times,); solved when asked.
 
         Raises InputError for p or m out of range.
         """
-        self._require_no_field()
-        return power_of_speed(self.scene, self.rtol, p, m)
+        return self._without_field().power(p, m)
 
     @property
     def by_collision(self) -> ByCollision:
@@ -233,124 +269,58 @@ class Solution(Result):
 
         Raises InputError if the scene has no collision_numbers.
         """
-        self._require_no_field()
-        scene, numbers = self.scene, np.asarray(self.scene.collision_numbers)
+        numbers = np.asarray(self.scene.collision_numbers)
         if numbers.size == 0:
             raise InputError("collision_numbers: the scene has none; give Scene some")
-        return ByCollision(scene.law, scene.mean_free_path, scene.state, numbers, self.rtol)
+        law, path, state, _ = self.scene.problem
+        return ByCollision(law, path, state, numbers, self.rtol)
 
     def at(self, times: ArrayLike) -> Solution:
         """The averages at other times up to the last of the scene, without solving it again.
 
-        ``times`` in d/U, not falling, shape (n,). The backward equation of the scene was solved
-        for all times up to the last: here it is evaluated, to the bits of a Solution of a scene
-        with these times and the same last one. `error_estimate` and `status` are of all times.
-        Densities, and scenes with a field, are not: InputError where nothing else was asked for,
-        and for times out of range.
+        ``times`` in d/U, not falling, shape (n,). The averages are those of a Solution of a scene
+        with these times and the same last one, to the bit; `error_estimate` and `status` are of all
+        times. Raises InputError where the scene asked for densities only, for one with a field, and
+        for times out of range.
         """
-        self._require_no_field()
+        answer = self._without_field()
         outputs = tuple(name for name in self.scene.outputs if OUTPUTS[name].values is not None)
         if not outputs:
             raise InputError("outputs: none of this scene's is an average over the tracers")
         scene = replace(self.scene, times=times, outputs=outputs)
-        asked, last = np.asarray(scene.times), float(self.times[-1])
-        if asked[-1] > last:
+        if np.asarray(scene.times)[-1] > (last := float(self.times[-1])):
             refuse("times", times, f"this scene was solved up to its last time, {last:g} d/U")
-        averages = self._averages.at(asked)
-        values = arrays_of(averages, outputs)
-        return answer(scene, averages, values, {}, None, self.method, self.nodes)
-
-    # -- what was solved: no part of the value, solved again where it is not there ------------
-
-    def keep(self, **solved: Any) -> None:
-        """Keep what the solver has solved: any of the four below."""
-        if "_averages" in solved:
-            solved["_averages"] = solved["_averages"].at(solved["_averages"].times)
-        self.__dict__.update(solved)
-
-    def __getstate__(self) -> dict[str, Any]:
-        densities = ("_profiles", "_displacement")  # a copy need not solve these again
-        kept = {name: vars(self)[name] for name in densities if name in vars(self)}
-        return super().__getstate__() | kept
-
-    @cached_property
-    def _averages(self) -> Averages:
-        return solved_averages(self.scene, self.rtol)
-
-    @cached_property
-    def _profiles(self) -> Mapping[int, Profile]:
-        return profiles_of(self.scene, self.rtol, self.method, self.nodes)
-
-    @cached_property
-    def _displacement(self) -> Displacement | None:
-        return displacement_of(self._averages, self.scene.outputs)
-
-    @cached_property
-    def _in_field(self) -> FieldScene:
-        return field_scene(self.scene, self.rtol)
-
-    def _require_no_field(self) -> None:
-        """Raise InputError for a scene with a field, of which only the outputs are solved."""
-        if self.scene.field:
-            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
-
-    def _require(self, *outputs: str) -> None:
-        """Raise InputError unless one of these outputs was asked for."""
-        if not set(outputs) & set(self.scene.outputs):
-            name = repr(outputs[0])
-            raise InputError(f"outputs: {name} was not asked for; name it among the scene's")
-
-    def _position(self) -> Displacement:
-        self._require("position_density")
-        assert self._displacement is not None
-        return self._displacement
-
-    def _speed_profile(self) -> Profile:
-        self._require("speed_density", "velocity_density")
-        return self._profiles[0]
+        return Solution.of(answer.at(scene), scene, self.rtol, self.method, self.nodes)
 
     # -- velocity -----------------------------------------------------------------------------
 
     def speed_density(self, v: ArrayLike) -> FloatArray:
         """Density of the speed at v (in U), shape (n_times, n_v), in 1/U; integral over v is 1.
 
-        The delta peak of the tracers of a monoenergetic start that have not collided is left out:
-        see :attr:`uncollided`. The error is at most rtol of the maximum for v above 1e-2 of the
-        thermal speed; at lower speeds that holds for the density of ln v. That is for smooth
-        starts. From rough ones (sharp speeds, steps, noise: the plan says "conservative") it is
-        the share of tracers slower than v, the integral of this density with :attr:`uncollided`,
-        that is right to rtol for every v; f itself is not at its steps (:attr:`speed_fronts`).
-        Raises InputError for v negative or not finite, or if "speed_density" was not among the
-        outputs.
-
-        With a field tracers of sharp velocities (rest, one speed, a Beam, samples) are left out as
-        long as they have not collided; what the error is relative to is `error_estimate`.
+        Without the tracers of :attr:`uncollided`. From smooth starts the error is at most rtol of
+        the maximum for v above 1e-2 of the thermal speed, below it that of the density of ln v.
+        From rough ones (sharp speeds, steps, noise: the plan says "conservative") the share of
+        tracers slower than v, the integral of this density with :attr:`uncollided`, is right to
+        rtol; f itself is not at its steps (:attr:`speed_fronts`). Raises InputError for v negative
+        or not finite, or if "speed_density" was not among the outputs.
         """
-        if self.scene.field:
-            self._require("speed_density", "velocity_density")
-            return self._in_field.speed_density(speeds(v))
-        return np.asarray(self._speed_profile().continuous(speeds(v)).real)
+        return self._velocities().speed_density(speeds(v))
 
     @property
     def uncollided(self) -> FloatArray:
         """Share of tracers in the delta peak of a monoenergetic start, shape (n_times,).
 
-        For e < 1 these are the tracers that have not collided; at e = 1 they are all tracers. It is
-        zero for other starts, whose uncollided tracers are part of :meth:`speed_density`. With a
-        field it is the share of those that fall freely with one of a few velocities.
+        Those that have not collided (at e = 1 all); zero for other starts. With a field, of any
+        start of sharp velocities (rest, one speed, a Beam, samples).
         """
-        if self.scene.field:
-            self._require("speed_density", "velocity_density")
-            return frozen(self._in_field.uncollided)
-        peak = self._speed_profile().peak_weight
-        return np.zeros(self.times.shape) if peak is None else frozen(peak.real)
+        return frozen(self._velocities().uncollided)
 
     @property
     def speed_fronts(self) -> FloatArray:
         """Speeds in U, rising, at which :meth:`speed_density` may step or be infinite.
 
         Of a start of sharp speeds (empty for others): those speeds, and the ends of what one and
-        two collisions make of them. A start that steps keeps its own steps besides.
+        two collisions make of them.
         """
         scene = self.scene
         sharp = scene.state.profile(0) is None and not scene.field
@@ -360,17 +330,11 @@ class Solution(Result):
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
 
-        The error is 1e-8 of the maximum for smooth densities, and a percent near the steps of rough
-        ones. With c_x = v_x/v0 it is the marginal F(c_x) of the paper's figure ``scalev``; its
-        integral is 1. With a field it is the component along it, and sharp starts are refused, by
-        an InputError; others as for :meth:`speed_density`.
+        Its integral is 1; with c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The
+        error is 1e-8 of the maximum, a percent near steps. With a field it is the component along
+        it, and sharp starts are refused. Raises InputError as :meth:`speed_density` does.
         """
-        x = finite_line("v_x", v_x)
-        if self.scene.field:
-            self._require("speed_density", "velocity_density")
-            return self._in_field.component_density(x)
-        typical, d = np.asarray(self._typical_speed), self.scene.dimension
-        return component_densities(self._speed_profile(), np.abs(x), typical, d)
+        return self._velocities().component_density(finite_line("v_x", v_x))
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
@@ -382,15 +346,7 @@ class Solution(Result):
         was not among the outputs.
         """
         v_, phi_ = speeds(v, zero_allowed=False), finite_line("phi", phi)
-        self._require("velocity_density")
-        if self.scene.field:
-            return self._in_field.velocity_density(v_, phi_)
-        law = self.scene.law
-        out = np.zeros((self.times.size, v_.size, phi_.size))
-        for m, profile in self._profiles.items():
-            turn = angular_function(m, phi_, law.dimension)
-            out += (profile.continuous(v_)[:, :, None] * turn).real
-        return out / (law.unit_surface * v_[:, None] ** (law.dimension - 1))
+        return self._asked("velocity_density").velocity_density(v_, phi_)
 
     # -- position -----------------------------------------------------------------------------
 
@@ -401,7 +357,7 @@ class Solution(Result):
         Radius in d and share, shape (n_times, n_speeds) each: delta peaks, which
         :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
         """
-        found = self._position()
+        found = self._moved()
         return frozen(found.front_radius), frozen(found.front_weight)
 
     def position_density(self, r: ArrayLike) -> FloatArray:
@@ -411,7 +367,7 @@ class Solution(Result):
         absolute error is max(rtol, 1e-8) over sqrt(<r^2>). Raises InputError for negative radii,
         or if "position_density" was not among the outputs.
         """
-        found, r_ = self._position(), not_negative_line("r", r)
+        found, r_ = self._moved(), not_negative_line("r", r)
         return np.array([found.density(i, r_) for i in range(self.times.size)])
 
     def scaled_position_density(self, scaled_radii: ArrayLike) -> FloatArray:
@@ -420,7 +376,7 @@ class Solution(Result):
         <r^2> is that of g itself: at a finite density :attr:`msd` knows that returns take time.
         NaN at t = 0, where all tracers are at the origin. Raises InputError for negative R.
         """
-        found, x = self._position(), not_negative_line("scaled_radii", scaled_radii)
+        found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
         out = np.full((self.times.size, x.size), np.nan)
         for i, root in enumerate(found.root_mean_square):
             if root > 0.0:
@@ -433,7 +389,7 @@ class Solution(Result):
         For histograms: the ballistic front is in it, in (low, high]. Raises InputError for edges
         that are negative or do not rise.
         """
-        found, r = self._position(), not_negative_line("edges", edges)
+        found, r = self._moved(), not_negative_line("edges", edges)
         if r.size < 2 or np.any(np.diff(r) <= 0.0):
             refuse("edges", edges, "they must rise, two at least")
         return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
@@ -441,12 +397,12 @@ class Solution(Result):
     def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """How the density p = G(R)/(2 pi R) in the plane falls at R: its exponent and its rate.
 
-        In space p = G(R)/(4 pi R^2). Shapes (n_times, n_R), for R > 0. With p ~ exp(-(R/b)^n) the
-        exponent is n: 2 for a Gaussian, 1 for an exponential. It is d ln(ln(p(0)/p(R)))/d ln R, and
-        the rate -d ln p/dR. Tracers that have not collided are left out. NaN where p is below its
-        error. Raises InputError as :meth:`scaled_position_density` does, and at a finite density.
+        In space p = G(R)/(4 pi R^2). Shapes (n_times, n_R), for R > 0. The exponent is
+        d ln(ln(p(0)/p(R)))/d ln R, n where p ~ exp(-(R/b)^n), and the rate -d ln p/dR; without
+        tracers that have not collided, NaN where p is below its error. Raises InputError as
+        :meth:`scaled_position_density` does, and at a finite density.
         """
-        found, x = self._position(), not_negative_line("scaled_radii", scaled_radii)
+        found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
         if self.scene.law.returns(0)[0]:
             refuse("scatterers", self.scene.scatterers, "p(0) is infinite: some come straight back")
         exponent, rate = np.full((2, self.times.size, x.size), np.nan)
@@ -474,53 +430,8 @@ class Solution(Result):
         finite or larger than can be solved for, or if "intermediate_scattering" was not among the
         outputs.
         """
-        self._require("intermediate_scattering")
+        answer = self._asked("intermediate_scattering")
         k = not_negative_line("wave_numbers", wave_numbers)
         if direction is not None:
             direction = real_number("direction", direction, allowed="it must be a finite angle")
-        return scattering_function(averages_of(self.scene, self.rtol), k, direction)
-
-
-def answer(
-    scene: Scene,
-    averages: Averages,
-    values: dict[str, FloatArray],
-    profiles: Mapping[int, Profile],
-    displacement: Displacement | None,
-    method: str | None,
-    nodes: int | None,
-) -> Solution:
-    """What was solved for a scene without a field, with its status."""
-    rtol = averages.rtol
-    errors = {"averages": error_of(averages, asked_for(averages, scene.outputs))}
-    allowed = {"averages": rtol * SLACK}
-    if profiles:
-        errors[DENSITIES] = max(profile.error_estimate for profile in profiles.values())
-        allowed[DENSITIES] = rtol * SLACK
-    if displacement is not None:
-        errors[POSITION] = displacement.error_estimate
-        allowed[POSITION] = max(rtol, BEST_DENSITY)
-    solution = Solution(
-        scene=scene,
-        rtol=rtol,
-        values=values,
-        status=status_of(errors, allowed),
-        message=explain(errors, allowed, nodes if profiles else None)
-        + limits(averages, profiles, displacement),
-        error_estimate=max(errors.values()),
-        plan=make_plan(averages, scene.outputs, profiles, displacement),
-        stats=make_stats(averages, profiles, displacement),
-        _typical_speed=np.exp(averages.log_reference),
-        method=method,
-        nodes=nodes,
-    )
-    solution.keep(_averages=averages, _profiles=profiles, _displacement=displacement)
-    return solution
-
-
-def field_scene(scene: Scene, rtol: float) -> FieldScene:
-    """The answer to a scene with a field."""
-    from kinetics.field.scene import FieldScene
-
-    times, path = np.asarray(scene.times), scene.mean_free_path
-    return FieldScene(scene.law, scene.state, scene.field, path, times, scene.outputs, rtol)
+        return scattering_function(answer.averages, k, direction)

@@ -1,18 +1,18 @@
 """solve(scene): solves the parts that the outputs of a scene need, and no other.
 
-Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, the averages and
-the densities that make it are in `kinetics.averaging`.
+Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, how its parts are
+solved in `kinetics.answer`.
 """
 
 from __future__ import annotations
 
 import warnings
 
-from kinetics.averaging import arrays_of, displacement_of, profiles_of, solved_averages
+from kinetics.answer import answer_to
 from kinetics.errors import ToleranceWarning
 from kinetics.scene import Scene
-from kinetics.solution import Solution, answer, field_scene
-from kinetics.status import SolverStatus, explain, status_of
+from kinetics.solution import Solution
+from kinetics.status import SolverStatus
 from kinetics.validation import check_rtol, one_of, refuse, whole_number
 
 METHODS = ("spectral", "conservative")
@@ -62,34 +62,7 @@ def solve(
     rtol = check_rtol(rtol)
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, 8, 8192)
-    solution = _in_field(scene, rtol) if scene.field else _solved(scene, rtol, method, nodes)
+    solution = Solution.of(answer_to(scene, rtol, method, nodes), scene, rtol, method, nodes)
     if solution.status is not SolverStatus.CONVERGED:
         warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
-    return solution
-
-
-def _solved(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Solution:
-    """The same for checked arguments and a scene without a field."""
-    averages = solved_averages(scene, rtol)
-    values = arrays_of(averages, scene.outputs)  # what overflows is refused before densities
-    profiles = profiles_of(scene, rtol, method, nodes)
-    displacement = displacement_of(averages, scene.outputs)
-    return answer(scene, averages, values, profiles, displacement, method, nodes)
-
-
-def _in_field(scene: Scene, rtol: float) -> Solution:
-    """The same for a scene with a field."""
-    found = field_scene(scene, rtol)
-    solution = Solution(
-        scene=scene,
-        rtol=rtol,
-        values=found.values,
-        status=status_of(found.errors, found.allowed),
-        message=explain(found.errors, found.allowed),
-        error_estimate=max(found.errors.values()),
-        plan=found.plan,
-        stats=found.stats,
-        _typical_speed=found.typical_speed,
-    )
-    solution.keep(_in_field=found)
     return solution

@@ -28,16 +28,10 @@ class SolverStatus(enum.Enum):
     )
 
 
-def status_of(errors: Mapping[str, float], allowed: Mapping[str, float]) -> SolverStatus:
-    """Whether the error estimate of each part is at most what is allowed for it."""
-    good = all(error <= allowed[part] for part, error in errors.items())
-    return SolverStatus.CONVERGED if good else SolverStatus.TOLERANCE_NOT_REACHED
-
-
-def explain(
+def judged(
     errors: Mapping[str, float], allowed: Mapping[str, float], nodes: int | None = None
-) -> str:
-    """The status as a sentence: which parts miss their tolerance, and what to change.
+) -> tuple[SolverStatus, str]:
+    """The status, and a sentence: which parts miss their tolerance, and what to change.
 
     Parameters
     ----------
@@ -47,11 +41,12 @@ def explain(
     """
     missed = [part for part, error in errors.items() if not error <= allowed[part]]
     if not missed:
-        return SolverStatus.CONVERGED.value
+        return SolverStatus.CONVERGED, SolverStatus.CONVERGED.value
     found = ", ".join(f"{part}: {errors[part]:.1e} against {allowed[part]:.1e}" for part in missed)
     needed = 1.1 * max(errors[part] for part in missed)
     advice = [f"raise rtol to {needed:.1e}"] if needed <= _LARGEST_RTOL else []
     if nodes is not None:
         advice.append(f"give more nodes than {nodes}, or leave nodes out")
     what_to_do = ", or ".join(advice) or "ask for other times or outputs"
-    return f"the error estimate exceeds what was asked for ({found}): {what_to_do}"
+    message = f"the error estimate exceeds what was asked for ({found}): {what_to_do}"
+    return SolverStatus.TOLERANCE_NOT_REACHED, message

@@ -1,6 +1,6 @@
 """Checks of arguments. All raise InputError with one line, `name: got VALUE; what is allowed`.
 
-Each returns the argument as the type that the callers work with.
+Each returns the argument as the type that the callers work with. Arrays are read-only copies.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from kinetics.errors import InputError, short
 Array = NDArray[np.float64]
 
 _LARGEST = sys.float_info.max
+_LINE = "it must be a finite, 1-dimensional array of numbers"
 
 
 def refuse(name: str, value: Any, allowed: str) -> NoReturn:
@@ -61,12 +62,6 @@ def check_rtol(value: Any) -> float:
     return real_number("rtol", value, 1e-14, 0.1)
 
 
-def exponent(name: str, value: Any, limit: float) -> float:
-    """A real number whose size is at most ``limit``."""
-    allowed = f"it must be a real number of size up to {limit:g}"
-    return real_number(name, value, -limit, limit, allowed)
-
-
 def whole_number(name: str, value: Any, low: int, high: int) -> int:
     """An int from low to high; True and 2.0 are refused."""
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
@@ -83,11 +78,11 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
     return value
 
 
-# -- arrays of any shape --------------------------------------------------------------------------
+# -- arrays ---------------------------------------------------------------------------------------
 
 
 def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:
-    """A copy of numbers of any shape, float or complex, of these kinds of dtypes; NaN is let in.
+    """Numbers of any shape, float or complex, of these kinds of dtypes; NaN is let in.
 
     Masked values are not, and neither is what NumPy warns that it would lose a part of.
     """
@@ -96,67 +91,53 @@ def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArr
             warnings.simplefilter("error")
             array = np.asarray(value)
             if array.dtype.kind in kinds and not np.ma.is_masked(value):
-                return array.astype(complex if array.dtype.kind == "c" else float)
+                array = array.astype(complex if array.dtype.kind == "c" else float)
+                array.flags.writeable = False
+                return array
     except (Warning, OverflowError, TypeError, ValueError):
         pass
     refuse(name, value, allowed)
 
 
-def real_array(name: str, value: ArrayLike, low: float, high: float, allowed: str) -> Array:
-    """Real numbers from low to high, in an array of any shape."""
-    array = number_array(name, value, "iuf", allowed)
-    if not np.all((array >= low) & (array <= high)):
+def finite_array(
+    name: str,
+    value: ArrayLike,
+    allowed: str = _LINE,
+    low: float = -_LARGEST,
+    dimensions: tuple[int, ...] | None = (1,),
+) -> Array:
+    """Finite real numbers, none below ``low``, in an array of so many dimensions; None for any."""
+    array = number_array(name, value, "biufO", allowed)
+    fits = dimensions is None or array.ndim in dimensions
+    if not fits or not np.all((array >= low) & (array <= _LARGEST)):
         refuse(name, value, allowed)
     return array
 
 
-def restitutions(value: ArrayLike) -> Array:
-    """Coefficients of restitution from 0 to 1, in an array of any shape."""
-    return real_array("restitution", value, 0.0, 1.0, "it must be numbers from 0 to 1 (elastic)")
+def finite_line(name: str, value: ArrayLike, allowed: str = _LINE, low: float = -_LARGEST) -> Array:
+    """Finite real numbers, none below ``low``, of shape (n,); a single number gives n = 1."""
+    return np.atleast_1d(finite_array(name, value, allowed, low, (0, 1)))
 
 
 def not_negative(name: str, value: ArrayLike) -> Array:
     """Finite numbers, none below zero, in an array of any shape."""
-    return real_array(name, value, 0.0, _LARGEST, "it must be finite numbers, not negative")
+    return finite_array(name, value, "it must be finite numbers, not negative", 0.0, None)
 
 
-# -- arrays of a given shape ----------------------------------------------------------------------
-
-_LINE = "it must be a finite, 1-dimensional array of numbers"
-
-
-def finite_array(
-    name: str, values: ArrayLike, allowed: str = _LINE, dimensions: tuple[int, ...] = (1,)
-) -> Array:
-    """A read-only copy of finite real numbers in an array of so many dimensions."""
-    array = number_array(name, values, "biufO", allowed)
-    if array.ndim not in dimensions or not np.all(np.isfinite(array)):
-        refuse(name, values, allowed)
-    array.flags.writeable = False
-    return array
-
-
-def finite_line(name: str, values: ArrayLike, allowed: str = _LINE) -> Array:
-    """Finite real numbers as a read-only copy of shape (n,); a single number gives n = 1."""
-    return np.atleast_1d(finite_array(name, values, allowed, (0, 1)))
-
-
-def not_negative_line(name: str, values: ArrayLike) -> Array:
+def not_negative_line(name: str, value: ArrayLike) -> Array:
     """At least one number, none below zero, shape (n,)."""
-    array = finite_line(name, values)
-    if array.size == 0 or np.any(array < 0.0):
-        refuse(name, values, "give at least one number, none negative")
+    allowed = "give at least one number, none negative"
+    array = finite_line(name, value, allowed, 0.0)
+    if array.size == 0:
+        refuse(name, value, allowed)
     return array
 
 
-def speeds(values: ArrayLike, *, zero_allowed: bool = True) -> Array:
+def speeds(value: ArrayLike, *, zero_allowed: bool = True) -> Array:
     """Speeds v in U, none negative, shape (n,)."""
-    array = finite_line("v", values)
-    if np.any(array < 0.0):
-        refuse("v", values, "speeds must not be negative")
-    if not zero_allowed and np.any(array == 0.0):
-        refuse("v", values, "speeds must be above 0 here")
-    return array
+    if zero_allowed:
+        return finite_line("v", value, "speeds must be finite, and not negative", 0.0)
+    return finite_line("v", value, "speeds must be finite, and above 0 here", math.ulp(0.0))
 
 
 # -- initial states -------------------------------------------------------------------------------
@@ -164,20 +145,20 @@ def speeds(values: ArrayLike, *, zero_allowed: bool = True) -> Array:
 
 def rising_speeds(speed: ArrayLike) -> Array:
     """At least two speeds that rise, the first of them 0 or more, shape (n,)."""
-    v = finite_array("speed", speed)
-    if v.size < 2 or np.any(np.diff(v) <= 0.0) or v[0] < 0.0:
-        refuse("speed", speed, "it must rise, from 0 or more, 2 at least")
+    allowed = "it must be a line of numbers that rise, from 0 or more, 2 at least"
+    v = finite_array("speed", speed, allowed, 0.0)
+    if v.size < 2 or np.any(np.diff(v) <= 0.0):
+        refuse("speed", speed, allowed)
     return v
 
 
-def density_not_negative(f: Array, name: str = "density") -> None:
-    """Refuse a density that is negative anywhere."""
-    if f.size and float(f.min()) < 0.0:
-        raise InputError(f"{name}: got a value of {f.min():.3g}; it must not be negative")
+def normalised(density: NDArray[Any], total: float, name: str = "density") -> float:
+    """The integral of a density over the velocities, if it is 1 within 1e-6.
 
-
-def normalised(total: float, name: str = "density") -> float:
-    """The integral of a density over the velocities, if it is 1 within 1e-6."""
+    Raises InputError for another one, and for a density that is negative anywhere.
+    """
+    if density.size and float(density.min()) < 0.0:
+        raise InputError(f"{name}: got a value of {density.min():.3g}; it must not be negative")
     if not abs(total - 1.0) < 1e-6:
         narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 0.5 else ""
         raise InputError(

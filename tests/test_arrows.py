@@ -19,14 +19,13 @@ METHODS = ("kinetics", "particles", "derivations")
 CHECKS = {"errors", "validation"}
 BASE = {"numerics", "collision", "results"} | CHECKS
 VELOCITY = {"states", "scaling", "moments", "densities"}
-QUESTION = {"status", "outputs", "scene", "averaging", "plan"}
+QUESTION = {"status", "outputs", "scene", "answer"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "status": set(),
-    "version": set(),
     "numerics": set(),
     "validation": {"errors"},
-    "results": {"errors", "version"},
+    "results": {"errors"},
     "collision": {"numerics"} | CHECKS,
     "states": {"numerics", "results"} | CHECKS,
     "scaling": BASE | {"status"},
@@ -37,8 +36,7 @@ ROOMS: dict[str, set[str]] = {
     "field": BASE | {"states", "status"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs"},
-    "averaging": BASE | {"moments", "densities", "position", "outputs", "scene"},
-    "plan": {"moments", "densities", "position", "outputs", "status"},
+    "answer": BASE | {"moments", "densities", "position", "field", "outputs", "scene", "status"},
     "solution": BASE | VELOCITY | QUESTION | {"position", "field"},
     "solver": BASE | VELOCITY | QUESTION | {"position", "solution"},
 }
@@ -172,7 +170,7 @@ def test_the_check_sees_imports_of_every_kind() -> None:
     source = "def f():\n    from particles.media import Poisson\n"
     assert list(named(source, "kinetics.solver", False)) == [("particles.media", "Poisson")]
     source = "from ..collision import CollisionLaw\n"
-    assert list(named(source, "kinetics.states.isotropic", False)) == [
+    assert list(named(source, "kinetics.states.kinds", False)) == [
         ("kinetics.collision", "CollisionLaw")
     ]
     assert follow("kinetics", "CollisionLaw") == "kinetics.collision.law"

@@ -28,7 +28,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
-from kinetics.states.quadrature import LogMeasure, interpolate
+from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 # Of the spacing: the first one tried, and the finest; each next one is half of the one before.
@@ -75,8 +75,12 @@ class NodeMasses(Value):
         log_v = np.log(v[positive])
         # by the root twice: 1/v alone may be larger than the largest number
         root = np.exp(-0.5 * log_v)
-        out[positive] = interpolate(log_v, self.x, self.mass[i]) * root * root / self.spacing
+        out[positive] = self.of_log(i, log_v) * root * root
         return out
+
+    def of_log(self, i: int, x: FloatArray) -> NDArray[Any]:
+        """The density of ln v at the i-th time and ln v = x, shape of x (n,)."""
+        return np.interp(x, self.x, self.mass[i], left=0.0, right=0.0) / self.spacing
 
 
 def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
@@ -344,8 +348,7 @@ def _apart(coarse: NodeMasses, fine: NodeMasses) -> FloatArray:
     """The largest difference of two distribution functions, over all speeds, (n_times,)."""
     worst = np.zeros(len(fine.mass))
     for i, mass in enumerate(fine.mass):
-        change = interpolate(fine.x, coarse.x, coarse.mass[i]) / coarse.spacing
-        change = change - mass / fine.spacing
+        change = coarse.of_log(i, fine.x) - mass / fine.spacing
         summed = np.cumsum(0.5 * (change[1:] + change[:-1])) * fine.spacing
         worst[i] = np.abs(summed).max()
     return worst

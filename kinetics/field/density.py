@@ -19,7 +19,7 @@ from kinetics.field.flights import LastFlights
 from kinetics.field.starts import Velocities, angular, free_way
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.states.directed import Beam
+from kinetics.states.kinds import Beam
 from kinetics.states.state import State
 
 _Density = Callable[[FloatArray, FloatArray], FloatArray]

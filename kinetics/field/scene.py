@@ -18,7 +18,7 @@ from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.states.state import State
-from kinetics.status import PlanStep
+from kinetics.status import PlanStep, SolverStatus, judged
 
 DENSITIES = "densities"
 _BEST_DENSITY = 1e-4
@@ -46,18 +46,19 @@ class FieldScene:
 
     Parameters
     ----------
-    law, state : the collision law, and the initial state
-    field, path : the acceleration in U^2/d, and the mean free path in d
+    law, path : the collision law, and the mean free path in d
+    state : the initial state
     times : in d/U, shape (n_times,)
+    field : the acceleration in U^2/d
     outputs : their names
     rtol : relative accuracy; of densities max(rtol, 1e-4)
     """
 
     law: CollisionLaw
-    state: State
-    field: float
     path: float
+    state: State
     times: FloatArray
+    field: float
     outputs: tuple[str, ...]
     rtol: float
 
@@ -114,6 +115,11 @@ class FieldScene:
         asked = frozenset({"v^2"}.union(*(_MADE_OF.get(name, set()) for name in self.outputs)))
         state = self.state if DENSITIES in self.allowed else None
         return Evolution(self.law, start, self._scaled, resolution, asked, state)
+
+    @property
+    def verdict(self) -> tuple[SolverStatus, str]:
+        """The status, and the message."""
+        return judged(self.errors, self.allowed)
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:

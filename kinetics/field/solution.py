@@ -19,7 +19,7 @@ from kinetics.field.steady import SteadyState, find
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.results import Result, Value, dataset, variable
-from kinetics.status import PlanStep, SolverStatus, explain, status_of
+from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_positive,
     check_rtol,
@@ -272,13 +272,14 @@ def solve_field(
         )
         refuse("restitution", restitution, allowed)
     (coarse, fine), error = find(law, Resolution.steady(law, rtol), rtol)
+    status, message = judged({"averages": error}, {"averages": rtol})
     state = FieldState(
         **law.arguments,
         rtol=rtol,
         **dict(zip(_FIGURES, fine.figures.tolist(), strict=True)),
         error_estimate=error,
-        status=status_of({"averages": error}, {"averages": rtol}),
-        message=explain({"averages": error}, {"averages": rtol}),
+        status=status,
+        message=message,
         plan=_plan(coarse, fine, error),
         stats={
             "harmonics": fine.resolution.harmonics,

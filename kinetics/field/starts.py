@@ -15,8 +15,7 @@ import numpy as np
 from kinetics.field.grid import SpeedPanels
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
-from kinetics.states.directed import Beam, VelocitySamples
-from kinetics.states.isotropic import Rest
+from kinetics.states.kinds import Beam, Rest, VelocitySamples
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 

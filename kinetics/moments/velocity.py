@@ -32,7 +32,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, panel_rule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
-from kinetics.validation import exponent, whole_number
+from kinetics.validation import real_number, whole_number
 
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.
@@ -295,7 +295,7 @@ def _square_moved(flown: FloatArray, rate: float) -> FloatArray:
 
 def moment_arguments(law: CollisionLaw, state: State, p: Any, m: Any) -> tuple[float, int]:
     """p and m of <v^p exp(-i m phi)>; InputError out of range, or where it does not exist."""
-    p = exponent("p", p, 40.0)
+    p = real_number("p", p, -40.0, 40.0)
     m = whole_number("m", m, 0, 256)
     lowest = max(state.lowest_moment, law.lowest_power)
     if p <= lowest:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.results import Result, dataset, variable
 from kinetics.scaling import mellin
-from kinetics.validation import exponent, not_negative, refuse
+from kinetics.validation import not_negative, real_number, refuse
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
@@ -211,7 +211,7 @@ class ScalingSolution(Result):
             refuse("restitution", self.restitution, "elastic bounces leave no scaled VDF")
 
     def _check_exponent(self, p: float) -> float:
-        number = exponent("p", p, _EXPONENT_LIMIT)
+        number = real_number("p", p, -_EXPONENT_LIMIT, _EXPONENT_LIMIT)
         if number <= self.law.lowest_power:
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         return number

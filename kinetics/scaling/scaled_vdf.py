@@ -21,11 +21,11 @@ from kinetics.results import Result
 from kinetics.scaling.axis import SpeedAxis
 from kinetics.scaling.closed_form import from_rest, scaled_dataset, scaled_figures
 from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
-from kinetics.status import SolverStatus, explain, status_of
+from kinetics.status import SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
-    exponent,
     not_negative,
+    real_number,
     refuse,
     whole_number,
 )
@@ -94,7 +94,7 @@ class ScaledVDF(Result):
         Where nodes that were given are far too few, so that the error estimate is 1 or more,
         nothing is known of the moment, and it is the largest number instead of an overflow.
         """
-        number = exponent("p", p, _LARGEST_POWER)
+        number = real_number("p", p, -_LARGEST_POWER, _LARGEST_POWER)
         if number <= self.law.lowest_power:
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         log_moment = self._log_moment(number) - 0.5 * number * self._log_second
@@ -155,16 +155,16 @@ class ScaledVDF(Result):
     @property
     def status(self) -> SolverStatus:
         """Whether :attr:`error_estimate` meets rtol."""
-        return status_of(*self._errors)
+        return self._verdict[0]
 
     @property
     def message(self) -> str:
         """The status in words: by how much the tolerance is missed, and what to change."""
-        return explain(*self._errors, self.requested_nodes)
+        return self._verdict[1]
 
     @property
-    def _errors(self) -> tuple[dict[str, float], dict[str, float]]:
-        return {"F(c)": self.error_estimate}, {"F(c)": self.rtol}
+    def _verdict(self) -> tuple[SolverStatus, str]:
+        return judged({"F(c)": self.error_estimate}, {"F(c)": self.rtol}, self.requested_nodes)
 
     def __repr__(self) -> str:
         nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"

@@ -63,25 +63,24 @@ class LogMeasure(Value):
 
 
 def gaussian(
-    rtol: float, lowest: float, highest: float, deviation: float = 1.0, ratio: float = 1.0
+    rtol: float, lowest: float, highest: float, dimension: int, deviation: float, ratio: float = 1.0
 ) -> LogMeasure:
-    """Speed density (v/D^2) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
+    """Speed density v^(d-1) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
 
-    Its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a power of k for
-    the powers of v, for which 8 + 1.5 highest e-folds are added. The left end is where
-    v^(2 + lowest) is below rtol/e^2, the right one where exp(-v^2/2) is so far below rtol. The
-    density may be multiplied by a function of v/D that is at most ``ratio``, and at most D/v.
+    In the plane its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a
+    power of k for the powers of v, for which 8 + 1.5 highest e-folds are added. The left end is
+    where v^(d + lowest), or v^2, is below rtol/e^2, the right one where exp(-v^2/2) is as small.
+    The density may be multiplied by a function of v/D that is at most ``ratio``, and at most D/v.
     """
     depth = math.log(1.0 / rtol) + 2.0
-    more = depth + 6.0 + 1.5 * highest
-    power = min(0.0, lowest)
-    left = -(depth + math.log(ratio)) / (2.0 + power)
-    if power > -1.0:
-        left = max(left, -depth / (1.0 + power))
-    x = np.arange(
-        left, 0.5 * math.log(2.0 * more) + 0.5 * math.pi**2 / more, 0.5 * math.pi**2 / more
-    )
-    weight = np.exp(2.0 * x - 0.5 * np.exp(2.0 * x))
+    more = depth + 6.0 + 1.5 * (highest + dimension - 2)
+    power = min(2.0, dimension + lowest)
+    left = -(depth + math.log(ratio)) / power
+    if power > 1.0:
+        left = max(left, -depth / (power - 1.0))
+    spacing = 0.5 * math.pi**2 / more
+    x = np.arange(left, 0.5 * math.log(2.0 * more) + spacing, spacing)
+    weight = np.exp(dimension * x - 0.5 * np.exp(2.0 * x))
     return LogMeasure(x + math.log(deviation), weight / weight.sum())
 
 
@@ -106,15 +105,7 @@ def table(
     ]
     x, w = panels_between(np.concatenate([*parts, knots[-1:]]), 6)
     v = np.exp(x)
-    return _without_zeros(x, w * v * interpolate(v, speed, density))
-
-
-def interpolate(v: FloatArray, speed: FloatArray, density: NDArray[Any]) -> NDArray[Any]:
-    """A density, real or complex, linear between the points and zero outside them."""
-    real = np.interp(v, speed, density.real, left=0.0, right=0.0)
-    if not np.iscomplexobj(density):
-        return np.asarray(real)
-    return np.asarray(real + 1j * np.interp(v, speed, density.imag, left=0.0, right=0.0))
+    return _without_zeros(x, w * v * np.interp(v, speed, density))
 
 
 def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> LogMeasure:
@@ -143,7 +134,7 @@ def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> L
     return _without_zeros(start + spacing * np.arange(cells + 1), total)
 
 
-def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
+def evaluate(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
     """Call a user's density on an array of speeds; InputError where the answer cannot be used.
 
     It is tried at speeds that no tracer has, where powers of v overflow before exp(-v^2) is zero:
@@ -153,16 +144,13 @@ def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[An
         with np.errstate(all="ignore"):
             f = np.asarray(density(v))
         f = f.astype(complex if f.dtype.kind == "c" else float)
+        if f.shape != v.shape:
+            raise ValueError(f"it returned shape {f.shape} for speeds of shape {v.shape}")
     except (TypeError, ValueError) as error:
         raise InputError(
             f"initial: the density could not be evaluated on an array ({error}); "
-            "it must map an array of speeds to an array"
-        ) from None
-    if f.shape != v.shape:
-        raise InputError(
-            f"initial: the density returned shape {f.shape} for speeds of shape {v.shape}; "
             "it must map an array of speeds to an array of densities"
-        )
+        ) from None
     f = np.where(np.isnan(f) & ((v > _NOBODY) | (v < 1.0 / _NOBODY)), 0.0, f)
     if np.any(np.isnan(f)):
         raise InputError(
@@ -184,7 +172,7 @@ def function(
 
     def per_log_speed(x: FloatArray) -> NDArray[Any]:
         v = np.exp(x)
-        return np.asarray(evaluate_density(density, v) * v)
+        return np.asarray(evaluate(density, v) * v)
 
     edges = np.arange(_SCAN_LOWEST, _SCAN_HIGHEST + _SCAN_WIDTH, _SCAN_WIDTH)
     mass, narrow = _scan(per_log_speed, edges)
@@ -192,15 +180,17 @@ def function(
         raise InputError(NO_INTEGRAL)
     if not mass.any():
         return None
-    if not _converges(mass, edges, 2.0):
-        raise InputError("initial: the density has no second moment; <v^2> must be finite")
-    if not _converges(mass, edges, highest):
-        raise InputError(
-            f"initial: <v^{highest:g}> of the density does not exist, and is asked for"
-        )
+    last = int(np.nonzero(mass)[0][-1])
+    # a power law goes on until numbers end, 60 e-folds above the bulk; a Gaussian does not
+    far = edges[last] - edges[int(mass.argmax())] > 60.0
     live = np.zeros(mass.shape, dtype=bool)
-    for p in {0.0, 2.0, min(lowest, 0.0), max(highest, 2.0)}:
-        live |= _weight(mass, edges, p) > 1e-3 * rtol  # a thousand such panels add up to rtol
+    for p in (2.0, max(highest, 2.0), 0.0, min(lowest, 0.0)):
+        with np.errstate(divide="ignore"):
+            log_share = np.log(mass) + p * 0.5 * (edges[1:] + edges[:-1])
+        share = np.exp(np.maximum(log_share - log_share.max(), -700.0))
+        if p >= 2.0 and far and share[last - 2 : last + 1].max() >= 1e-3:
+            raise InputError(f"initial: <v^{p:g}> of the density does not exist, and it is needed")
+        live |= share > 1e-3 * rtol * share.sum()  # a thousand such panels add up to rtol
     first, last = np.nonzero(live)[0][[0, -1]]
     # two more panels on both sides, because what is left out falls from panel to panel
     first, last = max(first - 2, 0), min(last + 2, mass.size - 1)
@@ -209,9 +199,8 @@ def function(
         for i in range(first, last + 1)
     ]
     span = np.append(np.concatenate(cuts), edges[last + 1])
-    pieces = np.stack([span[:-1], span[1:]], axis=1)
     tolerance = 0.1 * max(rtol, 1e-15) * float(mass.sum())  # below that is rounding
-    return _without_zeros(*refined(per_log_speed, pieces, tolerance))
+    return _without_zeros(*refined(per_log_speed, np.stack([span[:-1], span[1:]], 1), tolerance))
 
 
 def _scan(
@@ -230,23 +219,6 @@ def _scan(
     narrow[middle] = np.abs(found - mass[middle]) > 0.01 * np.maximum(found, mass[middle])
     mass[middle] = np.maximum(found, mass[middle])
     return mass, narrow
-
-
-def _weight(mass: FloatArray, edges: FloatArray, p: float) -> FloatArray:
-    """Share of <v^p> in each panel of the scan."""
-    with np.errstate(divide="ignore"):
-        log_weight = np.log(mass) + p * 0.5 * (edges[1:] + edges[:-1])
-    weight = np.exp(np.maximum(log_weight - log_weight.max(), -700.0))
-    return np.asarray(weight / weight.sum())
-
-
-def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
-    """Whether <v^p> is not still growing where the density ends or the scan does."""
-    weight = _weight(mass, edges, p)
-    last = int(np.nonzero(mass > 0.0)[0][-1])
-    # a power law goes on until numbers end, 60 e-folds above the bulk; a Gaussian does not
-    far = edges[last] - edges[int(mass.argmax())] > 60.0
-    return bool(not far or weight[last - 2 : last + 1].max() < 1e-3 * weight.max())
 
 
 def refined(

@@ -8,25 +8,19 @@ To add an initial state, write a class as follows, in this folder or in your own
 2. In ``__post_init__`` check the arguments (`kinetics.validation`; raise InputError, one line
    that names the argument) and store arrays with ``self.store(name=array)``, which keeps read-only
    copies of them. Speeds are in units of U, densities in 1/U.
-3. Write ``harmonic(m, rtol, lowest, highest)``. It returns the angular harmonic
-
-       f_m(v) = integral of exp(-i m phi) v f(v, phi) over phi
-
-   as points ln v with weights (`kinetics.states.quadrature.LogMeasure`), so that the sum of the
-   weights times v^p exp(smooth function of ln v) is right to about ``rtol`` for all powers p from
-   ``lowest`` to ``highest``. f_0 is the speed density: its weights sum to 1. Return None where f_m
-   is zero. `quadrature` has rules for Gaussians, tables, functions and samples.
-4. Write ``profile(m)`` if f_m is a function of v: it returns one that maps speeds, shape (n,), to
-   f_m, shape (n,). The densities of the velocity and position need it, the averages do not. Leave
-   it out for delta peaks and samples.
-5. Set the attributes below where their defaults do not fit, as class attributes or properties:
-   ``highest_harmonic``, ``smooth``, ``lowest_moment``, ``peaks``, ``kinks``.
+3. Write ``harmonic``: f_m as points ln v with weights (`kinetics.states.quadrature.LogMeasure`), so
+   that the sum of the weights times v^p exp(smooth function of ln v) is right to about ``rtol`` for
+   all powers p from ``lowest`` to ``highest``. f_0 is the speed density: its weights sum to 1.
+   `quadrature` has rules for Gaussians, tables, functions and samples.
+4. Write ``profile`` if f_m is a function of v. The densities of the velocity and position need it,
+   the averages do not. Leave it out for delta peaks and samples.
+5. Set the attributes of State where their defaults do not fit: in the class, or with ``store``.
 6. Write ``in_space()`` if the state may start a three-dimensional scene and is not isotropic.
 7. For the package: export it in ``kinetics/__init__.py``, and add one object of it to STATES in
    ``tests/kinetics/states/test_contract.py``, which tests every rule of this list. A state that
-   has a short name goes to NAMED in `kinetics.states.isotropic`.
+   has a short name goes to NAMED in `kinetics.states.kinds`.
 
-The shortest example is :class:`kinetics.states.isotropic.Monoenergetic`.
+The shortest example is :class:`kinetics.states.kinds.Rest`.
 """
 
 from __future__ import annotations
@@ -43,6 +37,7 @@ from kinetics.results import Value
 from kinetics.states.quadrature import LogMeasure
 
 SpeedFunction = Callable[[FloatArray], NDArray[Any]]  # speeds in U, (n,), to values, (n,)
+Points = LogMeasure | None  # of a harmonic; None where it is zero
 
 
 class State(Value):
@@ -54,21 +49,15 @@ class State(Value):
         all m may be there
     smooth : whether f_m are smooth functions of ln v, so that the spectral method can be used
     lowest_moment : <v^p> exists for p above it
+    peaks : speeds of delta peaks and shares of tracers in them, (n,) each; None for densities
+    kinks : speeds at which the density is not smooth, rising, shape (n,)
     """
 
     highest_harmonic: int | None = 0
     smooth: bool = False
     lowest_moment: float = -math.inf
-
-    @property
-    def peaks(self) -> tuple[FloatArray, FloatArray] | None:
-        """Speeds of delta peaks and shares of tracers in them, (n,) each; None for densities."""
-        return None
-
-    @property
-    def kinks(self) -> FloatArray:
-        """Speeds at which the density is not smooth, rising, shape (n,)."""
-        return np.empty(0)
+    peaks: tuple[FloatArray, FloatArray] | None = None
+    kinks: FloatArray = np.empty(0)
 
     def in_space(self) -> State | None:
         """The state as it starts a three-dimensional scene; None if it has no such form.
@@ -79,12 +68,11 @@ class State(Value):
         """
         return self if self.highest_harmonic == 0 else None
 
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
-        """f_m as weighted points that give averages to about rtol; None where f_m is zero.
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        """f_m(v), the integral of exp(-i m phi) v f(v, phi) over phi, as weighted points.
 
-        ``lowest`` and ``highest`` are the powers of the speed that will be averaged.
+        They give averages of powers of the speed from ``lowest`` to ``highest`` to about rtol. None
+        where f_m is zero.
         """
         raise NotImplementedError
 

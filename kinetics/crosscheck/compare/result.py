@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
+from kinetics import __version__
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
 from kinetics.errors import InputError, short
 from kinetics.results import Result
-from kinetics.version import package_version
 
 if TYPE_CHECKING:
     import pandas
@@ -195,7 +195,7 @@ class Comparison(Result):
         made["units"] = "row", units, {"long_name": "unit of value, error and theory"}
         scene = json.dumps(plain(dict(self.parameters)), allow_nan=False)
         about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
-        return made.assign_attrs(**about, scene=scene, version=package_version())
+        return made.assign_attrs(**about, scene=scene, version=__version__)
 
     def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
         """Draw one of `figures`, data beside theory, by the name of an observable, or "sigmas".

@@ -41,7 +41,7 @@ def test_its_moments_are_the_averages(e: float, n: float, scatterers: str) -> No
         for p in powers:
             expected, size = solution.harmonic(p, m), solution.moment(p)
             for i, v0 in enumerate(solution.thermal_speed):
-                f = solution._profiles[m].at(i, v0 * v) * (v0 * v) ** (p + 1.0)
+                f = solution._answer.profiles[m].at(i, v0 * v) * (v0 * v) ** (p + 1.0)
                 found = np.sum(f) * (x[1] - x[0])
                 # averages with m > 0 know that returns take time, densities do not
                 assert abs(found - expected[i]) < (0.15 * n if m else 2e-10) * size[i]
@@ -55,12 +55,12 @@ def test_the_conservative_method_meets_the_spectral_one() -> None:
     smooth, rough = solve(scene), solve(scene, rtol=1e-3, method="conservative")
     for i, v0 in enumerate(smooth.thermal_speed):
         v = v0 * np.geomspace(0.02, 4.0, 100)
-        top = smooth._profiles[0].at(i, v).max()
+        top = smooth._answer.profiles[0].at(i, v).max()
         for m in (0, 1, 2):
-            difference = rough._profiles[m].at(i, v) - smooth._profiles[m].at(i, v)
+            difference = rough._answer.profiles[m].at(i, v) - smooth._answer.profiles[m].at(i, v)
             assert np.abs(difference).max() < 1e-3 * top
     # the masses lose energy as the operator does, to rounding of the shares
-    masses = rough._profiles[0].density
+    masses = rough._answer.profiles[0].density
     assert masses.mass.sum(axis=1) == pytest.approx(1.0, abs=1e-13)
 
 

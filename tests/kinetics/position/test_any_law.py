@@ -256,8 +256,8 @@ def test_a_density_that_does_not_end_says_so(e: float) -> None:
     """Tracers that all but rest make F fall as 1/K: to follow it to its end took minutes."""
     found = solve(scene(CollisionLaw(e, e), 8.0), rtol=1e-3)
     assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
-    assert found._displacement is not None
-    work = sum(n * size**2 for size, n in found._displacement.systems.items())
+    assert found._answer.displacement is not None
+    work = sum(n * size**2 for size, n in found._answer.displacement.systems.items())
     assert work < 4e8
     assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=0.1)
 

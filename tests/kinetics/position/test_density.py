@@ -23,7 +23,7 @@ from kinetics.moments.velocity import Averages
 from kinetics.numerics.gauss import equal_panels
 from kinetics.position.intermediate_scattering import Scattering
 from kinetics.position.sweep import solve_displacement
-from kinetics.states.isotropic import Monoenergetic
+from kinetics.states.kinds import Monoenergetic
 
 FloatArray = NDArray[np.float64]
 # the restitutions and times of the paper's figure inelasticposi

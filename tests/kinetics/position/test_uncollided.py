@@ -8,7 +8,7 @@ import pytest
 
 from kinetics import Beam, SpeedTable
 from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
-from kinetics.states.isotropic import Gaussian, Monoenergetic, State, as_state
+from kinetics.states.kinds import Gaussian, Monoenergetic, State, as_state
 
 PATH = 12.5
 TIMES = np.array([0.0, 0.3, 40.0, 1e4])

@@ -1,0 +1,341 @@
+"""What answers a scene: the parts that its outputs need, their errors, and what was done.
+
+Without a field it is an :class:`Answer`; with one, :class:`kinetics.field.scene.FieldScene`, which
+has `values`, `errors`, `verdict`, `plan`, `stats`, `typical_speed` and the densities of the
+velocity under the same names.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.densities import harmonic
+from kinetics.densities.harmonic import HarmonicProblem, Profile, angular_function
+from kinetics.densities.marginal import component_densities
+from kinetics.errors import InputError, warn_missed
+from kinetics.moments.backward import speed_power
+from kinetics.moments.displacement import root_mean_square
+from kinetics.moments.velocity import Averages, moment_arguments
+from kinetics.numerics import FloatArray
+from kinetics.outputs import (
+    COLLISIONS,
+    DENSITIES,
+    DISPLACEMENT,
+    OUTPUTS,
+    POSITION,
+    SCATTERING,
+    VELOCITY,
+    Output,
+    Part,
+    parts,
+)
+from kinetics.position.density import Displacement
+from kinetics.position.sweep import solve_displacement
+from kinetics.results import Value
+from kinetics.scene import Scene
+from kinetics.status import PlanStep, SolverStatus, judged
+from kinetics.validation import refuse
+
+if TYPE_CHECKING:
+    from kinetics.field.scene import FieldScene
+
+_ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
+_SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
+_BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
+_SPEEDS = np.geomspace(0.01, 3.0, 50)  # in thermal ones: where a density may not be below zero
+
+Needed = Sequence[tuple[Part, ...]]
+
+
+def answer_to(
+    scene: Scene, rtol: float, method: str | None, nodes: int | None
+) -> Answer | FieldScene:
+    """The answer to a scene, with a field or without; the arguments are those of `solve`."""
+    if not scene.field:
+        return Answer(scene, rtol, method, nodes)
+    from kinetics.field.scene import FieldScene
+
+    return FieldScene(*scene.problem, scene.field, scene.outputs, rtol)
+
+
+@dataclass(frozen=True)
+class Answer(Value):
+    """The answer to a scene without a field; each part is solved when it is asked for.
+
+    Parameters
+    ----------
+    scene, rtol, method, nodes : as `kinetics.solve` takes them
+    """
+
+    scene: Scene
+    rtol: float
+    method: str | None
+    nodes: int | None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: part for name, part in vars(self).items() if name != "averages"}
+
+    @property
+    def _rows(self) -> list[Output]:
+        return [OUTPUTS[name] for name in sorted(self.scene.outputs)]
+
+    @property
+    def _needed(self) -> Needed:
+        return [row.made_of(self.scene.dimension) for row in self._rows]
+
+    @property
+    def _powers(self) -> list[tuple[float, int]]:
+        """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
+        needed = zip(self._rows, self._needed, strict=True)
+        moments = [made for row, made in needed if row.step == VELOCITY]
+        return sorted({(y.degree, y.harmonic) for made in moments for _, y, _ in made})
+
+    # -- averages ---------------------------------------------------------------------------------
+
+    @cached_property
+    def averages(self) -> Averages:
+        """The averages over the tracers, with enough nodes for the outputs."""
+        degree = max([2.0, *(p for p, _ in self._powers)])
+        return _with_enough_nodes(Averages(*self.scene.problem, self.rtol, degree), self._needed)
+
+    def at(self, scene: Scene) -> Answer:
+        """The answer to a scene with other times and fewer outputs; nothing is solved again."""
+        other = replace(self, scene=scene)
+        vars(other)["averages"] = self.averages.at(np.asarray(scene.times))
+        return other
+
+    @property
+    def values(self) -> dict[str, FloatArray]:
+        """Every output that is an array, in the order of the table; InputError on overflow."""
+        found: dict[str, FloatArray] = {}
+        for row in OUTPUTS.values():
+            if row.name in self.scene.outputs and row.values is not None:
+                with np.errstate(over="ignore", invalid="ignore"):
+                    made = row.values(self.averages)
+                arrays = made if isinstance(made, tuple) else (made,)
+                found |= {n: _in_range(n, a) for n, a in zip(row.names, arrays, strict=True)}
+        return found
+
+    @property
+    def typical_speed(self) -> FloatArray:
+        """Of the order of the thermal speed, in U, shape (n_times,)."""
+        return np.asarray(np.exp(self.averages.log_reference))
+
+    def power(self, p: Any, m: Any) -> NDArray[Any]:
+        """<v^p exp(-i m phi)> in U^p, shape (n_times,), complex for m > 0.
+
+        Raises InputError for p or m out of range, or where the moment does not exist; warns
+        (ToleranceWarning) where the error estimate exceeds rtol.
+        """
+        p, m = moment_arguments(self.scene.law, self.scene.state, p, m)
+        needed = [parts((1.0, speed_power(p, m)))]
+        averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
+        averages = _with_enough_nodes(averages, needed)
+        error = _error_of(averages, needed)
+        if error > self.rtol * _SLACK:
+            warn_missed(f"<v^{p:g}>", error, self.rtol)
+        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+            found = averages.power(p, m) * np.exp(p * averages.log_reference)
+        return _in_range(f"<v^{p:g}>", found)
+
+    # -- densities of the velocity ----------------------------------------------------------------
+
+    @cached_property
+    def profiles(self) -> Mapping[int, Profile]:
+        """The harmonics of the velocity distribution that the outputs need."""
+        if not any(row.step == DENSITIES for row in self._rows):
+            return {}
+        highest = 0
+        if "velocity_density" in self.scene.outputs:
+            there = self.scene.state.highest_harmonic
+            highest = self.scene.harmonics if there is None else min(there, self.scene.harmonics)
+        found = {m: self._profile(m) for m in range(highest + 1)}
+        return {m: profile for m, profile in found.items() if profile is not None}
+
+    def _profile(self, m: int) -> Profile | None:
+        """Harmonic m by the method asked for, or the best; None where the start makes it zero."""
+        law, path, state, times = self.scene.problem
+        if state.harmonic(m, self.rtol) is None:
+            return None
+        asked = HarmonicProblem(law, path, state, m, times, self.rtol, self.nodes)
+        if law.is_elastic:
+            return harmonic.elastic_profile(asked)
+        if self.method != "conservative" and (state.smooth or self.method == "spectral"):
+            from kinetics.densities.spectral import solve_spectral
+
+            profile = solve_spectral(asked)
+            if profile is not None:
+                return profile
+            if self.method == "spectral":
+                allowed = "this initial state is too rough for it, use 'conservative'"
+                refuse("method", self.method, allowed)
+        from kinetics.densities.conservative import solve_conservative
+
+        return solve_conservative(asked)
+
+    @property
+    def uncollided(self) -> FloatArray:
+        """Share of tracers in the delta peak of a start of one speed, shape (n_times,)."""
+        peak = self.profiles[0].peak_weight
+        return np.zeros(self.averages.times.shape) if peak is None else np.asarray(peak.real)
+
+    def speed_density(self, v: FloatArray) -> FloatArray:
+        """In 1/U at all times, shape (n_times, n_v)."""
+        return np.asarray(self.profiles[0].continuous(v).real)
+
+    def component_density(self, v_x: FloatArray) -> FloatArray:
+        """Of one component of the velocity in 1/U at all times, shape (n_times, n)."""
+        speed, d = self.typical_speed, self.scene.dimension
+        return component_densities(self.profiles[0], np.abs(v_x), speed, d)
+
+    def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
+        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
+        law = self.scene.law
+        out = np.zeros((self.averages.times.size, v.size, phi.size))
+        for m, profile in self.profiles.items():
+            turn = angular_function(m, phi, law.dimension)
+            out += (profile.continuous(v)[:, :, None] * turn).real
+        return out / (law.unit_surface * v[:, None] ** (law.dimension - 1))
+
+    # -- the displacement -------------------------------------------------------------------------
+
+    @cached_property
+    def displacement(self) -> Displacement | None:
+        """The distribution of the displacement, if an output needs it."""
+        if not any(row.step == POSITION for row in self._rows):
+            return None
+        # distributions take returns to be at once, and G(R) has the scale of its own distribution
+        one = self.averages
+        own = replace(one, delayed=False) if one.has_delays else one
+        root = _in_range("msd", root_mean_square(own))
+        rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
+        return solve_displacement(*self.scene.problem, root, rtol)
+
+    # -- how it was done --------------------------------------------------------------------------
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Part of the result -> its error estimate."""
+        found = {"averages": _error_of(self.averages, self._needed)}
+        if self.profiles:
+            found[DENSITIES] = max(one.error_estimate for one in self.profiles.values())
+        if self.displacement is not None:
+            found[POSITION] = self.displacement.error_estimate
+        return found
+
+    @property
+    def verdict(self) -> tuple[SolverStatus, str]:
+        """The status and the message, which also says where the theory is not to be trusted."""
+        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol * _SLACK)
+        allowed[POSITION] = max(self.rtol, _BEST_DENSITY)
+        status, message = judged(self.errors, allowed, self.nodes if self.profiles else None)
+        if (medium := self.averages.law.medium) is not None:
+            message += medium.limits()
+            if self.profiles:
+                message += medium.limits_of_speeds() + self._negative_density()
+            if self.displacement is not None:
+                with np.errstate(over="ignore"):
+                    first = self.averages.times[0] / self.averages.mean_free_path
+                message += medium.limits_of_displacements(first)
+        return status, message
+
+    def _negative_density(self) -> str:
+        """Where the speed density is below zero, as its operator allows; empty where it is not."""
+        lowest, highest = 0.0, 0.0
+        for i, log_unit in enumerate(self.averages.log_reference):
+            if log_unit < -650.0:  # f itself is larger than the largest number there
+                continue
+            f = self.profiles[0].at(i, np.exp(log_unit) * _SPEEDS).real
+            share = f / max(float(f.max()), 1e-300)
+            lowest = min(lowest, float(share.min()))
+            highest = max(highest, float(_SPEEDS[share < -self.rtol].max(initial=0.0)))
+        if highest == 0.0:
+            return ""
+        return (
+            f"; the speed density is negative, by up to {-lowest:.0e} of its maximum, at speeds "
+            f"below {highest:.2g} of the thermal one: what slow tracers do is beyond the theory"
+        )
+
+    @property
+    def plan(self) -> tuple[PlanStep, ...]:
+        """What was solved, what was skipped, and why."""
+        averages, profiles, flights = self.averages, self.profiles, self.displacement
+        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in self._powers)
+        moving = [row for row in self._rows if row.step == DISPLACEMENT]
+        chain = {y for row in moving for _, y, _ in row.made_of(self.scene.dimension)}
+        harmonics = sorted({m for _, m in self._powers} | set(profiles))
+        isotropic = averages.state.highest_harmonic == 0
+        kept = "elastic: speeds are kept, harmonics relax at their own rates"
+        reasons = {
+            VELOCITY: kept if averages.elastic else f"backward equation for {moments}",
+            "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
+            COLLISIONS: "asked for",
+            DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
+            POSITION: f"{flights.wave_numbers if flights else 0} wave numbers",
+            SCATTERING: "solved for the wave numbers that are asked for",
+            "angular harmonics": f"m = {harmonics}: "
+            + ("the start is isotropic" if isotropic else "no output needs more"),
+            DENSITIES: f"{len(profiles)} harmonics, "
+            + ", ".join(sorted({one.method for one in profiles.values()})),
+        }
+        asked = {"initial state", *(row.step for row in self._rows)}
+        asked |= {"angular harmonics"} if harmonics else set()
+        medium = averages.law.medium
+        steps = [PlanStep("scatterers met again", True, medium.level)] if medium else []
+        for part, why in reasons.items():
+            done = part in asked and not (part == VELOCITY and averages.elastic)
+            steps.append(PlanStep(part, done, why if part in asked else "not asked for"))
+        return tuple(steps)
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """Numbers about the work: points of the initial state, panels, nodes, wave numbers."""
+        averages, flights = self.averages, self.displacement
+        stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
+        if not averages.elastic:
+            stats["panels"] = averages.equation.count
+            stats["nodes_per_panel"] = averages.equation.nodes
+        stats |= {f"density_nodes_m{m}": one.nodes for m, one in self.profiles.items()}
+        if flights is not None:
+            stats["wave_numbers"] = flights.wave_numbers
+            stats["position_density_error"] = flights.error_estimate
+            # how many systems of so many equations were solved for F(k)
+            stats["systems"] = {str(size): count for size, count in flights.systems.items()}
+        return stats
+
+
+def _error_of(averages: Averages, needed: Needed) -> float:
+    """The largest relative error estimate of the outputs that are made of these parts."""
+    found = [_ROUNDING]
+    for made in needed:
+        # a part that the initial state makes zero has no error
+        there = [part for part in made if averages.measure(part.start) is not None]
+        found.append(sum(part.factor * averages.error_estimate(part.observable) for part in there))
+    return max(found)
+
+
+def _with_enough_nodes(averages: Averages, needed: Needed) -> Averages:
+    """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
+    for _ in range(4):
+        missing = _error_of(averages, needed) / averages.rtol
+        if not 1.0 < missing < math.inf:
+            break
+        nodes = averages.equation.nodes + 1 + math.ceil(math.log10(missing))
+        averages = averages.with_nodes(min(nodes, 48))  # still more only add rounding
+    return averages
+
+
+def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
+    """The value; InputError where it is beyond the largest number of double precision."""
+    if not np.all(np.isfinite(value)):
+        raise InputError(
+            f"times: {name} overflows double precision there; ask for other times, speeds or powers"
+        )
+    return value

@@ -1,0 +1,462 @@
+"""The initial states of the package, by how they are given: formulas, particles, tables, functions.
+
+What a state must provide is said in `state.py`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics.errors import InputError, short
+from kinetics.numerics import FloatArray
+from kinetics.states import quadrature
+from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import Points, SpeedFunction, State
+from kinetics.validation import (
+    check_positive,
+    finite_array,
+    normalised,
+    real_number,
+    refuse,
+    rising_speeds,
+)
+
+# q = v^2 times a difference of inverse variances, from which exp(-q) I(q) is the first two terms of
+# its asymptotic series: the third is 1e-16 of it for harmonics up to m = 20
+_FAR_BESSEL = 1e9
+_HIGHEST = 100.0  # standard deviations beyond which a Gaussian is zero, and v^2 may overflow
+_ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
+
+# -- formulas -------------------------------------------------------------------------------------
+
+
+class Normal(State):
+    """Independent Gaussian components; a subclass stores `_wide`, the widest deviation D."""
+
+    smooth = True
+    _dimension = 2
+    _wide: float
+    _ratio = 1.0  # of D to the other deviation
+
+    def _factor(self, m: int, u: FloatArray) -> Any:
+        """f_m over the density of components that all have the deviation D, at u = v/D."""
+        return None if m else 1.0
+
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        """Trapezoid rule in ln v."""
+        d = self._dimension
+        found = quadrature.gaussian(rtol, lowest, highest, d, self._wide, self._ratio)
+        factor = self._factor(m, np.exp(found.x) / self._wide)
+        return None if factor is None else LogMeasure(found.x, found.weight * factor)
+
+    def profile(self, m: int) -> SpeedFunction | None:
+        """v exp(-v^2/2 D^2)/D^2, in space sqrt(2/pi) v^2 exp(-v^2/2 D^2)/D^3, times the factor."""
+        norm = (1.0 if self._dimension == 2 else math.sqrt(2.0 / math.pi)) / self._wide
+
+        def value(v: FloatArray) -> NDArray[Any]:
+            u = np.minimum(v / self._wide, _HIGHEST)
+            with np.errstate(under="ignore"):
+                radial = norm * u ** (self._dimension - 1) * np.exp(-0.5 * u * u)
+                return np.asarray(radial * self._factor(m, u))
+
+        return None if self._factor(m, np.zeros(0)) is None else value
+
+
+@dataclass(frozen=True)
+class Gaussian(Normal):
+    """Independent Gaussian components of the velocity, in general of different deviations.
+
+    Parameters
+    ----------
+    deviation_x, deviation_y : standard deviations of v_x and v_y, in U; equal ones are the
+        isotropic start of the paper
+
+    Raises
+    ------
+    InputError : a deviation that is not above zero
+    """
+
+    deviation_x: float = 1.0
+    deviation_y: float = 1.0
+    lowest_moment = -2.0
+
+    def __post_init__(self) -> None:
+        x = check_positive("deviation_x", self.deviation_x)
+        y = check_positive("deviation_y", self.deviation_y)
+        self.store(deviation_x=x, deviation_y=y, highest_harmonic=0 if x == y else None)
+        self.store(_wide=max(x, y), _ratio=max(x, y) / min(x, y))
+
+    def in_space(self) -> State | None:
+        """The Maxwell distribution of the same deviation, if both are equal."""
+        return Maxwell(self.deviation_x) if self.highest_harmonic == 0 else None
+
+    def _factor(self, m: int, u: FloatArray) -> Any:
+        """With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only.
+
+        q = (a^2 - 1) u^2/4: the inverse squares of the deviations differ by that much.
+        """
+        if self.highest_harmonic == 0 or m % 2:
+            return None if m else 1.0
+        from scipy.special import ive
+
+        ratio, order = self._ratio, m // 2
+        root = 0.5 * math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio)) * u  # sqrt(q)/a
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            q = (ratio * root) ** 2
+            far = (1.0 - (order**2 - 0.25) / (2.0 * q)) / (math.sqrt(2.0 * math.pi) * root)
+        found = np.where(q > _FAR_BESSEL, far, ratio * ive(order, np.minimum(q, _FAR_BESSEL)))
+        return -found if order % 2 and self.deviation_y > self.deviation_x else found
+
+
+@dataclass(frozen=True)
+class Maxwell(Normal):
+    """Three independent Gaussian components of the velocity, in space; isotropic.
+
+    ``deviation`` is the standard deviation of each, in U. Raises InputError if it is not above 0.
+    """
+
+    deviation: float = 1.0
+    lowest_moment = -3.0
+    _dimension = 3
+
+    def __post_init__(self) -> None:
+        deviation = check_positive("deviation", self.deviation)
+        self.store(deviation=deviation, _wide=deviation)
+
+
+@dataclass(frozen=True)
+class Rest(State):
+    """All tracers start at rest: for scenes with a field."""
+
+    lowest_moment = 0.0
+
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        """Harmonic 0 is one point at the speed 0; all others are zero."""
+        return None if m else LogMeasure(np.array([-np.inf]), np.ones(1))
+
+
+# -- particles ------------------------------------------------------------------------------------
+
+
+class Samples(State):
+    """Particles of the same weight: a subclass gives their speeds, and angles to the x axis."""
+
+    peaks: tuple[FloatArray, FloatArray]
+    _angle: FloatArray | None
+
+    def _place(self, speed: FloatArray, angle: FloatArray | None = None) -> None:
+        """Store speeds (n,), and angles (n,) where the particles are directed."""
+        self.store(peaks=(speed, np.full(speed.size, 1.0 / speed.size)), _angle=angle)
+
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        """The samples with weights exp(-i m phi)/n, many of them gathered on a fine grid."""
+        speed, weight = self.peaks
+        if m and self._angle is None:
+            return None
+        turn = np.exp(-1j * m * np.asarray(self._angle)) if m else 1.0
+        return quadrature.samples(np.log(speed), weight * turn, rtol, max(highest, -lowest))
+
+
+@dataclass(frozen=True)
+class Monoenergetic(Samples):
+    """All speeds equal, all directions."""
+
+    speed: float = 1.0
+
+    def __post_init__(self) -> None:
+        self.store(speed=check_positive("speed", self.speed))
+        self._place(np.array([self.speed]))
+
+
+@dataclass(frozen=True)
+class SpeedSamples(Samples):
+    """Speeds of particles, each of the same weight; isotropic.
+
+    Parameters
+    ----------
+    speed : in U, above zero, shape (n,)
+
+    Raises
+    ------
+    InputError : empty, NaN or not above zero
+    """
+
+    speed: ArrayLike
+
+    def __post_init__(self) -> None:
+        v = finite_array("speed", self.speed, "samples must be above 0", math.ulp(0.0))
+        if v.size == 0:
+            refuse("speed", self.speed, "samples must be above 0, at least 1")
+        self.store(speed=v)
+        self._place(v)
+
+
+@dataclass(frozen=True)
+class VelocitySamples(Samples):
+    """Velocities of particles, each of the same weight; directions are kept.
+
+    Parameters
+    ----------
+    velocity : (v_x, v_y) in U, shape (n, 2), none of them zero: at rest a tracer never collides
+
+    Raises
+    ------
+    InputError : of another shape, NaN, or a velocity that is zero
+    """
+
+    velocity: ArrayLike
+    highest_harmonic = None
+
+    def __post_init__(self) -> None:
+        allowed = "it must be finite numbers of shape (n, 2), n >= 1, and no velocity zero"
+        v = finite_array("velocity", self.velocity, allowed, dimensions=(2,))
+        if v.size == 0 or v.shape[1] != 2 or not v.any(axis=1).all():
+            refuse("velocity", self.velocity, allowed)
+        self.store(velocity=v)
+        self._place(np.hypot(*v.T), np.arctan2(v[:, 1], v[:, 0]))
+
+
+# -- tables ---------------------------------------------------------------------------------------
+
+
+class Table(State):
+    """A state whose f_m are linear between rising speeds; a subclass gives them at these."""
+
+    _columns: NDArray[Any]
+
+    def _tabulate(self, v: FloatArray, columns: NDArray[Any], name: str) -> None:
+        """Store f_m, column m, at the speeds v, shape (n_v, n_m), so that f_0 has the norm 1."""
+        radial = columns[:, 0].real
+        total = normalised(radial, float(np.trapezoid(radial, v)), name)
+        # the first piece decides which negative powers exist, if it begins at speed 0
+        lowest = -math.inf if v[0] > 0.0 else -1.0 if radial[0] > 0.0 else -2.0
+        self.store(kinks=v, lowest_moment=lowest, highest_harmonic=columns.shape[1] - 1)
+        self.store(_columns=columns / total)
+
+    def _values(self, m: int) -> NDArray[Any] | None:
+        """f_m at the speeds; None where it is zero to rounding."""
+        if m >= self._columns.shape[1]:
+            return None
+        first, values = self._columns[:, 0].real, self._columns[:, m]
+        zero = np.abs(values).max() < _ZERO * first.max()
+        return None if zero else (values if m else first)
+
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        """Gauss points on the linear pieces."""
+        values = self._values(m)
+        if values is None:
+            return None
+        found = quadrature.table(self.kinks, values, 0.1 * rtol, lowest)
+        # ln v of points that are close to each other has lost digits: the sum may not be 1
+        return LogMeasure(found.x, found.weight / found.weight.sum()) if m == 0 else found
+
+    def profile(self, m: int) -> SpeedFunction | None:
+        """Linear interpolation."""
+        values = self._values(m)
+        if values is None:
+            return None
+        return lambda v: np.interp(v, self.kinks, values, left=0.0, right=0.0)
+
+
+@dataclass(frozen=True)
+class SpeedTable(Table):
+    """A tabulated speed density: linear between the points, zero outside them; isotropic.
+
+    Parameters
+    ----------
+    speed : in U, rising, not negative, shape (n,), n >= 2
+    density : per U; integral over the speed = 1 (within 1e-6; used rescaled to it), shape (n,)
+
+    Raises
+    ------
+    InputError : negative, NaN, unsorted, or not normalised
+    """
+
+    speed: ArrayLike
+    density: ArrayLike
+
+    def __post_init__(self) -> None:
+        v, f = rising_speeds(self.speed), finite_array("density", self.density)
+        if v.size != f.size:
+            raise InputError(f"density: got {f.size} values for {v.size} speeds")
+        self.store(speed=v, density=f)
+        self._tabulate(v, f[:, None], "density")
+
+
+@dataclass(frozen=True)
+class PolarGrid(Table):
+    """f(v, phi), a density in the velocity plane, on a polar grid.
+
+    Parameters
+    ----------
+    speed : in U, rising, not negative, shape (n_v,)
+    values : f at (speed, 2 pi j/n_phi), not negative, shape (n_v, n_phi); linear in the speed,
+        trigonometric in the angle; integral of f v dv dphi = 1 (within 1e-6; used rescaled to it)
+
+    Raises
+    ------
+    InputError : negative, NaN, of another shape, unsorted, or not normalised
+    """
+
+    speed: ArrayLike
+    values: ArrayLike
+
+    def __post_init__(self) -> None:
+        v = rising_speeds(self.speed)
+        allowed = f"it must be finite numbers, none negative, of shape ({v.size}, n_phi)"
+        f = finite_array("values", self.values, allowed, 0.0, (2,))
+        if f.shape[0] != v.size or f.shape[1] < 1:
+            refuse("values", self.values, allowed)
+        self.store(speed=v, values=f)
+        found = np.fft.fft(f, axis=1) * (2.0 * math.pi / f.shape[1]) * v[:, None]
+        self._tabulate(v, found[:, : (f.shape[1] + 1) // 2], "values")
+
+
+# -- functions ------------------------------------------------------------------------------------
+
+
+class Functions(State):
+    """A state whose f_m are functions of v: a subclass says which, and None for those left out."""
+
+    smooth = True
+
+    def _function(self, m: int) -> Callable[[Any], Any] | None:
+        raise NotImplementedError
+
+    def in_space(self) -> State:
+        """The same functions, as coefficients of Legendre polynomials."""
+        return self
+
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        """Adaptive Gauss panels in ln v; None for a function that is zero everywhere."""
+        function = self._function(m)
+        if function is None or m:
+            return function and quadrature.function(function, rtol, lowest, highest)
+        # a tenth of the allowed error of the norm, so that its check sees the density
+        found = quadrature.function(function, min(rtol, 1e-7), lowest, highest)
+        if found is None:
+            raise InputError(quadrature.NO_INTEGRAL)
+        if np.iscomplexobj(found.weight):
+            raise InputError("initial: the speed density is complex; it must be real")
+        norm = normalised(found.weight, float(found.weight.sum()))
+        return LogMeasure(found.x, found.weight / norm)
+
+    def profile(self, m: int) -> SpeedFunction | None:
+        """The function itself."""
+        function = self._function(m)
+        return None if function is None else lambda v: quadrature.evaluate(function, v)
+
+
+@dataclass(frozen=True)
+class SpeedDensity(Functions):
+    """A speed density given as a function of v/U that maps arrays to arrays; isotropic.
+
+    Raises
+    ------
+    InputError : where it is used, if it is negative, NaN, not normalised (within 1e-6), or has no
+        second moment
+    """
+
+    function: Callable[[Any], Any]
+
+    def _function(self, m: int) -> Callable[[Any], Any] | None:
+        return None if m else self.function
+
+
+@dataclass(frozen=True)
+class AngularHarmonics(Functions):
+    """f(v, phi) given by its angular harmonics; in space, f(v, theta) by Legendre polynomials.
+
+    Parameters
+    ----------
+    terms : m -> f_m(v), m >= 0, functions of v/U that map arrays to arrays, real or complex:
+        f_m(v) = integral of exp(-i m phi) v f over phi, in space of P_m(cos theta) v^2 f over all
+        directions; f_0 is the speed density
+
+    Raises
+    ------
+    InputError : no m = 0, a negative or fractional m; where they are used, as for SpeedDensity
+    """
+
+    terms: Mapping[int, Callable[[Any], Any]]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.terms, Mapping) or not all(map(callable, self.terms.values())):
+            refuse("terms", self.terms, "it must map orders to functions of v")
+        orders = list(self.terms)
+        whole = all(isinstance(m, int | np.integer) and not isinstance(m, bool) for m in orders)
+        if not whole or 0 not in orders or min(orders) < 0:
+            refuse("terms", orders, "orders must be whole, m >= 0, and m = 0 is needed")
+        self.store(terms=dict(self.terms), highest_harmonic=int(max(orders)))
+
+    def _function(self, m: int) -> Callable[[Any], Any] | None:
+        return self.terms.get(m)
+
+
+# -- directions -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Beam(State):
+    """All velocities in one direction.
+
+    Parameters
+    ----------
+    direction : angle phi_0 of the velocity to the x axis, in radians
+    speeds : an isotropic state, or a name, whose speeds the beam has
+    """
+
+    direction: float = 0.0
+    speeds: Any = "monoenergetic"
+    highest_harmonic = None
+
+    def __post_init__(self) -> None:
+        speeds = as_state(self.speeds, "speeds")
+        if speeds.highest_harmonic != 0:
+            refuse("speeds", self.speeds, "it must be an isotropic state")
+        direction = real_number("direction", self.direction, allowed="it must be a finite angle")
+        taken = ("smooth", "lowest_moment", "peaks", "kinks")
+        self.store(speeds=speeds, direction=direction, **{n: getattr(speeds, n) for n in taken})
+
+    def in_space(self) -> State | None:
+        """The same along the x axis, the only axis that a scene in space has."""
+        speeds = self.speeds.in_space()
+        return Beam(0.0, speeds) if self.direction == 0.0 and speeds is not None else None
+
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        """The points of the speeds, with their weights times exp(-i m phi_0)."""
+        found: LogMeasure = self.speeds.harmonic(0, rtol, lowest, highest)
+        return LogMeasure(found.x, found.weight * self._turn(m)) if m else found
+
+    def profile(self, m: int) -> SpeedFunction | None:
+        """The speed density times exp(-i m phi_0)."""
+        profile: SpeedFunction | None = self.speeds.profile(0)
+        if profile is None or m == 0:
+            return profile
+        return lambda v: np.asarray(self._turn(m) * profile(v))
+
+    def _turn(self, m: int) -> complex:
+        return complex(np.exp(-1j * m * self.direction))
+
+
+NAMED: dict[str, State] = {"gaussian": Gaussian(), "monoenergetic": Monoenergetic(), "rest": Rest()}
+
+
+def as_state(initial: Any, name: str = "initial") -> State:
+    """The state meant by a name, a function or a State; InputError that says what is allowed."""
+    if isinstance(initial, State):
+        return initial
+    if isinstance(initial, str) and initial in NAMED:
+        return NAMED[initial]
+    if callable(initial):
+        return SpeedDensity(initial)
+    raise InputError(
+        f"{name}: got {short(initial)}; it must be one of {', '.join(NAMED)}, a function of v "
+        "or a state (SpeedTable, SpeedSamples, Beam, ...)"
+    )
