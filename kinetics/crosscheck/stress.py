@@ -355,8 +355,8 @@ def scene(
         return Outcome(rtol, converged=False, note=str(refused))
     note = f"estimate {found.error_estimate:.0e}"
     done = found.status.name == "CONVERGED"
-    if method == "conservative":  # no number of nodes reaches an rtol: it states its own error,
-        rtol, done = max(1.5 * found.error_estimate, 1e-5), not done  # but for interpolation
+    if method == "conservative" and not done:  # no number of nodes reaches the rtol: it states its
+        rtol, done = max(1.5 * found.error_estimate, 1e-5), True  # error, but for interpolation
     # references in doubles may add 1e-13
     return Outcome(rtol + 1e-13, reached, done, 0.0, invariants(found), note)
 
