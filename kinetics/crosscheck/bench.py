@@ -1,7 +1,7 @@
 """The benchmark: run time against error, on the same problems for every method.
 
 A piece of `Work` is one method on one problem at one setting; `CASES` list the works of a part of
-the benchmark; `measure` makes a row of each, a dictionary; `BenchReport` makes tables and a figure
+the benchmark; `measure` makes a row of one, a dictionary; `BenchReport` makes tables and a figure
 of the rows. Speed from version to version: see ``tests/benchmarks``.
 
 Errors are relative to references of 1e-12 or better, but G(R) and <r^2> among hard disks, of which
@@ -18,12 +18,12 @@ import platform
 import re
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from importlib import metadata
+from itertools import product
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,20 +39,18 @@ Row = dict[str, Any]
 
 FORMAT = "inelastic-lorentz bench 3"
 MEASURED, FAILED = "measured", "failed"
-SPECTRAL, CONSERVATIVE, STRAIGHTFORWARD = "spectral", "conservative", "straightforward"
-MONTE_CARLO = "Monte Carlo"
-METHODS = (SPECTRAL, CONSERVATIVE, STRAIGHTFORWARD, MONTE_CARLO)
+SPECTRAL, CONSERVATIVE, MONTE_CARLO = METHODS = ("spectral", "conservative", "Monte Carlo")
 
 DENSITY = 0.04  # scatterers per d^2, of the paper: l = MEAN_FREE_PATH
 E = 0.7
 TOLERANCES = tuple(10.0**-k for k in range(2, 13))
-SPEEDS = np.linspace(0.1, 4.0, 79)  # c at which F(c) is compared
+SPEEDS = np.linspace(0.1, 4.0, 391)  # c at which F(c) is compared
 RADII = np.linspace(0.0, 6.0, 200)  # R at which G(R) is compared
 LATE = 1e7  # d/U, where the scaling state is reached
 
 # -- measuring ------------------------------------------------------------------------------------
 
-LONG, TOO_LONG = 1.0, 60.0  # s; longer work is repeated a fifth as often, or not at all
+LONG = 1.0  # s; work that takes longer is repeated once
 
 
 class Effort(NamedTuple):
@@ -73,7 +71,7 @@ FULL = Effort(False, 10, 25, 0.12, (E, 0.95), (1000, 10_000, 100_000), (*QUICK.n
 
 @dataclass
 class Work:
-    """One row that is to be measured, and what its calls have given so far."""
+    """One row that is to be measured."""
 
     section: str
     problem: str
@@ -83,72 +81,47 @@ class Work:
     value: float | None = None
     error: Callable[[Any], float] | None = None  # of the result; None where only the time counts
     threads: int = 1  # the time of one is the processor's, of more that of the clock
-    times: list[tuple[float, float]] = field(default_factory=list, init=False)
-    errors: list[float] = field(default_factory=list, init=False)
-    failure: str = field(default="", init=False)
-
-    def run(self, clock: Callable[[], tuple[float, float]]) -> None:
-        """Call it once. Whatever it raises is kept, and the end of it: the others go on."""
-        if self.failure:
-            return
-        seeded = self.method == MONTE_CARLO
-        try:
-            begin = clock()
-            result = self.call(len(self.times) + 1) if seeded else self.call()
-            end = clock()
-            self.times.append((end[0] - begin[0], end[1] - begin[1]))
-            if self.error is not None and (seeded or not self.errors):
-                self.errors.append(self.error(result))
-                if not math.isfinite(self.errors[-1]):
-                    raise ArithmeticError("the answer is not finite")
-            if len(self.times) == 1 and min(self.times[0]) > TOO_LONG:
-                raise TimeoutError(f"its first call took {min(self.times[0]):.0f} s: not repeated")
-        except Exception as met:  # whatever it is, it is a row
-            self.failure = " ".join(f"{type(met).__name__}: {met}".split())[:200]
-
-    def row(self) -> Row:
-        """The row: median and quartiles of the repeats; the first call is not among them."""
-        row: Row = {n: getattr(self, n) for n in ("section", "problem", "method", "setting")}
-        row |= {"value": self.value, **dict.fromkeys(("seconds", "low", "high", "wall", "warm_up"))}
-        row |= {
-            "repeats": 0, "error": None, "asked": self.value if self.setting == "rtol" else None,
-            "status": FAILED if self.failure else MEASURED, "note": self.failure,
-            "threads": self.threads, "extra": {},
-        }  # fmt: skip
-        if self.failure or len(self.times) < 2:
-            return row
-        wall, cpu = np.percentile(self.times[1:], [25, 50, 75], axis=0).T.tolist()
-        low, median, high = cpu if self.threads == 1 else wall
-        row |= {"seconds": median, "low": low, "high": high, "wall": wall[1]}
-        row |= {"warm_up": self.times[0][0], "repeats": len(self.times) - 1}
-        if self.errors:  # of random work the root mean square over seeds
-            row["error"] = float(np.sqrt(np.mean(np.square(self.errors))))
-        return row
 
 
 def measure(
-    works: Sequence[Work], effort: Effort,
-    clock: Callable[[], tuple[float, float]] = lambda: (time.perf_counter(), time.process_time()),
-) -> list[Row]:  # fmt: skip
-    """A row for each piece of work, in their order; what fails is a row too.
+    work: Work, effort: Effort,
+    clocks: tuple[Callable[[], float], ...] = (time.process_time, time.perf_counter),
+) -> Row:  # fmt: skip
+    """The row of a piece of work; what fails is a row too.
 
-    Each is called once, which may compile and is never a time; then once more, which says how often
-    it is repeated; then the repeats of all are spread evenly over the whole, so that a slow stretch
-    of the machine is in the spread of every row, and decides none.
+    Its times are median and quartiles of the repeats; the first call, which may compile, is not
+    among them.
     """
-    for work in (*works, *works):
-        work.run(clock)
-    turns: list[tuple[float, int]] = []
-    for k, work in enumerate(works):
-        if not work.failure:
-            # the least of all four times: others on the machine make none of them shorter
-            seconds = max(min(min(pair) for pair in work.times), 1e-6)
-            more = max(effort.least, min(effort.most, math.ceil(effort.seconds / seconds))) - 1
-            more = more if seconds < LONG else max(1, effort.least // 5) - 1
-            turns += [((j + 0.5) / more, k) for j in range(more)]
-    for _, k in sorted(turns):
-        works[k].run(clock)
-    return [work.row() for work in works]
+    errors: list[float] = []
+    times, note, seeded = np.empty((0, 2)), "", work.method == MONTE_CARLO
+    try:
+        while len(times) <= effort.least or (
+            len(times) <= effort.most and times[1:, 1].sum() < effort.seconds
+        ):
+            begin = [clock() for clock in clocks]
+            result = work.call(len(times) + 1) if seeded else work.call()
+            times = np.vstack([times, np.subtract([clock() for clock in clocks], begin)])
+            if work.error and (seeded or not errors):
+                errors.append(work.error(result))
+            if not np.all(np.isfinite(errors)):
+                raise ArithmeticError("the answer is not finite")
+            if len(times) > 1 and times[-1, 1] > LONG:
+                break
+    except Exception as met:  # whatever it is, it is a row
+        note = " ".join(f"{type(met).__name__}: {met}".split())[:200]
+    done = len(times) > 1 and not note
+    cpu, wall = (
+        np.percentile(times[1:], [25, 50, 75], axis=0).T if done else np.full((2, 3), np.nan)
+    )
+    low, median, high = cpu if work.threads == 1 else wall
+    error = float(np.sqrt(np.mean(np.square(errors)))) if done and errors else None
+    return plain({
+        "section": work.section, "problem": work.problem, "method": work.method,
+        "setting": work.setting, "value": work.value, "seconds": median, "low": low, "high": high,
+        "wall": wall[1], "warm_up": times[0, 1] if done else None, "repeats": len(times[1:]),
+        "error": error, "asked": work.value if work.setting == "rtol" else None,
+        "status": FAILED if note else MEASURED, "note": note, "threads": work.threads, "extra": {},
+    })  # fmt: skip
 
 
 def sweep(problem: str, error: Any, *ways: tuple[Any, ...]) -> list[Work]:
@@ -176,8 +149,8 @@ def over_largest(value: Any, exact: FloatArray) -> float:
 # -- the methods ----------------------------------------------------------------------------------
 
 
-def conservative_cooling(e: float, start: str, times: FloatArray, nodes: int) -> Any:
-    """v0 (U) and a2, (2, n_times), of the conservative scheme.
+def conservative(e: float, start: str, times: Any, nodes: int) -> tuple[Any, FloatArray]:
+    """The solution of the conservative scheme; its v0 (U) and 1 + a2, (2, n_times).
 
     At 1e-13 the scheme serves every time itself. By the trapezoid rule in ln v.
     """
@@ -189,59 +162,7 @@ def conservative_cooling(e: float, start: str, times: FloatArray, nodes: int) ->
     v = np.geomspace(slowest, 16.0, 4 * nodes)  # next to no tracer of either start is faster
     weight = found.speed_density(v) * v * math.log(v[1] / v[0])
     second, fourth = (weight @ v**p + found.uncollided for p in (2, 4))
-    return np.array([np.sqrt(second), 0.5 * fourth / second**2 - 1.0])
-
-
-def gain_matrix(e: float, nodes: int) -> FloatArray:
-    """G of the solver that one would write first, shape (nodes, nodes), on uniform speeds.
-
-    For masses p_j at v_j = j dv the isotropic equation (paper, label ``inelaslorentz2``) is dp/dt =
-    (G - 1) diag(v) p/l, G_ij the share of bounces at v_j that arrive at v_i. G is projected on hat
-    functions exactly: second differences of ramps, whose mean over the impact parameter is
-    E[(s - S)_+] = (s sqrt(s^2 - e^2) - e^2 ln((s + sqrt(s^2 - e^2))/e)) / (2 sqrt(1 - e^2)).
-    It is of second order in dv, and shares nothing with the solvers of the package; e < 1.
-    """
-    j, i = np.arange(1.0, nodes), np.arange(-1.0, nodes + 1.0)
-    s = np.clip(i[:, None] / j, e, 1.0)
-    root = np.sqrt((s - e) * (s + e))
-    ramp = s * root
-    if e > 0.0:
-        ramp -= e * e * np.log((s + root) / e)
-    ramp /= 2.0 * math.sqrt((1.0 - e) * (1.0 + e))
-    ramp += np.maximum(i[:, None] / j - 1.0, 0.0)  # every bounce ends below s = 1
-    gain = np.zeros((nodes, nodes))
-    gain[:, 1:] = np.triu(j * (ramp[2:] - 2.0 * ramp[1:-1] + ramp[:-2]), k=-1)[:nodes]
-    gain[0, 0] = 1.0
-    return gain
-
-
-def straightforward_state(e: float, nodes: int) -> SimpleNamespace:
-    """h, a2, F(c): one dense solve of 0 = -d(y g)/dy - y g + gain, the steady y = v t/l."""
-    from scipy.interpolate import CubicSpline
-
-    from kinetics import CollisionLaw
-
-    # to a tail e^-y beyond the mean 1/kappa
-    y = np.linspace(0.0, 30.0 + 2.0 / CollisionLaw(e).mean_log_loss, nodes)
-    inner = np.arange(nodes - 1)
-    matrix = (gain_matrix(e, nodes) - np.eye(nodes)) * y
-    # the flux is y (g + g)/2 at the middles between nodes; nothing passes the ends, and the
-    # equation of node 0, which stands for half a cell, is that of its mass
-    half = 0.5 * (inner + 0.5)
-    for row, sign in ((inner, -1.0), (inner + 1, 1.0)):
-        matrix[row, inner] += sign * half
-        matrix[row, inner + 1] += sign * half
-    matrix[-1], matrix[-1, [0, -1]] = y[1], 0.5 * y[1]  # they sum to zero: the norm instead of one
-    g = np.linalg.solve(matrix, np.eye(nodes)[-1])
-    second, fourth = (float(y**p @ g) * y[1] for p in (2, 4))
-    unit, spline = math.sqrt(second), CubicSpline(y, g)
-
-    def vdf(c: FloatArray) -> FloatArray:
-        inside = np.where(c * unit <= y[-1], spline(c * unit), 0.0)
-        return np.asarray(inside * unit / (2.0 * math.pi * c))
-
-    a2 = 0.5 * fourth / second**2 - 1.0
-    return SimpleNamespace(cooling_rate=2.0 / unit, a2=a2, vdf=vdf)
+    return found, np.array([np.sqrt(second), 0.5 * fourth / second**2])
 
 
 def monte_carlo(
@@ -256,62 +177,47 @@ def monte_carlo(
     )  # fmt: skip
 
 
-def histogram_error(
-    histogram: Any, unit: float, x: FloatArray, f: FloatArray, plane: bool = False
-) -> float:
-    """The largest difference of densities, averaged over each bin, over the largest value of f.
+def averages_of(found: Any, names: Iterable[str]) -> FloatArray:
+    """Averages of a Solution, or of the Estimates of particles, a2 as 1 + a2."""
+    values = ((n, getattr(found, n)) for n in names)
+    return np.array([getattr(x, "value", x) + (n == "a2") for n, x in values])
 
-    histogram : of one time; unit : by which its edges are divided; x, f : the exact density, at
-    places between which bins are compared; plane : whether it is one of the plane, or radial
+
+def histogram_error(histogram: Any, unit: float, x: FloatArray, f: FloatArray, d: int = 1) -> float:
+    """The largest difference of densities in d = 1 or 2 dimensions, over the largest value of f.
+
+    histogram : of one time, its bins 4 % wide, so that f at their middles is its mean to 1e-3;
+    unit : by which its edges are divided; x, f : the exact density, where bins are compared
     """
-    from scipy.interpolate import CubicSpline
-
-    from kinetics.numerics.gauss import panels_between
-
     edges = histogram.edges / unit
-    used = np.flatnonzero((edges[:-1] >= x[0]) & (edges[1:] <= x[-1]))
-    place, weight = panels_between(edges[used[0] : used[-1] + 2], 6)
-    weight = weight.reshape(-1, 6) * (2.0 * math.pi * place.reshape(-1, 6) if plane else 1.0)
-    exact = (CubicSpline(x, f)(place).reshape(-1, 6) * weight).sum(axis=1)
-    found = histogram.probability.value[0][used]
-    return float(np.max(np.abs(found - exact) / weight.sum(axis=1)) / f.max())
+    middle, size = np.sqrt(edges[1:] * edges[:-1]), math.pi ** (d - 1) * np.diff(edges**d)
+    error = histogram.probability.value[0] / size - np.interp(middle, x, f)
+    return float(np.max(np.abs(error[(middle > x[0]) & (middle < x[-1])])) / f.max())
 
 
 # -- problems: run time against error -------------------------------------------------------------
 
 
 def scaled(effort: Effort) -> Iterator[Work]:
-    """F(c), and h and a2, of the scaling state against `ScalingSolution`."""
+    """F(c) of the scaling state against `ScalingSolution`."""
     from kinetics import ScalingSolution, solve_scaled
 
-    def both(state: Any) -> Any:
-        return np.array([state.cooling_rate, 1.0 + state.a2])
+    def of_grid(e: float, nodes: int) -> Any:
+        found, ((v0,), _) = conservative(e, "gaussian", [LATE], nodes)
+        return found.speed_density(SPEEDS * v0)[0] * v0 / (2.0 * math.pi * SPEEDS)
 
-    def late(e: float, observable: str, samples: int, seed: int) -> Any:
-        return monte_carlo(e, "gaussian", [LATE], samples, seed, observable)
-
-    def both_of(run: Any) -> Any:
-        v0, a2 = run.thermal_speed.value[0], run.a2.value[0]
-        return np.array([2.0 * MEAN_FREE_PATH / (v0 * LATE), 1.0 + a2])
+    def of_run(run: Any, F: FloatArray) -> float:
+        v0 = run.thermal_speed.value[0]
+        return histogram_error(run.speed_histogram, v0, SPEEDS, F, d=2)
 
     for e in effort.restitutions:
-        states: list[Any] = [
-            (SPECTRAL, "rtol", TOLERANCES, partial(solve_scaled, e)),
-            (STRAIGHTFORWARD, "nodes", effort.nodes, partial(straightforward_state, e)),
-        ]
-        exact = ScalingSolution(e)
-        F = exact.vdf(SPEEDS)
-        sampled = (MONTE_CARLO, "samples", effort.samples)
+        F = ScalingSolution(e).vdf(SPEEDS)
+        random = partial(monte_carlo, e, "gaussian", [LATE], observable="speed_histogram")
         yield from sweep(
             f"scaled F(c): e = {e:g}", partial(over_largest, exact=F),
-            *((*way, lambda x, f=f: f(x).vdf(SPEEDS)) for *way, f in states),
-            (*sampled, partial(late, e, "speed_histogram"), lambda run, F=F: histogram_error(
-                run.speed_histogram, run.thermal_speed.value[0], SPEEDS, F, plane=True)),
-        )  # fmt: skip
-        yield from sweep(
-            f"scaled h and a2: e = {e:g}", partial(relative, exact=both(exact)),
-            *((*way, lambda x, f=f: both(f(x))) for *way, f in states),
-            (*sampled, lambda n, seed, e=e: both_of(late(e, "", n, seed))),
+            (SPECTRAL, "rtol", TOLERANCES, lambda x, e=e: solve_scaled(e, x).vdf(SPEEDS)),
+            (CONSERVATIVE, "nodes", effort.nodes, partial(of_grid, e)),
+            (MONTE_CARLO, "samples", effort.samples, random, partial(of_run, F=F)),
         )  # fmt: skip
 
 
@@ -319,25 +225,19 @@ def averages(effort: Effort, name: str, outputs: tuple[str, ...], horizon: str) 
     """Averages over time from both starts of the paper, against kept references."""
     from kinetics import Scene, solve
 
-    def values(found: Any) -> list[Any]:
-        averages = [getattr(found, n) for n in outputs]  # arrays, or Estimates of particles
-        found = [getattr(x, "value", x) for x in averages]
-        return [x + (n == "a2") for n, x in zip(outputs, found, strict=True)]
-
-    times, shift = references.times(horizon), [[0.0], [1.0]]
+    times = references.times(horizon)
     for e, start in ((e, start) for e in effort.restitutions for start in references.STARTS):
         exact = [references.kept(n, e, start, horizon) + (n == "a2") for n in outputs]
         scene = Scene(e, DENSITY, initial=start, times=times, outputs=outputs)
-        ways: list[tuple[Any, ...]] = [
-            (SPECTRAL, "rtol", TOLERANCES, lambda rtol, s=scene: values(solve(s, rtol))),
+        random, grid = (partial(f, e, start, times) for f in (monte_carlo, conservative))
+        nodes = effort.nodes if "a2" in outputs else ()
+        yield from sweep(
+            f"{name}, t <= {times[-1]:.0e}: {start}, e = {e:g}", partial(relative, exact=exact),
+            (SPECTRAL, "rtol", TOLERANCES, lambda x, s=scene: averages_of(solve(s, x), outputs)),
             (MONTE_CARLO, "samples", effort.samples,
-             lambda n, seed, e=e, start=start: values(monte_carlo(e, start, times, n, seed))),
-        ]  # fmt: skip
-        if "a2" in outputs:
-            others = partial(conservative_cooling, e, start, times)
-            ways += [(CONSERVATIVE, "nodes", effort.nodes, lambda n, f=others: f(n) + shift)]
-        problem = f"{name}, t <= {times[-1]:.0e}: {start}, e = {e:g}"
-        yield from sweep(problem, partial(relative, exact=exact), *ways)
+             lambda n, seed, random=random: averages_of(random(n, seed), outputs)),
+            (CONSERVATIVE, "nodes", nodes, lambda n, grid=grid: grid(n)[1]),
+        )  # fmt: skip
 
 
 def cooling(effort: Effort) -> Iterator[Work]:
@@ -364,18 +264,14 @@ def position(effort: Effort) -> Iterator[Work]:
     def curve(rtol: float) -> FloatArray:
         return np.asarray(solve(scene, rtol).scaled_position_density(RADII)[0])
 
-    exact = curve(1e-7 if effort.quick else 1e-8)
-    kind, full = "displacement_histogram", slice(8, 134)  # R from 0.25 to 4 has enough tracers
-
-    def of_run(run: Any) -> float:
-        unit = math.sqrt(run.msd.value[0])
-        return histogram_error(getattr(run, kind), unit, RADII[full], exact[full])
-
+    exact, full = curve(1e-7 if effort.quick else 1e-8), slice(8, 134)
     yield from sweep(
         "G(R): gaussian, t = 300, e = 0.6", partial(over_largest, exact=exact),
         (SPECTRAL, "rtol", (1e-2, 1e-4, 1e-5) if effort.quick else TOLERANCES[:6], curve),
         (MONTE_CARLO, "samples", effort.samples,
-         partial(monte_carlo, 0.6, "gaussian", [300.0], observable=kind), of_run),
+         partial(monte_carlo, 0.6, "gaussian", [300.0], observable="displacement_histogram"),
+         lambda run: histogram_error(  # R from 0.25 to 4 has enough tracers
+             run.displacement_histogram, math.sqrt(run.msd.value[0]), RADII[full], exact[full])),
     )  # fmt: skip
 
 
@@ -385,14 +281,10 @@ def in_field(effort: Effort) -> Iterator[Work]:
 
     steady = {"drift": 0.501926119920, "mean_square_speed": 1.702146383757,
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
-
-    def state(rtol: float) -> list[float]:
-        found = solve_field(E, rtol=rtol)
-        return [getattr(found, name) for name in steady]
-
-    error = partial(relative, exact=[*steady.values()])
-    way = (SPECTRAL, "rtol", TOLERANCES[:9], state)
-    yield from sweep(f"steady state in a field: e = {E:g}", error, way)
+    yield from sweep(
+        f"steady state in a field: e = {E:g}", partial(relative, exact=[*steady.values()]),
+        (SPECTRAL, "rtol", TOLERANCES[:9], lambda x: averages_of(solve_field(E, rtol=x), steady)),
+    )  # fmt: skip
 
 
 # -- what skipping saves, and particles -----------------------------------------------------------
@@ -401,26 +293,19 @@ def in_field(effort: Effort) -> Iterator[Work]:
 def skipping(effort: Effort) -> Iterator[Work]:
     """Each output of a scene alone; "everything" comes first."""
     from kinetics import Scene, solve
-    from particles import BoltzmannGrad, simulate
 
     times = np.geomspace(1.0, 1e4, 20)
-    groups: tuple[tuple[str, str, float, Row], ...] = (
-        ("isotropic scene", "thermal_speed a2 collisions msd kurtosis speed_density", 1e-8,
-         {"times": times, "harmonics": 4}),
-        ("displacement, e = 0.6, t = 300", "msd kurtosis diffusion_coefficient position_density",
-         1e-4, {"restitution": 0.6, "times": [300.0]}),
-        ("elastic scene", "a2 speed_density", 1e-8, {"restitution": 1.0, "times": times}),
-    )  # fmt: skip
-    for group, names, rtol, more in groups:
-        for part in ("everything", *names.split()):
-            outputs = names.split() if part == "everything" else [part]
-            scene = Scene(**{"restitution": E, "outputs": tuple(outputs), **more})
-            yield Work("skipping", group, part, partial(solve, scene, rtol))
-    histograms = [f"{kind}_histogram" for kind in ("speed", "displacement", "free_path")]
-    for part, some in (("everything", histograms), ("averages alone", None)):
-        yield Work("skipping", "Boltzmann-Grad run, 4000 tracers", part, partial(
-            simulate, BoltzmannGrad(DENSITY), E, times=times, media=4, tracers=1000, workers=1,
-            observables=some))  # fmt: skip
+    isotropic = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
+    position = ("msd", "kurtosis", "diffusion_coefficient", "position_density")
+    for name, e, at, outputs, rtol in (
+        ("isotropic scene", E, times, isotropic, 1e-8),
+        ("elastic scene", 1.0, times, ("a2", "speed_density"), 1e-8),
+        ("displacement, e = 0.6, t = 300", 0.6, [300.0], position, 1e-4),
+    ):
+        for part in (outputs, *((output,) for output in outputs)):
+            asked = "everything" if part == outputs else part[0]
+            call = partial(solve, Scene(e, times=at, outputs=part), rtol)
+            yield Work("skipping", name, asked, call)
 
 
 MEDIA = 4  # configurations of a run
@@ -440,12 +325,12 @@ def throughput(effort: Effort) -> Iterator[Work]:
         "Boltzmann-Grad, 0.032 per d^3": p.BoltzmannGrad(space, dimension=3),
     }
     runs = (("placing", 1, 1), ("run", 300 if effort.quick else 2000, 500))
-    for (name, medium), threads in ((m, threads) for m in media.items() for threads in (1, 2)):
-        for part, tracers, most in runs:
-            call = partial(p.simulate, medium, 0.9, max_collisions=most, media=MEDIA,
-                           tracers=tracers, workers=threads)  # fmt: skip
-            collisions = float(most * tracers * MEDIA)
-            yield Work("particles", name, part, call, "collisions", collisions, threads=threads)
+    for (name, medium), threads, run in product(media.items(), (1, 2), runs):
+        part, tracers, most = run
+        call = partial(p.simulate, medium, 0.9, max_collisions=most, media=MEDIA, tracers=tracers,
+                       workers=threads)  # fmt: skip
+        collisions = float(most * tracers * MEDIA)
+        yield Work("particles", name, part, call, "collisions", collisions, threads=threads)
 
 
 CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
@@ -467,67 +352,36 @@ def run_bench(
     """
     from threadpoolctl import threadpool_limits
 
-    names = tuple(CASES) if cases is None else tuple(dict.fromkeys(cases))
-    for wrong in [repr(name) for name in names if name not in CASES] or ([] if names else ["none"]):
-        raise InputError(f"cases: got {wrong}; known are {', '.join(CASES)}")
+    names = tuple(CASES if cases is None else cases)
+    for wrong in set(names) - set(CASES):
+        raise InputError(f"cases: got {wrong!r}; known are {', '.join(CASES)}")
     about, begin, records = machine(), time.perf_counter(), []
     effort = QUICK if quick else FULL
     with threadpool_limits(1), warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)  # the error is measured
         for name in names:
             progress(name, len(names))
-            records += measure(list(CASES[name](effort)), effort)
+            records += [measure(work, effort) for work in CASES[name](effort)]
     return BenchReport(records, quick, names, about, time.perf_counter() - begin)
 
 
 def machine() -> Row:
     """What a time depends on: the processor and the versions. Nothing that names the machine."""
-    info, processor = Path("/proc/cpuinfo"), platform.processor() or platform.machine()
-    if found := re.search(r"model name\s*: (.*)", info.read_text() if info.exists() else ""):
-        processor = found[1]
+    info = Path("/proc/cpuinfo")
+    model = re.search(r"model name\s*: (.*)", info.read_text() if info.exists() else "")
     return {
-        "processor": processor, "cores": os.cpu_count(), "system": platform.system(),
-        "python": platform.python_version(),
+        "processor": model[1] if model else platform.machine(), "cores": os.cpu_count(),
+        "system": platform.system(), "python": platform.python_version(),
         **{n: metadata.version(n) for n in ("inelastic-lorentz", "numpy", "scipy", "numba")},
     }  # fmt: skip
 
 
 # -- tables and figure ----------------------------------------------------------------------------
 
-# Time ~ error^-q at best, of the methods whose error falls without end: the order of the scheme,
-# and the least work that it can do. Of the straightforward solver: second order, and filling the
-# matrix; of the conservative one: second order, and one sweep; of Monte Carlo: 1/sqrt(samples).
-_AT_BEST = {STRAIGHTFORWARD: 1.0, CONSERVATIVE: 0.5, MONTE_CARLO: 2.0}
-_UNITS = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("s", 1.0), ("ms", 1e-3))
 
-
-def seconds_for(rows: Any, method: str, target: float) -> tuple[float, bool]:
-    """Least time in which a method reached the error, of the rows (DataFrame) of one problem.
-
-    Where it was not reached but can be: the least that it would take, from its most accurate run,
-    and True. NaN where it does not get there.
-    """
-    rows = rows[rows["error"].notna() & (rows["seconds"] > 0.0)]
-    there = rows[rows["error"] <= target]
-    if len(there):
-        return float(there["seconds"].min()), False
-    best = rows.sort_values(["error", "seconds"]).iloc[:1]
-    # a larger error than 1/2 is no point of a curve that converges
-    if method not in _AT_BEST or not len(best) or best["error"].item() > 0.5:
-        return math.nan, False
-    return best["seconds"].item() * (best["error"].item() / target) ** _AT_BEST[method], True
-
-
-def seconds_text(seconds: float, at_least: bool = False) -> str:
-    """A time of two digits with its unit, years where it is long; "≥" before a lower bound."""
-    if math.isnan(seconds):
-        return "-"
-    unit, size = next(((u, s) for u, s in _UNITS if seconds >= s), ("us", 1e-6))
-    return f"{'≥ ' * at_least}{_digits(seconds / size)} {unit}"
-
-
-def _digits(value: float) -> str:
-    return f"{value:.1e}" if value >= 1e4 else f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+# columns of the table of all rows, beside those that no table shows
+TEXTS = ["section", "problem", "method", "setting", "status", "note", "threads"]
+NUMBERS = ["value", "seconds", "error", "asked"]
 
 
 @dataclass(frozen=True)
@@ -545,18 +399,15 @@ class BenchReport:
     machine: Row
     seconds: float
 
-    def to_dataframe(self) -> Any:
-        """The rows as a DataFrame, and the question, which is the problem without its variant."""
+    def rows(self, section: str, status: str = MEASURED) -> Any:
+        """The rows of a section, a DataFrame; the question is the problem without its variant."""
         from pandas import DataFrame
 
-        frame = DataFrame(plain(self.records), columns=list(Work("", "", "", print).row()))
-        numbers = dict.fromkeys(("value", "seconds", "error", "asked"), float)
-        return frame.astype(numbers).assign(question=frame["problem"].str.split(": ").str[0])
-
-    def _of(self, section: str) -> Any:
-        """The rows of one section that were measured."""
-        frame = self.to_dataframe()
-        return frame[(frame["section"] == section) & (frame["status"] == MEASURED)].copy()
+        frame = DataFrame(self.records, columns=[*TEXTS, *NUMBERS]).astype(
+            dict.fromkeys(NUMBERS, float)
+        )
+        frame = frame[(frame["status"] == status) & frame["section"].str.startswith(section)]
+        return frame.assign(question=frame["problem"].str.split(": ").str[0])
 
     def to_json(self) -> str:
         """One strict JSON document; what is not finite is null."""
@@ -572,85 +423,67 @@ class BenchReport:
         """A heading, and all tables that have rows."""
         about = ", ".join(f"{k} {v}" for k, v in self.machine.items())
         text = (
-            f"# Benchmark{' (quick)' * self.quick}\n\n{about}. {self.seconds:.0f} s in all. "
-            "Times are medians over repeats in turns: processor time, where nothing else is said.\n"
+            f"# Benchmark{' (quick)' * self.quick}\n\n{about}. {self.seconds:.0f} s in all. Times "
+            "are medians over repeats, in s: of the processor, of two threads by the clock.\n"
         )
-        failed = [
-            {"problem": row["problem"], "method": row["method"],
-             "setting": f"{row['setting']} {row['value'] or ''}", "why": row["note"]}
-            for row in self.records if row["status"] == FAILED
-        ]  # fmt: skip
-        for title, rows in (
-            ("Run time for an error (≥: at least; -: it does not get there)", self._run_times()),
+        failed = self.rows("", FAILED)[["problem", "method", "setting", "value", "note"]]
+        for title, frame in (
+            ("Run time for an error (inf: not reached)", self._run_times()),
             ("What skipping saves", self._skipping()),
-            ("Particles, e = 0.9 (two threads: by the clock)", self._particles()),
+            ("Particles, e = 0.9", self._particles()),
             ("Failed", failed),
-        ):  # fmt: skip
-            if rows:
-                text += "\n".join(["", f"## {title}", "", *markdown_table(rows)])
+        ):
+            text += f"\n## {title}\n\n{markdown_table(frame)}" if len(frame) else ""
         return text
 
-    def _run_times(self) -> list[dict[str, str]]:
-        """Medians over restitutions and starts; the largest error over the one asked for."""
-        rows = []
-        by = ["question", "method"]
-        for (question, method), runs in self._of("precision").groupby(by, sort=False):
-            row = {"problem": question, "method": method}
-            problems, most = runs.groupby("problem"), (runs["error"] / runs["asked"]).max()
-            for target in (1e-3, 1e-8):  # the upper one of two in the middle; never: the most
-                costs = [seconds_for(p, method, target) for _, p in problems]
-                costs.sort(key=lambda cost: math.inf if math.isnan(cost[0]) else cost[0])
-                row[f"{target:.0e}"] = seconds_text(*costs[len(costs) // 2])
-            row["least error"] = f"{problems['error'].min().median():.1e}"
-            rows.append(row | {"over asked": "" if math.isnan(most) else f"{most:.2g}"})
-        return rows
+    def _run_times(self) -> Any:
+        """Medians over restitutions and starts; of the error over the one asked for the largest."""
+        by, frame = ["question", "method", "problem"], self.rows("precision")
+        best = frame.loc[frame.groupby(by, sort=False)["error"].idxmin()].set_index(by)
+        table = best[["error", "seconds"]].set_axis(["least error", "time to it"], axis=1)
+        for target in (1e-3, 1e-8):
+            reached = frame[frame["error"] <= target].groupby(by)["seconds"].min()
+            table[f"time to {target:.0e}"] = reached.reindex(table.index, fill_value=math.inf)
+        table = table.groupby(by[:2], sort=False).median()
+        frame["error over asked"] = frame["error"] / frame["asked"]
+        return table.join(frame.groupby(by[:2])["error over asked"].max()).reset_index()
 
-    def _skipping(self) -> list[dict[str, str]]:
-        frame = self._of("skipping")
-        frame["ratio"] = frame.groupby("problem")["seconds"].transform("first") / frame["seconds"]
-        return [
-            {"scene": row.problem, "asked for": row.method, "time": seconds_text(row.seconds),
-             "time of everything over it": _digits(row.ratio)} for row in frame.itertuples()
-        ]  # fmt: skip
+    def _skipping(self) -> Any:
+        frame = self.rows("skipping")
+        ratio = frame.groupby("problem")["seconds"].transform("first") / frame["seconds"]
+        return frame[["problem", "method", "seconds"]].assign(**{"everything over it": ratio})
 
-    def _particles(self) -> list[dict[str, str]]:
-        rows = []
-        frame = self._of("particles")
-        for (name, threads), two in frame.groupby(["problem", "threads"], sort=False):
-            if len(two) == 2:
-                rate = two["value"].diff().iloc[1] / two["seconds"].diff().iloc[1] / 1e6
-                placing = seconds_text(two["seconds"].iloc[0] / MEDIA)
-                rows.append({"medium": name, "threads": str(threads), "placing one": placing,
-                             "million collisions per second": f"{rate:.1f}"})  # fmt: skip
-        return rows
+    def _particles(self) -> Any:
+        """Rates from the difference of the long run and that of one collision."""
+        from pandas import DataFrame
+
+        frame = self.rows("particles").set_index(["problem", "threads"])
+        placing, long = (frame[frame["method"] == part] for part in ("placing", "run"))
+        rate = (long["value"] - placing["value"]) / (long["seconds"] - placing["seconds"])
+        columns = {"placing one": placing["seconds"] / MEDIA, "collisions per second": rate}
+        return DataFrame(columns).reset_index()
 
     def work_precision(self) -> str | None:
         """Run time against error, a panel for each question, as text of an SVG file, or None."""
-        frame = self._of("precision")
+        frame = self.rows("precision")
         if not len(frame):
             return None
-        import matplotlib as mpl
         from matplotlib.figure import Figure
 
         frame["error"] = frame["error"].clip(1e-16, 10.0)
-        file, panels = io.StringIO(), frame.groupby("question", sort=False)
+        file, panels, legend = io.StringIO(), frame.groupby("question", sort=False), {}
         rows = math.ceil(len(panels) / 3)
-        with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "inelastic-lorentz",
-                             "axes.grid": True, "axes.titlesize": 8.0}):  # fmt: skip
-            figure = Figure(figsize=(9.375, 1.1 + 2.4 * rows), layout="constrained")
-            axes = figure.subplots(rows, 3, squeeze=False, sharex=True, sharey=True).ravel()
-            axes[0].set(xscale="log", yscale="log", ylim=(1e-16, 30.0))
-            legend = {}
-            for axis, (question, panel) in zip(axes, panels, strict=False):
-                axis.set_title(question)
-                for (method, _), runs in panel.groupby(["method", "problem"], sort=False):
-                    k = METHODS.index(method)
-                    look = {"color": f"C{k}", "marker": "os^x"[k]}
-                    (legend[method],) = axis.plot(runs["seconds"], runs["error"], ms=4.0, **look)
-            for axis in axes[len(panels) :]:
-                axis.set_visible(False)
-            figure.legend(legend.values(), legend, loc="outside upper center", ncols=len(legend))
-            figure.supxlabel("run time, one thread [s]")
-            figure.supylabel("error")
-            figure.savefig(file, format="svg", metadata={"Date": None})
+        figure = Figure(figsize=(9.4, 1.1 + 2.4 * rows), layout="constrained")
+        for k, (question, panel) in enumerate(panels):
+            axis = figure.add_subplot(rows, 3, k + 1, xscale="log", yscale="log")
+            axis.set_title(question, fontsize=8.0)
+            axis.set(xlim=(1e-4, 10.0), ylim=(1e-16, 30.0))
+            axis.grid()
+            for (method, _), runs in panel.groupby(["method", "problem"], sort=False):
+                style = ("C0o-", "C1s-", "C2^-")[METHODS.index(method)]
+                (legend[method],) = axis.plot(runs["seconds"], runs["error"], style, ms=4.0)
+        figure.legend(legend.values(), legend, loc="outside upper center", ncols=len(legend))
+        figure.supxlabel("run time, one thread [s]")
+        figure.supylabel("error")
+        figure.savefig(file, format="svg")
         return file.getvalue()

@@ -4,7 +4,7 @@ import contextlib
 import json
 import os
 import tempfile
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
@@ -107,8 +107,9 @@ def dumps(value: Any) -> str:
     return json.dumps(plain(value), allow_nan=False, indent=1) + "\n"
 
 
-def markdown_table(rows: Sequence[Mapping[str, str]]) -> list[str]:
-    """Lines of a Markdown table, the keys of the first row its heads, and an empty line."""
-    lines = [list(rows[0]), ["---"] * len(rows[0]), *(row.values() for row in rows)]
-    cells = ([cell.replace("|", "\\|") for cell in line] for line in lines)
-    return [*(f"| {' | '.join(line)} |" for line in cells), ""]
+def markdown_table(frame: Any) -> str:
+    """A DataFrame as a Markdown table, two digits of each number that is not whole."""
+    cells = frame.map(lambda x: f"{x:.2g}" if isinstance(x, float) else str(x)).values.tolist()
+    lines = [list(frame.columns), ["---"] * len(frame.columns), *cells]
+    texts = (" | ".join(cell.replace("|", "\\|") for cell in line) for line in lines)
+    return "".join(f"| {text} |\n" for text in texts)

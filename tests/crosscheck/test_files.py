@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pandas import DataFrame
 
 from kinetics.crosscheck import files
 from kinetics.crosscheck.files import (
@@ -119,6 +120,7 @@ def test_json_has_no_numpy_and_no_nan() -> None:
 
 
 def test_a_markdown_table() -> None:
-    assert markdown_table([{"a": "1", "b": "|F|"}, {"a": "", "b": "2"}]) == [
-        "| a | b |", "| --- | --- |", "| 1 | \\|F\\| |", "|  | 2 |", "",
+    frame = DataFrame({"a": [1, 2], "b": ["|F|", ""], "c": [1.234e-5, 0.5]})
+    assert markdown_table(frame).splitlines() == [
+        "| a | b | c |", "| --- | --- | --- |", "| 1 | \\|F\\| | 1.2e-05 |", "| 2 |  | 0.5 |",
     ]  # fmt: skip

@@ -1,7 +1,7 @@
 """Sizes, times and starts at the ends of the doubles: right where the answer is in range.
 
 `lorentz stress` tries many more of them: restitutions, times to 1e300, speeds from 1e-150 to 1e150,
-rough starts, few nodes (kinetics/crosscheck/stress and tests/crosscheck/stress).
+rough starts, few nodes (kinetics/crosscheck/stress.py and tests/crosscheck/test_stress.py).
 """
 
 import math
