@@ -260,15 +260,14 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
 
 # -- the theory's own error, among scatterers at a finite density ----------------------------------
 
-_OWN_ERROR: Mapping[str, tuple[float, float, float]] = {
-    "thermal_speed": (0.1, 0.3, 0.0), "a2": (0.15, 0.25, 0.0), "msd": (0.08, 0.0, 2.7),
-    "kurtosis": (0.1, 0.0, 2.5),
+_OWN_ERROR: Mapping[str, tuple[float, float]] = {
+    "thermal_speed": (0.1, 0.06), "a2": (0.2, 0.4), "msd": (0.12, 0.12), "kurtosis": (0.12, 0.12),
 }  # fmt: skip
 """Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
-1 + a2 for a2) and divided by n = rho d^2: before _LATE; from then on; and what is added then for
-each n. Root mean squares over n = .02, .04, .06 and .1, five e from 0.4 to 1 and both media
-(tests/kinetics/measurements/density_error.py), rounded up. Late v0 has twice of what was found,
-because all of its deviations have one sign."""
+1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
+n = .02, .04, .06 and .1, five e from 0.4 to 1 and both media
+(tests/kinetics/measurements/density_error.py), rounded up. Twice for v0 before and for a2 after,
+whose deviations have one sign."""
 _LATE = 30.0
 """In l/U."""
 _REMEMBERED = np.log(10.0)
@@ -284,13 +283,9 @@ def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Arr
         return None
     times, names = expectation.sample.times, expectation.names
     late = times >= _LATE * point.path
-    density = 1.0 / (2 * point.path)
-    shares = (_OWN_ERROR[name] for name in names)
-    share = np.array(
-        [np.where(late, after + more * density, early) for early, after, more in shares]
-    )
+    share = np.array([np.where(late, *_OWN_ERROR[name][::-1]) for name in names])
     size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
-    error = np.where(times > 0, share * size * density, 0.0).ravel()
+    error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
     logs = np.log(np.where(times > 0, times, 1.0))
     correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
     return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))
