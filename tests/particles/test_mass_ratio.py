@@ -69,7 +69,7 @@ def test_runs_meet_the_kinetic_equation(alpha: float, mass: float, dimension: in
         number_density=density(dimension), times=TIMES, dimension=dimension, mass_ratio=mass
     )
     outputs = (*NAMES, "speed_density", "intermediate_scattering")
-    solution = solve(Scene(alpha, **usual, outputs=outputs), rtol=1e-6)
+    solution = solve(Scene(alpha, **usual, outputs=outputs), rtol=1e-5)
     for name in NAMES:
         estimate = getattr(run, name)
         sigmas = (estimate.value - getattr(solution, name)) / estimate.error
