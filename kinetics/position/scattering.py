@@ -124,7 +124,7 @@ def solve_waves(
     kept : largest m that is wanted, if it is not negligible
     """
     largest = float(wave_numbers.max())
-    rule = _rule(largest, highest, tolerance)
+    rule = _rule(law, largest, highest, tolerance)
     first = math.log(_SERIES / (largest + 2.0))
     limit = highest if law.is_elastic else min(highest, asymptotic_from(law))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
@@ -137,9 +137,15 @@ def solve_waves(
     return Sweep(law, wave_numbers, rule, start, top, count).run(count, tolerance, kept)
 
 
-def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
-    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
+def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
+    """Panels that resolve exp(-T + i K T), which varies fastest of all.
+
+    Bounces that change a velocity by a small share 1 + e of it end these waves only later.
+    """
     turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
+    e = law.effective_restitution
+    if e is not None and e < 0.0:
+        turns *= (1.0 + e) ** -0.5
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))

@@ -16,7 +16,7 @@ from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Poisson, 
 from particles.arguments import make_plan
 from particles.events import scatter, scatter_in_space
 
-CASES = [(1.0, 0.1, 3), (1.0, 0.2, 2), (1.0, 0.5, 3), (1.0, 1.0, 2), (0.6, 3.0, 3)]
+CASES = [(1.0, 0.01, 3), (1.0, 0.2, 2), (1.0, 0.5, 3), (1.0, 1.0, 2), (0.6, 3.0, 3)]
 NAMES = ("thermal_speed", "a2", "msd", "kurtosis", "collisions")
 TIMES = np.array([0.7, 4.0, 40.0])  # l/U
 TRACERS = 400_000
