@@ -223,6 +223,13 @@ drift = _positive("u", "drift along the field")
 Dperp = _positive("D_perp", "diffusion coefficient across the field", latex=r"D_\perp")
 deficit = _positive("epsilon_e", "1 - e^2", latex=r"\epsilon")
 
+# --- scatterers at rest that have a mass, beyond the paper
+masses = _positive("A_m", "mass of a scatterer over that of the tracer", latex="A")
+relative = _positive("alpha_r", "coefficient of restitution of two masses", latex=r"\alpha")
+effective = _real("e_eff", "that of a fixed scatterer with the same effect", latex=r"e^{*}")
+least_share = _positive("a_E", "least share of its energy that is left to the tracer", latex="a")
+lethargy = _positive("xi_E", "mean loss of ln E in a collision, 2 kappa", latex=r"\xi")
+
 
 def meaning(name: str) -> str:
     """What the symbol or function of this name stands for; KeyError if it is not in the table."""

@@ -14,6 +14,7 @@ import copyreg
 import enum
 import io
 import json
+import math
 import os
 import secrets
 import sys
@@ -439,6 +440,8 @@ def _plain(value: Any, whole: bool) -> Any:
     parts = {f.name: getattr(value, f.name) for f in fields(value) if f.init}
     if whole and isinstance(value, Value):
         parts = value._to_storage()
+    if parts.get("mass_ratio") == math.inf:  # JSON has no infinity, and it is the default
+        del parts["mass_ratio"]
     return {"class": cls.__name__} | {name: _plain(part, whole) for name, part in parts.items()}
 
 

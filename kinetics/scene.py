@@ -55,6 +55,7 @@ class Scene(Value):
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
         "rest" (U is then any unit of speed), and the outputs are those of
         `kinetics.outputs.FIELD_OUTPUTS`
+    mass_ratio : of a scatterer, at rest, over the tracer, for dilute smooth scatterers; inf: fixed
 
     Raises
     ------
@@ -78,6 +79,7 @@ class Scene(Value):
     scatterers: str = "dilute"
     density_order: str = "second"
     field: float = 0.0
+    mass_ratio: float = math.inf
     state: State = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -124,7 +126,9 @@ class Scene(Value):
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension, among these scatterers."""
-        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(
+            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
+        )  # fmt: skip
         system = (self.scatterers, self.number_density, self.diameter)
         return law_in_medium(law, *system, self.density_order)
 

@@ -20,6 +20,7 @@ from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
 
+LEAST_MASS_RATIO = 1e-6  # of scatterer over tracer: lighter ones hardly change its velocity
 _LARGEST = sys.float_info.max
 _LINE = "it must be a finite, 1-dimensional array of numbers"
 
@@ -50,6 +51,14 @@ def check_restitution(value: Any) -> float:
     """The coefficient of restitution, a number from 0 to 1."""
     allowed = "it must be a number from 0 (all normal velocity lost) to 1 (elastic)"
     return real_number("restitution", value, 0.0, 1.0, allowed)
+
+
+def check_mass_ratio(value: Any) -> float:
+    """The mass of a scatterer over that of the tracer: a number, or inf."""
+    if isinstance(value, float | np.floating) and value == math.inf:
+        return math.inf
+    allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
+    return real_number("mass_ratio", value, LEAST_MASS_RATIO, math.inf, allowed)
 
 
 def check_positive(name: str, value: Any) -> float:

@@ -31,6 +31,7 @@ IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field 
 # number; and of field times diameter, in U^2.
 FIELDS = (1e-100, 1e100)
 DEEPEST = 1e100  # in d
+LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
 _NUMBER = 8  # bytes
@@ -42,7 +43,7 @@ _COPIES = 3
 def make_plan(
     medium: Medium, restitution: float, initial: Any, times: Any,
     observables: Iterable[str] | None, tangential_restitution: float = 1.0, field: float = 0.0,
-    depth: float | None = None, **whole: int | None,
+    depth: float | None = None, mass_ratio: float = inf, **whole: int | None,
 ) -> Plan:  # fmt: skip
     """Check every argument of `simulate` and return what is to be run.
 
@@ -61,6 +62,7 @@ def make_plan(
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         refuse("media", media, f"must be {medium.sets}, the sets of positions given")
     field = _check_field(field, medium)
+    mass_ratio = _check_mass_ratio(mass_ratio, medium, kept["tangential_restitution"])
     seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
     most = whole["max_collisions"]
     if most is None and times is None:
@@ -81,6 +83,7 @@ def make_plan(
         field=field,
         rest=isinstance(initial, str) and initial == "rest",
         depth=_check_depth(depth, field),
+        mass_ratio=mass_ratio,
     )
 
 
@@ -119,6 +122,17 @@ def _check_field(field: Any, medium: Medium) -> float:
     if not isinstance(medium, IN_FIELD):
         names = ", ".join(kind.__name__ for kind in IN_FIELD)
         refuse("field", field, f"is not there for {type(medium).__name__}, only for {names}")
+    return value
+
+
+def _check_mass_ratio(mass_ratio: Any, medium: Medium, tangential: float) -> float:
+    allowed = f"must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
+    value = check_number("mass_ratio", mass_ratio, LEAST_MASS_RATIO, inf, allowed)
+    if value < inf and not isinstance(medium, BoltzmannGrad):
+        name = type(medium).__name__
+        refuse("mass_ratio", mass_ratio, f"must be inf for {name}, which has fixed scatterers")
+    if value < inf and tangential != 1.0:
+        refuse("mass_ratio", mass_ratio, "must be inf unless tangential_restitution is 1")
     return value
 
 

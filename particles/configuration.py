@@ -7,7 +7,7 @@ What a configuration leaves is a dictionary of arrays, by the names that they ha
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
-from math import ceil, log2
+from math import ceil, inf, log2
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,7 +44,7 @@ class Plan(Value):
 
     velocities (media or none, tracers, dimension), or None to draw them. rest: all tracers begin at
     rest. field: acceleration along x in U^2 over the user's unit of length. depth: x in that unit
-    whose first passage is recorded.
+    whose first passage is recorded. mass_ratio: of a scatterer, at rest, over a tracer.
     """
 
     medium: Medium
@@ -61,6 +61,20 @@ class Plan(Value):
     field: float = 0.0
     rest: bool = False
     depth: float | None = None
+    mass_ratio: float = inf
+
+    @property
+    def law(self) -> tuple[float, float]:
+        """By what a collision multiplies the two components of the tracer's velocity, (e, et).
+
+        The one across the normal by et. Along it the impulse turns the velocity relative to the
+        scatterer round, times the restitution; of the change M/(m + M) is the tracer's, so e may
+        be negative: the tracer then follows the scatterer.
+        """
+        e = self.restitution
+        if self.mass_ratio < inf:
+            e = (1.0 + e) * (self.mass_ratio / (1.0 + self.mass_ratio)) - 1.0
+        return e, self.tangential_restitution
 
     def scales(self) -> np.ndarray:
         """Return the powers of 2 that velocities are multiplied by in sums, (n_times,).
@@ -221,7 +235,7 @@ def _follow_block(
     given.flags.writeable = False  # as those of a plan are: for numba that is another type
     start = lane.Start(
         first, n, medium.dimension, given, plan.monoenergetic, np.uint64(plan.seed), configuration,
-        (plan.restitution, plan.tangential_restitution), plan.max_collisions or 0,
+        plan.law, plan.max_collisions or 0,
         start_places(plan, configuration, cells, first, n),
     )  # fmt: skip
     kept = nothing(plan, 0, n)

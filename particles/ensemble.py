@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf
 from operator import attrgetter
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -102,6 +103,7 @@ class Ensemble(FieldEstimates, Result):
     tangential_restitution = _of_plan(
         "tangential_restitution", "What a collision leaves of the tangential velocity, a fraction."
     )
+    mass_ratio = _of_plan("mass_ratio", "Mass of a scatterer over that of the tracer; often inf.")
     field = _of_plan("field", "The acceleration along +x in U^2/d.")
     number_density = _of_plan("medium.number_density", "Scatterers per unit area, or volume.")
     times = _of_plan("times", "Output times in d/U, (n_times,).")
@@ -112,6 +114,8 @@ class Ensemble(FieldEstimates, Result):
         law, times = f"restitution {self.restitution:g}", "no output times"
         if self.tangential_restitution != 1.0:
             law += f", tangential restitution {self.tangential_restitution:g}"
+        if self.mass_ratio < inf:
+            law += f", mass ratio {self.mass_ratio:g}"
         if self.field:
             law += f", field {self.field:g} U^2/d"
         if n := self.times.size:

@@ -28,6 +28,7 @@ import time
 from contextlib import suppress
 from dataclasses import fields
 from io import BytesIO
+from math import inf
 from typing import Any
 
 import h5py
@@ -204,4 +205,6 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
             group[f"{name}/time"].attrs["unit"] = "d U-1"
         group["id"], group["medium"] = np.arange(count), np.arange(count) // plan.tracers
         file["parameters/restitution"] = plan.restitution
+        if plan.mass_ratio < inf:
+            file["parameters/mass_ratio"] = plan.mass_ratio
     write_whole(path, image.getvalue())

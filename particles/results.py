@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterable
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
+from math import isfinite
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -172,8 +173,9 @@ class Result(Value):
             found[name] = dims, one.value, {"units": unit, "long_name": words}
             error = {"units": unit, "long_name": f"standard error of {name}"}
             found[f"{name}_error"] = dims, one.error, error
-        arguments = ("restitution", "tangential_restitution", "field", "media", "tracers",
-                     "max_collisions", "seed")  # fmt: skip
+        arguments = ["restitution", "tangential_restitution", "field", "media", "tracers",
+                     "max_collisions", "seed"]  # fmt: skip
+        arguments += ["mass_ratio"] if isfinite(plan.mass_ratio) else []  # JSON has no infinity
         medium = " ".join(repr(plan.medium).split())
         ends = ("finished", "collision_cap", "trapped", "escaped")
         about = {

@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from itertools import islice
+from math import inf
 from os import PathLike
 from queue import SimpleQueue
 from typing import Literal
@@ -42,6 +43,7 @@ def simulate(
     tangential_restitution: float = 1.0,
     field: float = 0.0,
     depth: float | None = None,
+    mass_ratio: float = inf,
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
@@ -73,6 +75,9 @@ def simulate(
         trapped. With a tangential restitution below 1 they are trapped where they would begin to
         slide. When exactly that is declared: Statuses, and `particles.kernel.sliding`.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
+    mass_ratio: mass of a scatterer over that of the tracer, 1e-6 or more; inf: they are fixed. A
+        finite one, for BoltzmannGrad and tangential_restitution 1, is of scatterers at rest that
+        are met once each: the restitution is that of the relative velocity.
     output: file that the run is saved to (layout: particles.files), whole or not at all, again and
         again; the run may be killed at any moment. The file must not exist unless resume is True;
         then the run goes on from it, to the same bits as one that was never stopped.
@@ -84,7 +89,7 @@ def simulate(
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
         medium, restitution, initial, times, observables, tangential_restitution, field, depth,
-        **whole,
+        mass_ratio, **whole,
     )  # fmt: skip
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):

@@ -81,6 +81,7 @@ _BEYOND = {
     for section, table in (
         ("Beyond the paper", beyond.PAPERS_LAW),
         ("Beyond the paper: any collision law", beyond.ANY_LAW),
+        ("Beyond the paper: scatterers with a mass", beyond.MASS_RATIO),
         ("Beyond the paper: finite density", beyond_media.FINITE_DENSITY),
         ("Beyond the paper: a uniform field", beyond_media.UNIFORM_FIELD),
     )

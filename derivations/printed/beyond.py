@@ -152,3 +152,18 @@ ANY_LAW: dict[str, tuple[Any, ...]] = {
             / (s.laplace**2 * (s.laplace + s.nu1)**2)) for first,
             second in ((16, 8), (Q(40, 3), Q(32, 3))))),
 }  # fmt: skip
+
+_A = s.masses
+
+MASS_RATIO: dict[str, tuple[Any, ...]] = {
+    "beyond:mass-map": ("the restitution of a fixed scatterer that has the effect of a mass A m",
+        eq(s.effective, (1 + s.relative) * _A / (1 + _A) - 1)),
+    "beyond:mass-log-loss": ("mean log loss in space, alpha = 1: neutrons' xi, and its a",
+        eq(2 * s.klog, 1 + s.least_share * sp.log(s.least_share) / (1 - s.least_share)),
+        eq(s.least_share, ((_A - 1) / (_A + 1))**2)),
+    "beyond:mass-cosine": ("mean cosine in space, alpha = 1: A >= 1, and A <= 1",
+        eq(s.cos_chi, Q(2, 3) / _A),
+        eq(s.cos_chi, 1 - _A**2 / 3)),
+    "beyond:mass-age": ("the displacement in the mean log loss xi of the energy: Fermi's age",
+        eq(Partial(s.msd(s.t), sp.log(s.t)) / s.l**2, 4 / (s.lethargy * (1 - s.cos_chi)))),
+}  # fmt: skip

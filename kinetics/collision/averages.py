@@ -23,6 +23,7 @@ class ImpactQuadrature:
     ratio : s = exp(-xi)
     parallel : s cos(chi), chi the deflection
     dimension : 2 or 3
+    across : s sin(chi), where chi is small: cos(chi) alone would lose its digits; None elsewhere
     """
 
     weight: FloatArray
@@ -30,6 +31,7 @@ class ImpactQuadrature:
     ratio: FloatArray
     parallel: FloatArray
     dimension: int = 2
+    across: FloatArray | None = None
 
     @cached_property
     def cosine(self) -> FloatArray:
@@ -39,6 +41,8 @@ class ImpactQuadrature:
     @cached_property
     def deflection(self) -> FloatArray:
         """chi, from 0 to pi, shape (n_nodes,)."""
+        if self.across is not None:
+            return np.asarray(np.arctan2(self.across, self.parallel))
         return np.arccos(self.cosine)
 
     def harmonic(self, m: int) -> FloatArray:
@@ -62,16 +66,20 @@ class ImpactQuadrature:
             return
         # q_m = (1 - P_m(x))/(1 - x), from (n+1) P_(n+1) = (2n+1) x P_n - n P_(n-1)
         x = self.cosine
+        turned = 1.0 - x if self.across is None else 2.0 * np.sin(0.5 * self.deflection) ** 2
         before, last = np.zeros_like(x), np.zeros_like(x)
         for n in range(top + 1):
-            yield (1.0 - x) * last
+            yield turned * last
             next_one = ((2 * n + 1) * (1.0 + x * last) - n * before) / (n + 1)
             before, last = last, next_one
 
     def part(self, used: NDArray[np.bool_]) -> ImpactQuadrature:
         """Some of the nodes, (n_nodes,) of booleans; their weights need not sum to 1."""
         weight, log_loss, ratio = self.weight[used], self.log_loss[used], self.ratio[used]
-        return ImpactQuadrature(weight, log_loss, ratio, self.parallel[used], self.dimension)
+        across = None if self.across is None else self.across[used]
+        return ImpactQuadrature(
+            weight, log_loss, ratio, self.parallel[used], self.dimension, across
+        )
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,11 @@ _MOST = 20_000  # samples: each costs some kilobytes on every panel
 
 @dataclass(frozen=True)
 class DiskBounce:
-    """The bounce off a disk (dimension 2) or a sphere (3); e and et from 0 to 1, not both 0."""
+    """The bounce off a disk (dimension 2) or a sphere (3); e and et from 0 to 1, not both 0.
+
+    Or e from -1 to 0, et = 1, off one that is pushed away: the tracer is deflected by less than
+    pi/2, and by nothing both where it grazes and where it hits head-on.
+    """
 
     restitution: float
     tangential_restitution: float = 1.0
@@ -45,7 +49,7 @@ class DiskBounce:
     @cached_property
     def _ends(self) -> tuple[float, float, float]:
         """The least and the largest speed ratio, and the difference of their squares."""
-        least, most = sorted((self.restitution, self.tangential_restitution))
+        least, most = sorted((abs(self.restitution), self.tangential_restitution))
         return least, most, (most - least) * (most + least)
 
     @property
@@ -121,7 +125,8 @@ class DiskBounce:
         xi = np.where(near, -0.5 * np.log1p(-np.where(near, lost, 0.0)), xi)
         weight = w if self.dimension == 2 else 2.0 * y * w
         parallel = et * y**2 - e * missed**2
-        return ImpactQuadrature(weight, xi, np.exp(-xi), parallel, self.dimension)
+        across = (et + e) * y * missed if e < 0.0 else None
+        return ImpactQuadrature(weight, xi, np.exp(-xi), parallel, self.dimension, across)
 
     def quadrature(self, level: int) -> ImpactQuadrature:
         """The average, with panels 2^level times shorter than for slow functions."""

@@ -19,9 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision.averages import ImpactQuadrature, Survival
 from kinetics.collision.bounce import RESOLVED, DiskBounce, SampledBounce
-from kinetics.collision.medium import Medium, checked_medium
+from kinetics.collision.medium import SCATTERERS, Medium, checked_medium
 from kinetics.errors import InputError, short
 from kinetics.validation import (
+    check_mass_ratio,
     check_restitution,
     number_array,
     real_number,
@@ -46,6 +47,8 @@ class CollisionLaw:
     tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
         smooth scatterers. Not both may be below 1e-8: the tracer would stop at its first bounce
     dimension : 2 (disks in the plane) or 3 (spheres)
+    mass_ratio : A, the mass of a scatterer over that of the tracer, 1e-6 or more; inf: fixed.
+        A finite one, for smooth scatterers, is of scatterers at rest that are met once each
 
     Raises
     ------
@@ -55,9 +58,12 @@ class CollisionLaw:
     ``tangential_restitution`` are None. That of a scene at a finite density has a ``medium``: what
     belongs to one collision is as without it, rates of decay are those of the medium.
 
+    With a finite mass ratio ``restitution`` is that of the relative velocity, and the bounce is
+    that off a fixed scatterer of ``effective_restitution``, which e stands for everywhere else.
+
     All results are dimensionless. Relative accuracy 1e-13 or better for every e and et, those near
     0 and 1 included: for real p each is a sum of terms of one sign. For complex p the error of
-    E[s^p] is relative to E[s^(Re p)].
+    E[s^p] is relative to E[s^(Re p)]. Rounding of e leaves 1e-16 (A + 1/A) at a mass ratio A.
 
     >>> law = CollisionLaw(restitution=0.7)
     >>> bool(abs(law.decay_rate(2) - 2 / 3 * (1 - 0.7**2)) < 1e-15)
@@ -71,10 +77,12 @@ class CollisionLaw:
     dimension: int = 2
     _samples: SampledBounce | None = field(default=None, repr=False)
     medium: Medium | None = field(default=None, repr=False)
+    mass_ratio: float = math.inf
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         set_(self, "dimension", whole_number("dimension", self.dimension, 2, 3))
+        set_(self, "mass_ratio", check_mass_ratio(self.mass_ratio))
         if self._samples is not None:
             return
         e = check_restitution(self.restitution)
@@ -84,6 +92,9 @@ class CollisionLaw:
         if max(e, et) < _LEAST_RATIO:
             allowed = f"at restitution {short(e)} it must be {_LEAST_RATIO:g} or more"
             refuse("tangential_restitution", value, allowed)
+        if et != 1.0 and self.mass_ratio < math.inf:
+            allowed = f"at tangential_restitution {short(et)} it must be inf: fixed scatterers"
+            refuse("mass_ratio", self.mass_ratio, allowed)
         set_(self, "restitution", e)
         set_(self, "tangential_restitution", et)
 
@@ -134,6 +145,8 @@ class CollisionLaw:
             rest += f", tangential_restitution={self.tangential_restitution!r}"
         if self.dimension != 2:
             rest += f", dimension={self.dimension}"
+        if self.mass_ratio != math.inf:
+            rest += f", mass_ratio={self.mass_ratio!r}"
         if self.medium is not None:
             rest += f", scatterers={self.medium.scatterers!r}"
         return f"restitution={self.restitution!r}{rest}"
@@ -145,6 +158,7 @@ class CollisionLaw:
             "restitution": self if self._samples is not None else self.restitution,
             "tangential_restitution": self.tangential_restitution,
             "dimension": self.dimension,
+            "mass_ratio": self.mass_ratio,
         }
 
     # -- what kind of law it is -------------------------------------------------------------------
@@ -153,9 +167,20 @@ class CollisionLaw:
     def _bounce(self) -> DiskBounce | SampledBounce:
         if self._samples is not None:
             return self._samples
-        assert self.restitution is not None
+        assert self.effective_restitution is not None
         assert self.tangential_restitution is not None
-        return DiskBounce(self.restitution, self.tangential_restitution, self.dimension)
+        return DiskBounce(self.effective_restitution, self.tangential_restitution, self.dimension)
+
+    @cached_property
+    def effective_restitution(self) -> float | None:
+        """e of the fixed scatterer that leaves the tracer the same velocity, -1 < e <= 1.
+
+        With A the mass ratio 1 + e = (1 + restitution) A/(1 + A). Below 0 the tracer goes on behind
+        the scatterer that it has hit. None for samples.
+        """
+        if self.restitution is None or self.mass_ratio == math.inf:
+            return self.restitution
+        return (self.restitution * self.mass_ratio - 1.0) / (self.mass_ratio + 1.0)
 
     @cached_property
     def is_elastic(self) -> bool:
@@ -169,18 +194,19 @@ class CollisionLaw:
 
     @cached_property
     def largest_loss(self) -> float:
-        """The largest -ln s that occurs: -ln e for smooth scatterers, infinite at e = 0."""
+        """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
         return self._bounce.largest_loss
 
     @property
     def least_ratio(self) -> float:
-        """The smallest speed ratio s: e for smooth scatterers; 0 where s comes close to 0."""
+        """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
         return math.exp(-self.largest_loss)
 
     @property
     def has_atoms(self) -> bool:
         """Whether s takes single values only: samples, or et = e."""
-        return self._samples is not None or self.restitution == self.tangential_restitution
+        e, et = self.effective_restitution, self.tangential_restitution
+        return self._samples is not None or e == et
 
     @cached_property
     def lowest_power(self) -> float:
@@ -206,7 +232,7 @@ class CollisionLaw:
         Then lambda(z) = z/(z + q), kappa = 1/q, and the scaling state is known in closed form. None
         for all other laws.
         """
-        if self.restitution == 0.0 and self.tangential_restitution == 1.0:
+        if self.effective_restitution == 0.0 and self.tangential_restitution == 1.0:
             return self.dimension - 1.0
         return None
 
@@ -281,7 +307,7 @@ class CollisionLaw:
         2 (et^(p+2) - e^(p+2))/((p+2)(et^2 - e^2)) for spheres.
         """
         p_ = self._exponents(p)
-        if self.restitution == 0.0:
+        if self.effective_restitution == 0.0:
             above = self.dimension - 1.0
             return (above / (above + p_) * np.exp(p_ * self._log_tangential))[()]
         q = self.quadrature_for(_size(p_))
@@ -306,7 +332,7 @@ class CollisionLaw:
 
     def _lost(self, z: NDArray[Any]) -> NDArray[Any]:
         """1 - E[s^z] of one collision, shape of z."""
-        if self.restitution == 0.0:
+        if self.effective_restitution == 0.0:
             above = self.dimension - 1.0
             return np.asarray((z - above * np.expm1(z * self._log_tangential)) / (above + z))
         q = self.quadrature_for(_size(z))
@@ -326,14 +352,14 @@ class CollisionLaw:
     @cached_property
     def mean_log_loss(self) -> float:
         """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
-        if self.restitution == 0.0:
+        if self.effective_restitution == 0.0:
             return 1.0 / (self.dimension - 1.0) - self._log_tangential
         return float(self.quadrature.weight @ self.quadrature.log_loss)
 
     @cached_property
     def mean_cosine(self) -> float:
         """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
-        if self.restitution == 0.0:
+        if self.effective_restitution == 0.0:
             return (self.dimension - 1.0) / self.dimension
         return float(self.quadrature.weight @ self.quadrature.cosine)
 
@@ -405,7 +431,7 @@ class CollisionLaw:
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
             where = "at tangential_restitution 0"
-            if self.restitution == 0.0:
+            if self.effective_restitution == 0.0:
                 where = "at restitution 0"
             elif self.medium is not None:
                 where = "among these scatterers"
@@ -429,18 +455,23 @@ def _kept_quadrature(bounce: DiskBounce | SampledBounce, level: int) -> ImpactQu
     return bounce.quadrature(level)
 
 
-def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
+def law_of(
+    restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2,
+    mass_ratio: Any = math.inf,
+) -> CollisionLaw:  # fmt: skip
     """The law of these arguments, as the solvers take them.
 
-    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
+    ``restitution`` may be a CollisionLaw itself; the other three are its own then, and need not be
     given. Raises InputError for arguments out of range, and for a law that gains energy.
     """
     if not isinstance(restitution, CollisionLaw):
-        return CollisionLaw(restitution, tangential_restitution, dimension)
+        et = tangential_restitution
+        return CollisionLaw(restitution, et, dimension, mass_ratio=mass_ratio)
     law = restitution
     for name, value, default in (
         ("tangential_restitution", tangential_restitution, 1.0),
         ("dimension", dimension, 2),
+        ("mass_ratio", mass_ratio, math.inf),
     ):
         if value is not None and value not in (default, getattr(law, name)):
             refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
@@ -459,8 +490,12 @@ def law_in_medium(
     """The law among these scatterers; the law itself where they are dilute.
 
     Raises InputError for unknown names, for a density above 0.3 d^-2, and for laws for which the
-    theory is not derived: rough scatterers, spheres, samples.
+    theory is not derived: rough scatterers, spheres, samples, a finite mass ratio.
     """
+    if law.mass_ratio < math.inf and scatterers in SCATTERERS[1:]:
+        refuse(
+            "mass_ratio", law.mass_ratio, f"with scatterers={scatterers!r} it must be inf: fixed"
+        )
     smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
     e = law.restitution if smooth_disks else None
     medium = checked_medium(e, scatterers, number_density, diameter, order)

@@ -77,17 +77,24 @@ def _zero_near(weight: FloatArray, log_loss: FloatArray, z: complex) -> complex 
     return None
 
 
+@lru_cache(maxsize=48)
 def asymptotic_from(law: CollisionLaw) -> float:
     """X = ln T from which averages of a cooling tracer are asymptotic; inf at rough scatterers.
 
     Corrections to the asymptotes fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)].
     Smooth scatterers have Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks with
-    e = 0.03): what is left is 3e-17, and 6e-13 at worst. Elsewhere z may be as close to 0 as one
-    likes.
+    e = 0.03): what is left is 3e-17, and 6e-13 at worst. Where e < 0 tracers go on forwards, and
+    keep their direction for long: the largest z is then that of m = 1, and real. Elsewhere z may be
+    as close to 0 as one likes.
     """
+    e, slowest = law.effective_restitution, -1.0
     if law.tangential_restitution != 1.0:
         return math.inf
-    return 38.0 - math.log(law.mean_log_loss)
+    if e is not None and e < 0.0 and law.harmonic_decay_rate(slowest, 1) < 0.0:
+        from scipy.optimize import brentq
+
+        slowest = brentq(lambda z: law.harmonic_decay_rate(z, 1), slowest, 0.0, rtol=1e-9)
+    return 38.0 / -slowest - math.log(law.mean_log_loss)
 
 
 def time_to_forget(z: complex, amplitude: float) -> float:

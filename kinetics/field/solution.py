@@ -57,7 +57,7 @@ class FieldState(Result):
 
     Attributes
     ----------
-    restitution, tangential_restitution, dimension, rtol : what was asked for
+    restitution, tangential_restitution, dimension, rtol, mass_ratio : what was asked for
     drift : <v_x>, the percolation velocity, in sqrt(g l)
     mean_square_speed : <v^2> in g l
     mean_square_along : <v_x^2> in g l
@@ -87,11 +87,13 @@ class FieldState(Result):
     plan: tuple[PlanStep, ...]
     stats: Mapping[str, Any]
     _resolution: tuple[int, int, float, float] = field(repr=False)  # of the coarser solution
+    mass_ratio: float = math.inf
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law."""
-        return law_of(self.restitution, self.tangential_restitution, self.dimension)
+        et = self.tangential_restitution
+        return law_of(self.restitution, et, self.dimension, self.mass_ratio)
 
     # -- averages ---------------------------------------------------------------------------------
 
@@ -241,6 +243,7 @@ def solve_field(
     dimension: int = 2,
     tangential_restitution: float = 1.0,
     rtol: float = 1e-10,
+    mass_ratio: float = math.inf,
 ) -> FieldState:
     """The steady state of a tracer among fixed scatterers in a uniform field, at low density.
 
@@ -250,6 +253,7 @@ def solve_field(
     dimension : 2 (disks) or 3 (spheres)
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     rtol : relative accuracy asked of the figures, 1e-14 to 0.1; 1e-12 is the best that there is
+    mass_ratio : of a scatterer, at rest, over the tracer; inf for fixed scatterers
 
     Returns
     -------
@@ -264,7 +268,7 @@ def solve_field(
     (0.50192612, 'CONVERGED')
     """
     rtol = check_rtol(rtol)
-    law = law_of(restitution, tangential_restitution, dimension)
+    law = law_of(restitution, tangential_restitution, dimension, mass_ratio)
     if law.is_elastic:
         allowed = (
             "it must be below 1: elastic tracers keep the energy that the field gives them, and "

@@ -23,6 +23,8 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import takewhile
 
 import numpy as np
 
@@ -49,6 +51,7 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
+_MOST_WEAKENED = 1000  # harmonics that are looked at: mass ratios of 1e-3
 _FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the time of elimination
 
 
@@ -124,12 +127,12 @@ def solve_waves(
     delayed : whether returns in the harmonics m > 0 take time, `kinetics.moments.delayed`
     """
     largest = float(wave_numbers.max())
-    rule = _rule(largest, highest, tolerance)
+    rule = _rule(law, largest, highest, tolerance)
     first = math.log(_SERIES / (largest + 2.0))
     limit = highest if law.is_elastic else min(highest, asymptotic_from(law))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
     # they give back to m = 0, which is their square
-    top = _harmonics(largest, limit, tolerance**2 if kept else tolerance)
+    top = _harmonics(law, largest, limit, tolerance**2 if kept else tolerance)
     if law.returns(0)[0]:  # panels from which a bounce straight back leads to none below the first
         first = min(first, limit - min(law.largest_loss, _DEEPEST) - 2.0 * rule.width)
     if delayed and law.medium is not None:
@@ -139,22 +142,39 @@ def solve_waves(
     return Sweep(law, wave_numbers, rule, start, top, count, delayed).run(count, tolerance, kept)
 
 
-def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
-    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
+def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
+    """Panels that resolve exp(-T + i K T), which varies fastest of all.
+
+    Bounces that change a velocity by a small share 1 + e of it end these waves only later.
+    """
     turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
+    e = law.effective_restitution
+    if e is not None and e < 0.0:
+        turns *= (1.0 + e) ** -0.5
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
     return PanelRule(max(6, nodes), width)
 
 
-def _harmonics(largest: float, highest: float, tolerance: float) -> int:
+def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    late = _SOME + digits * (_LATE_FOR_DIGIT + largest)
+    late = _SOME + digits * (_LATE_FOR_DIGIT + largest) + _hardly_weakened(law)
     # free flights reach m = K T and no further
     early = _SOME + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
     return _even(math.ceil(min(late, early)))
+
+
+@lru_cache(maxsize=48)
+def _hardly_weakened(law: CollisionLaw) -> int:
+    """How many harmonics keep more than half in a collision that all but leaves the direction."""
+    e = law.effective_restitution
+    if e is None or e >= 0.0:
+        return 0  # of smooth scatterers the first loses a third at least
+    q = law.quadrature_for(0.0, _MOST_WEAKENED)
+    kept = (q.weight @ lost < 0.5 for lost in q.harmonic_losses(_MOST_WEAKENED))
+    return sum(1 for _ in takewhile(bool, kept))
 
 
 def _even(m: int) -> int:

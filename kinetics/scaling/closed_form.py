@@ -42,6 +42,7 @@ class ScalingSolution(Result):
     scatterers : "dilute", or at a finite density "overlapping" or "hard disks", as in a Scene
     number_density, diameter : of those, per d^2 and in d; they count as number_density * diameter^2
     density_order : as in a Scene
+    mass_ratio : of a scatterer, at rest, over the tracer; inf for fixed scatterers
 
     Lengths are in l, the mean path between collisions, which is ``law.mean_free_path``.
 
@@ -65,6 +66,7 @@ class ScalingSolution(Result):
     number_density: float | None = None
     diameter: float = 1.0
     density_order: str = "second"
+    mass_ratio: float = math.inf
 
     def __post_init__(self) -> None:
         for name, value in self.law.arguments.items():
@@ -73,7 +75,9 @@ class ScalingSolution(Result):
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(
+            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
+        )  # fmt: skip
         medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
         return law_in_medium(law, *medium)
 

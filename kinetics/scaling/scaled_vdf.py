@@ -54,7 +54,7 @@ class ScaledVDF(Result):
     requested_nodes : nodes of each tilt, or None for the solver's own choice
     tangential_restitution : et
     dimension : 2 or 3
-    scatterers, number_density, diameter, density_order : as in :func:`solve_scaled`
+    scatterers, number_density, diameter, density_order, mass_ratio : as in :func:`solve_scaled`
     """
 
     restitution: Any
@@ -66,11 +66,14 @@ class ScaledVDF(Result):
     number_density: float | None = None
     diameter: float = 1.0
     density_order: str = "second"
+    mass_ratio: float = math.inf
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(
+            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
+        )  # fmt: skip
         medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
         return law_in_medium(law, *medium)
 
@@ -235,6 +238,7 @@ def solve_scaled(
     number_density: float | None = None,
     diameter: float = 1.0,
     density_order: str = "second",
+    mass_ratio: float = math.inf,
 ) -> ScaledVDF:
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 
@@ -246,7 +250,8 @@ def solve_scaled(
     nodes : nodes of each tilt, for convergence studies; chosen from rtol by default
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 or 3
-    scatterers, number_density, diameter, density_order : as in :class:`kinetics.ScalingSolution`
+    scatterers, number_density, diameter, density_order, mass_ratio : as in
+        :class:`kinetics.ScalingSolution`
 
     Returns
     -------
@@ -262,7 +267,7 @@ def solve_scaled(
     >>> round(vdf.cooling_rate, 12), vdf.status.name
     (0.412181911126, 'CONVERGED')
     """
-    law = law_of(restitution, tangential_restitution, dimension)
+    law = law_of(restitution, tangential_restitution, dimension, mass_ratio)
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
         refuse("restitution", restitution, allowed)

@@ -14,6 +14,7 @@ def test_every_example_is_tested() -> None:
     assert {p.name for p in (ROOT / "examples").glob("*.py")} == {
         "compare_formats.py",
         "localisation.py",
+        "neutrons.py",
         "overview.py",
         "percolation.py",
         "sonine_convergence.py",
@@ -77,6 +78,21 @@ def test_percolation_example() -> None:
     value, error = result["PARTICLE_DEPTH"]
     assert abs(value - 1.0) < 4 * error < 0.01
     assert result["PARTICLE_SPREAD"] == pytest.approx(result["SPREAD"][0], rel=0.03)
+
+
+def test_neutrons_example() -> None:
+    result = runpy.run_path(str(ROOT / "examples" / "neutrons.py"))
+    run, solution = result["RUN"], result["SOLUTION"]
+    for name in ("thermal_speed", "msd"):
+        found = getattr(run, name)
+        assert np.all(found.error < 0.01 * found.value)
+        assert np.all(abs(found.value - getattr(solution, name)) < 4 * found.error)
+    # late, <r^2> grows by six ages for each factor e of the energy
+    lethargy = np.log(result["ENERGIES"][-2] / result["ENERGIES"][-1])
+    growth = np.diff(result["SPREAD"] ** 2)[-1]
+    assert growth / (6 * lethargy) == pytest.approx(result["AGE"], rel=1e-3)
+    xi, cosine = 0.157768989824, 2 / 36
+    assert result["AGE"] == pytest.approx(2.6**2 / (3 * xi * (1 - cosine)), rel=1e-9)
 
 
 def test_localisation_example(tmp_path: Path) -> None:

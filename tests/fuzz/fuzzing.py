@@ -94,5 +94,6 @@ laws = {
     "restitution": restitutions,
     "dimension": mostly([2, 2, 3]),
     "tangential_restitution": mostly(st.just(1.0) | restitutions),
+    "mass_ratio": mostly(st.just(np.inf) | geometric(1e-3, 1e3), extremes),
 }
 points = mostly(st.lists(geometric(1e-3, 1e2), min_size=1, max_size=3).map(sorted), extremes)

@@ -82,6 +82,11 @@ tangential_option = click.option(
     "--tangential-restitution", type=float, default=1.0,
     help="What a collision leaves of the tangential velocity, 0 to 1.",
 )  # fmt: skip
+mass_option = click.option(
+    "--mass-ratio", type=float, default=math.inf,
+    help="Mass of a scatterer over that of the tracer; by default scatterers are fixed. For dilute "
+    "smooth ones: with others, and among scatterers that have places, it is refused.",
+)  # fmt: skip
 density_option = click.option(
     "--number-density", type=float, default=0.04, help="Scatterers per d^2; in space per d^3."
 )

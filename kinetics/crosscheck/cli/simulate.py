@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -45,6 +46,7 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
 )
 @options.restitution_option
 @options.tangential_option
+@options.mass_option
 @options.density_option
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
 @click.option(
@@ -198,12 +200,11 @@ def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
         estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
     if run.plan.depth is not None:
         estimates += ["passed", "mean_passage_time"]
+    law = ["restitution", "tangential_restitution", "number_density", "field"]
+    law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
     return {
         "medium": kind,
-        **{
-            name: getattr(run, name)
-            for name in ("restitution", "tangential_restitution", "number_density", "field")
-        },
+        **{name: getattr(run, name) for name in law},
         "dimension": run.medium.dimension,
         **{name: arguments[name] for name in ARGUMENTS},
         "statuses": {name: getattr(run.statuses, name) for name in ENDS},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import textwrap
 from functools import partial
@@ -14,7 +15,7 @@ from kinetics.crosscheck.cli import options
 from kinetics.errors import InputError
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
-LAW = ("restitution", "tangential_restitution", "dimension")
+LAW = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
 MEDIUM = ("scatterers", "density_order", "number_density")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
@@ -56,6 +57,7 @@ _points = partial(click.option, type=options.Numbers(), default="")
 @click.command(epilog=options.UNITS, short_help="Solve the kinetic equation.")
 @options.restitution_option
 @options.tangential_option
+@options.mass_option
 @click.option(
     "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
 )
@@ -126,7 +128,9 @@ def solve(
     asked: dict[str, Any] = {}
     if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
         rtol = 1e-6 if (radii or system["field"]) and not mode else 1e-10
-    law = {name: system[name] for name in LAW}
+    if system["mass_ratio"] == math.inf:  # the default, which JSON cannot hold
+        del system["mass_ratio"]
+    law = {name: system[name] for name in LAW if name in system}
     if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
         raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")
     if field_steady:
@@ -171,7 +175,7 @@ def over_time(
         warnings.simplefilter("ignore", ToleranceWarning)  # the status says it
         solution = solve_scene(scene, rtol=rtol)
     found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, *MEDIUM)},
+        **{name: system[name] for name in (*LAW, *MEDIUM) if name in system},
         "initial": initial if isinstance(initial, str) else repr(scene.state),
         **({"field": system["field"]} if system.get("field") else {}),
         "rtol": rtol,

@@ -6,6 +6,7 @@ Errors of different averages and times are made independent, as the table does n
 correlated.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -146,6 +147,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
         )
     else:
         found = _from_sums(ensemble, name, times)
+    if ensemble.mass_ratio < math.inf:
+        bad(name, f"mass_ratio = {ensemble.mass_ratio:g}", "fixed scatterers, mass_ratio = inf")
     if found.groups < 2:
         bad(name, "one configuration", "two at least, for standard errors")
     plan = ensemble.plan

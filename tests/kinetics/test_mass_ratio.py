@@ -1,0 +1,233 @@
+"""Scatterers that a collision sets in motion: the law, the closed figures, late times, a field.
+
+The references are two bodies in the frame of their centre of mass, and known figures: neutrons
+(Fermi), ions and electrons in a strong field (Wannier 1953, Druyvesteyn).
+"""
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import eval_legendre
+
+from kinetics import (
+    Beam,
+    CollisionLaw,
+    InputError,
+    Monoenergetic,
+    ScalingSolution,
+    Scene,
+    load,
+    solve,
+    solve_field,
+    solve_scaled,
+)
+
+MASSES = (0.2, 0.5, 1.0, 3.0)
+IN_A_FIELD = [(0.0, 0.5, 2), (1.0, 0.2, 3), (1.0, 1.0, 2), (0.8, 3.0, 3)]
+
+
+def after(y: float, alpha: float, mass: float) -> np.ndarray:
+    """The velocity after a collision, (1, 0) before it: both bodies about their centre of mass."""
+    normal = np.array([-math.sqrt((1.0 - y) * (1.0 + y)), y])
+    relative, centre = np.array([1.0, 0.0]), np.array([1.0, 0.0]) / (1.0 + mass)
+    turned = relative - (1.0 + alpha) * (relative @ normal) * normal
+    return np.asarray(centre + mass / (1.0 + mass) * turned)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("alpha", [1.0, 0.6])
+@pytest.mark.parametrize("mass", MASSES)
+def test_averages_are_those_of_two_bodies(mass: float, alpha: float, dimension: int) -> None:
+    def average(of: Callable[[float, float], float]) -> float:
+        def at(y: float) -> float:
+            velocity = after(y, alpha, mass)
+            speed = math.hypot(*velocity)
+            share = 1.0 if dimension == 2 else 2.0 * y
+            return share * of(speed, velocity[0] / speed)
+
+        return float(quad(at, 0.0, 1.0, epsabs=1e-13, epsrel=1e-12, limit=200)[0])
+
+    law = CollisionLaw(alpha, dimension=dimension, mass_ratio=mass)
+    assert law.mean_log_loss == pytest.approx(average(lambda s, c: -math.log(s)), rel=1e-10)
+    assert law.mean_cosine == pytest.approx(average(lambda s, c: c), rel=1e-10, abs=1e-12)
+    for p, m in ((0.0, 1), (0.0, 2), (1.0, 0), (2.5, 3), (-0.5, 0), (7.0, 4)):
+        harmonic = math.cos if dimension == 2 else eval_legendre
+
+        def lost(s: float, c: float, p: float = p, m: int = m, harmonic: Any = harmonic) -> float:
+            kept = harmonic(m * math.acos(min(c, 1.0))) if dimension == 2 else harmonic(m, c)
+            return 1.0 - s**p * kept
+
+        rate = law.harmonic_decay_rate(p, m)
+        assert rate == pytest.approx(average(lost), rel=1e-9, abs=1e-11), (p, m)
+
+
+def test_the_neutrons_of_the_text_books() -> None:
+    """Mean log loss, mean cosine and displacement in space; mean cosine of light scatterers."""
+    losses = (0.5, 0.362673463916, 0.078884494912, 0.004189935901)
+    slopes = (12.0, 8.271903788, 26.844908637, 478.675097832)
+    for mass, loss, slope in zip((1, 2, 12, 238), losses, slopes, strict=True):
+        exact = ScalingSolution(1.0, dimension=3, mass_ratio=mass)
+        assert exact.law.mean_log_loss == pytest.approx(loss, abs=6e-13)
+        assert exact.law.mean_cosine == pytest.approx(2 / (3 * mass), abs=1e-13)
+        assert exact.diffusion_slope == pytest.approx(slope, abs=6e-10)
+    for mass in (0.9, 0.1, 1e-4):
+        law = CollisionLaw(1.0, dimension=3, mass_ratio=mass)
+        # 1 - cos(chi) keeps its digits where it is 1e-9
+        assert law.harmonic_decay_rate(0.0, 1) == pytest.approx(mass**2 / 3, rel=2e-12, abs=0.0)
+
+
+def test_the_effective_restitution() -> None:
+    def found(alpha: float, mass: float) -> Any:
+        return CollisionLaw(alpha, mass_ratio=mass).effective_restitution
+
+    assert found(0.7, math.inf) == 0.7  # bit for bit
+    assert found(1.0, 1.0) == 0.0
+    assert found(0.5, 2.0) == 0.0
+    assert found(0.0, 0.5) == pytest.approx(found(1.0, 0.2), abs=1e-15)
+    assert found(0.0, 0.5) == pytest.approx(-2 / 3, abs=1e-15)
+    assert CollisionLaw(1.0, dimension=3, mass_ratio=1.0).uniform_power == 2.0
+    assert not CollisionLaw(1.0, mass_ratio=5.0).has_atoms
+    assert CollisionLaw(1.0) == CollisionLaw(1.0, mass_ratio=math.inf)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_speeds_see_the_size_of_the_restitution_alone(dimension: int) -> None:
+    light = ScalingSolution(1.0, dimension=dimension, mass_ratio=0.2)
+    fixed = ScalingSolution(2 / 3, dimension=dimension)
+    solved = solve_scaled(1.0, dimension=dimension, mass_ratio=0.2)
+    c = np.array([0.1, 0.7, 1.0, 2.5])
+    for one in (fixed, solved):
+        assert light.cooling_rate == pytest.approx(one.cooling_rate, rel=1e-12)
+        assert light.a2 == pytest.approx(one.a2, rel=1e-10)
+        np.testing.assert_allclose(one.vdf(c), light.vdf(c), rtol=1e-9)
+    # but directions last: in space 1 - <cos chi> is A^2/3, not 2 (1 - (1 - e)/(3 (1 + e)))
+    assert light.diffusion_slope > 9.0 * fixed.diffusion_slope
+
+
+@pytest.mark.parametrize(("mass", "dimension"), [(0.2, 2), (0.2, 3), (0.5, 2)])
+def test_directions_that_last_are_followed_to_the_end(mass: float, dimension: int) -> None:
+    """Late, d<r^2>/d ln t is off by t^z, z the zero of 1 - E[s^z cos(chi)]: -0.046 at worst."""
+    times = [1e60, 1e90, 1e299]
+    scene = Scene(
+        1.0, number_density=1.0, dimension=dimension, mass_ratio=mass, times=times,
+        outputs=("msd", "diffusion_coefficient"),
+    )  # fmt: skip
+    exact = ScalingSolution(1.0, dimension=dimension, mass_ratio=mass)
+    off = solve(scene).msd_slope / (scene.mean_free_path**2 * exact.diffusion_slope) - 1.0
+    assert abs(off[2]) < 1e-12
+    if mass == 0.2:
+        z = math.log(off[1] / off[0]) / math.log(times[1] / times[0])
+        assert exact.law.harmonic_decay_rate(z, 1) == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("mass", [1e-4, 0.01, 0.2, 0.5])
+def test_a_beam_meets_the_series_of_its_moments(mass: float) -> None:
+    """d<v^p cos>/dt = -nu(p) <v^(p+1) cos>: an entire series in t, summed in many digits."""
+    times = [0.1, 3.0, 25.0]
+    scene = Scene(
+        1.0, number_density=1 / math.pi, dimension=3, mass_ratio=mass, times=times,
+        initial=Beam(0.0, Monoenergetic(1.0)), outputs=("mean_velocity", "mean_displacement"),
+    )  # fmt: skip
+    solution = solve(scene, rtol=1e-11)
+    with mp.workdps(60):
+        e = (mp.mpf(mass) - 1) / (mp.mpf(mass) + 1)
+
+        def power(r: int) -> Any:  # s^2 is uniform from e^2 to 1
+            return 2 * (1 - abs(e) ** (r + 2)) / ((r + 2) * (1 - e**2))
+
+        # s cos(chi) = (s^2 - e)/(1 - e)
+        rates = [1 - (power(p + 1) - e * power(p - 1)) / (1 - e) for p in range(1, 300)]
+        for i, t in enumerate(map(mp.mpf, times)):
+            terms = [mp.mpf(1)]
+            for k, rate in enumerate(rates):
+                terms.append(-terms[-1] * rate * t / (k + 1))
+            velocity, place = sum(terms), sum(x * t / (k + 1) for k, x in enumerate(terms))
+            assert solution.mean_velocity[i, 0] == pytest.approx(float(velocity), rel=2e-11)
+            assert solution.mean_displacement[i, 0] == pytest.approx(float(place), rel=2e-11)
+
+
+@pytest.mark.parametrize(("alpha", "mass", "dimension"), IN_A_FIELD)
+def test_a_field_meets_its_exact_average(alpha: float, mass: float, dimension: int) -> None:
+    state = solve_field(alpha, dimension, mass_ratio=mass)
+    assert state.status.name == "CONVERGED"
+    assert state.error_estimate < 1e-10
+    # <v^2 cos> = 1/(1 - E[s cos(chi)]), and E[y^2] is 1/3 or 1/2
+    lost = (1 + alpha) * mass / (1 + mass) * (2 / 3 if dimension == 2 else 1 / 2)
+    assert state.moment(2.0, 1) == pytest.approx(1 / lost, rel=1e-10)
+    assert state.moment(4.0, 0) == pytest.approx(
+        3.0 * state.moment(2.0, 1) / CollisionLaw(alpha, 1.0, dimension, mass_ratio=mass)
+        .decay_rate(3.0), rel=1e-9,
+    )  # fmt: skip
+
+
+def test_a_field_of_known_limits() -> None:
+    assert solve_field(0.0, mass_ratio=0.5).drift == pytest.approx(
+        solve_field(1.0, mass_ratio=0.2).drift, rel=1e-11
+    )
+    assert solve_field(1.0, 3, mass_ratio=1.0).drift == pytest.approx(1.146740254, abs=6e-10)
+    # Druyvesteyn: f_0 = exp(-(3/4) (m/M) v^4), and f_1 = -f_0'/v: the drift is 2 <1/v>/3
+    first, second = (quad(lambda v, n=n: v**n * math.exp(-0.75 * v**4), 0, 5)[0] for n in (1, 2))
+    limit = 2.0 / 3.0 * first / second
+    for mass, near in ((1e4, 1e-4), (1e6, 1e-6)):
+        drift = solve_field(1.0, 3, mass_ratio=mass).drift * mass**0.25
+        assert drift == pytest.approx(limit, rel=near)
+    assert limit == pytest.approx(0.897, abs=5e-4)
+
+
+REFUSED = [
+    (dict(mass_ratio=0.0), "mass_ratio: got 0.0; it must be a number, 1e-06 or more, or inf"),
+    (dict(mass_ratio=-math.inf), "mass_ratio: got -inf; it must be a number, 1e-06 or more, or"),
+    (dict(mass_ratio="1"), "mass_ratio: got '1'; it must be a number, 1e-06 or more, or inf"),
+    (
+        dict(mass_ratio=2.0, tangential_restitution=0.5),
+        "mass_ratio: got 2.0; at tangential_restitution 0.5 it must be inf: fixed scatterers",
+    ),
+    (
+        dict(mass_ratio=2.0, scatterers="hard disks", number_density=0.02),
+        "mass_ratio: got 2.0; with scatterers='hard disks' it must be inf: fixed",
+    ),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), REFUSED)
+def test_what_is_not_of_this_model_is_refused(arguments: Any, message: str) -> None:
+    asked = [lambda: ScalingSolution(1.0, **arguments), lambda: solve_scaled(1.0, **arguments)]
+    asked.append(lambda: Scene(1.0, times=[1.0], **arguments))
+    if "scatterers" not in arguments:
+        asked.append(lambda: solve_field(1.0, **arguments))
+    for ask in asked:
+        with pytest.raises(InputError) as refused:
+            ask()
+        assert str(refused.value).startswith(message)
+        assert "\n" not in str(refused.value)
+
+
+def test_a_law_brings_its_own_mass_ratio() -> None:
+    law = CollisionLaw(1.0, dimension=3, mass_ratio=2.0)
+    assert repr(law) == "CollisionLaw(restitution=1.0, dimension=3, mass_ratio=2.0)"
+    assert Scene(law, times=[1.0]).mass_ratio == 2.0
+    with pytest.raises(InputError, match=r"mass_ratio: got 3.0; restitution is a law, in which"):
+        Scene(law, times=[1.0], mass_ratio=3.0)
+
+
+def test_it_is_saved_with_a_result(tmp_path: Path) -> None:
+    path = str(tmp_path / "one.nc")
+    for one in (
+        solve(Scene(1.0, mass_ratio=0.5, times=[1.0, 10.0])),
+        ScalingSolution(1.0, mass_ratio=0.5),
+        solve_scaled(1.0, mass_ratio=0.5),
+        solve_field(1.0, mass_ratio=0.5, rtol=1e-4),
+    ):
+        one.save(path)
+        assert load(path) == one
+        scene = json.loads(one.to_xarray().attrs["scene"])
+        assert "0.5" in json.dumps(scene)
+    # JSON has no infinity, which is the default
+    assert "mass_ratio" not in solve(Scene(0.5, times=[1.0])).to_xarray().attrs["scene"]
