@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics import FloatArray
 from kinetics.results import Result
-from kinetics.scaling.axis import SpeedAxis
+from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
 from kinetics.scaling.closed_form import from_rest, scaled_dataset, scaled_figures
-from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, explain, status_of
 from kinetics.validation import (
     check_rtol,
@@ -138,7 +137,7 @@ class ScaledVDF(Result):
     @property
     def nodes(self) -> int:
         """Nodes of the speed axis, over all that was solved so far."""
-        return sum(t.grid.nodes for t in self._axis.tilts)
+        return self._axis.nodes
 
     @property
     def error_estimate(self) -> float:
@@ -209,7 +208,7 @@ class ScaledVDF(Result):
     @cached_property
     def _log_second(self) -> float:
         """Log of A(2) = kappa^2 <(v t/l)^2>: p/2 of its error gets into <c^p>."""
-        log_second = self._axis.log_sum(2.0, share=0.25) - self._log_norm
+        log_second = self._axis.log_sum(2.0) - self._log_norm
         if abs(log_second) < 50.0:  # A(2) is between 1 and 2
             return log_second
         self._axis.unresolved = True
@@ -270,7 +269,7 @@ def solve_scaled(
         allowed = "the solver takes 0, or speed ratios of 1e-100 at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
     if nodes is not None:
-        nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
+        nodes = whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES)
     solution = ScaledVDF(
         rtol=check_rtol(rtol),
         requested_nodes=nodes,
