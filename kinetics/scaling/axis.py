@@ -34,6 +34,7 @@ _WIDEST, _DEVIATIONS = 1.0, 5.0  # panels in x, and in deviations of g
 _FORGOTTEN = 40.0  # in ln F: what is assumed above the top weighs e^-40 so much further down
 _NEGLIGIBLE = 40.0  # e^-40 = 4e-18: of the losses at a speed, what is left out
 _FOLDS = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
+_STEEPEST = 60.0  # g near e = 1, over its deviation: where it is e^-(60^2/2) of its peak
 _SWEEPS = 30  # of the guess of a panel; one to four are taken
 _LEAST_SHARE = 0.05  # of the guess, where a sweep finds less or below 0
 _GAUSS = 40  # points of each panel in a moment
@@ -115,6 +116,7 @@ class _Losses:
         near = int(np.count_nonzero(inside.any(axis=0)))
         # where u is small, the weights of the other nodes keep all their digits in this order
         between = (local[:, None] - rule.local)[:, None, :] + (u[:near] / width)[:, None]
+        between[~inside[:, :near]] = rule.local[0] - rule.local  # some place
         self.rows = interpolation_rows(between, rule.weights)
         self.rows[~inside[:, :near]] = 0.0
         nodes = np.arange(local.size)
@@ -155,9 +157,10 @@ class SpeedAxis:
         deviation = small_deviation(law)
         self._flank = 1.0 / deviation  # steepness of g beside its peak
         self._width = min(_WIDEST, _DEVIATIONS * deviation)
-        # returns make w wave at low speeds
-        self._has_returns = bool(law.returns(0)[0])
-        self._width *= 0.5 if self._has_returns else 1.0
+        eps, loss = law.returns(0)
+        self._has_returns = eps != 0.0
+        if self._has_returns:  # w waves at low speeds, with a half period of their loss
+            self._width = min(0.5 * self._width, max(2.0 * loss, deviation))
         self._losses: dict[float, _Losses] = {}
         self._coefficient = _MOMENT
         self._rounding = ROUNDING_FLOOR
@@ -181,9 +184,9 @@ class SpeedAxis:
         ln g falls as z where z w, times the symbol lambda(z)/z of the flux, equals kappa z g.
         """
         law, q, depth = self.law, self.law.quadrature, DEEPEST + _FORGOTTEN
-        z = np.geomspace(0.02 * self._flank, 60.0 * self._flank + 4.0 * depth, 120)
+        z = np.geomspace(0.02 * self._flank, _STEEPEST * self._flank + 4.0 * depth, 120)
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
-        x = np.log(law.mean_log_loss * z / rate)
+        x = np.log(law.mean_log_loss * z / law.met_again(z, rate, 0))
         log_g = -np.cumsum(z * np.diff(x, prepend=0.0))
         # a panel above where F is that small
         start = float(x[np.argmax(log_g - law.dimension * x < -depth)]) + self._width
@@ -385,7 +388,7 @@ class SpeedAxis:
     def _losses_of(self, x: FloatArray, slope: float) -> _Losses:
         """The losses, resolved as a panel at x (nodes,) needs them; of most panels the same."""
         law = self.law
-        unit = _FOLDS / min(1.0, law.largest_loss)
+        unit = min(_FOLDS / min(1.0, law.largest_loss), _STEEPEST * self._flank)
         finer = max(0, math.ceil(math.log2(max(slope, 1.0) / unit)))
         # far up only small losses count
         key, reach = 0.0, math.inf
