@@ -160,7 +160,7 @@ class SpeedAxis:
         eps, loss = law.returns(0)
         self._has_returns = eps != 0.0
         if self._has_returns:  # w waves at low speeds, with a half period of their loss
-            self._width = min(0.5 * self._width, max(2.0 * loss, deviation))
+            self._width = min(self._width, max(0.8 * loss, deviation))
         self._losses: dict[float, _Losses] = {}
         self._coefficient = _MOMENT
         self._rounding = ROUNDING_FLOOR
@@ -209,11 +209,11 @@ class SpeedAxis:
     @property
     def error_estimate(self) -> float:
         """From the last Chebyshev coefficients of ln w, A(1) = A(0), and the rounding floor."""
-        panels = self._panels[2:]
-        if self._has_returns:  # further down they oscillate, and weigh nothing
-            limit = self._bulk + math.log(self.rtol)
-            panels = [p for p in panels if p.log_size > limit]
-        last = max((p.last for p in panels), default=1.0)
+        weight = np.ones(len(self._panels) - 2)
+        if self._has_returns:  # further down w waves, and weighs little
+            sizes = np.array([p.log_size for p in self._panels[2:]])
+            weight = np.exp(np.minimum(sizes - self._bulk - math.log(_UNKNOWN), 0.0))
+        last = float(np.max(weight * [p.last for p in self._panels[2:]], initial=0.0))
         with np.errstate(over="ignore"):
             unit = _MOMENT * last + abs(math.expm1(min(self.log_sum(1.0) - self.log_sum(0.0), 1.0)))
         found = self._coefficient * last + unit * (1.0 + 0.5 * self._steepest) + self._rounding
@@ -360,9 +360,10 @@ class SpeedAxis:
             inside = _differences(losses.rows, q) + q[:n, None]
             g = above[0] + (flux * np.exp(rise) * inside).sum(axis=1)
             q_g = np.append(g, last.q_g[0] * math.exp(last.log_g[0] - log_g[n]))
-            if np.all(q_g > 0.0):
+            if not signed:
                 log_g, q_g = log_g + np.log(q_g), np.ones(n + 1)
-        coefficients = self._rule.last_coefficients(np.stack([log_w, q / np.abs(q).max()]))
+        shares = [part / np.abs(part).max() for part in (q, q_g)]
+        coefficients = self._rule.last_coefficients(np.stack([log_w, *shares]))
         self._panels.append(_Panel(log_w, q, log_g, q_g, float(np.max(coefficients))))
         return True
 
