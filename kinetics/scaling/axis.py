@@ -334,9 +334,10 @@ class SpeedAxis:
         flux = per_flux[:, None] * losses.flux
         weight = flux + losses.back
         lost = np.expm1(x[:n]) - per_flux * losses.flux_out - losses.back_out
+        guess = log_w[:n]
+        from_above = self._from_above(losses, guess) * np.stack([per_flux, np.ones(n)])
         for _ in range(_SWEEPS):
-            above = self._from_above(losses, log_w)
-            above[0] *= per_flux
+            above = from_above * np.exp(guess - log_w[:n])
             rise = _differences(losses.rows, log_w)
             matrix = np.matmul((weight * np.exp(rise))[:, None, :], losses.rows)[:, 0, :]
             own = lost + (weight * np.expm1(rise)).sum(axis=1) - matrix.sum(axis=1)
@@ -401,8 +402,11 @@ class SpeedAxis:
         return self._losses[key]
 
     def _from_above(self, losses: _Losses, log_w: FloatArray) -> FloatArray:
-        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1)."""
-        total = np.zeros((2, log_w.size - 1))
+        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1).
+
+        Over e^log_w, (nodes - 1,).
+        """
+        total = np.zeros((2, log_w.size))
         for m, group in losses.outside.items():
             if m > len(self._panels):
                 break

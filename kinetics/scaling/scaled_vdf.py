@@ -1,7 +1,7 @@
 """The scaled velocity distribution from the discretised solver: F(c), h, a2 and moments.
 
 :class:`ScaledVDF` puts its questions to a :class:`kinetics.scaling.axis.SpeedAxis`, which
-solves the parts of the speed axis that they need and holds ln g, accurate relative to g.
+marches down the speed axis as far as they need and holds ln g, accurate relative to g.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class ScaledVDF(Result):
     ----------
     restitution : e, or a :class:`kinetics.CollisionLaw`
     rtol : the relative accuracy asked for
-    requested_nodes : nodes of each tilt, or None for the solver's own choice
+    requested_nodes : nodes of each panel of the axis, or None for the solver's own choice
     tangential_restitution : et
     dimension : 2 or 3
     scatterers, number_density, diameter, density_order : as in :func:`solve_scaled`
@@ -143,10 +143,9 @@ class ScaledVDF(Result):
     def error_estimate(self) -> float:
         """Relative error of the results, over all that was solved so far.
 
-        The largest of each tilt's defect, window ends and highest modes, and of what moments lose
-        to noise; with the disagreement of neighbours about the shape of F where they meet, and
-        with what the error of the unit of speed makes of F(c) where F is steep. It is at least a
-        floor for rounding, ten times the largest that was found on three kinds of processor:
+        From the last Chebyshev coefficients of the density on each panel, from A(1) = A(0), and
+        from what the error of the unit of speed makes of F(c) where F is steep. A floor for
+        rounding is added, ten times the largest that was found on three kinds of processor:
         1.4e-14 times the larger of p for <c^p> and, for F(c), its steepness |d ln F/d ln c|.
         """
         return self._axis.error_estimate
@@ -242,7 +241,8 @@ def solve_scaled(
     restitution : e, 0 <= e < 1 for smooth scatterers; or a :class:`kinetics.CollisionLaw`
     rtol : relative accuracy asked of h, a2, the moments and F(c), 1e-14 to 0.1; below 1.4e-14 times
         the steepness |d ln F/d ln c| nothing is promised, and the status says so
-    nodes : nodes of each tilt, for convergence studies; chosen from rtol by default
+    nodes : nodes of each panel of the axis, 8 to 256, for convergence studies; chosen from rtol
+        by default
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 or 3
     scatterers, number_density, diameter, density_order : as in :class:`kinetics.ScalingSolution`
