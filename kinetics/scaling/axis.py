@@ -39,6 +39,7 @@ _SWEEPS = 30  # of the guess of a panel; one to four are taken
 _LEAST_SHARE = 0.05  # of the guess, where a sweep finds less or below 0
 _GAUSS = 40  # points of each panel in a moment
 _END = 5.0  # e^-5 of rtol: what a moment may lack at its ends
+_CUTS = 0.05  # of rtol: what such ends, the power of speed below, and sweeps left out may make
 _LARGEST = 2000.0  # ln of a moment that overflows anyhow
 _UNKNOWN = 0.01  # of g in the bulk: slower speeds among scatterers that are met again
 # Errors of F and of moments over the last coefficients of ln w, at most: measured against the
@@ -216,7 +217,12 @@ class SpeedAxis:
         last = float(np.max(weight * [p.last for p in self._panels[2:]], initial=0.0))
         with np.errstate(over="ignore"):
             unit = _MOMENT * last + abs(math.expm1(min(self.log_sum(1.0) - self.log_sum(0.0), 1.0)))
-        found = self._coefficient * last + unit * (1.0 + 0.5 * self._steepest) + self._rounding
+        found = (
+            _CUTS * self.rtol
+            + self._coefficient * last
+            + unit * (1.0 + 0.5 * self._steepest)
+            + self._rounding
+        )
         return max(found, 1.0) if self.unresolved else found
 
     def log_sum(self, p: float) -> float:
@@ -354,12 +360,15 @@ class SpeedAxis:
             change = np.log(np.maximum(q, _LEAST_SHARE))
             log_w, q = log_w + change, np.ones(n + 1)
             # the sweeps are Newton's method: the next change would be the square of this one
-            if float(np.abs(change).max()) < math.sqrt(self.rtol):
+            if float(np.abs(change).max()) < 0.1 * math.sqrt(self.rtol):
                 break
         log_g, q_g = log_w - x, q
         if self._has_returns:
+            rise = _differences(losses.rows, log_w)
             inside = _differences(losses.rows, q) + q[:n, None]
-            g = above[0] + (flux * np.exp(rise) * inside).sum(axis=1)
+            g = from_above[0] * np.exp(guess - log_w[:n]) + (flux * np.exp(rise) * inside).sum(
+                axis=1
+            )
             q_g = np.append(g, last.q_g[0] * math.exp(last.log_g[0] - log_g[n]))
             if not signed:
                 log_g, q_g = log_g + np.log(q_g), np.ones(n + 1)
