@@ -6,7 +6,7 @@ or a sphere, or one given by weighted samples, and `averages.py` the weighted su
 `medium.py` is the theory of a finite density; `memory.py` finds laws under which speeds oscillate.
 """
 
-from kinetics.collision.averages import ImpactQuadrature, Survival
+from kinetics.collision.averages import ImpactQuadrature
 from kinetics.collision.law import CollisionLaw, law_in_medium, law_of
 
-__all__ = ["CollisionLaw", "ImpactQuadrature", "Survival", "law_in_medium", "law_of"]
+__all__ = ["CollisionLaw", "ImpactQuadrature", "law_in_medium", "law_of"]

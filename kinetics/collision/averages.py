@@ -80,19 +80,3 @@ class ImpactQuadrature:
         return ImpactQuadrature(
             weight, log_loss, ratio, self.parallel[used], self.dimension, across
         )
-
-
-@dataclass(frozen=True)
-class Survival:
-    """Integrals of the chance to lose more than xi: int_0^inf P(xi > u) e^u f(u) du = sum w_k f_k.
-
-    In the scaling state, the flux downwards past x = ln(v t/l) is such an integral.
-
-    Attributes, each of shape ``(n_nodes,)``
-    ----------------------------------------
-    log_weight : ln w; -inf where the weight is 0
-    log_loss : u
-    """
-
-    log_weight: FloatArray
-    log_loss: FloatArray

@@ -19,17 +19,19 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision.averages import ImpactQuadrature, Survival
+from kinetics.collision.averages import ImpactQuadrature
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_of
+from kinetics.numerics.gauss import equal_panels, gauss_legendre
 from kinetics.validation import finite_line, refuse
 
 # Gauss-Legendre points on each panel. They are exact to 1e-14 for s^z cos(m chi) while this varies
 # by less than RESOLVED radians on it: tests/kinetics/collision/test_law.py has the largest powers.
 _POINTS = 20
 RESOLVED = 30.0
+_FOLDS = 20.0  # by so many e-folds an exponential may fall on one of them
 DEEPEST = 40.0  # where s reaches 0, nodes end at -ln s of this: e^-40 of the bounces lose more
 _MOST = 20_000  # samples: each costs some kilobytes on every panel
 
@@ -142,25 +144,23 @@ class DiskBounce:
         above = self.dimension - 1.0
         return above * np.exp(p * (math.log(self._ends[1]) + near) + power * near) / (p + power)
 
-    def survival(self, level: int) -> Survival:
+    def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
         """P(xi > u) is y^(d-1) where e < et and 1 - y^(d-1) where et < e; 1 up to the least loss.
 
         du = |et^2 - e^2| y dy/s^2.
         """
         # low speeds see the bulk of the scaling state, some e-folds wide, from the deepest loss
         y, missed, w = self._nodes(level, DEEPEST + 8.0)
-        xi = self._quadrature(y, missed, w).log_loss
+        u = self._quadrature(y, missed, w).log_loss
         if self.restitution <= self.tangential_restitution:
             chance = y ** (self.dimension - 1)
         else:
             chance = missed**2 if self.dimension == 3 else missed**2 / (1.0 + y)
-        with np.errstate(divide="ignore"):
-            log_weight = np.log(w * y * chance * self._ends[2]) + 3.0 * xi
+        w = w * y * chance * self._ends[2] * np.exp(2.0 * u)
         if self.least_loss > 0.0:
-            u, w = equal_panels(self.least_loss, _POINTS, min(1.0, self._top) * 2.0**-level)
-            log_weight = np.concatenate([np.log(w) + u, log_weight])
-            xi = np.concatenate([u, xi])
-        return Survival(log_weight, xi)
+            first, whole = equal_panels(self.least_loss, _POINTS, _FOLDS / max(rate, _FOLDS))
+            u, w = np.concatenate([first, u]), np.concatenate([whole, w])
+        return u, w
 
     def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
         """The average cell by cell of width ``spacing`` in -ln s, and the cell of each node.
@@ -256,21 +256,24 @@ class SampledBounce:
         """Nothing is left out."""
         return 0.0
 
-    def survival(self, level: int) -> Survival:
-        """Gauss points between one -ln s and the next: the chance is constant there."""
+    def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
+        """Gauss points on equal cells, exact for polynomials: the chance falls in steps."""
         q = self.quadrature(0)
-        order = np.argsort(q.log_loss)
-        edge = np.concatenate([[0.0], q.log_loss[order]])
-        chance = np.cumsum(q.weight[order][::-1])[::-1]
-        pieces = np.maximum(1, np.ceil(np.diff(edge) * 2.0**level)).astype(int)
-        low = np.repeat(edge[:-1], pieces)
-        step = np.repeat(np.diff(edge) / pieces, pieces)
-        nth = np.concatenate([np.arange(n) for n in pieces])
-        ends = np.stack([low + nth * step, low + (nth + 1) * step], axis=1)
-        wide = step > 0.0
-        u, w = panels_of(ends[wide], _POINTS)
-        log_weight = np.log(w * np.repeat(chance, pieces)[wide][:, None]) + u
-        return Survival(log_weight.ravel(), u.ravel())
+        # the weights are interpolatory, of half the order of Gauss weights
+        count = math.ceil(4.0 * self.largest_loss * max(rate, _FOLDS) / _FOLDS)
+        width = self.largest_loss / count
+        cell = np.minimum((q.log_loss / width).astype(int), count - 1)
+        node, weight = gauss_legendre(_POINTS)
+        # integrals of Lagrange's polynomials up to each sample, by Legendre's
+        legendre = legvander(2.0 * q.log_loss / width - 2.0 * cell - 1.0, _POINTS)
+        legendre[:, 1:] -= np.insert(legendre[:, :-2], 0, -1.0, axis=1)
+        share = 0.5 * legendre[:, 1:] @ legvander(2.0 * node - 1.0, _POINTS - 1).T * weight
+        ends = np.zeros((count, _POINTS))
+        np.add.at(ends, cell, q.weight[:, None] * share)
+        chance = np.bincount(cell, q.weight, count)
+        beyond = chance.sum() - np.cumsum(chance)
+        u = (np.arange(count)[:, None] + node) * width
+        return u.ravel(), (width * (ends + beyond[:, None] * weight)).ravel()
 
     def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
         """The samples and the cell of each."""

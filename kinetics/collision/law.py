@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision.averages import ImpactQuadrature, Survival
+from kinetics.collision.averages import ImpactQuadrature
 from kinetics.collision.bounce import RESOLVED, DiskBounce, SampledBounce
 from kinetics.collision.medium import SCATTERERS, Medium, checked_medium
 from kinetics.errors import InputError, short
@@ -288,9 +288,9 @@ class CollisionLaw:
             raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
         return max(0, math.ceil(math.log2(max(turn, 1.0) / RESOLVED)))
 
-    def survival_for(self, rate: float) -> Survival:
-        """int_0^inf P(-ln s > u) e^u f(u) du as a weighted sum, f as fast as e^(rate u)."""
-        return self._bounce.survival(self._level(rate, 0))
+    def survival_for(self, rate: float) -> tuple[NDArray[Any], NDArray[Any]]:
+        """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
+        return self._bounce.survival(self._level(rate, 0), rate)
 
     def cells(self, spacing: float, points: int = 6) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
         """The average cell by cell of width ``spacing`` in -ln s, with so many points in each.

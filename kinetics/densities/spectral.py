@@ -26,7 +26,7 @@ from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.results import Value
-from kinetics.scaling.tilted import band_of, window_of
+from kinetics.scaling.extent import extent_of
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction
 
@@ -360,5 +360,5 @@ def _window(
 @lru_cache(maxsize=4)
 def _scaling_end(law: CollisionLaw, depth: float) -> tuple[float, float]:
     """Right end of the scaling state in ln(v t/l), and the wave number that it needs."""
-    _, right, deviation = window_of(law, 0.0, depth)
-    return right - math.log(law.mean_log_loss), band_of(law, 0.0, depth, deviation)
+    right, band = extent_of(law, depth)
+    return right - math.log(law.mean_log_loss), band

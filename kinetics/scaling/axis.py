@@ -1,337 +1,426 @@
-"""ln g on the whole axis: the tilts that a question needs, joined, and the recursion below them.
+r"""ln g on the axis x = ln(kappa v t/l), marched down from where F is nothing.
 
-Each tilt (:mod:`kinetics.scaling.tilted`) resolves g around its own peak. Two neighbours are joined
-where both of them resolve it, and the recursion of :mod:`kinetics.scaling.low_speeds` continues
-below the lowest. ln g is then accurate relative to g, and moments are sums of positive terms.
+The density g of x drifts upwards, and the flux that passes x is what collisions have brought below
+x from above (the scaled equation, paper label ``ifmu2``, integrated once):
+
+    kappa g(x) = int_0^inf P(xi > u) w(x + u) du,     xi = -ln s,
+
+with w the rate of collisions. Among dilute scatterers w = e^x g. Where returns to the scatterer
+before replace K - 1 by (K - 1)/(1 - eps S (K - 1)) (:mod:`kinetics.collision.medium`), w obeys
+e^x g(x) = w(x) + eps [w(x + X) - E w(x + X + xi)], X = -ln e. Either way w at x needs w above x
+only. On Chebyshev panels of one width, from the top down, each panel is a small linear system for
+w over a guess of it, from which ln w follows: the error is relative to w itself, over hundreds of
+orders of magnitude. What is assumed above the top is forgotten as F grows.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.scaling.low_speeds import LowSpeeds
-from kinetics.scaling.tilted import Tilt, next_tilt, solve_tilt
+from kinetics.numerics.chebyshev import SecondKind, barycentric_weights, interpolation_rows
+from kinetics.numerics.gauss import gauss_legendre
+from kinetics.scaling.extent import small_deviation
 
-# The first tilt. Not an integer: at integers the zero mode of the scheme reproduces
-# lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just below 0: at
-# small e the norm needs the long tail to low speeds, and the moments 0 to 4 need no other tilt.
-_FIRST_TILT = -0.05
-DEEPEST = 230.0  # e^-230 = 1e-100: F further below that of its bulk is not solved for
-_PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0  # trapezoid rule over two half periods
-_BEYOND = 30.0  # e-folds further down, so that F ends and not the axis
-_NEGLIGIBLE = 4.0  # e^-4 = 2 % of rtol: what lies beyond the speeds that are solved may weigh that
-_NOISE = 0.3  # of a tilt at the ends of its window, relative to the error of its peak
+DEEPEST = 230.0  # e^-230 = 1e-100: F further below that of its bulk is not given
+FEWEST_NODES, MOST_NODES = 8, 256  # of a panel
+_MORE_NODES = 6  # of a panel, than digits
+_WIDEST, _DEVIATIONS = 1.0, 5.0  # panels in x, and in deviations of g
+_FORGOTTEN = 40.0  # in ln F: what is assumed above the top weighs e^-40 so much further down
+_NEGLIGIBLE = 40.0  # e^-40 = 4e-18: of the losses at a speed, what is left out
+_FOLDS = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
+_STEEPEST = 60.0  # g near e = 1, over its deviation: where it is e^-(60^2/2) of its peak
+_SWEEPS = 30  # of the guess of a panel; one to four are taken
+_LEAST_SHARE = 0.05  # of the guess, where a sweep finds less or below 0
+_GAUSS = 40  # points of each panel in a moment
+_END = 5.0  # e^-5 of rtol: what a moment may lack at its ends
+_CUTS = 0.05  # of rtol: what such ends, the power of speed below, and sweeps left out may make
+_LARGEST = 2000.0  # ln of a moment that overflows anyhow
+_UNKNOWN = 0.01  # of g in the bulk: slower speeds among scatterers that are met again
+# Errors of F and of moments over the last coefficients of ln w, at most: measured against the
+# closed form for 6 to 18 nodes, e from 0 to .99, rough disks, two ratios, and a medium.
+_DENSITY, _MOMENT = 0.15, 1e-3
 # Below this floor no accuracy is promised. Rounding moves the axis by it, and F by that times its
 # steepness; ln <c^p> by p times as much. Ten times the largest that was found, 6.5 epsilon for e
 # from .9 to 1 - 1e-10, disks and spheres, OpenBLAS's kernels for SkylakeX, Haswell and Nehalem.
 ROUNDING_FLOOR = 64 * float(np.finfo(float).eps)  # 1.4e-14
 
 
+class _Panel(NamedTuple):
+    """w = e^log_w q and g = e^log_g q_g at the nodes, each (nodes,); q is 1 but after returns.
+
+    last : size of the last two Chebyshev coefficients of ln w, or of q
+    """
+
+    log_w: FloatArray
+    q: FloatArray
+    log_g: FloatArray
+    q_g: FloatArray
+    last: float
+
+    @property
+    def log_size(self) -> float:
+        """ln |g| where it is largest."""
+        return float(np.max(self.log_g + np.log(np.abs(self.q_g) + 1e-300)))
+
+
+def _differences(rows: FloatArray, values: FloatArray) -> FloatArray:
+    """rows (n - 1, n_u, n) applied to values (n,) less that at each node: (n - 1, n_u)."""
+    return np.asarray((rows @ (values - values[:-1, None])[:, :, None])[:, :, 0])
+
+
+class _Group(NamedTuple):
+    """Losses that lead from nodes of a panel to one panel above it, each (n_points,).
+
+    node : from which; flux, back : weights of P(xi > u) and of returns; rows (n_points, nodes)
+    """
+
+    node: NDArray[np.intp]
+    flux: FloatArray
+    back: FloatArray
+    rows: FloatArray
+
+
+class _Losses:
+    """int P(xi > u) w(x + u) du, and the returns, at the nodes of any panel but its top one.
+
+    Attributes
+    ----------
+    rows : from the differences of a panel to w(x + u) - w(x), (nodes - 1, n_u, nodes), 0 outside
+    flux, back : the weights of these, (nodes - 1, n_u)
+    outside : by how many panels u leads up -> those losses
+    flux_out, back_out : all weights but those inside, (nodes - 1,)
+    """
+
+    def __init__(
+        self, law: CollisionLaw, rule: SecondKind, width: float, rate: float, reach: float
+    ) -> None:
+        u, flux = law.survival_for(rate)
+        back = np.zeros(u.size)
+        eps, least = law.returns(0)
+        if eps:
+            q = law.quadrature_for(rate)
+            u = np.concatenate([u, [least], least + q.log_loss])
+            flux = np.concatenate([flux, np.zeros(1 + q.weight.size)])
+            back = np.concatenate([back, [-eps], eps * q.weight])
+        order = np.argsort(u)
+        order = order[u[order] < reach]
+        u, flux, back = u[order], flux[order], back[order]
+        local = rule.local[:-1]
+        place = local[:, None] + u / width
+        inside = place <= 1.0
+        near = int(np.count_nonzero(inside.any(axis=0)))
+        # where u is small, the weights of the other nodes keep all their digits in this order
+        between = (local[:, None] - rule.local)[:, None, :] + (u[:near] / width)[:, None]
+        between[~inside[:, :near]] = rule.local[0] - rule.local  # some place
+        self.rows = interpolation_rows(between, rule.weights)
+        self.rows[~inside[:, :near]] = 0.0
+        nodes = np.arange(local.size)
+        self.rows[nodes, :, nodes] = 0.0
+        self.flux, self.back = np.where(inside, flux, 0.0), np.where(inside, back, 0.0)
+        # what is beyond reach has no w, but its weight
+        self.flux_out = law.mean_log_loss - self.flux.sum(axis=1)
+        self.back_out = -self.back.sum(axis=1)
+        self.flux, self.back = self.flux[:, :near], self.back[:, :near]
+        up = np.maximum(np.ceil(place).astype(int) - 1, 0)
+        self.outside = {}
+        for m in range(1, int(up.max(initial=0)) + 1):
+            node, k = np.nonzero(up == m)
+            if k.size:
+                rows = rule.rows(place[node, k] - m)
+                self.outside[m] = _Group(node, flux[k], back[k], rows)
+
+
 class SpeedAxis:
-    """ln g(x), x = ln(kappa v t/l), as far as it was asked for; up to its norm.
+    """ln g(x), x = ln(kappa v t/l), as far down as it was asked for; up to its norm.
+
+    Every estimate is relative, and of all that was asked for so far.
 
     Parameters
     ----------
     law : the collision law; not elastic
     rtol : relative accuracy of g and of its moments
-    nodes : of each tilt, or None for as many as rtol takes
+    nodes : of each panel, or None for as many as rtol takes
 
     Attributes
     ----------
-    tilts : those solved so far, upwards
-    scales : what to add to the logarithm of each; 0 for the first one solved, that of the bulk
-    unresolved : whether part of the axis is missing, because too few nodes were asked for
+    unresolved : whether nothing is known, because too few nodes were asked for
     """
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
-        self.law = law
-        self.rtol = rtol
-        self.requested_nodes = nodes
-        self.tilts = [solve_tilt(law, _FIRST_TILT, rtol, nodes)]
-        self.scales = [0.0]
-        self._bulk = 0  # index of the first one solved
-        self._seams: list[float] = []  # x where neighbours meet
-        self._disagreements: list[float] = []  # relative difference of neighbours there
-        self._low: LowSpeeds | None = None
-        bulk = self.tilts[0]
-        # ln F of the bulk, up to a constant
-        self._bulk_log = bulk.landmarks[1] - law.dimension * bulk.centre
-        self.unresolved = False
-        self._moved = 0.0  # relative error of densities by that of the unit of speed
-        self._rounding = ROUNDING_FLOOR  # of all that was asked for
-        self._lost = 0.0  # relative error of moments that reach beyond all that can be solved
-        self._sampled: tuple[FloatArray, FloatArray, float] | None = None
+        self.law, self.rtol, self.unresolved = law, rtol, False
+        self._rule = SecondKind(nodes or _MORE_NODES + math.ceil(-math.log10(rtol)))
+        deviation = small_deviation(law)
+        self._flank = 1.0 / deviation  # steepness of g beside its peak
+        self._width = min(_WIDEST, _DEVIATIONS * deviation)
+        eps, loss = law.returns(0)
+        self._has_returns = eps != 0.0
+        if self._has_returns:  # w waves at low speeds, with a half period of their loss
+            self._width = min(self._width, max(0.8 * loss, deviation))
+        self._losses: dict[float, _Losses] = {}
+        self._coefficient = _MOMENT
+        self._rounding = ROUNDING_FLOOR
+        self._steepest = 0.0
+        # one panel of a guess: exp(-e^x/kappa) times a power of the speed, nearly. The next one is
+        # polluted by it, and lies above all that is asked for as well
+        start, log_g, power, bend = self._beginning()
+        self._top = start + self._width
+        up = self._width * self._rule.local
+        rate = math.exp(start) / law.mean_log_loss
+        guess = log_g + start + (power + 0.5 * bend * up) * up - rate * np.expm1(up)
+        ones = np.ones(up.size)
+        self._panels = [_Panel(guess, ones, guess - start - up, ones, 0.0)]
+        while self._bottom > -_DEVIATIONS * deviation and self._add_panel():
+            pass
+        self._bulk = float(self._log_g(np.zeros(1))[0])  # ln F there, up to a constant
+
+    def _beginning(self) -> tuple[float, float, float, float]:
+        """Where the march begins: x, ln g nearly, and two derivatives of ln w + e^x/kappa.
+
+        ln g falls as z where z w, times the symbol lambda(z)/z of the flux, equals kappa z g.
+        """
+        law, q, depth = self.law, self.law.quadrature, DEEPEST + _FORGOTTEN
+        z = np.geomspace(0.02 * self._flank, _STEEPEST * self._flank + 4.0 * depth, 120)
+        rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
+        x = np.log(law.mean_log_loss * z / law.met_again(z, rate, 0))
+        log_g = -np.cumsum(z * np.diff(x, prepend=0.0))
+        # a panel above where F is that small
+        start = float(x[np.argmax(log_g - law.dimension * x < -depth)]) + self._width
+        step = 0.01 * self._width
+        two = np.array([start, start + step])
+        slope = np.interp(two, x, z)
+        for _ in range(5):  # averages by few points are a percent off there
+            slope = np.exp(two) / law.mean_log_loss * law.decay_rate(slope)
+        power = np.exp(two) / law.mean_log_loss + 1.0 - slope
+        bend = float(power[1] - power[0]) / step
+        return start, float(np.interp(start, x, log_g)), float(power[0]), bend
+
+    # -- what is asked for --------------------------------------------------------------------
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of all panels so far."""
+        return len(self._panels) * self._rule.nodes
 
     @property
     def error_estimate(self) -> float:
-        """Relative error of the results, over all that was solved so far."""
-        estimates = [t.discretisation_error for t in self.tilts]
-        estimates += [self._lost, 1.0 if self.unresolved else 0.0]
-        # what two tilts disagree by at a seam has the rounding in it
-        seams = max(sum(self._disagreements), self._rounding)
-        return max(estimates) + seams + self._moved
+        """From the last Chebyshev coefficients of ln w, A(1) = A(0), and the rounding floor."""
+        weight = np.ones(len(self._panels) - 2)
+        if self._has_returns:  # further down w waves, and weighs little
+            sizes = np.array([p.log_size for p in self._panels[2:]])
+            weight = np.exp(np.minimum(sizes - self._bulk - math.log(_UNKNOWN), 0.0))
+        last = float(np.max(weight * [p.last for p in self._panels[2:]], initial=0.0))
+        with np.errstate(over="ignore"):
+            unit = _MOMENT * last + abs(math.expm1(min(self.log_sum(1.0) - self.log_sum(0.0), 1.0)))
+        found = (
+            _CUTS * self.rtol
+            + self._coefficient * last
+            + unit * (1.0 + 0.5 * self._steepest)
+            + self._rounding
+        )
+        return max(found, 1.0) if self.unresolved else found
 
-    # -- moments ------------------------------------------------------------------------------
-
-    def log_sum(self, p: float, share: float = 1.0) -> float:
-        """ln of the integral of e^(p x) g, by the trapezoid rule, to ``share`` of the accuracy."""
+    def log_sum(self, p: float) -> float:
+        """ln of the integral of e^(p x) g, the whole axis."""
         self._rounding = max(self._rounding, abs(p) * ROUNDING_FLOOR)
-        self._extend_for_moment(p, share * self.rtol)
-        x, log_g, spacing = self._samples()
-        if self._reaches_rest:
-            # there g ~ e^(q x): the grid goes on below until e^((q+p) x) is negligible
-            depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
-            more = math.ceil(depth / (p - self.law.lowest_power) / spacing)
-            below = x[0] - spacing * np.arange(more, 0, -1)
-            x = np.concatenate([below, x])
-            log_g = np.concatenate([self._power_of_speed(below), log_g])
-        terms = p * x + log_g
-        largest = float(terms.max())
-        if not math.isfinite(largest):
+        lacks = math.log(self.rtol) - _END
+        node, weight = gauss_legendre(_GAUSS)
+        rows = self._rule.rows(node).T
+        while True:
+            left = self._top - self._width * np.arange(1.0, len(self._panels) + 1)
+            x = left[:, None] + self._width * node
+            log_g, q = self._tables
+            terms = p * x + log_g @ rows
+            size = terms + np.log(np.abs(q @ rows) + 1e-300)
+            largest = float(size.max())
+            if not abs(largest) < 1e6:
+                self.unresolved = True
+                return 0.0
+            done = float(size[-1].max()) < largest + lacks or largest - self._bulk > _LARGEST
+            if done or not self._extend():
+                break
+        if float(size[:2].max()) > largest + lacks:
+            self.unresolved = True
+        total = self._width * float(((q @ rows) * np.exp(terms - largest)).sum(axis=0) @ weight)
+        if self._straight:
+            base = self._panels[-1].log_g[0]
+            total += math.exp(p * self._bottom + base - largest) / (p - self.law.lowest_power)
+        if not total > 0.0:
             self.unresolved = True
             return 0.0
-        terms = np.exp(terms - largest)
-        if self.law.returns(0)[0]:
-            # among scatterers that are met again g changes sign below all that is trusted
-            low = x < self._bottom
-            unit = np.exp(p * x[low] + self.scales[0] - largest)
-            terms[low] = self.tilts[0].density(x[low]) * unit
-        return largest + math.log(float(terms.sum()) * spacing)
+        return largest + math.log(total)
+
+    def log_density(self, x: FloatArray) -> FloatArray:
+        """ln g at x, shape (n,).
+
+        -inf where F is below that of the bulk by e^-230; NaN at low speeds among scatterers that
+        are met again.
+        """
+        if x.size == 0:
+            return np.zeros(0)
+        d, lowest = self.law.dimension, float(x.min())
+        while self._bottom > lowest:
+            reached = self._panels[-1].log_size - d * self._bottom
+            if (reached < self._bulk - DEEPEST and not self.law.reaches_rest) or not self._extend():
+                break
+        out = np.full(x.shape, -math.inf)
+        inside = x < self._top - 2.0 * self._width
+        inside &= (x >= self._bottom) | self._straight
+        out[inside] = self._log_g(x[inside])
+        with np.errstate(invalid="ignore"):
+            out[out - d * x < self._bulk - DEEPEST] = -math.inf
+        if self._has_returns:
+            low = x < 0.0
+            out[low & ~(out > self._bulk + math.log(_UNKNOWN))] = math.nan
+        self._coefficient = _DENSITY
+        there = x[np.isfinite(out)]
+        if there.size:
+            step = 0.1 / self._flank
+            ends = np.array([there.min(), there.min() + step, there.max() - step, there.max()])
+            slopes = np.abs(np.diff(self._log_g(ends))[::2]) / step
+            self._steepest = max(self._steepest, float(np.nanmax(slopes)))
+            # a narrow density has rounding of its own, as large as on its flanks
+            floor = (self._steepest + self._flank) * ROUNDING_FLOOR
+            self._rounding = max(self._rounding, floor)
+        return out
 
     @property
-    def _reaches_rest(self) -> bool:
-        """Whether bounces come as near to rest as one likes: g is a power of speed low down."""
-        return self.law.reaches_rest
+    def _tables(self) -> tuple[FloatArray, FloatArray]:
+        """ln g and what it is multiplied by, of all panels, (n_panels, nodes) each."""
+        return np.array([p.log_g for p in self._panels]), np.array([p.q_g for p in self._panels])
 
-    def _extend_for_moment(self, p: float, accepted: float) -> None:
-        """Solve further up and down until the noise of the last tilts is negligible."""
-        if self._reaches_rest:
-            while self._add_below():
-                pass
-        while True:
-            high = self.tilts[-1]
-            lost = self._lost_by(high, self.scales[-1], p, high.grid.end)
-            if p <= high.theta or lost < accepted:
-                break
-            if not self._add_above():
-                self._lost = max(self._lost, min(lost, 1.0))
-                break
-        while True:
-            if self._low is not None and not self._reaches_rest:
-                end = self._log_at_bottom() + p * self._bottom
-                depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
-                if end < self._peak(p) - depth or not self._add_below():
-                    break
-                continue
-            low = self.tilts[0]
-            if p >= low.theta or self._reaches_rest:
-                break
-            lost = self._lost_by(low, self.scales[0], p, low.grid.start)
-            if lost < accepted or not self._add_below():
-                break
+    def _log_g(self, x: FloatArray) -> FloatArray:
+        """ln g at x (n,), below the top; NaN where g < 0."""
+        level = (self._top - np.maximum(x, self._bottom)) / self._width
+        i = np.minimum(level.astype(int), len(self._panels) - 1)
+        rows = self._rule.rows(i + 1.0 - level)
+        log_g, q = (np.sum(rows * table[i], axis=1) for table in self._tables)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_g = log_g + np.log(q)
+        # below the bottom g is a power of speed
+        below = np.minimum(x - self._bottom, 0.0)
+        return np.asarray(log_g - (self.law.lowest_power * below if self._straight else 0.0))
 
-    def _peak(self, p: float) -> float:
-        """ln of the maximum of e^(p x) g, nearly."""
-        return max(
-            t.landmarks[1]
-            + scale
-            + p * t.centre
-            + 0.5 * min(t.span, abs(p - t.theta) * t.deviation) ** 2
-            for t, scale in zip(self.tilts, self.scales, strict=True)
+    @property
+    def _straight(self) -> bool:
+        """Whether g goes on as a power of speed: bounces come as near to rest as one likes."""
+        return self.law.reaches_rest and self._bottom < math.log(
+            0.01 * self.rtol * self.law.mean_log_loss
         )
 
-    def _lost_by(self, tilt: Tilt, scale: float, p: float, x: float) -> float:
-        """What the noise of a tilt at x adds to moment p, relative to it."""
-        peak = tilt.landmarks[1] + tilt.theta * tilt.centre + scale
-        log_lost = peak + (p - tilt.theta) * x - self._peak(p)
-        return _NOISE * tilt.noise * math.exp(min(log_lost, 600.0))
+    def _extend(self) -> bool:
+        """One panel further down; False where that is not needed, or does not go."""
+        if self._straight:
+            return False
+        if self._bottom < -_LARGEST or not self._add_panel():
+            self.unresolved = True
+            return False
+        return True
 
-    def _samples(self) -> tuple[FloatArray, FloatArray, float]:
-        """Equidistant x over all that is solved, ln g there, and the spacing."""
-        if self._sampled is None:
-            if len(self.tilts) == 1 and self._low is None and not self._reaches_rest:
-                only = self.tilts[0]
-                self._sampled = (only.grid.x, only.log_at_nodes, only.grid.spacing)
-                return self._sampled
-            bottom = self._bottom
-            if self._low is None and not self._reaches_rest:
-                bottom = self.tilts[0].grid.start
-            top = float(self.tilts[-1].grid.x[-1])  # beyond, the window begins again
-            if not top > bottom:  # too few nodes
-                self.unresolved = True
-                top = bottom + 1.0
-            spacing = min(t.grid.spacing for t in self.tilts)
-            x = np.linspace(bottom, top, math.ceil((top - bottom) / spacing) + 1)
-            self._sampled = (x, self._joined(x), float(x[1] - x[0]))
-        return self._sampled
-
-    # -- the axis, piece by piece -------------------------------------------------------------
+    # -- the march ----------------------------------------------------------------------------
 
     @property
     def _bottom(self) -> float:
-        return self.tilts[0].bottom if self._low is None else self._low.bottom
+        return self._top - len(self._panels) * self._width
 
-    def _log_at_bottom(self) -> float:
-        if self._low is not None:
-            return self._low.log_at_bottom
-        return self.tilts[0].landmarks[0] + self.scales[0]
-
-    def _join(self, low: Tilt, high: Tilt) -> tuple[float, float, float]:
-        """Where two tilts meet, the difference of their logarithms there, and its error."""
-        reach = low.span * low.deviation
-        share = reach / (reach + high.span * high.deviation)
-        x = low.centre + share * (high.centre - low.centre)
-        # over a period of the highest modes, whose noise has no part in the average
-        around = x + np.linspace(-0.5, 0.5, 5) * (low.grid.spacing + high.grid.spacing)
-        with np.errstate(invalid="ignore"):
-            gap = low.log_density(around) - high.log_density(around)
-        if not np.all(np.isfinite(gap)):
-            return x, math.nan, 1.0
-        return x, float(_PERIOD @ gap), float(gap.max() - gap.min())
-
-    def _add_above(self) -> bool:
-        """The next tilt up; False where too few nodes were asked for to find it."""
-        known = self.tilts[-1]
-        theta = next_tilt(self.law, known, self.rtol, above=True)
-        if theta is not None:
-            tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
-            x, gap, spread = self._join(known, tilt)
-            if math.isfinite(gap + sum(tilt.landmarks[1:])):
-                self.tilts.append(tilt)
-                self.scales.append(self.scales[-1] + gap)
-                self._seams.append(x)
-                self._disagreements.append(spread)
-                self._sampled = None
-                return True
-        self.unresolved = True
-        return False
-
-    def _add_below(self) -> bool:
-        """One piece further down; False where that is far enough, or F is not known there."""
-        reached = self._log_at_bottom() - self.law.dimension * self._bottom
-        if reached < self._bulk_log - DEEPEST - _BEYOND or self.law.uniform_power:
-            return False  # with a uniform power of s it is known, see _power_of_speed
-        if self.law.returns(0)[0]:
-            return False  # what slow tracers do among scatterers that are met again is not known
-        self._sampled = None
-        if self._low is not None:
-            bottom = self._bottom
-            if self._low.top - bottom > 500.0:  # F has long ended: too few nodes made another
-                self.unresolved = True
+    def _add_panel(self) -> bool:
+        """One panel further down; False where the equations of too few nodes have no solution."""
+        n, law, last = self._rule.nodes - 1, self.law, self._panels[-1]
+        x = self._bottom - self._width * (1.0 - self._rule.local)
+        signed = self._has_returns and self._bottom * self._flank < 1.0
+        log_w = self._guess(last, signed)
+        known = math.copysign(1.0, last.q[0])  # w at the highest node, over the guess
+        losses = self._losses_of(x, -float(self._rule.slopes[0] @ last.log_w) / self._width)
+        per_flux = np.exp(x[:n]) / law.mean_log_loss
+        flux = per_flux[:, None] * losses.flux
+        weight = flux + losses.back
+        lost = np.expm1(x[:n]) - per_flux * losses.flux_out - losses.back_out
+        guess = log_w[:n]
+        from_above = self._from_above(losses, guess) * np.stack([per_flux, np.ones(n)])
+        for _ in range(_SWEEPS):
+            above = from_above * np.exp(guess - log_w[:n])
+            rise = _differences(losses.rows, log_w)
+            matrix = np.matmul((weight * np.exp(rise))[:, None, :], losses.rows)[:, 0, :]
+            own = lost + (weight * np.expm1(rise)).sum(axis=1) - matrix.sum(axis=1)
+            matrix[np.arange(n), np.arange(n)] += own
+            try:
+                q = np.linalg.solve(matrix[:, :n], -above.sum(axis=0) - known * matrix[:, n])
+            except np.linalg.LinAlgError:
                 return False
-            self._low.extend(bottom - 4.0)
-            return self._bottom < bottom
-        known, theta = self.tilts[0], None
-        if not self._reaches_rest:
-            theta = next_tilt(self.law, known, self.rtol, above=False)
-        if theta is None:
-            # the sweeps of the recursion converge as e^top
-            top = max(min(known.centre, -1.0), known.bottom)
-            self._low = LowSpeeds(self.law, top, self._log_density_above, self.rtol)
-            self._low.extend(known.bottom - 2.0)
-            return True
-        tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
-        x, gap, spread = self._join(tilt, known)
-        if not math.isfinite(gap + sum(tilt.landmarks[:2])):
-            self.unresolved = True
-            return False
-        self._bulk += 1
-        self.tilts.insert(0, tilt)
-        self.scales.insert(0, self.scales[0] - gap)
-        self._seams.insert(0, x)
-        self._disagreements.append(spread)
+            if not np.all(np.isfinite(q)):
+                return False
+            q = np.append(q, known)
+            if signed:
+                break
+            change = np.log(np.maximum(q, _LEAST_SHARE))
+            log_w, q = log_w + change, np.ones(n + 1)
+            # the sweeps are Newton's method: the next change would be the square of this one
+            if float(np.abs(change).max()) < 0.1 * math.sqrt(self.rtol):
+                break
+        log_g, q_g = log_w - x, q
+        if self._has_returns:
+            rise = _differences(losses.rows, log_w)
+            inside = _differences(losses.rows, q) + q[:n, None]
+            g = from_above[0] * np.exp(guess - log_w[:n]) + (flux * np.exp(rise) * inside).sum(
+                axis=1
+            )
+            q_g = np.append(g, last.q_g[0] * math.exp(last.log_g[0] - log_g[n]))
+            if not signed:
+                log_g, q_g = log_g + np.log(q_g), np.ones(n + 1)
+        shares = [part / np.abs(part).max() for part in (q, q_g)]
+        coefficients = self._rule.last_coefficients(np.stack([log_w, *shares]))
+        self._panels.append(_Panel(log_w, q, log_g, q_g, float(np.max(coefficients))))
         return True
 
-    def _cover_above(self, x: float, depth: float = DEEPEST + _BEYOND) -> None:
-        """Solve upwards until x is reached, or F there is below that of the bulk by e^-depth."""
-        while (top := self.tilts[-1].top) < x:
-            log_f = self.tilts[-1].landmarks[1] + self.scales[-1] - self.law.dimension * top
-            if log_f < self._bulk_log - depth or not self._add_above():
-                return
+    def _guess(self, last: _Panel, signed: bool) -> FloatArray:
+        """ln |w| of the next panel, from the last one."""
+        up = self._width * self._rule.local
+        if signed:
+            # as steep as the last panel on the whole
+            size, half = last.log_w + np.log(np.abs(last.q) + 1e-300), up.size // 2
+            log_w = (size[half:].max() - size[:half].max()) / (0.5 * self._width) * up
+        else:
+            # ln w + e^x/kappa goes on as a parabola
+            three = [0, up.size // 2, up.size - 1]
+            at = self._rule.local[three]
+            rate = math.exp(self._bottom) / self.law.mean_log_loss
+            smooth = last.log_w[three] + rate * np.expm1(up[three])
+            ahead = self._rule.local[:, None] - 1.0 - at
+            log_w = interpolation_rows(ahead, barycentric_weights(at)) @ smooth
+            log_w -= rate * np.expm1(up - self._width)
+        start = last.log_w[0] + math.log(abs(last.q[0]) + 1e-300)
+        return np.asarray(log_w + (start - log_w[-1]))
 
-    def _log_density_above(self, x: FloatArray) -> FloatArray:
-        """ln g for the recursion: continued by e^(-e^x/kappa) where it does not matter."""
-        self._cover_above(float(x.max()), _NEGLIGIBLE - math.log(self.rtol))
-        top = self.tilts[-1].top
-        above = np.exp(np.clip(x, top, 300.0)) - math.exp(top)
-        out = self._joined(np.minimum(x, top)) - above / self.law.mean_log_loss
-        if np.all(np.isfinite(out)):
-            return np.asarray(out)
-        self.unresolved = True
-        return np.where(np.isfinite(out), out, -2.0 * DEEPEST)
+    def _losses_of(self, x: FloatArray, slope: float) -> _Losses:
+        """The losses, resolved as a panel at x (nodes,) needs them; of most panels the same."""
+        law = self.law
+        unit = min(_FOLDS / min(1.0, law.largest_loss), _STEEPEST * self._flank)
+        finer = max(0, math.ceil(math.log2(max(slope, 1.0) / unit)))
+        # far up only small losses count
+        key, reach = 0.0, math.inf
+        if finer:
+            key, reach = x[0], math.log1p(_NEGLIGIBLE * law.mean_log_loss * math.exp(-x[0]))
+        if key not in self._losses:
+            rate = unit * 2.0**finer
+            self._losses[key] = _Losses(law, self._rule, self._width, rate, reach)
+        return self._losses[key]
 
-    def log_density(self, x: FloatArray) -> FloatArray:
-        """ln g at x, (n,), up to the norm; -inf beyond what is solved, NaN where not known."""
-        if x.size == 0:
-            return np.zeros(0)
-        self._cover_above(float(x.max()))
-        lowest = float(x.min())
-        while self._bottom > lowest and self._add_below():
-            pass
-        out = self._joined(x)
-        out[out - self.law.dimension * x < self._bulk_log - DEEPEST] = -math.inf
-        steepest = self._steepest(x, out)
-        self._moved = max(self._moved, steepest * self.unit_error)
-        # a narrow density has rounding of its own: 1/deviation is the steepness of its flanks
-        steepest += 1.0 / self.tilts[self._bulk].deviation
-        self._rounding = max(self._rounding, steepest * ROUNDING_FLOOR)
-        if self.law.returns(0)[0]:
-            out[x < self._bottom] = math.nan
-        return out
+    def _from_above(self, losses: _Losses, log_w: FloatArray) -> FloatArray:
+        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1).
 
-    def _steepest(self, x: FloatArray, log_g: FloatArray) -> float:
-        """The largest |d ln g/dx| at x, (n,): at the lowest or the highest where g is not 0."""
-        there = x[np.isfinite(log_g)]
-        if there.size == 0:
-            return 0.0
-        low, high = float(there.min()), float(there.max())
-        step = 0.1 * self.tilts[self._bulk].deviation
-        ends = self._joined(np.array([low, low + step, high - step, high]))
-        slopes = np.abs(np.diff(ends)[::2]) / step
-        return float(np.max(slopes, initial=0.0, where=np.isfinite(slopes)))
-
-    @property
-    def unit_error(self) -> float:
-        """Estimate of the error of ln sqrt(E[Y^2]), by which F(c) is moved along the axis."""
-        bulk = self.tilts[self._bulk]
-        # an error of the same size all over the window, of opposite sign on the two sides
-        half = min(bulk.centre - bulk.grid.start, bulk.grid.end - bulk.centre)
-        return _NOISE * bulk.noise * half**2 / (math.sqrt(2.0 * math.pi) * bulk.deviation)
-
-    def _joined(self, x: FloatArray) -> FloatArray:
-        """ln g at x, shape (n,), from what is solved so far; -inf elsewhere."""
-        out = np.full(x.shape, -math.inf)
-        chosen = np.searchsorted(self._seams, x)
-        if self._low is not None:
-            chosen[x < self._low.top] = -1
-        elif self._reaches_rest:
-            chosen[x < self.tilts[0].bottom] = -1
-        for i, tilt in enumerate(self.tilts):
-            mine = (chosen == i) & (x >= tilt.grid.start) & (x <= tilt.grid.x[-1])
-            if np.any(mine):
-                out[mine] = tilt.log_density(x[mine]) + self.scales[i]
-        mine = chosen == -1
-        if np.any(mine):
-            if self._reaches_rest:
-                below = mine & (x < self._bottom)
-                out[below] = self._power_of_speed(x[below])
-            if self._low is not None:
-                mine &= x >= self._low.bottom
-                out[mine] = self._low.log_density(x[mine])
-        return out
-
-    def _power_of_speed(self, x: FloatArray) -> FloatArray:
-        """ln g below all that is solved, where bounces come as near to rest as one likes: q x.
-
-        With the next factor, exp(-q e^x), where it is known in closed form: s^q uniform.
+        Over e^log_w, (nodes - 1,).
         """
-        base = self._bottom if self._low is None else self._low.lowest_node
-        q = -self.law.lowest_power
-        out = self._log_at_bottom() + q * (x - base)
-        if self.law.uniform_power:
-            out = out - q * (np.exp(x) - math.exp(base))
-        return np.asarray(out)
+        total = np.zeros((2, log_w.size))
+        for m, group in losses.outside.items():
+            if m > len(self._panels):
+                break
+            panel = self._panels[-m]
+            w = np.exp(group.rows @ panel.log_w - log_w[group.node]) * (group.rows @ panel.q)
+            total[0] += np.bincount(group.node, group.flux * w, total.shape[1])
+            total[1] += np.bincount(group.node, group.back * w, total.shape[1])
+        return total

@@ -1,7 +1,7 @@
 """The scaled velocity distribution from the discretised solver: F(c), h, a2 and moments.
 
 :class:`ScaledVDF` puts its questions to a :class:`kinetics.scaling.axis.SpeedAxis`, which
-solves the parts of the speed axis that they need and holds ln g, accurate relative to g.
+marches down the speed axis as far as they need and holds ln g, accurate relative to g.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics import FloatArray
 from kinetics.results import Result
-from kinetics.scaling.axis import SpeedAxis
+from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
 from kinetics.scaling.closed_form import from_rest, scaled_dataset, scaled_figures
-from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
@@ -51,7 +50,7 @@ class ScaledVDF(Result):
     ----------
     restitution : e, or a :class:`kinetics.CollisionLaw`
     rtol : the relative accuracy asked for
-    requested_nodes : nodes of each tilt, or None for the solver's own choice
+    requested_nodes : nodes of each panel of the axis, or None for the solver's own choice
     tangential_restitution : et
     dimension : 2 or 3
     scatterers, number_density, diameter, density_order, mass_ratio : as in :func:`solve_scaled`
@@ -141,16 +140,15 @@ class ScaledVDF(Result):
     @property
     def nodes(self) -> int:
         """Nodes of the speed axis, over all that was solved so far."""
-        return sum(t.grid.nodes for t in self._axis.tilts)
+        return self._axis.nodes
 
     @property
     def error_estimate(self) -> float:
         """Relative error of the results, over all that was solved so far.
 
-        The largest of each tilt's defect, window ends and highest modes, and of what moments lose
-        to noise; with the disagreement of neighbours about the shape of F where they meet, and
-        with what the error of the unit of speed makes of F(c) where F is steep. It is at least a
-        floor for rounding, ten times the largest that was found on three kinds of processor:
+        From the last Chebyshev coefficients of the density on each panel, from A(1) = A(0), and
+        from what the error of the unit of speed makes of F(c) where F is steep. A floor for
+        rounding is added, ten times the largest that was found on three kinds of processor:
         1.4e-14 times the larger of p for <c^p> and, for F(c), its steepness |d ln F/d ln c|.
         """
         return self._axis.error_estimate
@@ -212,7 +210,7 @@ class ScaledVDF(Result):
     @cached_property
     def _log_second(self) -> float:
         """Log of A(2) = kappa^2 <(v t/l)^2>: p/2 of its error gets into <c^p>."""
-        log_second = self._axis.log_sum(2.0, share=0.25) - self._log_norm
+        log_second = self._axis.log_sum(2.0) - self._log_norm
         if abs(log_second) < 50.0:  # A(2) is between 1 and 2
             return log_second
         self._axis.unresolved = True
@@ -247,7 +245,8 @@ def solve_scaled(
     restitution : e, 0 <= e < 1 for smooth scatterers; or a :class:`kinetics.CollisionLaw`
     rtol : relative accuracy asked of h, a2, the moments and F(c), 1e-14 to 0.1; below 1.4e-14 times
         the steepness |d ln F/d ln c| nothing is promised, and the status says so
-    nodes : nodes of each tilt, for convergence studies; chosen from rtol by default
+    nodes : nodes of each panel of the axis, 8 to 256, for convergence studies; chosen from rtol
+        by default
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 or 3
     scatterers, number_density, diameter, density_order, mass_ratio : as in
@@ -275,7 +274,7 @@ def solve_scaled(
         allowed = "the solver takes 0, or speed ratios of 1e-100 at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
     if nodes is not None:
-        nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
+        nodes = whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES)
     solution = ScaledVDF(
         rtol=check_rtol(rtol),
         requested_nodes=nodes,

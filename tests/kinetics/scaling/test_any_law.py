@@ -1,6 +1,7 @@
 """The scaling state of spheres, of rough scatterers and of laws of one's own."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,3 +114,28 @@ def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
         assert vdf.moment(p) == pytest.approx(exact.moment(p), rel=1e-12)
     low = vdf.vdf(np.array([1e-12, 1e-22]))
     assert low[1] / low[0] == pytest.approx(1e-10 ** (-law.lowest_power - dimension), rel=1e-10)
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-9])
+@pytest.mark.parametrize(
+    "law",
+    [
+        {"restitution": 0.0, "dimension": 3},
+        {"restitution": 0.3},
+        {"restitution": 0.9},
+        {"restitution": 1.0, "tangential_restitution": 0.5},
+        {"restitution": CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.0, 0.0])},
+        {"restitution": 0.3, "scatterers": "hard disks", "number_density": 0.04},
+        {"restitution": 0.7, "scatterers": "hard disks", "number_density": 0.04},
+    ],
+)
+def test_the_estimate_is_above_the_error(law: dict[str, Any], rtol: float) -> None:
+    """Of h, a2 and F(c) from the bulk up to 1e-97 of it, against the closed form."""
+    exact, found = ScalingSolution(**law), solve_scaled(**law, rtol=rtol)
+    h, a2 = found.cooling_rate / exact.cooling_rate, (1.0 + found.a2) / (1.0 + exact.a2)
+    assert max(abs(h - 1.0), abs(a2 - 1.0)) <= found.error_estimate
+    c = np.linspace(1.0, 300.0 * exact.cooling_rate, 300)
+    f = exact.vdf(c)
+    c, f = c[f > 1e-97], f[f > 1e-97]
+    error = np.abs(found.reached_vdf(c) / f - 1.0).max()
+    assert error <= found.error_estimate + 1e-12 <= rtol
