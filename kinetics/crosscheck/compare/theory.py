@@ -261,7 +261,7 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
 # -- the theory's own error, among scatterers at a finite density ----------------------------------
 
 _OWN_ERROR: Mapping[str, tuple[float, float]] = {
-    "thermal_speed": (0.1, 0.06), "a2": (0.2, 0.4), "msd": (0.12, 0.12), "kurtosis": (0.12, 0.12),
+    "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
 }  # fmt: skip
 """Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
