@@ -123,7 +123,7 @@ def test_a_pulse_of_neutrons_has_the_steps_of_placzek() -> None:
     times = np.geomspace(3e-3, 300, 40)
     scene = Scene(
         1.0, 1 / np.pi, dimension=3, mass_ratio=12, initial=Monoenergetic(1.0), times=times,
-        outputs=("speed_density", "collisions"),
+        outputs=("speed_density",),
     )  # fmt: skip
     solution, law = solve(scene, rtol=1e-2), CollisionLaw(1.0, dimension=3, mass_ratio=12)
     least = law.least_ratio**2
@@ -131,8 +131,18 @@ def test_a_pulse_of_neutrons_has_the_steps_of_placzek() -> None:
     v = np.exp(-u / 2)
     found = np.trapezoid(solution.speed_density(v).T * times, np.log(times)) * v**2 / 2
     np.testing.assert_allclose(found, [placzek(x, least) for x in u], rtol=2e-3)
-    # exact: mean lethargy is xi times the mean number of collisions; <1/v> grows by t/(A l)
-    p = 1e-5
-    lethargy = 2 * law.mean_log_loss * solution.collisions
-    np.testing.assert_allclose(2 * (1 - solution.moment(p)) / p, lethargy, rtol=5e-4)
-    np.testing.assert_allclose(solution.moment(-1.0), 1 + times / 12, rtol=1e-5)
+
+
+@pytest.mark.parametrize("mass", [0.5, 2, 12])
+def test_lethargy_and_slowness_over_time(mass: float) -> None:
+    """Mean lethargy: xi times the mean number of collisions. <1/v>: grows by t/l times A or 1/A."""
+    times = np.geomspace(0.1, 1e3, 9)
+    scene = Scene(
+        1.0, 1 / np.pi, dimension=3, mass_ratio=mass, initial=Monoenergetic(1.0), times=times,
+        outputs=("collisions",),
+    )  # fmt: skip
+    solution, p = solve(scene, rtol=1e-10), 1e-4
+    xi = 2 * CollisionLaw(1.0, dimension=3, mass_ratio=mass).mean_log_loss
+    found = (solution.moment(-p) - solution.moment(p)) / p
+    np.testing.assert_allclose(found, xi * solution.collisions, rtol=1e-5)
+    np.testing.assert_allclose(solution.moment(-1.0), 1 + times * min(mass, 1 / mass), rtol=1e-8)
