@@ -3,13 +3,16 @@
 DynamO (event-driven molecular dynamics) and LAMMPS (granular, restitution .700 measured head on):
 hard disks in the plane from a Gaussian start. ThunderBoltz (particle Monte Carlo of swarms): a cold
 gas of fixed cross-section in space, where a tracer of mass m among scatterers of mass M at rest
-loses speed as by the restitution (M - m)/(M + m).
+loses speed as by the restitution (M - m)/(M + m). Then what text books have of neutrons.
 """
+
+import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
-from kinetics import Scene, solve, solve_field
+from kinetics import CollisionLaw, Monoenergetic, Scene, solve, solve_field
 
 DYNAMO: dict[tuple[float, float], dict[float, float]] = {
     (0.02, 0.4): {1: -2.6, 3: -4.6, 10: -7.0, 30: -7.9, 100: -8.6},
@@ -50,15 +53,96 @@ def test_the_displacement_among_the_disks_of_lammps() -> None:
     assert abs(apart[-1]) < 2.0
 
 
-@pytest.mark.parametrize(("e", "drift", "error"), [(0.0, 1.14646, 3.4e-4), (0.5, 0.73960, 3.3e-4)])
-def test_the_drift_of_swarms(e: float, drift: float, error: float) -> None:
-    state = solve_field(e, dimension=3, rtol=1e-8)
+@pytest.mark.parametrize(("heavier", "drift", "error"), [(1, 1.14646, 3.4e-4), (3, 0.7396, 3.3e-4)])
+def test_the_drift_of_swarms(heavier: int, drift: float, error: float) -> None:
+    state = solve_field(1.0, dimension=3, rtol=1e-8, mass_ratio=heavier)
     assert abs(state.drift - drift) < 3 * error
+    e = (heavier - 1) / (heavier + 1)
+    assert solve_field(e, dimension=3, rtol=1e-8).drift == pytest.approx(state.drift, rel=1e-8)
 
 
 def test_the_dispersion_of_swarms() -> None:
     """Fits of the program without an error bar, of three digits."""
-    for e, along, across in ((0.0, 0.222, 0.323), (0.5, 0.207, 0.333)):
-        state = solve_field(e, dimension=3, rtol=1e-8)
+    for heavier, along, across in ((1, 0.222, 0.323), (3, 0.207, 0.333)):
+        state = solve_field(1.0, dimension=3, rtol=1e-8, mass_ratio=heavier)
         assert state.diffusion_parallel == pytest.approx(along, rel=0.02)
         assert state.diffusion_perpendicular == pytest.approx(across, rel=0.02)
+
+
+def test_the_mean_loss_of_neutrons() -> None:
+    """Printed tables of xi, and 2/(A + 2/3), said to be off by 3 per cent at A = 2."""
+    for mass, printed, digits in ((1, 1.0, 3), (2, 0.725, 3), (12, 0.158, 3), (238, 0.0084, 4)):
+        xi = 2 * CollisionLaw(1.0, dimension=3, mass_ratio=mass).mean_log_loss
+        assert round(xi, digits) == printed
+        if mass > 1:
+            assert xi == pytest.approx(2 / (mass + 2 / 3), rel=0.035 if mass < 10 else 1e-3)
+
+
+def placzek(u: float, least: float) -> float:
+    """Collisions per lethargy at u after the first one, all intervals ln(1/least) in closed form.
+
+    In the first it is exp(a u/(1 - a))/(1 - a).
+    """
+    width, rate = -math.log(least), least / (1 - least)
+
+    def wave(k: int, x: float) -> float:
+        return x**k / math.factorial(k) * math.exp(rate * x) if x >= 0 else 0.0
+
+    intervals = range(int(u / width) + 1)
+    terms = ((-rate) ** k * (wave(k, u - k * width) - least * wave(k, u - (k + 1) * width))
+             for k in intervals)  # fmt: skip
+    return sum(terms) / (1 - least)
+
+
+@pytest.mark.parametrize("mass", [2, 3])
+def test_the_collision_density_of_placzek(mass: int) -> None:
+    law = CollisionLaw(1.0, dimension=3, mass_ratio=mass)
+    least = law.least_ratio**2
+    step = -math.log(least)
+    # it rises to the first step, falls there by a/(1 - a), and comes to 1/xi
+    assert placzek(0.0, least) == pytest.approx(1 / (1 - least))
+    assert placzek(0.999 * step, least) > 1.05 / (2 * law.mean_log_loss)
+    fall = placzek(step - 1e-9, least) - placzek(step + 1e-9, least)
+    assert fall == pytest.approx(least / (1 - least), rel=1e-6)
+    late = 8 * step
+    assert placzek(late, least) == pytest.approx(1 / (2 * law.mean_log_loss), rel=1e-6)
+    # its transform: all collisions 1/(1 - E[s^(2 q)]), without the first one
+    for q in (0.5, 1.0, 4.0):
+        ends = [k * step for k in range(9)]
+        parts = [
+            quad(lambda u, q=q: placzek(u, least) * math.exp(-q * u), *ends[k : k + 2])[0]
+            for k in range(8)
+        ]
+        tail = math.exp(-q * late) / (2 * law.mean_log_loss * q)
+        exact = 1 / (1 - law.mean_speed_ratio_power(2 * q)) - 1
+        assert sum(parts) + tail == pytest.approx(exact, rel=1e-7), q
+
+
+def test_a_pulse_of_neutrons_has_the_steps_of_placzek() -> None:
+    """v f/l over all times, per lethargy u = 2 ln(1/v), from the densities of the speed."""
+    times = np.geomspace(3e-3, 300, 40)
+    scene = Scene(
+        1.0, 1 / np.pi, dimension=3, mass_ratio=12, initial=Monoenergetic(1.0), times=times,
+        outputs=("speed_density",),
+    )  # fmt: skip
+    solution, law = solve(scene, rtol=1e-2), CollisionLaw(1.0, dimension=3, mass_ratio=12)
+    least = law.least_ratio**2
+    u = -math.log(least) * np.array([0.01, 0.5, 0.97, 1.03, 1.6, 2.5])
+    v = np.exp(-u / 2)
+    found = np.trapezoid(solution.speed_density(v).T * times, np.log(times)) * v**2 / 2
+    np.testing.assert_allclose(found, [placzek(x, least) for x in u], rtol=2e-3)
+
+
+@pytest.mark.parametrize("mass", [0.5, 2, 12])
+def test_lethargy_and_slowness_over_time(mass: float) -> None:
+    """Mean lethargy: xi times the mean number of collisions. <1/v>: grows by t/l times A or 1/A."""
+    times = np.geomspace(0.1, 1e3, 9)
+    scene = Scene(
+        1.0, 1 / np.pi, dimension=3, mass_ratio=mass, initial=Monoenergetic(1.0), times=times,
+        outputs=("collisions",),
+    )  # fmt: skip
+    solution, p = solve(scene, rtol=1e-10), 1e-4
+    xi = 2 * CollisionLaw(1.0, dimension=3, mass_ratio=mass).mean_log_loss
+    found = (solution.moment(-p) - solution.moment(p)) / p
+    np.testing.assert_allclose(found, xi * solution.collisions, rtol=1e-5)
+    np.testing.assert_allclose(solution.moment(-1.0), 1 + times * min(mass, 1 / mass), rtol=1e-8)
