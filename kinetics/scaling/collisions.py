@@ -91,7 +91,7 @@ def cumulants(law: CollisionLaw, n: int, of_path: bool) -> FloatArray:
     E[exp(u N)] ~ t^theta with -ln(1 - lambda(theta)) = u; E[exp(u X)] with lambda(theta) = u. The
     series of theta in u is Lagrange's reversion, and its coefficients times k! are the cumulants.
     """
-    c = law.decay_taylor(np.zeros(1), n + 1)
+    c = _taylor_at_zero(law, n + 1)
     if not of_path:
         c = [-one for one in taylor_of_log([np.ones(1), *(-one for one in c[1:])])]
     f = np.array([float(one[0]) for one in c[1:]])  # u/theta
@@ -104,3 +104,13 @@ def cumulants(law: CollisionLaw, n: int, of_path: bool) -> FloatArray:
         power = np.convolve(power, inverse)[:n]
         out[k - 1] = math.factorial(k - 1) * power[k - 1]
     return out
+
+
+def _taylor_at_zero(law: CollisionLaw, orders: int) -> list[NDArray[Any]]:
+    """Taylor coefficients of lambda at 0, from order 0 to orders - 1, each (1,)."""
+    if not law.reaches_rest:
+        return law.decay_taylor(np.zeros(1), orders)
+    # high powers of ln s see bounces beyond all points: from a circle, which encloses no pole
+    turn = np.exp(2j * math.pi * np.arange(64) / 64)
+    found = np.fft.fft(law.decay_symbol(-0.5 * law.lowest_power * turn)).real / 64
+    return [np.array([found[k] / (-0.5 * law.lowest_power) ** k]) for k in range(orders)]
