@@ -49,7 +49,6 @@ def test_the_series_in_time_tends_to_the_power(law: CollisionLaw, z: float) -> N
                 term *= -mp.mpf(t) / (k + 1) * (1 - z * one)
                 total += term
             left.append(float(total / (amplitude * mp.mpf(t) ** theta)) - 1.0)
-    print(left)
     assert abs(left[2]) < 0.2
     twice = [2.0 * left[1] - left[0], 2.0 * left[2] - left[1]]  # without the term 1/t
     assert abs(twice[1]) < 0.35 * abs(twice[0])  # a quarter, and further terms
