@@ -116,8 +116,8 @@ class CollisionLaw:
             every azimuth
         dimension : 2 or 3
 
-        Averages are the sums over the samples; :meth:`mixture` mixes laws. Ratios above 1 have averages,
-        but the solvers refuse them: they need a tracer that never gains energy.
+        Averages are the sums over the samples; :meth:`mixture` mixes laws. Ratios above 1 have
+        averages, but the solvers refuse them: they need a tracer that never gains energy.
 
         Raises
         ------
