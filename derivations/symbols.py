@@ -200,6 +200,8 @@ cos_chi = _real("cos_chi", "mean cosine of the deflection angle", latex=r"\langl
 klog = _positive("kappa_ln", "mean log loss E[-ln s]", latex=r"\kappa_{\ln}")
 lam = _positives("lambda", "loss of |v|^p per collision, E[1 - s^p]")
 MY = _positives("M_Y", "moment E[Y^p] of Y = lim v t/l")
+VarN = _positive("Var_N", "growth of Var N(t) per ln t", latex=r"d\,\mathrm{Var}\,N/d\ln t")
+VarX = _positive("Var_X", "growth of Var X(t) per ln t", latex=r"d\,\mathrm{Var}\,X/d\ln t")
 gap = _positive("delta", "1 - e")
 width2 = _positive("w2", "relative variance of the speed", latex=r"w^2")
 power = _real("power", "power of c in the tail of F")

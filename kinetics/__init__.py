@@ -55,7 +55,7 @@ _SHOWN = {
     "status": "SolverStatus",
 }
 _HIDDEN = {
-    "collision.bounce": "SampledBounce",
+    "collision.bounce": "DiskBounce MixedBounce SampledBounce",
     "crosscheck": "Comparison",
     "field.solution": "FieldUnits",
     "moments.by_collision": "ByCollision",

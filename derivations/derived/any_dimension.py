@@ -126,6 +126,30 @@ def _any_slope() -> Derived:
     )
 
 
+@derives("beyond:collision-number")
+def _collision_number() -> Derived:
+    # E[z^N] ~ t^theta: d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)] is solved by powers
+    # t^(theta-p) at every p but where 1 - z phi(theta) = 0, phi(p) = E[s^p]
+    u, first, second = sp.symbols("u theta_1 theta_2")
+    theta = first * u + second * u**2 / 2
+    square = Avg(sp.log(s.s) ** 2)
+    phi = 1 - s.klog * theta + square * theta**2 / 2
+    # z = exp(u) counts collisions; E[exp(u X/l)] over a flight is 1/(1 - u)
+    found = []
+    for z in (sp.exp(u), 1 / (1 - u)):
+        left = sp.series(1 - z * phi, u, 0, 3).removeO().expand()
+        (mean,) = sp.solve(left.coeff(u, 1), first)
+        (variance,) = sp.solve(left.coeff(u, 2).subs(first, mean), second)
+        must(sp.simplify(mean - 1 / s.klog) == 0, "the mean does not grow as ln t/kappa")
+        found.append(sp.factor(variance))
+    return result(
+        sp.Tuple(eq(s.VarN, found[0]), eq(s.VarX, s.l**2 * found[1])),
+        ("phi(theta) = E[s^theta], up to the second order", phi),
+        note="E[exp(u N)] grows as t^theta(u), phi(theta) = exp(-u), and E[exp(u X/l)] with "
+        "phi(theta) = 1 - u: derivatives of theta at u = 0 are the cumulants per ln t.",
+    )
+
+
 # -- the chain of <r^4> ---------------------------------------------------------------------------
 
 COSINE = sp.Symbol("cosine", real=True)

@@ -126,6 +126,9 @@ ANY_LAW: dict[str, tuple[Any, ...]] = {
         eq(s.msdN(s.N), 2 * s.l**2 * (s.N / (1 - s.cos_chi) - s.cos_chi * (1 - s.cos_chi**s.N)
             / (1 - s.cos_chi)**2)),
         eq(Partial(s.msd(s.t), sp.log(s.t)), 2 * s.l**2 / (s.klog * (1 - s.cos_chi)))),
+    "beyond:collision-number": ("variances of collisions and path, per ln t at late times",
+        eq(s.VarN, (Avg(sp.log(s.s)**2) - s.klog**2) / s.klog**3),
+        eq(s.VarX, s.l**2 * Avg(sp.log(s.s)**2) / s.klog**3)),
     "beyond:quartic-plane": ("the chain of <r^4> in the plane, harmonics i^m exp(i m phi)",
         eq(_grows(_chi1), Avg(sp.cos(s.chi) * s.chi1(_later)) - _chi1 + 1),
         eq(_grows(_rho2), Avg(s.rho2(_later)) - _rho2 + 2 * _chi1),

@@ -8,7 +8,8 @@ by -e, the tangential one, y, by et. In units of its speed before the bounce (pa
     speed                 s^2 = e^2 (1 - y^2) + et^2 y^2
     parallel component    s cos(chi) = et y^2 - e (1 - y^2)
 
-Any other law is made of samples. Both kinds have the same methods, and the law asks for no more.
+Any other law is made of samples, or a mixture of these. All kinds have the same methods, and the
+law asks for no more.
 """
 
 from __future__ import annotations
@@ -80,6 +81,16 @@ class DiskBounce:
         if e < 1.0:
             return 0.0
         return 2.0 / ((1.0 - et) * (1.0 + et)) if self.dimension == 3 else math.nan
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes one value only."""
+        return self.restitution == self.tangential_restitution
+
+    @property
+    def parts(self) -> tuple[DiskBounce | SampledBounce, ...]:
+        """The bounces that a mixture is made of: this one."""
+        return (self,)
 
     @cached_property
     def _top(self) -> float:
@@ -201,6 +212,7 @@ class SampledBounce:
     cosine: tuple[float, ...]
     dimension: int = 2
     lowest_power = -math.inf  # every power has an average
+    has_atoms = True
 
     @classmethod
     def checked(
@@ -241,6 +253,11 @@ class SampledBounce:
         """0 where every bounce loses energy; infinite where a share of them loses none."""
         return 0.0 if self.least_loss > 0.0 else math.inf
 
+    @property
+    def parts(self) -> tuple[DiskBounce | SampledBounce, ...]:
+        """The bounces that a mixture is made of: this one."""
+        return (self,)
+
     def turns(self, rate: float, m: int) -> float:
         """Samples are summed as they are."""
         return 0.0
@@ -279,3 +296,98 @@ class SampledBounce:
         """The samples and the cell of each."""
         q = self.quadrature(0)
         return q, np.floor(q.log_loss / spacing).astype(np.int64)
+
+
+@dataclass(frozen=True)
+class MixedBounce:
+    """Each bounce is one of the parts, by chance; see :meth:`CollisionLaw.mixture`.
+
+    Parameters
+    ----------
+    weight : of each part, positive, sum 1
+    parts : bounces of one dimension; those that may stop a tracer come first
+    """
+
+    weight: tuple[float, ...]
+    parts: tuple[DiskBounce | SampledBounce, ...]
+
+    @classmethod
+    def of(cls, weight: FloatArray, bounces: list[Bounce]) -> MixedBounce:
+        """Mixtures among the bounces are taken apart; weights are positive, shape (n_bounces,)."""
+        shares = weight / weight.sum()
+        found: list[tuple[float, DiskBounce | SampledBounce]] = []
+        for share, bounce in zip(shares.tolist(), bounces, strict=True):
+            own = bounce.weight if isinstance(bounce, MixedBounce) else (1.0,)
+            found += [(share * w, part) for w, part in zip(own, bounce.parts, strict=True)]
+        found.sort(key=lambda one: -one[1].lowest_power)
+        return cls(tuple(w for w, _ in found), tuple(part for _, part in found))
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return self.parts[0].dimension
+
+    @property
+    def least_loss(self) -> float:
+        """-ln of the largest speed ratio."""
+        return min(part.least_loss for part in self.parts)
+
+    @property
+    def largest_loss(self) -> float:
+        """-ln of the smallest speed ratio."""
+        return max(part.largest_loss for part in self.parts)
+
+    @property
+    def lowest_power(self) -> float:
+        """E[s^p] exists above it."""
+        return max(part.lowest_power for part in self.parts)
+
+    @property
+    def tail_exponent(self) -> float:
+        """b where E[s^p] tends to b/p: the sum of those of the parts."""
+        return self._sum([part.tail_exponent for part in self.parts])
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes single values at some of the bounces."""
+        return any(part.has_atoms for part in self.parts)
+
+    def _sum(self, values: list[Any]) -> Any:
+        """The weighted sum of a value of each part."""
+        return sum(w * value for w, value in zip(self.weight, values, strict=True))
+
+    def turns(self, rate: float, m: int) -> float:
+        """The most of any part."""
+        return max(part.turns(rate, m) for part in self.parts)
+
+    def quadrature(self, level: int) -> ImpactQuadrature:
+        """The parts' points, joined."""
+        return self._joined([part.quadrature(level) for part in self.parts])
+
+    def _joined(self, found: list[ImpactQuadrature]) -> ImpactQuadrature:
+        weight = np.concatenate([w * q.weight for w, q in zip(self.weight, found, strict=True)])
+        rows = ((q.log_loss, q.ratio, q.parallel) for q in found)
+        loss, ratio, parallel = (np.concatenate(row) for row in zip(*rows, strict=True))
+        across = None
+        if any(q.across is not None for q in found):
+            across = np.concatenate([q.ratio * np.sin(q.deflection) for q in found])
+        return ImpactQuadrature(weight, loss, ratio, parallel, self.dimension, across)
+
+    def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
+        """The weighted sum of what the parts leave out."""
+        found: NDArray[Any] | float = self._sum([part.beyond(p) for part in self.parts])
+        return found
+
+    def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
+        """The parts' points, joined."""
+        found = [part.survival(level, rate) for part in self.parts]
+        weight = [w * each for w, (_, each) in zip(self.weight, found, strict=True)]
+        return np.concatenate([u for u, _ in found]), np.concatenate(weight)
+
+    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
+        """The parts' points, joined, and the cell of each."""
+        found, cells = zip(*(part.cells(spacing, points) for part in self.parts), strict=True)
+        return self._joined(list(found)), np.concatenate(cells)
+
+
+Bounce = DiskBounce | SampledBounce | MixedBounce

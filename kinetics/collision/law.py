@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -18,12 +19,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision.averages import ImpactQuadrature
-from kinetics.collision.bounce import RESOLVED, DiskBounce, SampledBounce
+from kinetics.collision.bounce import RESOLVED, Bounce, DiskBounce, MixedBounce, SampledBounce
 from kinetics.collision.medium import SCATTERERS, Medium, checked_medium
 from kinetics.errors import InputError, short
 from kinetics.validation import (
     check_mass_ratio,
     check_restitution,
+    finite_line,
     number_array,
     real_number,
     refuse,
@@ -54,9 +56,10 @@ class CollisionLaw:
     ------
     InputError (a ValueError) : an argument out of range or not a number
 
-    A law that is not of this form is made by :meth:`from_samples`; its ``restitution`` and
-    ``tangential_restitution`` are None. That of a scene at a finite density has a ``medium``: what
-    belongs to one collision is as without it, rates of decay are those of the medium.
+    A law that is not of this form is made by :meth:`from_samples` or :meth:`mixture`; its
+    ``restitution`` and ``tangential_restitution`` are None. That of a scene at a finite density has
+    a ``medium``: what belongs to one collision is as without it, rates of decay are those of the
+    medium.
 
     With a finite mass ratio ``restitution`` is that of the relative velocity, and the bounce is
     that off a fixed scatterer of ``effective_restitution``, which e stands for everywhere else.
@@ -75,7 +78,7 @@ class CollisionLaw:
     restitution: float | None
     tangential_restitution: float | None = 1.0
     dimension: int = 2
-    _samples: SampledBounce | None = field(default=None, repr=False)
+    _samples: SampledBounce | MixedBounce | None = field(default=None, repr=False)
     medium: Medium | None = field(default=None, repr=False)
     mass_ratio: float = math.inf
 
@@ -113,9 +116,8 @@ class CollisionLaw:
             every azimuth
         dimension : 2 or 3
 
-        Averages are the sums over the samples. Two laws mix by joining ``quadrature.weight`` times
-        their shares, ``quadrature.ratio`` and ``quadrature.cosine``. Ratios above 1 have averages,
-        but the solvers refuse them: they need a tracer that never gains energy.
+        Averages are the sums over the samples; :meth:`mixture` mixes laws. Ratios above 1 have
+        averages, but the solvers refuse them: they need a tracer that never gains energy.
 
         Raises
         ------
@@ -129,7 +131,54 @@ class CollisionLaw:
         samples = SampledBounce.checked(weight, ratio, cosine, dimension)
         return cls(None, None, dimension, samples)
 
+    @classmethod
+    def mixture(cls, weights: ArrayLike, laws: Sequence[CollisionLaw]) -> CollisionLaw:
+        """Each collision follows one of the laws, drawn anew: a random restitution, or scatterers
+        of several kinds.
+
+        Parameters
+        ----------
+        weights : the chance of each law at a collision, above 0, up to a common factor, (n_laws,).
+            For kinds of scatterers it is in proportion to number density times cross section, and
+            l is the mean free path among all of them
+        laws : of one dimension, each of any form, without a medium
+
+        E[s^p cos(m chi)] is the weighted sum of those of the laws, to the same accuracy: what is
+        smooth stays smooth. It is for dilute scatterers: a finite density is refused.
+
+        Raises
+        ------
+        InputError (a ValueError) : weights or laws out of range
+
+        >>> mixed = CollisionLaw.mixture([1, 3], [CollisionLaw(0.5), CollisionLaw(0.9)])
+        >>> bool(abs(mixed.decay_rate(2) - 2 / 3 * (1 - (0.5**2 + 3 * 0.9**2) / 4)) < 1e-15)
+        True
+        """
+        given = list(laws) if isinstance(laws, Sequence) else laws
+        allowed = "give a list of CollisionLaw"
+        if not (isinstance(given, list) and given):
+            refuse("laws", laws, allowed)
+        for law in given:
+            if not isinstance(law, CollisionLaw):
+                refuse("laws", law, allowed)
+            if law.dimension != given[0].dimension:
+                refuse(
+                    "laws", law, f"all must have one dimension, the first has {given[0].dimension}"
+                )
+            if law.medium is not None:
+                refuse("laws", law, "a mixture is derived for dilute scatterers only, no medium")
+        w = finite_line("weights", weights)
+        if w.size != len(given):
+            refuse("weights", weights, f"it must have as many numbers as laws, {len(given)}")
+        if np.any(w <= 0.0) or not math.isfinite(w.sum()):
+            refuse("weights", float(w.min()), "each weight must be above 0, and their sum finite")
+        bounce = MixedBounce.of(w, [law._bounce for law in given])
+        return cls(None, None, bounce.dimension, bounce)
+
     def __repr__(self) -> str:
+        if isinstance(self._samples, MixedBounce):
+            count = len(self._samples.weight)
+            return f"CollisionLaw.mixture({count} laws, dimension={self.dimension})"
         if self._samples is not None:
             count = len(self._samples.weight)
             return f"CollisionLaw.from_samples({count} samples, dimension={self.dimension})"
@@ -153,7 +202,7 @@ class CollisionLaw:
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """What :func:`law_of` makes this law of; ``restitution`` is the law itself for samples."""
+        """What :func:`law_of` makes this law of; ``restitution`` is the law itself without one."""
         return {
             "restitution": self if self._samples is not None else self.restitution,
             "tangential_restitution": self.tangential_restitution,
@@ -164,7 +213,7 @@ class CollisionLaw:
     # -- what kind of law it is -------------------------------------------------------------------
 
     @cached_property
-    def _bounce(self) -> DiskBounce | SampledBounce:
+    def _bounce(self) -> Bounce:
         if self._samples is not None:
             return self._samples
         assert self.effective_restitution is not None
@@ -176,7 +225,7 @@ class CollisionLaw:
         """e of the fixed scatterer that leaves the tracer the same velocity, -1 < e <= 1.
 
         With A the mass ratio 1 + e = (1 + restitution) A/(1 + A). Below 0 the tracer goes on behind
-        the scatterer that it has hit. None for samples.
+        the scatterer that it has hit. None for samples and mixtures.
         """
         if self.restitution is None or self.mass_ratio == math.inf:
             return self.restitution
@@ -204,9 +253,24 @@ class CollisionLaw:
 
     @property
     def has_atoms(self) -> bool:
-        """Whether s takes single values only: samples, or et = e."""
-        e, et = self.effective_restitution, self.tangential_restitution
-        return self._samples is not None or e == et
+        """Whether s takes single values, each with a chance of its own: samples, or et = e."""
+        return self._bounce.has_atoms
+
+    @cached_property
+    def disk_restitutions(self) -> tuple[float, ...]:
+        """The effective restitutions of the disks or spheres of which the law is made."""
+        return tuple(p.restitution for p in self._bounce.parts if isinstance(p, DiskBounce))
+
+    @cached_property
+    def throws_back(self) -> bool:
+        """Whether samples throw some of the tracers straight back."""
+        samples = (p.quadrature(0) for p in self._bounce.parts if isinstance(p, SampledBounce))
+        return any(bool(np.any(q.weight[q.cosine < -1.0 + 1e-9] > 0.0)) for q in samples)
+
+    @cached_property
+    def loss_ends(self) -> tuple[float, ...]:
+        """The least and the largest -ln s of each part of the law: its density steps there."""
+        return tuple(x for p in self._bounce.parts for x in (p.least_loss, p.largest_loss))
 
     @cached_property
     def lowest_power(self) -> float:
@@ -450,7 +514,7 @@ def _size(z: NDArray[Any]) -> float:
 
 
 @lru_cache(maxsize=64)
-def _kept_quadrature(bounce: DiskBounce | SampledBounce, level: int) -> ImpactQuadrature:
+def _kept_quadrature(bounce: Bounce, level: int) -> ImpactQuadrature:
     """The same quadrature again: it is not made twice."""
     return bounce.quadrature(level)
 
@@ -490,7 +554,7 @@ def law_in_medium(
     """The law among these scatterers; the law itself where they are dilute.
 
     Raises InputError for unknown names, for a density above 0.3 d^-2, and for laws for which the
-    theory is not derived: rough scatterers, spheres, samples, a finite mass ratio.
+    theory is not derived: rough scatterers, spheres, samples, mixtures, a finite mass ratio.
     """
     if law.mass_ratio < math.inf and scatterers in SCATTERERS[1:]:
         refuse(

@@ -30,10 +30,12 @@ _FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; what is 0 of a 
 def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     """The zeros z of lambda(z) with -1 < Re z <= 0 and 0 < -Im z < highest, by -Im z.
 
-    None at smooth scatterers: only laws that have a least loss, or that take single values of s,
-    are looked at (tests/kinetics/collision/test_memory.py counts the zeros of both kinds).
+    None at smooth scatterers: only laws that have a least loss, that take single values of s, or
+    that are mixtures are looked at (tests/kinetics/collision/test_memory.py counts the zeros of
+    both kinds).
     """
-    if law.is_elastic or (law.least_loss == 0.0 and not law.has_atoms):
+    smooth = law.least_loss == 0.0 and not law.has_atoms and len(law.loss_ends) == 2
+    if law.is_elastic or smooth:
         return ()
     if not law.has_atoms:
         highest = min(highest, 64.0)  # faster waves fall faster than 1/t there

@@ -102,7 +102,7 @@ def speed_fronts(law: CollisionLaw, start: LogMeasure | None) -> FloatArray:
     """
     if start is None or law.is_elastic:
         return np.zeros(0)
-    ends = [-law.least_loss, -law.largest_loss]
+    ends = [-loss for loss in law.loss_ends]
     moved = [0.0, *ends, *(a + b for a in ends for b in ends)]
     found = np.exp(np.add.outer(np.unique(start.x), np.unique(moved)).ravel())
     return np.unique(found[found > 0.0])

@@ -148,8 +148,8 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
     Bounces that change a velocity by a small share 1 + e of it end these waves only later.
     """
     turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
-    e = law.effective_restitution
-    if e is not None and e < 0.0:
+    e = min(law.disk_restitutions, default=0.0)
+    if e < 0.0:
         turns *= (1.0 + e) ** -0.5
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
@@ -169,8 +169,7 @@ def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: flo
 @lru_cache(maxsize=48)
 def _hardly_weakened(law: CollisionLaw) -> int:
     """How many harmonics keep more than half in a collision that all but leaves the direction."""
-    e = law.effective_restitution
-    if e is None or e >= 0.0:
+    if min(law.disk_restitutions, default=0.0) >= 0.0:
         return 0  # of smooth scatterers the first loses a third at least
     q = law.quadrature_for(0.0, _MOST_WEAKENED)
     kept = (q.weight @ lost < 0.5 for lost in q.harmonic_losses(_MOST_WEAKENED))

@@ -146,11 +146,10 @@ class _Sweep:
     def _slowest_fall(self) -> int:
         """j_0 of :class:`kinetics.position.tail.PowerTail`."""
         law, profile = self.system.law, self.system.state.profile(0)
-        q = law.quadrature
-        if law.restitution is None and np.any(q.weight[q.cosine < -1.0 + 1e-9] > 0.0):
+        if law.throws_back:
             return 1 - law.dimension  # samples that throw tracers straight back
         slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        return 0 if law.effective_restitution == 0.0 or self._at_origin is not None or slow else 1
+        return 0 if 0.0 in law.disk_restitutions or self._at_origin is not None or slow else 1
 
     def run(self) -> None:
         """Go on until nothing that matters is left, or the work is too much."""

@@ -1,6 +1,7 @@
 """The scaled velocity distribution: its closed form, and the discretised solver.
 
-- `closed_form`: ScalingSolution, formulas; `mellin`: what they take from the complex plane
+- `closed_form`: ScalingSolution, formulas; `mellin`: what they take from the complex plane;
+  `collisions`: the number of collisions and the path
 - `scaled_vdf`: solve_scaled and its result; `axis`: the axis of speeds, marched downwards
 - `extent`: how far the scaling state reaches, for grids of densities over time
 

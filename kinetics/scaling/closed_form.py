@@ -22,11 +22,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.results import Result, dataset, variable
-from kinetics.scaling import mellin
-from kinetics.validation import not_negative, real_number, refuse
+from kinetics.scaling import collisions, mellin
+from kinetics.validation import not_negative, real_number, refuse, whole_number
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
+_MOST_CUMULANTS = 12
 _CLOSE_TO_REST = 1e-16  # corrections are of that order
 
 
@@ -104,6 +105,61 @@ class ScalingSolution(Result):
         if self.law.is_elastic:
             return math.inf
         return 2.0 / (self.law.mean_log_loss * self.law.harmonic_decay_rate(0.0, 1))
+
+    def collision_cumulants(self, n: int = 3) -> NDArray[Any]:
+        """Limits of the first n <= 12 cumulants of the number N of collisions per ln t, shape (n,).
+
+        Mean, variance, third cumulant ... of N(t) at late times, over ln t, dimensionless:
+        1/kappa, Var(ln s)/kappa^3, ... They are the derivatives at u = 0 of theta(u),
+        E[s^theta] = exp(-u), since E[exp(u N)] grows as t^theta: :meth:`collision_power`.
+
+        Raises InputError for elastic bounces, where N grows as t, and at a finite density.
+
+        >>> bool(abs(ScalingSolution(0.0).collision_cumulants() - 1).max() < 1e-14)
+        True
+        """
+        self._check_counted()
+        return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), False)
+
+    def path_cumulants(self, n: int = 3) -> NDArray[Any]:
+        """The same of the length X of the path: its k-th cumulant per ln t, in l^k, shape (n,).
+
+        1/kappa, E[(ln s)^2]/kappa^3, ... Between collisions X is exponential, and E[exp(u X)] grows
+        as t^theta with E[s^theta] = 1 - u.
+
+        Raises InputError as :meth:`collision_cumulants`.
+        """
+        self._check_counted()
+        return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), True)
+
+    def collision_power(self, z: float) -> tuple[float, float]:
+        """(theta, C) in E[z^N(t)] ~ C (v0 t/l)^theta at late times, from one speed v0, z > 0.
+
+        N is the number of collisions. phi(theta) = 1/z with phi(p) = E[s^p],
+        C = Gamma(-theta) Q/(-z phi'(theta)), Q the product over j >= 0 of
+        (1 - z phi(j))/(1 - z phi(j + 1 + theta)). From other speeds C is multiplied by
+        <v^theta>/v0^theta. z = 1/(1 + q) gives E[exp(-q X)], X the length of the path in l.
+        Both are dimensionless, theta right to 1e-14 and C to 1e-11 of themselves. Where all losses
+        -ln s are multiples of one number, C is the mean of an oscillation in ln t that goes on.
+
+        Raises InputError for elastic bounces, at a finite density, and for a z where theta is
+        beyond +-1000 or, where some bounces lose nothing, there is none.
+
+        >>> theta, amplitude = ScalingSolution(0.0).collision_power(0.5)  # phi(p) = 1/(1 + p)
+        >>> round(theta, 12), round(amplitude, 12)
+        (-0.5, 0.564189583548)
+        """
+        self._check_counted()
+        z = real_number("z", z, math.nextafter(0.0, 1.0))
+        if z == 1.0:
+            return 0.0, 1.0
+        theta = collisions.power_of(self.law, z)
+        if theta is None:
+            refuse("z", z, "E[z^N] is no power of t from -1000 to 1000 there")
+        log_c = collisions.log_amplitude(self.law, z, theta)
+        if log_c > _LARGEST_LOG:
+            refuse("z", z, "C overflows double precision there")
+        return theta, math.exp(log_c)
 
     @property
     def tail_rate(self) -> float:
@@ -213,6 +269,12 @@ class ScalingSolution(Result):
     def _check_inelastic(self) -> None:
         if self.law.is_elastic:
             refuse("restitution", self.restitution, "elastic bounces leave no scaled VDF")
+
+    def _check_counted(self) -> None:
+        if self.law.is_elastic:
+            refuse("restitution", self.restitution, "the collisions of elastic bounces grow as t")
+        if self.law.medium is not None:
+            refuse("scatterers", self.scatterers, "collisions are counted in the dilute gas only")
 
     def _check_exponent(self, p: float) -> float:
         number = real_number("p", p, -_EXPONENT_LIMIT, _EXPONENT_LIMIT)

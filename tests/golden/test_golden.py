@@ -22,8 +22,9 @@ NAMES = {
     "derivations": "verify printed_equation",
     "kinetics.crosscheck": "Comparison compare compare_data fit_data",
     "kinetics.CollisionLaw": """mean_speed_ratio_power decay_rate mean_cosine mean_log_loss
-        from_samples""",
-    "kinetics.ScalingSolution": "cooling_rate a2 moment vdf diffusion_slope save to_xarray plot",
+        from_samples mixture""",
+    "kinetics.ScalingSolution": """cooling_rate a2 moment vdf diffusion_slope save to_xarray plot
+        collision_cumulants collision_power path_cumulants""",
     "kinetics.ScaledVDF": """cooling_rate a2 moment vdf nodes error_estimate status message save
         to_dataframe to_xarray plot""",
     "kinetics.Solution": """plan stats status message save to_dataframe to_xarray plot speed_density

@@ -7,7 +7,7 @@ fixed seed: of some 150 numbers, strongly correlated in time, 0.01 are expected 
 import numpy as np
 import pytest
 
-from kinetics import Scene, solve
+from kinetics import ScalingSolution, Scene, solve
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.array([3.0, 30.0, 1000.0])
@@ -34,3 +34,21 @@ def test_boltzmann_grad_meets_the_kinetic_equation(
         estimate = getattr(ensemble, name)
         sigmas = (estimate.value - getattr(solution, name)) / estimate.error
         assert np.all(abs(sigmas) < 4), (name, sigmas)
+
+
+@pytest.mark.parametrize(("restitution", "dimension"), [(0.5, 2), (0.7, 3)])
+def test_collisions_scatter_as_the_closed_form_says(restitution: float, dimension: int) -> None:
+    """Mean and variance of the number of collisions per ln t, between 1e4 and 1e7 d/U."""
+    found = []
+    for time, seed in ((1e4, 3), (1e7, 4)):
+        ensemble = simulate(
+            BoltzmannGrad(0.04, dimension=dimension), restitution, times=[time], media=40,
+            tracers=2000, seed=seed, initial="monoenergetic", observables=["finals"],
+        )  # fmt: skip
+        number = ensemble.finals[:, 4].reshape(40, -1)
+        found.append([number.mean(axis=1), number.var(axis=1, ddof=1)])
+    late, early = np.array(found[1]), np.array(found[0])
+    slope = (late.mean(axis=1) - early.mean(axis=1)) / np.log(1e3)
+    spread = np.hypot(late.std(axis=1, ddof=1), early.std(axis=1, ddof=1)) / np.log(1e3)
+    expected = ScalingSolution(restitution, dimension=dimension).collision_cumulants(2)
+    assert np.all(np.abs(slope - expected) < 4.0 * spread / np.sqrt(40))

@@ -1,12 +1,26 @@
-"""A law of one's own: the samples of a known law give its averages; no law is refused."""
+"""A law of one's own, and mixtures of laws: averages are known; no law is refused."""
 
 import pickle
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from kinetics import CollisionLaw, InputError
+from kinetics import (
+    CollisionLaw,
+    InputError,
+    Monoenergetic,
+    ScalingSolution,
+    Scene,
+    load,
+    solve,
+    solve_field,
+    solve_scaled,
+)
 
 GIVEN = ([0.25, 0.75], [0.5, 0.9], [0.3, -1.0])
 
@@ -80,3 +94,176 @@ def test_what_is_no_law_is_one_line(samples: tuple[ArrayLike, ...], line: str) -
         CollisionLaw.from_samples(*samples)
     assert str(caught.value).startswith(line)
     assert "\n" not in str(caught.value)
+
+
+# -- mixtures -------------------------------------------------------------------------------------
+
+PARTS = [
+    (0.5, 1.0, 2),
+    (0.0, 1.0, 2),
+    (0.8, 0.8, 2),
+    (0.6, 0.0, 2),
+    (0.0, 1.0, 3),
+    (0.9, 0.7, 3),
+]
+
+
+@pytest.mark.parametrize(("e", "et", "dimension"), PARTS)
+def test_a_law_mixed_with_itself_is_that_law(e: float, et: float, dimension: int) -> None:
+    law = CollisionLaw(e, et, dimension)
+    mixed = CollisionLaw.mixture([1.0, 2.0], [law, law])
+    one, other = ScalingSolution(law), ScalingSolution(mixed)
+    assert other.cooling_rate == pytest.approx(one.cooling_rate, rel=1e-12)
+    assert other.a2 == pytest.approx(one.a2, rel=1e-12, abs=1e-12)
+    c = np.array([0.2, 1.0, 3.0])
+    assert other.vdf(c) == pytest.approx(one.vdf(c), rel=1e-12)
+    outputs = ("thermal_speed", "a2", "msd", "kurtosis")
+    scenes = [
+        Scene(x, dimension=dimension, times=[0.5, 10.0, 1e6], outputs=outputs) for x in (law, mixed)
+    ]
+    first, second = (solve(scene) for scene in scenes)
+    for name in outputs:
+        assert getattr(second, name) == pytest.approx(getattr(first, name), rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (CollisionLaw(0.5), CollisionLaw(0.9)),
+        (CollisionLaw(0.0), CollisionLaw(1.0)),
+        (CollisionLaw(0.4, 0.8, 3), CollisionLaw(1.0, 1.0, 3, mass_ratio=0.2)),
+        (CollisionLaw(0.3), CollisionLaw.from_samples(*GIVEN)),
+    ],
+    ids=repr,
+)
+def test_averages_of_a_mixture_are_those_of_its_laws(
+    first: CollisionLaw, second: CollisionLaw
+) -> None:
+    mixed = CollisionLaw.mixture([0.3, 0.7], [first, second])
+
+    def mean(of: Callable[[CollisionLaw], float]) -> object:
+        return pytest.approx(0.3 * of(first) + 0.7 * of(second), rel=1e-13, abs=1e-15)
+
+    # -0.999 is next to the lowest power at e = 0, where the points alone leave a share out
+    for p, m in [(-0.999, 0), (1e-9, 0), (2.5, 0), (30.0, 0), (-0.9, 2), (1.0, 1), (3.0, 40)]:
+        of_law = partial(CollisionLaw.harmonic_decay_rate, p=p, m=m)
+        assert mixed.harmonic_decay_rate(p, m) == mean(of_law)
+    assert mixed.mean_log_loss == mean(lambda law: law.mean_log_loss)
+    assert mixed.mean_cosine == mean(lambda law: law.mean_cosine)
+    # the chance to lose more than u, over e^u e^(-3 u): lambda(2)/2
+    loss, weight = mixed.survival_for(3.0)
+    found = weight @ np.exp(-2.0 * loss)
+    assert found == pytest.approx(mixed.decay_rate(2.0) / 2.0, rel=1e-13)
+    nested = CollisionLaw.mixture([1.0, 1.0], [mixed, first])
+    assert nested.decay_rate(2.0) == pytest.approx(
+        0.65 * first.decay_rate(2.0) + 0.35 * second.decay_rate(2.0), rel=1e-13
+    )
+
+
+def test_a_mixture_is_its_joined_points() -> None:
+    one, other = CollisionLaw(0.5), CollisionLaw(0.9)
+    mixed = CollisionLaw.mixture([0.4, 0.6], [one, other])
+    # the points for slow functions alone give F(k, t) with an error of 7e-8 at k l = 1
+    q = mixed.quadrature_for(80.0, 80)
+    joined = CollisionLaw.from_samples(q.weight, q.ratio, q.cosine)
+    outputs = ("thermal_speed", "a2", "msd", "kurtosis", "intermediate_scattering")
+    found, expected = (
+        solve(Scene(law, times=[1.0, 30.0], outputs=outputs), rtol=1e-9) for law in (mixed, joined)
+    )
+    for name in outputs[:-1]:
+        assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=1e-11)
+    k = np.array([0.1, 1.0])
+    apart = found.intermediate_scattering(k) - expected.intermediate_scattering(k)
+    assert np.abs(apart).max() < 1e-9
+    field = [solve_field(law, rtol=1e-6).drift for law in (mixed, joined)]
+    assert field[0] == pytest.approx(field[1], rel=1e-6)
+    # the scaled speeds as well, and a smooth law has a tail, where the points have none
+    exact = ScalingSolution(mixed)
+    assert solve_scaled(mixed).vdf([0.3, 1.0]) == pytest.approx(exact.vdf([0.3, 1.0]), rel=1e-9)
+    assert mixed.tail_exponent == pytest.approx(0.4 / 0.75 + 0.6 / 0.19)
+    assert ScalingSolution(joined).cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-13)
+
+
+def test_a_mixture_meets_tracers_that_are_thrown() -> None:
+    """A path of numpy, with a bounce of its own; each collision off e = .5 or .9 at random."""
+    random, count, t = np.random.default_rng(39), 200_000, 6.0
+    v = np.stack([np.ones(count), np.zeros(count)])
+    r, left = np.zeros((2, count)), np.full(count, t)
+    while np.any(left > 0.0):
+        flight = random.exponential(size=count) / np.hypot(*v)
+        flown = np.minimum(flight, left)
+        r += v * flown
+        left -= flown
+        speed = np.hypot(*v)
+        along = v / speed
+        y = random.uniform(-1.0, 1.0, count)
+        normal = -np.sqrt(1.0 - y**2) * along + y * np.stack([-along[1], along[0]])
+        e = np.where(random.random(count) < 0.3, 0.5, 0.9)
+        after = v - (1.0 + e) * (v * normal).sum(axis=0) * normal
+        v = np.where(left > 0.0, after, v)
+    law = CollisionLaw.mixture([0.3, 0.7], [CollisionLaw(0.5), CollisionLaw(0.9)])
+    scene = Scene(law, initial=Monoenergetic(), number_density=0.5, times=[t],
+                  outputs=("thermal_speed", "msd"))  # fmt: skip
+    solution = solve(scene)  # l = 1
+    for sample, value in (
+        ((v**2).sum(axis=0), solution.thermal_speed[0] ** 2),
+        ((r**2).sum(axis=0), solution.msd[0]),
+    ):
+        assert abs(sample.mean() - value) < 4.0 * sample.std() / count**0.5
+
+
+def test_densities_of_a_mixture() -> None:
+    """From one speed: fronts where either law begins; the density has the moments."""
+    law = CollisionLaw.mixture([0.5, 0.5], [CollisionLaw(0.5), CollisionLaw(0.9)])
+    outputs = ("speed_density", "thermal_speed")
+    scene = Scene(law, initial=Monoenergetic(), number_density=0.5, times=[1.0], outputs=outputs)
+    solution = solve(scene)
+    assert {0.5, 0.9} <= set(np.round(solution.speed_fronts, 12))
+    edges = np.unique(np.clip(np.append(solution.speed_fronts, [1e-3, 1.0]), 1e-3, 1.0))
+    node, weight = np.polynomial.legendre.leggauss(40)
+    half = 0.5 * np.diff(edges)[:, None]
+    v = edges[:-1, None] + half * (node + 1.0)
+    f = solution.speed_density(v.ravel()).reshape(v.shape)
+    peak = np.exp(-1.0)
+    second = float((half * weight * f * v**2).sum())
+    assert second + peak == pytest.approx(float(solution.thermal_speed[0]) ** 2, rel=1e-3)
+
+
+def test_a_mixture_is_a_value(tmp_path: Path) -> None:
+    laws = [CollisionLaw(0.5), CollisionLaw.from_samples(*GIVEN)]
+    law = CollisionLaw.mixture([1, 3], laws)
+    assert law == CollisionLaw.mixture([0.25, 0.75], laws)
+    assert hash(law) == hash(CollisionLaw.mixture([1, 3], laws))
+    assert pickle.loads(pickle.dumps(law)) == law
+    assert repr(law) == "CollisionLaw.mixture(2 laws, dimension=2)"
+    solution = solve(Scene(law, times=[1.0]))
+    solution.save(tmp_path / "mixed.nc")
+    assert load(tmp_path / "mixed.nc") == solution
+
+
+@pytest.mark.parametrize(
+    ("weights", "laws", "line"),
+    [
+        ([1, 1], [CollisionLaw(0.5), CollisionLaw(0.5, dimension=3)], "laws: got CollisionLaw("),
+        ([1, 0], [CollisionLaw(0.5)] * 2, "weights: got 0.0; each weight must be above 0"),
+        ([1], [CollisionLaw(0.5)] * 2, "weights: got [1]; it must have as many numbers as laws, 2"),
+        ([1, np.nan], [CollisionLaw(0.5)] * 2, "weights: got "),
+        ([1], [0.5], "laws: got 0.5; give a list of CollisionLaw"),
+        ([], [], "laws: got []; give a list of CollisionLaw"),
+        (1, CollisionLaw(0.5), "laws: got CollisionLaw(restitution=0.5)"),
+    ],
+)
+def test_what_is_no_mixture_is_one_line(weights: ArrayLike, laws: Any, line: str) -> None:
+    with pytest.raises(InputError) as caught:
+        CollisionLaw.mixture(weights, laws)
+    assert str(caught.value).startswith(line)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_mixture_is_dilute() -> None:
+    among = Scene(0.5, scatterers="overlapping", number_density=0.02, times=[1.0]).law
+    with pytest.raises(InputError, match=r"laws: got .* no medium"):
+        CollisionLaw.mixture([1.0, 1.0], [among, CollisionLaw(0.9)])
+    mixed = CollisionLaw.mixture([1.0, 1.0], [CollisionLaw(0.5), CollisionLaw(0.9)])
+    with pytest.raises(InputError, match="scatterers: got 'hard disks'"):
+        Scene(mixed, scatterers="hard disks", number_density=0.02, times=[1.0])

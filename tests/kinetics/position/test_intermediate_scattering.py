@@ -5,8 +5,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
-from kinetics import Beam, Gaussian, Scene, ToleranceWarning, solve
+from kinetics import (
+    Beam,
+    CollisionLaw,
+    Gaussian,
+    Monoenergetic,
+    Scene,
+    ToleranceWarning,
+    solve,
+)
 from kinetics.position import scattering
 
 
@@ -66,3 +75,28 @@ def test_a_scattering_function_that_meets_its_tolerance_does_not_warn(
     f = solve(scene, rtol=1e-9).intermediate_scattering([k], direction=0.3)
     best = solve(scene, rtol=1e-11).intermediate_scattering([k], direction=0.3)
     assert np.abs(f - best).max() < 1e-9
+
+
+def late_power(law: CollisionLaw, k: float) -> float:
+    """theta in F(k, t) ~ t^theta: the pole of the one-speed resolvent R_00(k; p = theta).
+
+    Row beyond:loops: R_00 = 1/(lambda_0 + (k^2/2) F_1), F_j = 1/(lambda_j + (k^2/4) F_(j+1)).
+    """
+
+    def inverse(p: float) -> float:
+        tail = 0.0
+        for j in range(60, 0, -1):
+            tail = 1.0 / (law.harmonic_decay_rate(p, j) + 0.25 * k * k * tail)
+        return float(law.decay_rate(p)) + 0.5 * k * k * tail
+
+    return float(brentq(inverse, -0.5, -1e-9, xtol=1e-14))
+
+
+@pytest.mark.parametrize(("e", "k"), [(0.5, 0.2), (0.5, 0.4), (0.9, 0.2)])
+def test_late_scattering_functions_are_powers_of_time(e: float, k: float) -> None:
+    """k in units of 1/l. The exponent between 1e8 and 2e8 l/U is off by some 1e-8, as 1/t."""
+    scene = Scene(e, initial=Monoenergetic(), number_density=0.5, times=[1e8, 2e8],
+                  outputs=("intermediate_scattering",))  # fmt: skip
+    found = solve(scene, rtol=1e-10).intermediate_scattering([k])[:, 0]
+    exponent = np.log2(found[1] / found[0])
+    assert exponent == pytest.approx(late_power(CollisionLaw(e), k), abs=1e-7)
