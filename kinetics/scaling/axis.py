@@ -166,12 +166,14 @@ class SpeedAxis:
         self._coefficient = _MOMENT
         self._rounding = ROUNDING_FLOOR
         self._steepest = 0.0
+        q = law.quadrature  # bounces that keep the speed change nothing
+        self._kappa = law.mean_log_loss / float(q.weight[q.log_loss > 0.0].sum())
         # one panel of a guess: exp(-e^x/kappa) times a power of the speed, nearly. The next one is
         # polluted by it, and lies above all that is asked for as well
         start, log_g, power, bend = self._beginning()
         self._top = start + self._width
         up = self._width * self._rule.local
-        rate = math.exp(start) / law.mean_log_loss
+        rate = math.exp(start) / self._kappa
         guess = log_g + start + (power + 0.5 * bend * up) * up - rate * np.expm1(up)
         ones = np.ones(up.size)
         self._panels = [_Panel(guess, ones, guess - start - up, ones, 0.0)]
@@ -196,7 +198,7 @@ class SpeedAxis:
         slope = np.interp(two, x, z)
         for _ in range(5):  # averages by few points are a percent off there
             slope = np.exp(two) / law.mean_log_loss * law.decay_rate(slope)
-        power = np.exp(two) / law.mean_log_loss + 1.0 - slope
+        power = np.exp(two) / self._kappa + 1.0 - slope
         bend = float(power[1] - power[0]) / step
         return start, float(np.interp(start, x, log_g)), float(power[0]), bend
 
@@ -388,7 +390,7 @@ class SpeedAxis:
             # ln w + e^x/kappa goes on as a parabola
             three = [0, up.size // 2, up.size - 1]
             at = self._rule.local[three]
-            rate = math.exp(self._bottom) / self.law.mean_log_loss
+            rate = math.exp(self._bottom) / self._kappa
             smooth = last.log_w[three] + rate * np.expm1(up[three])
             ahead = self._rule.local[:, None] - 1.0 - at
             log_w = interpolation_rows(ahead, barycentric_weights(at)) @ smooth
@@ -404,7 +406,7 @@ class SpeedAxis:
         # far up only small losses count
         key, reach = 0.0, math.inf
         if finer:
-            key, reach = x[0], math.log1p(_NEGLIGIBLE * law.mean_log_loss * math.exp(-x[0]))
+            key, reach = x[0], math.log1p(_NEGLIGIBLE * self._kappa * math.exp(-x[0]))
         if key not in self._losses:
             rate = unit * 2.0**finer
             self._losses[key] = _Losses(law, self._rule, self._width, rate, reach)
