@@ -26,7 +26,7 @@ from kinetics.states.state import State
 _POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
-_LARGEST_DELAYED = 20.0  # K from which F has fallen before a loop is closed
+_LARGEST_DELAYED = 20.0  # the same where returns take time: each panel looks back at all others
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
 # Where the tolerance was missed, F is solved once more for this share of it, not below _LEAST.
 _ONCE_MORE, _LEAST = 0.03, 1e-14
@@ -72,7 +72,7 @@ class Scattering:
     mean_free_path : l, in d
     state : the initial state
     times : in d/U, shape (n_times,)
-    delayed : whether returns to a scatterer take time, up to K = _LARGEST_DELAYED, or none
+    delayed : whether returns to a scatterer take time, or none
     systems : how many systems of so many equations have been solved, by their size
     """
 
@@ -115,8 +115,7 @@ class Scattering:
         highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        delayed = self.delayed and float(wave_numbers.max()) <= _LARGEST_DELAYED
-        waves = solve_waves(self.law, wave_numbers, highest, least, kept, delayed)
+        waves = solve_waves(self.law, wave_numbers, highest, least, kept, self.delayed)
         self.systems[waves.rule.nodes - 1] += waves.systems
         speeds = points_of(self.state, 0, waves.rule.width, tolerance)
         assert speeds is not None
@@ -190,7 +189,8 @@ def scattering_function(
     path, times = averages.mean_free_path, averages.times
     scaled = wave_numbers * path
     typical = math.exp(0.5 * averages.speeds.log_second_moment()) / path
-    limit = _LARGEST * max(1.0, 1.0 / max(float(times[-1]) * typical, 1e-300))
+    most = _LARGEST_DELAYED if averages.has_delays else _LARGEST
+    limit = most * max(1.0, 1.0 / max(float(times[-1]) * typical, 1e-300))
     if float(scaled.max()) > limit:
         raise InputError(
             f"wave_numbers: got up to {wave_numbers.max():.4g}; for these times they may reach "

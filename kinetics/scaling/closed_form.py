@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.results import Result, dataset, variable
 from kinetics.scaling import collisions, mellin
-from kinetics.validation import not_negative, real_number, refuse, whole_number
+from kinetics.validation import check_positive, not_negative, real_number, refuse, whole_number
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
@@ -150,7 +150,7 @@ class ScalingSolution(Result):
         (-0.5, 0.564189583548)
         """
         self._check_counted()
-        z = real_number("z", z, math.nextafter(0.0, 1.0))
+        z = check_positive("z", z)
         if z == 1.0:
             return 0.0, 1.0
         theta = collisions.power_of(self.law, z)

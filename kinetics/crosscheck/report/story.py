@@ -119,7 +119,8 @@ def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
     disks = off([float(ratio.value) - 1 for ratio in ends])
     sure = f"± {span([100 * float(ratio.error) for ratio in ends], '.1f')} %"
     left = [float(r2.value) / c.solved.dense.msd[-1] - 1 for c, r2 in both if c.solved.dense]
-    corrected = f"; corrected for density, nothing fitted, {off(left)} it" if left else ""
+    # the second order was fitted to other runs
+    corrected = f"; corrected for density, nothing fitted here, {off(left)} it" if left else ""
     spread = (
         f"Hard {of} spread less than the equation, which forgets every scatterer: ⟨r²⟩ ends "
         f"{disks} it ({sure}){corrected}."

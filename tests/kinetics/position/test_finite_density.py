@@ -85,6 +85,18 @@ def test_the_waves_of_tracers_among_hard_disks() -> None:
     assert error.max() < 0.05 * n
 
 
+def test_a_wave_number_has_its_value_whatever_else_is_asked() -> None:
+    """Those of one group share their panels; too large ones are refused, not solved otherwise."""
+    scene = Scene(0.9, 0.1, times=[5.0, 50.0], scatterers="hard disks",
+                  outputs="intermediate_scattering")  # fmt: skip
+    solution, path = solve(scene, rtol=1e-6), scene.mean_free_path
+    alone = solution.intermediate_scattering([12.0 / path])
+    both = solution.intermediate_scattering(np.array([12.0, 19.9]) / path)
+    assert both[:, :1] == pytest.approx(alone, abs=2e-6)
+    with pytest.raises(InputError, match="wave_numbers"):
+        solution.intermediate_scattering(np.array([12.0, 20.5]) / path)
+
+
 def inverse_laplace(function: Callable[[complex], complex], t: float, points: int = 28) -> float:
     """Along Talbot's contour (Weideman, SIAM J. Numer. Anal. 44 (2006) 2342)."""
     total, scale = 0.0, 2 * points / t
