@@ -5,9 +5,9 @@ so that `lorentz --help` costs neither numpy nor scipy.
 
 Rooms, each of which imports only those before it: `numerics` (no physics), `collision` (the law of
 one bounce), `states` (initial states) and `scaling` (the scaled distribution), `moments`
-(averages), `densities` (of the velocity), `position` (of the displacement) and `field` (the
-equation in a uniform field). Then the modules of this folder: `outputs` and `scene` say what can be
-asked, `answer` solves it, `solution` is what `solver.solve` returns: begin reading there. `results`
+(averages), `densities` (of the velocity), `position` (of the displacement), `field` (the equation
+in a uniform field) and `driven` (baths, noise, drag, a restitution that depends on the speed). Then
+the modules of this folder: `outputs` and `scene` say what can be asked, `answer` solves it, `solution` is what `solver.solve` returns: begin reading there. `results`
 (values, datasets, plots and files), `status`, `errors` and `validation` serve all of them. `paper`
 (also `sonine`) holds the paper's approximations; `crosscheck` compares with particles and algebra.
 """
@@ -18,6 +18,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from kinetics import paper as sonine  # noqa: F401
     from kinetics.collision import CollisionLaw as CollisionLaw
+    from kinetics.driven.restitution import Viscoelastic as Viscoelastic
+    from kinetics.driven.steady import DrivenState as DrivenState
+    from kinetics.driven.steady import solve_steady as solve_steady
     from kinetics.errors import InputError as InputError
     from kinetics.errors import ToleranceWarning as ToleranceWarning
     from kinetics.field.solution import FieldState as FieldState
@@ -42,6 +45,8 @@ if TYPE_CHECKING:
 
 _SHOWN = {
     "collision": "CollisionLaw",
+    "driven.restitution": "Viscoelastic",
+    "driven.steady": "DrivenState solve_steady",
     "errors": "InputError ToleranceWarning",
     "field.solution": "FieldState solve_field",
     "results": "load",
@@ -57,6 +62,7 @@ _SHOWN = {
 _HIDDEN = {
     "collision.bounce": "DiskBounce MixedBounce SampledBounce",
     "crosscheck": "Comparison",
+    "driven.restitution": "RestitutionFunction TabulatedRestitution",
     "field.solution": "FieldUnits",
     "moments.by_collision": "ByCollision",
     "states.kinds": "Maxwell Rest",

@@ -58,6 +58,11 @@ def answer_to(
     scene: Scene, rtol: float, method: str | None, nodes: int | None
 ) -> Answer | FieldScene:
     """The answer to a scene, with a field or without; the arguments are those of `solve`."""
+    if scene.system is not None:
+        from kinetics.driven.scene import DrivenScene
+
+        system = scene.system.scaled(scene.mean_free_path)
+        return DrivenScene(*scene.problem, scene.field, scene.outputs, rtol, system)
     if not scene.field:
         return Answer(scene, rtol, method, nodes)
     from kinetics.field.scene import FieldScene

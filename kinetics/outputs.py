@@ -196,12 +196,16 @@ _NOT_IN_FIELD = {
     "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
     "intermediate_scattering",
 }  # fmt: skip
+_NOT_DRIVEN = _NOT_IN_FIELD - {"diffusion_coefficient"}
 _IN_FIELD_ONLY = {"displacement_tensor"}
 
 # what a row is made of is the same tuple each time
 _CACHED = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
 FIELD_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_IN_FIELD}
 """Name -> row for scenes with a field, which `kinetics.field` solves."""
+
+DRIVEN_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_DRIVEN}
+"""Name -> row for scenes with driven tracers, which `kinetics.driven` solves."""
 
 OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _IN_FIELD_ONLY}
 """Name -> row, in the order in which outputs are listed."""

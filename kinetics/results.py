@@ -428,7 +428,7 @@ def _plain(value: Any, whole: bool) -> Any:
     if isinstance(value, Mapping):
         return {str(key): _plain(item, whole) for key, item in value.items()}
     cls = type(value)
-    if whole and callable(value):
+    if whole and callable(value) and not isinstance(value, Value):
         hint = "a Python function cannot be saved in a file, give the density as a SpeedTable"
         raise InputError(f"initial: got {short(value)}; {hint}")
     if whole and _public(cls.__name__) is not cls:

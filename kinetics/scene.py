@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
+from kinetics.driven.restitution import impact_restitution
+from kinetics.driven.system import DRIVES, System
 from kinetics.numerics import FloatArray
-from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS, described
+from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, described
 from kinetics.results import Value
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
@@ -30,7 +32,7 @@ class Scene(Value):
 
     Parameters
     ----------
-    restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
+    restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`; or a function, see below
     number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0) where
         they are dilute
     diameter : of tracer and scatterers, in d
@@ -56,6 +58,16 @@ class Scene(Value):
         "rest" (U is then any unit of speed), and the outputs are those of
         `kinetics.outputs.FIELD_OUTPUTS`
     mass_ratio : of a scatterer, at rest, over the tracer, for dilute smooth scatterers; inf: fixed
+    bath_speed : w in U: dilute smooth scatterers move, each component of their velocities is
+        Gaussian with this standard deviation
+    heating : D_v in U^3/d, of white noise on the velocity, <dv_i dv_j> = 2 D_v delta_ij dt
+    drag : gamma in U/d, in dv/dt = -gamma v
+    capture_speed : v_c in U: impacts whose normal speed is below it stick. Averages are over the
+        tracers that still move, ``Solution.captured`` is the share of the others
+
+    With any of the last four, or a restitution that depends on the normal impact speed (in U: a
+    `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the
+    outputs are those of `kinetics.outputs.DRIVEN_OUTPUTS`, of starts that are symmetric about x.
 
     Raises
     ------
@@ -80,10 +92,14 @@ class Scene(Value):
     density_order: str = "second"
     field: float = 0.0
     mass_ratio: float = math.inf
+    bath_speed: float = 0.0
+    heating: float = 0.0
+    drag: float = 0.0
+    capture_speed: float = 0.0
     state: State = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        law = self.law
+        law, system = self._any_law, self.system
         rho = check_positive("number_density", self.number_density)
         diameter = check_positive("diameter", self.diameter)
         if not 0.0 < law.mean_free_path(rho, diameter) < math.inf:
@@ -103,39 +119,75 @@ class Scene(Value):
         at_a_density = law.medium is not None
         if field and at_a_density:
             refuse("field", field, "it is available for scatterers='dilute' only")
-        if numbers.size and (field or at_a_density):
-            allowed = "they are available without a field and for scatterers='dilute' only"
+        if numbers.size and (field or at_a_density or system):
+            allowed = "they are available for scatterers='dilute' that nothing drives only"
             refuse("collision_numbers", numbers, allowed)
+        arguments = law.arguments
+        if system is not None:
+            if at_a_density or law.tangential_restitution != 1.0:
+                name = "scatterers" if at_a_density else "tangential_restitution"
+                allowed = "driven tracers are solved among smooth dilute scatterers only"
+                refuse(name, getattr(self, name), allowed)
+            names = ("restitution", *DRIVES)
+            arguments |= {name: getattr(system, name) for name in names}
+        table = DRIVEN_OUTPUTS if system else FIELD_OUTPUTS if field else OUTPUTS
+        gains = field > 0.0 or (system is not None and system.is_driven)
         self.store(
-            **law.arguments,
+            **arguments,
             number_density=rho,
             diameter=diameter,
             field=field,
-            state=_start(self.initial, law.dimension, field > 0.0),
+            state=_start(self.initial, law.dimension, gains),
             collision_numbers=numbers,
             times=times,
-            outputs=_check_outputs(self.outputs, field > 0.0),
+            outputs=_check_outputs(self.outputs, table),
             harmonics=whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS),
         )
 
     @property
     def mean_free_path(self) -> float:
         """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; or that at this density."""
-        return self.law.mean_free_path(self.number_density, self.diameter)
+        return self._any_law.mean_free_path(self.number_density, self.diameter)
+
+    @property
+    def law(self) -> CollisionLaw:
+        """The collision law of these restitutions, in this dimension, among these scatterers.
+
+        Raises InputError where the restitution depends on the impact speed: there is none.
+        """
+        if impact_restitution(self.restitution) is not None:
+            refuse("restitution", self.restitution, "a CollisionLaw needs a number")
+        return self._any_law
 
     @cached_property
-    def law(self) -> CollisionLaw:
-        """The collision law of these restitutions, in this dimension, among these scatterers."""
-        law = law_of(
-            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
-        )  # fmt: skip
+    def system(self) -> System | None:
+        """What drives the tracer, or makes its restitution depend on the speed; None for neither.
+
+        In U and d.
+        """
+        varies = impact_restitution(self.restitution) is not None
+        drives = {name: getattr(self, name) for name in DRIVES}
+        if not varies and not any(
+            not (isinstance(drive, float | int) and drive == 0.0) for drive in drives.values()
+        ):
+            return None
+        return System.checked(
+            self.restitution, self.dimension, self.mass_ratio, field=self.field, **drives
+        )
+
+    @cached_property
+    def _any_law(self) -> CollisionLaw:
+        """The law; where the restitution depends on the impact speed one of the same geometry."""
+        varies = impact_restitution(self.restitution) is not None
+        e = 1.0 if varies else self.restitution
+        law = law_of(e, self.tangential_restitution, self.dimension, self.mass_ratio)
         system = (self.scatterers, self.number_density, self.diameter)
         return law_in_medium(law, *system, self.density_order)
 
     @property
     def problem(self) -> tuple[CollisionLaw, float, State, FloatArray]:
         """What every solver needs: law, mean free path in d, initial state, times in d/U."""
-        return self.law, self.mean_free_path, self.state, np.asarray(self.times)
+        return self._any_law, self.mean_free_path, self.state, np.asarray(self.times)
 
     def _figures(self) -> dict[str, str]:
         """The outputs, with their units in brackets, and what they are."""
@@ -147,7 +199,8 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
     """The initial state in this dimension."""
     state = as_state(initial)
     if isinstance(state, Rest) and not with_field:
-        refuse("initial", initial, "tracers at rest stay there, give a field as well")
+        allowed = "tracers at rest stay there: give a field, bath_speed or heating as well"
+        refuse("initial", initial, allowed)
     found = state if dimension == 2 else state.in_space()
     if found is None:
         allowed = "with dimension 3 it must be isotropic, a Beam along x, or AngularHarmonics"
@@ -155,11 +208,10 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
     return found
 
 
-def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:
+def _check_outputs(outputs: Any, table: Mapping[str, Any]) -> tuple[str, ...]:
     """The names without repetitions; InputError, with the nearest name, for an unknown one."""
     several = isinstance(outputs, Iterable) and not isinstance(outputs, str)
     names = list(outputs) if several else [outputs]
-    table = FIELD_OUTPUTS if with_field else OUTPUTS
     known = ", ".join(table)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
@@ -170,6 +222,6 @@ def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:
             near = difflib.get_close_matches(name, table, n=1)
             hint = f"did you mean {near[0]!r}? " if near else ""
             if name in OUTPUTS or name in FIELD_OUTPUTS:
-                hint = f"not available {'with' if with_field else 'without'} a field; "
+                hint = "not available for such a scene; "
             refuse("outputs", name, f"{hint}known are {known}")
     return tuple(str(name) for name in dict.fromkeys(names))

@@ -239,9 +239,11 @@ class Solution(Result):
         return self._answer
 
     def _without_field(self) -> Answer:
-        """The answer; InputError for a scene with a field, of which only the outputs are solved."""
+        """The answer; InputError for a scene with a field or driven tracers: it has the outputs."""
         if self.scene.field:
             raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
+        if self.scene.system is not None:
+            raise InputError("outputs: of driven tracers there is no more than what was asked for")
         return self._answer
 
     def _velocities(self) -> Any:
@@ -316,6 +318,13 @@ class Solution(Result):
         return frozen(self._velocities().uncollided)
 
     @property
+    def captured(self) -> FloatArray:
+        """The share of tracers that stick, (n_times,); InputError unless impacts may stick."""
+        if not self.scene.capture_speed:
+            refuse("capture_speed", self.scene.capture_speed, "it must be above 0: nothing sticks")
+        return frozen(self._answer.captured)
+
+    @property
     def speed_fronts(self) -> FloatArray:
         """Speeds in U, rising, at which :meth:`speed_density` may step or be infinite.
 
@@ -323,9 +332,9 @@ class Solution(Result):
         two collisions make of them.
         """
         scene = self.scene
-        sharp = scene.state.profile(0) is None and not scene.field
+        sharp = scene.state.profile(0) is None and not scene.field and scene.system is None
         start = scene.state.harmonic(0, 1e-6) if sharp else None
-        return frozen(speed_fronts(scene.law, start))
+        return frozen(speed_fronts(scene.law, start) if sharp else np.empty(0))
 
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.

@@ -30,8 +30,8 @@ def solve(
         v_rms(0) v_rms(t), v_rms = sqrt(<v^2>), for velocity_autocorrelation), and of the densities
         relative to their maximum, for speeds above 1e-2 of the thermal one; below it
         is the density of ln v that keeps it. 1e-14 to 0.1. The scaled position density G(R) is
-        solved to max(rtol, 1e-8), absolute. By default 1e-10; with a field 1e-6, and densities are
-        solved to max(rtol, 1e-4)
+        solved to max(rtol, 1e-8), absolute. By default 1e-10; 1e-8 for driven tracers, 1e-6 with a
+        field, and densities of both are solved to max(rtol, 1e-4)
     method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
         positivity exact, second order, for rough ones), or None for the solver's choice. Averages
         need no density, and are the same for either.
@@ -58,7 +58,7 @@ def solve(
     if not isinstance(scene, Scene):
         refuse("scene", scene, "it must be a Scene")
     if rtol is None:
-        rtol = 1e-6 if scene.field else 1e-10
+        rtol = 1e-6 if scene.field else 1e-8 if scene.system else 1e-10
     rtol = check_rtol(rtol)
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, 8, 8192)

@@ -120,14 +120,17 @@ class Evolution:
                 found = found + [velocities.averages(t) for t in self.times[inside]]
             made = totals + h * (radau.integral_rows(local) @ total[:, grows]) * factor
             self.values[inside] = np.hstack([found, made])
-            if self.state is not None:
-                all_of_them = stages if early is None else stages + early
-                made = equation.gained(all_of_them[:, : equation.families]) * self.panels.speeds
-                self.made.append((now, h, made))
+            self._keep(now, h, stages if early is None else stages + early)
             self.steps += 1
             now, f, totals = now + h, stages[-1], grown[-1]
             if rough * _SMOOTH < allowed:
                 h *= 2.0
+
+    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
+        """What densities need of an accepted step that begins now and is h long."""
+        if self.state is not None:
+            made = self.equation.gained(stages[:, : self.equation.families]) * self.panels.speeds
+            self.made.append((now, h, made))
 
     def _relative(self, missed: FloatArray, values: FloatArray) -> float:
         """The largest of what values (n, n_averages) miss, relative to the scale of each.

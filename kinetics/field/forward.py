@@ -24,7 +24,7 @@ from kinetics.numerics import FloatArray
 
 AVERAGES = (
     *("v_x", "v_y", "v^2", "v^2 cos 2", "v_x v_y", "v^4", "v"),
-    *("v_x x", "v_y y", "v_x y + v_y x"),
+    *("v_x x", "v_y y", "v_x y + v_y x", "1"),
 )
 
 
@@ -71,7 +71,7 @@ class ForwardEquation:
             (("f", 0, 1, 1.0, 1.0),), (("f", 1, 1, 1.0, 1.0),), (("f", 0, 0, 2.0, 1.0),),
             (("f", 0, 2, 2.0, 1.0),), (("f", 1, 2, 2.0, 0.5),), (("f", 0, 0, 4.0, 1.0),),
             (("f", 0, 0, 1.0, 1.0),), (("x", 0, 1, 1.0, 1.0),), (("y", 1, 1, 1.0, half),),
-            (("y", 0, 1, 1.0, 1.0), ("x", 1, 1, 1.0, 1.0)),
+            (("y", 0, 1, 1.0, 1.0), ("x", 1, 1, 1.0, 1.0)), (("f", 0, 0, 0.0, 1.0),),
         ]  # fmt: skip
 
     def _average(self, *parts: tuple[str, int, int, float, float]) -> FloatArray:

@@ -24,7 +24,7 @@ DENSITIES = "densities"
 _BEST_DENSITY = 1e-4
 _MOST_HARMONICS = 40  # seconds, and 200 MB of memory
 _AT_REST = 0.1  # starts slower than this, times rtol and the first time, are at rest
-_MADE_OF = {
+MADE_OF = {
     "a2": {"v^4"},
     "collisions": {"collisions"},
     "msd": {"x^2", "y^2"},
@@ -112,7 +112,7 @@ class FieldScene:
         small = math.sqrt(self.rtol) if isotropic else self.rtol
         if start.highest < _AT_REST * small * min(1.0, float(self._scaled[0])):
             start = Start.rest(self.law.dimension)
-        asked = frozenset({"v^2"}.union(*(_MADE_OF.get(name, set()) for name in self.outputs)))
+        asked = frozenset({"v^2"}.union(*(MADE_OF.get(name, set()) for name in self.outputs)))
         state = self.state if DENSITIES in self.allowed else None
         return Evolution(self.law, start, self._scaled, resolution, asked, state)
 

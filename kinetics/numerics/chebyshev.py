@@ -62,6 +62,16 @@ class _Chebyshev:
         """Columns that give the last Chebyshev coefficient and the one before, (nodes, 2)."""
         raise NotImplementedError
 
+    @cached_property
+    def slopes(self) -> FloatArray:
+        """Derivative on [0, 1] at the points, shape (nodes, nodes)."""
+        difference = self.local[:, None] - self.local
+        np.fill_diagonal(difference, 1.0)
+        matrix = self.weights / self.weights[:, None] / difference
+        np.fill_diagonal(matrix, 0.0)
+        np.fill_diagonal(matrix, -matrix.sum(axis=1))
+        return np.asarray(matrix)
+
     def rows(self, local: FloatArray) -> FloatArray:
         """Interpolation from the points to local (n,) in [0, 1]: shape (n, nodes)."""
         return interpolation_rows(local[:, None] - self.local, self.weights)
@@ -116,13 +126,3 @@ class SecondKind(_Chebyshev):
         cosines = np.cos(np.outer(self._angle, np.array([last, last - 1])))
         # the last coefficient has half the weight of the others
         return np.asarray(self._halves[:, None] * cosines * [1.0, 2.0] / last)
-
-    @cached_property
-    def slopes(self) -> FloatArray:
-        """Derivative on [0, 1] at the points, shape (nodes, nodes)."""
-        difference = self.local[:, None] - self.local
-        np.fill_diagonal(difference, 1.0)
-        matrix = self.weights / self.weights[:, None] / difference
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        return np.asarray(matrix)

@@ -1,0 +1,7 @@
+"""Tracers that are driven, or whose restitution depends on the impact speed: one generator.
+
+What is elsewhere in the package scales with the speed and only cools. Here scatterers may move (a
+bath), white noise, drag and a field may act, the restitution may depend on the impact speed, and
+slow impacts may stick. `restitution` and `system` say what is asked, `generator` is the equation on
+a `axis` of speeds, `steady` and `scene` answer `kinetics.solve_steady` and `kinetics.solve`.
+"""

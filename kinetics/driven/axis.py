@@ -1,0 +1,151 @@
+"""The speed axis of driven tracers: polynomials in one smooth variable, from rest to the top.
+
+v = S sinh(Z x^p), x in [0, 1]: uniform below the scale S, logarithmic above it. p = 10 where
+nothing drives: one polynomial then holds ten decades of speeds, and powers v^(1/10) too. Moving
+scatterers make every average a smooth function of the velocity: harmonic m is then an even or an
+odd polynomial, as m is. No point lies at either end, and nothing is imposed there: at rest
+polynomials alone are regular, and at the top all that leads beyond it is faded out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from kinetics.numerics import FloatArray
+from kinetics.numerics.chebyshev import FirstKind
+from kinetics.numerics.gauss import gauss_legendre
+
+_FADING = 40.0  # the power of v/top with which what leads beyond the top is faded out
+
+
+@dataclass(frozen=True)
+class SpeedAxis:
+    """Chebyshev points of the first kind in x; or half of those from -1 to 1.
+
+    Parameters
+    ----------
+    top : the highest speed
+    scale : S, below which points are uniform in x^p
+    size : their number
+    power : p
+    smooth : whether functions are even and odd polynomials in x; p is then 1
+    """
+
+    top: float
+    scale: float
+    size: int
+    power: float = 1.0
+    smooth: bool = False
+
+    @property
+    def highest(self) -> float:
+        """The highest speed."""
+        return self.top
+
+    @cached_property
+    def _span(self) -> float:
+        return math.asinh(self.top / self.scale)
+
+    @cached_property
+    def _rule(self) -> FirstKind:
+        return FirstKind(2 * self.size if self.smooth else self.size)
+
+    @cached_property
+    def _place(self) -> FloatArray:
+        """x at the points, rising, (size,)."""
+        local = self._rule.local
+        return 2.0 * local[self.size :] - 1.0 if self.smooth else local
+
+    def _speed(self, x: FloatArray) -> FloatArray:
+        return np.asarray(self.scale * np.sinh(self._span * x**self.power))
+
+    def _stretch(self, x: FloatArray) -> FloatArray:
+        """dv/dx."""
+        rise = self._span * self.power * x ** (self.power - 1.0)
+        return np.asarray(self.scale * np.cosh(self._span * x**self.power) * rise)
+
+    def _folded(self, rows: FloatArray, parity: int) -> FloatArray:
+        """Rows that act on values at all points, so that they act on those at x > 0."""
+        if not self.smooth:
+            return rows
+        return rows[:, self.size :] + (1 - 2 * parity) * rows[:, self.size - 1 :: -1]
+
+    @cached_property
+    def speeds(self) -> FloatArray:
+        """v at the points, rising, (size,)."""
+        return self._speed(self._place)
+
+    @lru_cache(maxsize=2)  # noqa: B019
+    def derivative(self, parity: int) -> FloatArray:
+        """d/dv, at the points, of an even (parity 0) or odd polynomial, (size, size)."""
+        slopes = self._folded(self._rule.slopes[-self.size :], parity)
+        return slopes * ((0.5 if self.smooth else 1.0) / self._stretch(self._place))[:, None]
+
+    @cached_property
+    def faded(self) -> FloatArray:
+        """1, and 0 at the top, smoothly, (size,)."""
+        return 1.0 - (self.speeds / self.top) ** _FADING
+
+    def local(self, v: FloatArray) -> FloatArray:
+        """x of any speeds; those near the top and beyond it are folded under it, smoothly.
+
+        Where nothing drives (p > 1) no tracer becomes faster than the top, and none is folded.
+        """
+        y = np.minimum(v / self.top, 8.0)
+        if self.power == 1.0:
+            y = y * (1.0 + y**_FADING) ** (-1.0 / _FADING)
+        x = np.arcsinh(y * (self.top / self.scale)) / self._span
+        return np.clip(x if self.power == 1.0 else x ** (1.0 / self.power), 0.0, 1.0)
+
+    def rows(self, v: FloatArray, parity: int = 0) -> FloatArray:
+        """Interpolation to speeds v (n,), shape (n, size)."""
+        x = self.local(v)
+        return self._folded(self._rule.rows(0.5 * (1.0 + x) if self.smooth else x), parity)
+
+    def polynomials(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Chebyshev polynomials at speeds v (n,), even and odd ones, shape (n, size) each."""
+        return self._polynomials(self.local(v))
+
+    def _polynomials(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if self.smooth:
+            table = chebyshev.chebvander(x, 2 * self.size - 1)
+            return table[:, 0::2], table[:, 1::2]
+        table = chebyshev.chebvander(2.0 * x - 1.0, self.size - 1)
+        return table, table
+
+    def to_coefficients(self, parity: int) -> FloatArray:
+        """From values at the points to coefficients of these polynomials, (size, size)."""
+        table = self._polynomials(self._place)[parity].T * (2.0 / self.size)
+        if not (self.smooth and parity):
+            table[0] *= 0.5
+        return np.asarray(table)
+
+    # -- densities, from the averages of the polynomials that are 1 at one point, 0 at the others --
+
+    def averaged(self, density: Callable[[FloatArray], FloatArray], parity: int) -> FloatArray:
+        """These averages over a density of the speed, (size,)."""
+        x, w = gauss_legendre(4 * self.size)
+        v = self._speed(x)
+        return np.asarray((w * self._stretch(x) * density(v)) @ self.rows(v, parity))
+
+    def density(self, sums: FloatArray, v: FloatArray, dimension: int) -> FloatArray:
+        """f at speeds v (n,), where f_m v^(d-1) has these averages (M + 1, size): (M + 1, n).
+
+        As a polynomial of half the degree: averages of higher ones are less accurate.
+        """
+        half, d = self.size // 2, dimension
+        x, w = gauss_legendre(2 * self.size)
+        nodes = self._speed(x)
+        weight = (w * nodes ** (d - 1.0) * self._stretch(x))[:, None]
+        out = np.empty((len(sums), v.size))
+        tables = [self._polynomials(at) for at in (self._place, x, self.local(v))]
+        for m, one in enumerate(sums):
+            points, rows, asked = (table[m % 2][:, :half] for table in tables)
+            out[m] = asked @ np.linalg.solve(rows.T @ (weight * rows), points.T @ one)
+        return np.where(v < self.top, out, 0.0)

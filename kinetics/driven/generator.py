@@ -1,0 +1,292 @@
+r"""The generator of the velocity of a driven tracer, harmonic by harmonic, and its elimination.
+
+Of a function h = sum_m H_m(v) Y_m of the velocity, Y_m = cos(m phi) in the plane and P_m(cos theta)
+in space about the field (family 0), or sin(m phi) and P_m^1(cos theta) cos(azimuth) across it
+(family 1), the rate of change of its average is that of
+
+    L h = collisions + D_v laplacian h - gamma v.grad h + g d_x h.
+
+A collision with a scatterer of velocity V and the normal n is at the rate q dphi_n/2 in the plane,
+q dOmega_n/pi in space, q = (v - V).n > 0, and takes (1 + e*) q n from the velocity. Only V.n
+matters, which is Gaussian of deviation w. Distributions are the averages of the polynomials of the
+axis: they obey the transposed matrices, and averages over them are sums.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.system import System
+from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import gauss_legendre
+
+_ABSORBED, _FALL = 2.0, 8.0  # how strongly, and with which power of m/M, harmonics are damped
+_SINGULAR = 4  # the power by which points gather at slow impacts, where e varies as v_n^(1/5)
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely the velocity is resolved.
+
+    Parameters
+    ----------
+    nodes : of the speed axis
+    points : of the quadrature over the impact, in each of its two directions
+    harmonics : M; harmonics 0 ... M are solved
+    rtol : what speeds above the top, and a step of time, may miss
+    """
+
+    nodes: int
+    points: int
+    harmonics: int
+    rtol: float
+
+    @classmethod
+    def first(cls, system: System, rtol: float, span: float, harmonics: int = 1) -> Resolution:
+        """One that most questions need not refine.
+
+        span : asinh of the highest speed over the scale of the axis
+        """
+        digits = -math.log10(max(rtol, 1e-12))
+        if not system.is_driven:
+            nodes = 20.0 + 5.0 * digits
+        elif system.bath_speed:
+            nodes = 6.0 + 0.45 * digits * max(span, 2.5)
+        else:
+            nodes = 8.0 + 0.8 * digits * max(span, 3.0)
+        coupled = math.ceil(2.0 + 1.6 * digits) if system.field else 0
+        points = math.ceil(6.0 + 2.4 * digits)
+        return cls(math.ceil(nodes), points, max(harmonics, coupled), 10.0**-digits)
+
+    def finer(self) -> Resolution:
+        """With more of everything; harmonics only where a field couples them."""
+        m, more = self.harmonics, self.nodes // 5 + 3
+        points = self.points + self.points // 5 + 3
+        return Resolution(
+            self.nodes + more, points, m if m < 3 else m + m // 4 + 2, 0.2 * self.rtol
+        )
+
+
+class Generator:
+    """The matrices of one system on one axis.
+
+    Parameters
+    ----------
+    system : what drives the tracer, in units of l
+    axis : of speeds
+    resolution : quadrature points and harmonics
+    """
+
+    def __init__(self, system: System, axis: SpeedAxis, resolution: Resolution) -> None:
+        self.system, self.axis = system, axis
+        self.harmonics, self._points = resolution.harmonics, resolution.points
+        v, d = axis.speeds, system.dimension
+        self._collide()
+        slopes, inverse = [axis.derivative(0), axis.derivative(1)], np.diag(1.0 / v)
+        noise = system.heating * axis.faded[:, None]
+        for m, matrix in enumerate(self.matrices):
+            slope, second = slopes[m % 2], slopes[1 - m % 2] @ slopes[m % 2]
+            spread = second + (d - 1.0) * inverse @ slope - m * (m + d - 2.0) * inverse**2
+            matrix += noise * spread - system.drag * v[:, None] * slope
+            # at low speeds the field carries directions to ever higher harmonics: they leave here
+            lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
+            matrix -= lost * axis.faded[:, None] * inverse
+        self._slopes = [axis.faded[:, None] * slope for slope in slopes]
+        self._inverse = axis.faded[:, None] * inverse
+
+    # -- collisions -------------------------------------------------------------------------------
+
+    def _impacts(self, v: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Cosine of the normal to the velocity, q, and the rate of each quadrature point."""
+        system, w = self.system, self.system.bath_speed
+        reach = 8.5 * w / v  # cosines below which the scatterer's own velocity may decide
+        if w:
+            edges = np.unique(np.clip([-reach, reach, 1.0], -1.0, 1.0))
+        else:
+            breaks = system.breaks / v
+            edges = np.unique(np.concatenate([[0.0], breaks[breaks < 1.0], [1.0]]))
+        count = max(8, self._points // max(1, edges.size - 2))
+        x, weight = gauss_legendre(count)
+        if not w and system.is_singular:
+            x, weight = x**_SINGULAR, weight * _SINGULAR * x ** (_SINGULAR - 1.0)
+        at = np.arcsin(edges) if system.dimension == 2 else edges
+        place = (at[:-1, None] + np.diff(at)[:, None] * x).ravel()
+        weight = (np.diff(at)[:, None] * weight).ravel()
+        cosine = np.sin(place) if system.dimension == 2 else place
+        weight = weight if system.dimension == 2 else 2.0 * weight
+        if not w:
+            return cosine, v * cosine, weight * v * cosine
+        low = np.maximum(0.0, v * cosine - 8.5 * w)
+        high = v * cosine + 8.5 * w
+        cosine, low, high, weight = (a[high > 0.0] for a in (cosine, low, high, weight))
+        breaks = system.breaks
+        cuts = np.clip(breaks[None, :], low[:, None], high[:, None])
+        cuts = np.concatenate([low[:, None], cuts, high[:, None]], axis=1)
+        x, share = gauss_legendre(self._points)
+        if system.is_singular:
+            x, share = x**_SINGULAR, share * _SINGULAR * x ** (_SINGULAR - 1.0)
+        width = np.diff(cuts, axis=1)[:, :, None]
+        q = (cuts[:, :-1, None] + width * x).reshape(cosine.size, -1)
+        share = (width * share).reshape(cosine.size, -1)
+        chance = np.exp(-0.5 * ((v * cosine[:, None] - q) / w) ** 2) / (
+            math.sqrt(2.0 * math.pi) * w
+        )
+        rate = weight[:, None] * share * q * chance
+        return np.broadcast_to(cosine[:, None], q.shape).ravel(), q.ravel(), rate.ravel()
+
+    def _collide(self) -> None:
+        """Matrices of collisions for each harmonic, and the rate at each speed."""
+        n, d = self.axis.size, self.system.dimension
+        self.matrices = np.zeros((self.harmonics + 1, n, n))
+        self.rate = np.zeros(n)
+        for i, v in enumerate(self.axis.speeds):
+            cosine, q, rate = self._impacts(v)
+            lost = self.system.impulse(q) * q
+            along, square = v - lost * cosine, (lost * cosine) ** 2
+            after = np.sqrt(along**2 + (lost**2 - square))
+            turned = np.divide(along, after, out=np.ones_like(after), where=after > 0.0)
+            turned = np.clip(turned, -1.0, 1.0)
+            gained = np.where(q < self.system.capture_speed, 0.0, rate)
+            tables = self.axis.polynomials(after)
+            if d == 2:
+                angular = np.polynomial.chebyshev.chebvander(turned, self.harmonics)
+            else:
+                angular = np.polynomial.legendre.legvander(turned, self.harmonics)
+            weighed = (angular * gained[:, None]).T
+            for parity in (0, 1):
+                self.matrices[parity::2, i] = weighed[parity::2] @ tables[parity]
+            self.rate[i] = rate.sum()
+        for parity in (0, 1):
+            self.matrices[parity::2] = self.matrices[parity::2] @ self.axis.to_coefficients(parity)
+        self.matrices[:, np.arange(n), np.arange(n)] -= self.rate
+
+    # -- coupling of harmonics, and products with components of the velocity ----------------------
+
+    def _up(self, m: int, family: int) -> float:
+        """The share of harmonic m + 1 in cos times harmonic m."""
+        if self.system.dimension == 2:
+            return 1.0 if m == 0 else 0.5
+        return (m - family + 1.0) / (2.0 * m + 1.0)
+
+    def _down(self, m: int, family: int) -> float:
+        """The share of harmonic m - 1 in cos times harmonic m."""
+        if m == family:
+            return 0.0
+        return 0.5 if self.system.dimension == 2 else (m + family) / (2.0 * m + 1.0)
+
+    def raised(self, m: int, family: int) -> FloatArray:
+        """What d/dv_x of harmonic m adds to harmonic m + 1."""
+        return np.asarray(self._up(m, family) * (self._slopes[m % 2] - m * self._inverse))
+
+    def lowered(self, m: int, family: int) -> FloatArray:
+        """What d/dv_x of harmonic m adds to harmonic m - 1."""
+        turn = (m + self.system.dimension - 2) * self._inverse
+        return np.asarray(self._down(m, family) * (self._slopes[m % 2] + turn))
+
+    def along(self, sums: NDArray[Any], family: int = 0) -> NDArray[Any]:
+        """The distribution times v_x, of one (..., M + 1, nodes), in the same family."""
+        out, m = np.zeros_like(sums), range(self.harmonics + 1)
+        up = np.array([self._up(k, family) for k in m])[:, None]
+        down = np.array([self._down(k, family) for k in m])[:, None]
+        out[..., :-1, :] = up[:-1] * sums[..., 1:, :]
+        out[..., 1:, :] += down[1:] * sums[..., :-1, :]
+        return np.asarray(out * self.axis.speeds)
+
+    def across(self, sums: NDArray[Any]) -> NDArray[Any]:
+        """A distribution of family 0 times v_y, y across the field, in family 1."""
+        out, m = np.zeros_like(sums), np.arange(1.0, self.harmonics + 1.0)[:, None]
+        share = 0.5 * (np.ones_like(m) if self.system.dimension == 2 else m * (m + 1) / (2 * m + 1))
+        out[..., 1:, :] = share * sums[..., :-1, :]
+        out[..., 1:-1, :] -= share[:-1] * sums[..., 2:, :]
+        return np.asarray(out * self.axis.speeds)
+
+    def pulled(self, sums: FloatArray) -> FloatArray:
+        """What a unit field adds to a distribution of family 0 per unit time."""
+        out = np.zeros_like(sums)
+        for m in range(self.harmonics):
+            out[m] += self.raised(m, 0).T @ sums[m + 1]
+            out[m + 1] += self.lowered(m + 1, 0).T @ sums[m]
+        return out
+
+    def elimination(
+        self, family: int = 0, shift: complex = 0.0, border: FloatArray | None = None
+    ) -> Elimination:
+        """For (shift - L^T) f = source; border : a source (nodes,) where L^T alone is singular."""
+        return Elimination(self, family, shift, border)
+
+    @cached_property
+    def one(self) -> FloatArray:
+        """The average of a constant over harmonic 0, (nodes,)."""
+        return np.ones(self.axis.size)
+
+
+class Elimination:
+    """Solves (shift - L^T) f = source, pair of harmonics by pair from the highest down.
+
+    At low speeds a field outweighs the collisions: a single harmonic would be no good pivot.
+    """
+
+    def __init__(
+        self, generator: Generator, family: int, shift: complex, border: FloatArray | None
+    ) -> None:
+        self._first, self._n, self._border = family, generator.axis.size, border
+        n, last, field = self._n, generator.harmonics, generator.system.field
+        self._factors: list[tuple[Any, Any, Any, slice]] = []
+        schur: Any = 0.0
+        ends = range(last + 1, family, -2) if field else range(last + 1, family, -1)
+        for end in ends:
+            begin = max(family, end - (2 if field else 1))
+            inside = range(begin, end)
+            block = np.zeros(((end - begin) * n,) * 2, dtype=complex if shift.imag else float)
+            for k, m in enumerate(inside):
+                own = slice(k * n, (k + 1) * n)
+                block[own, own] = -generator.matrices[m].T
+                np.einsum("ii->i", block[own, own])[:] += shift if shift.imag else shift.real
+                if field and m + 1 < end:
+                    above = slice((k + 1) * n, (k + 2) * n)
+                    block[own, above] = -field * generator.raised(m, family).T
+                    block[above, own] = -field * generator.lowered(m + 1, family).T
+            block[-n:, -n:] -= schur
+            if border is not None and begin == family:
+                block = np.pad(block, ((0, 1), (0, 1)))
+                block[-1, :n], block[:n, -1] = 1.0, border
+            factors = lu_factor(block, overwrite_a=True, check_finite=False)
+            response: Any = None
+            above_: Any = None
+            if field and begin > family:
+                # row m - 1 takes from harmonic m, and row m from harmonic m - 1
+                above_ = -field * generator.raised(begin - 1, family).T
+                below = np.zeros((block.shape[0], n), dtype=block.dtype)
+                below[:n] = -field * generator.lowered(begin, family).T
+                response = lu_solve(factors, below, overwrite_b=True, check_finite=False)
+                schur = above_ @ response[:n]
+            self._factors.append((factors, above_, response, slice(begin - family, end - family)))
+
+    def solve(self, source: NDArray[Any], mass: float = 0.0) -> NDArray[Any]:
+        """Harmonics from ``family`` on, of the shape of the source (n_harmonics, nodes).
+
+        mass : the average of a constant, where there is a border
+        """
+        right = np.array(source, dtype=np.result_type(source, self._factors[0][0][0]))
+        parts = []
+        for factors, above, _, part in self._factors:
+            given = right[part].ravel()
+            if self._border is not None and part.start == 0:
+                given = np.append(given, mass)
+            parts.append(lu_solve(factors, given, check_finite=False))
+            if above is not None:
+                right[part.start - 1] -= above @ parts[-1][: self._n]
+        out = np.empty_like(right)
+        for (_, _, response, part), found in zip(self._factors[::-1], parts[::-1], strict=True):
+            if response is not None:
+                found = found - response @ out[part.start - 1]
+            out[part] = found[: (part.stop - part.start) * self._n].reshape(-1, self._n)
+        return out

@@ -1,0 +1,267 @@
+"""Scenes with driven tracers, or a restitution that depends on the impact speed, over time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.generator import Elimination, Generator, Resolution
+from kinetics.driven.steady import angular_sum
+from kinetics.driven.system import System
+from kinetics.errors import InputError
+from kinetics.field import radau
+from kinetics.field.evolution import ALL, Evolution
+from kinetics.field.scene import DENSITIES, MADE_OF, FieldScene
+from kinetics.numerics import FloatArray
+from kinetics.numerics.threads import one_blas_thread
+from kinetics.states.state import State
+from kinetics.status import PlanStep
+
+_MOST_NODES, _MOST_HARMONICS = 200, 50
+_DECADES = 10.0  # the power of the axis where nothing drives: v^(1/10) is smooth on it
+_BEST_DENSITY = 1e-4
+_TAIL = 1e-3  # of the tolerance: the share of tracers above the top
+_TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
+
+
+class _Equation:
+    """The distribution, and its first moments of the place, over one step after another.
+
+    Fields are f and x f of family 0 and y f of family 1; without a field, from an isotropic start,
+    y f is as x f. Each is the averages of the polynomials of the axis, (M + 1, nodes).
+    """
+
+    def __init__(self, generator: Generator, along_only: bool) -> None:
+        self.generator, self.families = generator, 1
+        self.fields = [0, 0] if along_only else [0, 0, 1]
+        self._modes = radau.modes()
+        self._factors: tuple[float, list[dict[int, Elimination]]] = (0.0, [])
+
+    def averages(self, f: FloatArray) -> FloatArray:
+        """As `kinetics.field.forward.AVERAGES`, of (n, n_fields, M + 1, nodes)."""
+        one, last = self.generator, f.shape[1] - 1
+        v, none = one.axis.speeds, np.zeros(len(f))
+        along, across = f[:, 1, 1] @ v, f[:, last, 1] @ v
+        return np.stack(
+            [
+                *(f[:, 0, 1] @ v, none, f[:, 0, 0] @ v**2, f[:, 0, 2] @ v**2, none),
+                *(f[:, 0, 0] @ v**4, f[:, 0, 0] @ one.rate, along, across, none),
+                f[:, 0, 0].sum(axis=1),
+            ],
+            axis=1,
+        )
+
+    def step(self, f: FloatArray, h: float, source: None) -> FloatArray:
+        """At all points of a step, (STAGES + 1, *f.shape)."""
+        one = self.generator
+        if h != self._factors[0]:
+            shifts = [1.0 / (h * value) for value, *_ in self._modes]
+            used = set(self.fields)
+            self._factors = h, [{k: one.elimination(k, z) for k in used} for z in shifts]
+        out = np.zeros((radau.STAGES + 1, *f.shape))
+        out[0] = f
+        for (value, share, _, stages), by_family in zip(self._modes, self._factors[1], strict=True):
+            found: NDArray[Any] = np.zeros(f.shape, dtype=complex)
+            for k, family in enumerate(self.fields):
+                right = share / (h * value) * f[k]
+                if k == 1:
+                    right = right + one.along(found[0])
+                elif k == 2:
+                    right = right + one.across(found[0])
+                found[k, family:] = by_family[family].solve(right[family:])
+            out[1:] += (stages[:, None, None, None] * found).real
+        return out
+
+
+def _scale(system: System, time: float, top: float) -> float:
+    """The scale of the axis up to a time: below 1/t no tracer has collided."""
+    return min(max(system.scale, math.sqrt(system.field), 0.5 / time), top)
+
+
+class _Evolution(Evolution):
+    """One start over time, in units of l and U; as in a field, on the axis of driven tracers."""
+
+    def __init__(
+        self, system: System, state: State, times: FloatArray, resolution: Resolution,
+        asked: frozenset[str], densities: bool,
+    ) -> None:  # fmt: skip
+        self.times, self.resolution, self.asked, self.state = times, resolution, asked, None  # type: ignore[assignment]
+        self._densities, self.steps, self.values = densities, 0, np.zeros((times.size, 0))
+        last = max(float(times[-1]), 1e-12)
+        measures = [
+            state.harmonic(m, 0.1 * resolution.rtol, 0.0, 4.0)
+            for m in range(resolution.harmonics + 1 if state.highest_harmonic != 0 else 1)
+        ]
+        assert measures[0] is not None
+        fastest = float(np.exp(measures[0].x.max()))
+        self.start = SimpleNamespace(velocities=None, highest=fastest)  # type: ignore[assignment]
+        driven = system.is_driven
+        top = system.top(_TAIL * resolution.rtol, last, fastest)
+        power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
+        axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
+        self.panels = axis  # type: ignore[assignment]
+        isotropic = state.highest_harmonic == 0 and not system.field
+        self.equation = _Equation(Generator(system, axis, resolution), isotropic)  # type: ignore[assignment]
+        self._sums = np.zeros((len(self.equation.fields), resolution.harmonics + 1, axis.size))
+        for m, measure in enumerate(measures):
+            if measure is not None:
+                if np.iscomplexobj(measure.weight) and np.abs(measure.weight.imag).max() > 1e-9:
+                    text = "of a driven tracer it must be symmetric about the x axis"
+                    raise InputError(f"initial: {text}")
+                profile = state.profile(m) if densities else None
+                if profile is None:
+                    self._sums[0, m] = measure.weight.real @ axis.rows(np.exp(measure.x), m % 2)
+                else:
+                    self._sums[0, m] = axis.averaged(lambda v, of=profile: np.real(of(v)), m % 2)  # type: ignore[misc]
+        self.sums = np.zeros((times.size, *self._sums.shape[1:]))
+        self.values = np.zeros((times.size, len(ALL)))
+        self._run(last)
+
+    def _begin(self) -> FloatArray:
+        return self._sums
+
+    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
+        if self._densities:
+            inside = (self.times >= now) & (self.times <= now + h)
+            rows = radau.rows((self.times[inside] - now) / h)
+            self.sums[inside] = np.tensordot(rows, stages[:, 0], axes=1)
+
+
+@dataclass
+class DrivenScene(FieldScene):
+    """What a scene with driven tracers asks, and its answer; see FieldScene.
+
+    Parameters
+    ----------
+    law : of which the dimension is used; the other arguments are as for FieldScene
+    system : what drives the tracer, in units of l
+    """
+
+    system: System = System(1.0)
+
+    def __post_init__(self) -> None:
+        self._speed, self._time = 1.0, self.path
+        self._scaled = self.times / self.path
+        self.allowed = {"averages": self.rtol}
+        if {"speed_density", "velocity_density"} & set(self.outputs):
+            self.allowed[DENSITIES] = max(self.rtol, _BEST_DENSITY)
+        self._solve()
+
+    @one_blas_thread
+    def _solve(self) -> None:
+        last, worst, more = self._evolved(self._first()), math.inf, self._first().finer()
+        self.errors, self.evolution = dict.fromkeys(self.allowed, math.inf), last
+        while worst > 1.0 and more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS:
+            before, last, more = last, self._evolved(more), more.finer()
+            errors = {"averages": last.difference(before)}
+            if DENSITIES in self.allowed:
+                errors[DENSITIES] = self._apart(last, before)
+            missed = max(errors[part] / self.allowed[part] for part in errors)
+            if missed < worst:
+                self.evolution, self.errors, worst = last, errors, missed
+
+    def _first(self) -> Resolution:
+        """A resolution that most scenes need not refine."""
+        system, last = self.system, max(float(self._scaled[-1]), 1e-12)
+        scale = _scale(system, last, math.inf)
+        span = math.asinh(system.top(_TAIL * self.rtol, last, 6.0) / scale)
+        there = self.state.highest_harmonic
+        return Resolution.first(system, self.rtol, span, max(2, 2 if there is None else there))
+
+    def _evolved(self, resolution: Resolution) -> _Evolution:
+        asked = frozenset({"v^2"}.union(*(MADE_OF.get(name, set()) for name in self.outputs)))
+        densities = DENSITIES in self.allowed
+        return _Evolution(self.system, self.state, self._scaled, resolution, asked, densities)
+
+    def _apart(self, one: _Evolution, two: _Evolution) -> float:
+        """The largest difference of two densities of the speed, over their maximum."""
+        worst = 0.0
+        for i, speed in enumerate(self.typical_speed_of(one)):
+            pair = [self._speed_density(e, i, speed * _TRIED) for e in (one, two)]
+            scale = max(float(np.abs(pair[0]).max()), 1e-300)
+            worst = max(worst, float(np.abs(pair[0] - pair[1]).max()) / scale)
+        return worst if math.isfinite(worst) else math.inf
+
+    def typical_speed_of(self, evolution: _Evolution) -> FloatArray:
+        """The root mean square speed, (n_times,)."""
+        return np.sqrt(np.maximum(evolution.values[:, 2], 0.0))
+
+    @property
+    def plan(self) -> tuple[PlanStep, PlanStep]:
+        """What was solved, and how."""
+        one = self.evolution
+        how = (
+            f"generator for {', '.join(self.outputs)}: harmonics 0 to {one.resolution.harmonics}, "
+            f"{one.panels.size} speeds up to {one.panels.highest:.3g} U, {one.steps} steps of "
+            f"time; a solution with fewer differs by {self.errors['averages']:.1e}"
+        )
+        asked = DENSITIES in self.errors
+        words = "from the averages of polynomials" if asked else "not asked for"
+        return PlanStep("averages", True, how), PlanStep(DENSITIES, asked, words)
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """Numbers about the work."""
+        one = self.evolution
+        return {
+            "harmonics": one.resolution.harmonics,
+            "nodes": one.panels.size,
+            "steps": one.steps,
+        }
+
+    # -- averages ---------------------------------------------------------------------------------
+
+    @cached_property
+    def _of(self) -> dict[str, FloatArray]:
+        """Averages over those that move, if others stick."""
+        found = dict(super()._of)
+        moving = found["1"]
+        return {name: x if name == "1" else x / moving for name, x in found.items()}
+
+    @property
+    def captured(self) -> FloatArray:
+        """The share of tracers that stick, (n_times,)."""
+        return 1.0 - self._of["1"]
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The arrays of the outputs, in U and d."""
+        found, d = super().values, self.law.dimension
+        if "diffusion_coefficient" in self.outputs:
+            slope = self._of["v_x x"] + (d - 1.0) * self._of["v_y y"]
+            found["diffusion_coefficient"] = self.path * slope / d
+            found["msd_slope"] = 2.0 * self.path * slope * self.times
+        return found
+
+    # -- densities --------------------------------------------------------------------------------
+
+    @property
+    def uncollided(self) -> FloatArray:
+        """0: nothing is left out."""
+        return np.zeros(self.times.shape)
+
+    def speed_density(self, v: FloatArray) -> FloatArray:
+        """In 1/U at all times, shape (n_times, n_v)."""
+        return np.array([self._speed_density(self.evolution, i, v) for i in range(self.times.size)])
+
+    def _speed_density(self, one: _Evolution, i: int, v: FloatArray) -> FloatArray:
+        d = self.law.dimension
+        return one.panels.density(one.sums[i, :1], v, d)[0] * v ** (d - 1.0)  # type: ignore[attr-defined]
+
+    def component_density(self, v_x: FloatArray) -> FloatArray:
+        """Not available."""
+        raise InputError("velocity_component_density: it is not available for driven tracers")
+
+    def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
+        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
+        axis, d = self.evolution.panels, self.law.dimension
+        return np.array(
+            [angular_sum(axis.density(f, v, d), phi, d) for f in self.evolution.sums]  # type: ignore[attr-defined]
+        )

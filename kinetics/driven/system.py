@@ -1,0 +1,139 @@
+"""What drives a tracer, and how fast it may then be. Lengths are in mean free paths l."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from kinetics.driven.restitution import ImpactRestitution, impact_restitution
+from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import gauss_legendre
+from kinetics.validation import check_mass_ratio, check_restitution, real_number, whole_number
+
+DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
+"""What a System has beside a restitution, a mass ratio and a field."""
+_LEAST_TOP = 1e-12  # of the speeds that are looked at: a system that stays below is at rest
+_POINTS = 24  # of the impact parameter, for the size of losses
+
+
+@dataclass(frozen=True)
+class System:
+    """Smooth scatterers and what acts on the tracer, in the mean free path and one unit of speed.
+
+    Parameters
+    ----------
+    restitution : e, or an ImpactRestitution
+    dimension : 2 or 3
+    bath_speed : w, the standard deviation of each component of the scatterers' velocities
+    mass_ratio : of a scatterer over the tracer; inf for infinitely heavy ones
+    heating : D_v of white noise, <dv_i dv_j> = 2 D_v delta_ij dt
+    drag : gamma in dv/dt = -gamma v
+    field : the acceleration along x
+    capture_speed : v_c: impacts whose normal speed is below it stick
+    """
+
+    restitution: float | ImpactRestitution
+    dimension: int = 2
+    bath_speed: float = 0.0
+    mass_ratio: float = math.inf
+    heating: float = 0.0
+    drag: float = 0.0
+    field: float = 0.0
+    capture_speed: float = 0.0
+
+    @classmethod
+    def checked(cls, restitution: Any, dimension: Any, mass_ratio: Any, **drives: Any) -> System:
+        """From a user's arguments; InputError for one out of range."""
+        law = impact_restitution(restitution)
+        allowed = "it must be a finite number, 0 or more"
+        return cls(
+            check_restitution(restitution) if law is None else law,
+            whole_number("dimension", dimension, 2, 3),
+            mass_ratio=check_mass_ratio(mass_ratio),
+            **{name: real_number(name, x, 0.0, allowed=allowed) for name, x in drives.items()},
+        )
+
+    def scaled(self, path: float) -> System:
+        """From accelerations, noise and drag per unit of length to those per mean free path."""
+        return replace(
+            self, heating=self.heating * path, drag=self.drag * path, field=self.field * path
+        )
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether anything gives the tracer energy."""
+        return max(self.bath_speed, self.heating, self.field) > 0.0
+
+    @property
+    def takes_energy(self) -> bool:
+        """Whether collisions or drag take energy from a fast tracer."""
+        fast = np.array([1e3 * (self.scale or 1.0)])
+        return self.drag > 0.0 or bool(self._losses(fast)[0][0] > 0.0)
+
+    def impulse(self, impact_speed: FloatArray) -> FloatArray:
+        """1 + e*, by which a collision multiplies the normal component that it takes away."""
+        share = 1.0 if self.mass_ratio == math.inf else self.mass_ratio / (1.0 + self.mass_ratio)
+        e = self.restitution
+        return share * (1.0 + (e(impact_speed) if callable(e) else np.full(impact_speed.shape, e)))
+
+    @property
+    def breaks(self) -> FloatArray:
+        """Impact speeds at which the outcome of a collision is not smooth."""
+        knots = self.restitution.breaks if callable(self.restitution) else np.empty(0)
+        stick = [self.capture_speed] if self.capture_speed else []
+        return np.unique(np.concatenate([knots, stick]))
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether the restitution varies as a fractional power of slow impacts."""
+        return callable(self.restitution) and self.restitution.is_singular
+
+    # -- how fast a tracer may be -----------------------------------------------------------------
+
+    @cached_property
+    def scale(self) -> float:
+        """The speed below which averages vary little; 0 where nothing sets one."""
+        noise = self.heating ** (1.0 / 3.0)
+        found = max(self.bath_speed, noise, 0.3 * math.sqrt(self.field))
+        stick = self.capture_speed
+        return min(found, stick) if found and stick else found or stick
+
+    def _losses(self, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """E[1 - s^2], E[1 - s cos chi] and E[(1 + e*)^2 n^2] of resting scatterers, (n,) each."""
+        x, w = gauss_legendre(_POINTS)
+        if self.dimension == 2:
+            c, w = np.cos(0.5 * np.pi * x), 0.5 * np.pi * w * np.cos(0.5 * np.pi * x)
+        else:
+            c, w = x, 2.0 * x * w
+        k = self.impulse(v[:, None] * c)
+        return ((2.0 - k) * k * c * c) @ w, (k * c * c) @ w, (k * k * c * c) @ w
+
+    def top(self, tolerance: float, time: float = math.inf, start: float = 0.0) -> float:
+        """A speed that a share of the tracers below the tolerance exceeds up to this time.
+
+        start : the fastest of the beginning. The density falls as exp(-E): with the drift A and the
+        diffusion D of the speed dE/dv = A/D, or less where a tracer gains its speed in one flight;
+        before the steady state as exp(-(integral of dv/sqrt(D))^2/(4 t)).
+        """
+        if not self.is_driven:
+            return start
+        v = np.geomspace(1e-6, 1e6, 2401) * (self.scale or 1.0)
+        loss, turn, kick = self._losses(v)
+        drift = self.drag * v + 0.5 * loss * v * v
+        bath, noise, g = 0.5 * self.bath_speed**2 * kick * v, self.heating, self.field
+        with np.errstate(divide="ignore"):
+            spread = noise + bath + g * g / (self.dimension * turn * v)
+            flight = 1.0 / (np.sqrt(noise / v) + g / v) if g or noise else np.full(v.shape, np.inf)
+            flight = flight + (self.drag * v / noise if noise else 0.0)
+        dv = np.gradient(v)
+        steady = np.cumsum(np.minimum(drift / spread, flight) * dv)
+        rising = np.cumsum(dv / np.sqrt(spread)) ** 2 / (4.0 * max(time, 1e-300))
+        if self.bath_speed:  # one collision gives more than diffusion does
+            rising = np.minimum(rising, 0.5 * (v / (2.0 * self.bath_speed)) ** 2)
+        needed = math.log(1.0 / tolerance) + 8.0
+        reached = float(np.interp(needed, np.maximum(steady, rising), v))
+        return max(math.hypot(reached, start), _LEAST_TOP)
