@@ -7,9 +7,10 @@ Rooms, each of which imports only those before it: `numerics` (no physics), `col
 one bounce), `states` (initial states) and `scaling` (the scaled distribution), `moments`
 (averages), `densities` (of the velocity), `position` (of the displacement), `field` (the equation
 in a uniform field) and `driven` (baths, noise, drag, a restitution that depends on the speed). Then
-the modules of this folder: `outputs` and `scene` say what can be asked, `answer` solves it, `solution` is what `solver.solve` returns: begin reading there. `results`
-(values, datasets, plots and files), `status`, `errors` and `validation` serve all of them. `paper`
-(also `sonine`) holds the paper's approximations; `crosscheck` compares with particles and algebra.
+the modules of this folder: `outputs` and `scene` say what can be asked, `answer` solves it,
+`solution` is what `solver.solve` returns: begin reading there. `results` (values, datasets, plots
+and files), `status`, `errors` and `validation` serve all of them. `paper` (also `sonine`) holds the
+paper's approximations; `crosscheck` compares with particles and algebra.
 """
 
 from importlib import import_module

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.driven.restitution import impact_restitution
-from kinetics.driven.system import DRIVES, System
+from kinetics.driven.system import DRIVES, System, checked_drives
 from kinetics.numerics import FloatArray
 from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, described
 from kinetics.results import Value
@@ -166,14 +166,10 @@ class Scene(Value):
         In U and d.
         """
         varies = impact_restitution(self.restitution) is not None
-        drives = {name: getattr(self, name) for name in DRIVES}
-        if not varies and not any(
-            not (isinstance(drive, float | int) and drive == 0.0) for drive in drives.values()
-        ):
+        drives = checked_drives(**{name: getattr(self, name) for name in (*DRIVES, "field")})
+        if not varies and not any(drives[name] for name in DRIVES):
             return None
-        return System.checked(
-            self.restitution, self.dimension, self.mass_ratio, field=self.field, **drives
-        )
+        return System.checked(self.restitution, self.dimension, self.mass_ratio, **drives)
 
     @cached_property
     def _any_law(self) -> CollisionLaw:

@@ -13,9 +13,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
@@ -108,11 +110,11 @@ class SpeedAxis:
         x = self.local(v)
         return self._folded(self._rule.rows(0.5 * (1.0 + x) if self.smooth else x), parity)
 
-    def polynomials(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def polynomials(self, v: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Chebyshev polynomials at speeds v (n,), even and odd ones, shape (n, size) each."""
         return self._polynomials(self.local(v))
 
-    def _polynomials(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _polynomials(self, x: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         if self.smooth:
             table = chebyshev.chebvander(x, 2 * self.size - 1)
             return table[:, 0::2], table[:, 1::2]

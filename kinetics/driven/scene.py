@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
@@ -144,7 +144,7 @@ class DrivenScene(FieldScene):
     system : what drives the tracer, in units of l
     """
 
-    system: System = System(1.0)
+    system: System = field(default_factory=lambda: System(1.0))
 
     def __post_init__(self) -> None:
         self._speed, self._time = 1.0, self.path
@@ -251,7 +251,7 @@ class DrivenScene(FieldScene):
         """In 1/U at all times, shape (n_times, n_v)."""
         return np.array([self._speed_density(self.evolution, i, v) for i in range(self.times.size)])
 
-    def _speed_density(self, one: _Evolution, i: int, v: FloatArray) -> FloatArray:
+    def _speed_density(self, one: Evolution, i: int, v: FloatArray) -> FloatArray:
         d = self.law.dimension
         return one.panels.density(one.sums[i, :1], v, d)[0] * v ** (d - 1.0)  # type: ignore[attr-defined]
 

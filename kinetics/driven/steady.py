@@ -355,8 +355,8 @@ def solve_steady(
 
     Raises
     ------
-    InputError (a ValueError) : an argument out of range, or a system without a steady state: nothing
-        that gives energy, or nothing that takes it
+    InputError (a ValueError) : an argument out of range, or a system without a steady state, as
+        nothing gives it energy, or nothing takes it
 
     >>> state = solve_steady(restitution=0.5, bath_speed=1.0)  # <v_x^2> = w^2 (1 + e)/(1 - e)
     >>> round(state.mean_square_along, 9), state.status.name

@@ -20,6 +20,12 @@ _LEAST_TOP = 1e-12  # of the speeds that are looked at: a system that stays belo
 _POINTS = 24  # of the impact parameter, for the size of losses
 
 
+def checked_drives(**drives: Any) -> dict[str, float]:
+    """The strengths of what drives, by name; InputError for one that is no number, 0 or more."""
+    allowed = "it must be a finite number, 0 or more"
+    return {name: real_number(name, x, 0.0, allowed=allowed) for name, x in drives.items()}
+
+
 @dataclass(frozen=True)
 class System:
     """Smooth scatterers and what acts on the tracer, in the mean free path and one unit of speed.
@@ -49,12 +55,11 @@ class System:
     def checked(cls, restitution: Any, dimension: Any, mass_ratio: Any, **drives: Any) -> System:
         """From a user's arguments; InputError for one out of range."""
         law = impact_restitution(restitution)
-        allowed = "it must be a finite number, 0 or more"
         return cls(
             check_restitution(restitution) if law is None else law,
             whole_number("dimension", dimension, 2, 3),
             mass_ratio=check_mass_ratio(mass_ratio),
-            **{name: real_number(name, x, 0.0, allowed=allowed) for name, x in drives.items()},
+            **checked_drives(**drives),
         )
 
     def scaled(self, path: float) -> System:
