@@ -1,0 +1,352 @@
+"""Driven tracers: exact relations, tables of an independent prototype, limits of today's equation.
+
+Numbers with a comment "prototype" are of a deterministic solver of another form (Chebyshev in v^2,
+two resolutions), those with an error in brackets of a Monte Carlo program in C; neither shares code
+with this package.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import airy, gamma, iv
+
+from kinetics import (
+    CollisionLaw,
+    InputError,
+    ScalingSolution,
+    Scene,
+    ToleranceWarning,
+    Viscoelastic,
+    load,
+    solve,
+    solve_field,
+    solve_steady,
+)
+from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.generator import Generator, Resolution
+from kinetics.driven.system import System
+
+DENSE = {2: 0.5, 3: 1.0 / math.pi}  # number densities at which l = 1
+
+
+@pytest.fixture(params=[2, 3])
+def dimension(request):
+    return request.param
+
+
+def one_l(restitution, dimension=2, **more):
+    return Scene(restitution, DENSE[dimension], dimension=dimension, **more)
+
+
+# -- a bath --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("e", "mass_ratio"), [(0.5, math.inf), (1.0, 1.0), (0.8, 0.2), (0.9, math.inf)]
+)
+def test_the_bath_makes_a_maxwellian(dimension, e, mass_ratio):
+    share = 1.0 if mass_ratio == math.inf else mass_ratio / (1.0 + mass_ratio)
+    star = (1.0 + e) * share - 1.0
+    square = 0.7**2 * (1.0 + star) / (1.0 - star)
+    state = solve_steady(e, dimension, bath_speed=0.7, mass_ratio=mass_ratio, rtol=1e-9)
+    assert state.mean_square_speed == pytest.approx(dimension * square, rel=1e-9)
+    assert state.a2 == pytest.approx(0.0, abs=1e-8)
+    rate = math.sqrt(math.pi / 2) if dimension == 2 else 2.0 * math.sqrt(2.0 / math.pi)
+    assert state.collision_rate == pytest.approx(rate * math.sqrt(square + 0.49), rel=1e-9)
+    # Einstein's relation
+    assert state.diffusion_coefficient == pytest.approx(state.mobility * square, rel=1e-8)
+    v = np.array([0.1, 1.0, 2.0]) * math.sqrt(square)
+    f = np.exp(-(v**2) / (2.0 * square)) / (2.0 * math.pi * square) ** (dimension / 2)
+    assert state.vdf(v)[:, 0] == pytest.approx(f, abs=1e-3 * f[0])
+    moment = (2.0 * square) ** 0.25 * gamma((dimension + 0.5) / 2) / gamma(dimension / 2)
+    assert state.moment(0.5) == pytest.approx(moment, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("d", "e", "expected"),  # prototype; in space at e = 0 the constant of Pidduck
+    [
+        (2, 0.0, 0.57947574236624),
+        (2, 0.5, 0.86669808085762),
+        (3, 0.0, 1.018953784881 * 3.0 * math.sqrt(math.pi) / 8.0),
+        (3, 0.5, 0.99633365904575),
+    ],
+)
+def test_diffusion_in_a_bath(d, e, expected):
+    assert solve_steady(e, d, bath_speed=1.0).diffusion_coefficient == pytest.approx(
+        expected, rel=1e-10
+    )
+
+
+def test_both_limits_of_diffusion_in_a_bath(dimension):
+    first = {2: 1.0 / math.sqrt(math.pi), 3: 3.0 * math.sqrt(math.pi) / 8.0}[dimension]
+    light = solve_steady(0.0, dimension, bath_speed=1.0, mass_ratio=1e-3, rtol=1e-7)
+    assert light.diffusion_coefficient / first * math.sqrt(2.0 - 1e-3 / 1.001) == pytest.approx(
+        1.0, abs=1e-4
+    )
+    heavy = solve_steady(0.999, dimension, bath_speed=1.0, rtol=1e-6)
+    ratio = heavy.diffusion_coefficient / first * math.sqrt(1e-3)
+    expected = 3.0 * math.pi / 8.0 if dimension == 2 else 32.0 / (9.0 * math.pi)
+    assert ratio == pytest.approx(expected, abs=3e-3)
+
+
+def test_the_rate_of_collisions_in_a_bath(dimension):
+    one = Generator(System(0.5, dimension, bath_speed=0.8), SpeedAxis(6.0, 0.8, 20, 1.0, True),
+                    Resolution(20, 40, 1, 1e-12))  # fmt: skip
+    v, w = one.axis.speeds, 0.8
+    x = v * v / (2.0 * w * w)
+    if dimension == 2:
+        bessel = (1.0 + x) * iv(0, x / 2) + x * iv(1, x / 2)
+        expected = w * math.sqrt(math.pi / 2) * np.exp(-x / 2) * bessel
+    else:
+        error = np.vectorize(math.erf)(v / (w * math.sqrt(2.0)))
+        expected = w * math.sqrt(2.0 / math.pi) * np.exp(-x) + (v + w * w / v) * error
+    assert one.rate == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("d", "square", "msd"),  # prototype
+    [(2, [3.837032851, 5.99994432], [0.778765411, 30.4133630]),
+     (3, [5.37495250, 8.9999150987], [1.16690073, 51.95647264])],
+)  # fmt: skip
+def test_from_rest_in_a_bath(d, square, msd):
+    scene = one_l(0.5, d, bath_speed=1.0, initial="rest", times=[1.0, 10.0],
+                  outputs=("thermal_speed", "msd", "diffusion_coefficient"))  # fmt: skip
+    solution = solve(scene)
+    assert solution.thermal_speed**2 == pytest.approx(square, rel=1e-8)
+    assert solution.msd == pytest.approx(msd, rel=1e-8)
+    assert solution.msd_slope / (2 * d * solution.times) == pytest.approx(
+        solution.diffusion_coefficient, rel=1e-12
+    )
+
+
+def test_a_stationary_start_stays_and_diffuses():
+    state = solve_steady(0.5, bath_speed=1.0)
+    outputs = ("thermal_speed", "msd", "speed_density")
+    scene = one_l(0.5, bath_speed=1.0, initial=lambda v: v / 3.0 * np.exp(-(v**2) / 6.0),
+                  times=[10.0, 200.0], outputs=outputs)  # fmt: skip
+    solution = solve(scene)
+    assert solution.thermal_speed**2 == pytest.approx(6.0, rel=1e-8)
+    assert solution.msd[0] == pytest.approx(33.565290073, rel=1e-8)  # prototype
+    slope = np.diff(solution.msd)[0] / 190.0
+    assert slope == pytest.approx(4.0 * state.diffusion_coefficient, rel=1e-7)
+    v = np.linspace(0.0, 8.0, 9)
+    assert solution.speed_density(v)[1] == pytest.approx(v / 3 * np.exp(-(v**2) / 6), abs=1e-4)
+
+
+def test_relaxation_rates():
+    state = solve_steady(0.5, 3, bath_speed=1.0, mass_ratio=0.5)  # e* = -1/2
+    assert state.relaxation_rates(1, 0)[0] == pytest.approx(0.8996194587, rel=1e-9)  # prototype
+    assert state.relaxation_rates(1, 1)[0] == pytest.approx(0.6104376741, rel=1e-9)
+    assert np.isnan(solve_steady(0.9, bath_speed=1.0, rtol=1e-6).relaxation_rates(5, 1)[-1])
+
+
+@pytest.mark.parametrize(
+    ("d", "e", "expected"),  # prototype, checked by Monte Carlo
+    [(3, 0.0, (0.6314700754, 3.809344200, 1.6023244415, 0.68307719)),
+     (2, 0.5, (0.2783290744, 6.35213854, 3.243290483, 0.84738831))],
+)  # fmt: skip
+def test_a_bath_and_a_field(d, e, expected):
+    state = solve_steady(e, d, bath_speed=1.0, field=1.0, rtol=1e-6)
+    found = (state.drift, state.mean_square_speed, state.mean_square_along)
+    assert found == pytest.approx(expected[:3], rel=1e-6)
+    assert state.diffusion_parallel == pytest.approx(expected[3], rel=1e-6)
+    # a weak field drives as the mobility says, and its own mobility is du/dg
+    weak = [solve_steady(e, d, bath_speed=1.0, field=g, rtol=1e-9) for g in (0.99, 1.01)]
+    assert (weak[1].drift - weak[0].drift) / 0.02 == pytest.approx(state.mobility, rel=1e-4)
+
+
+def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
+    scene = one_l(1.0, bath_speed=1.0, initial="rest", times=[0.1, 1.0, 20.0, 60.0],
+                  outputs=("thermal_speed", "collisions"))  # fmt: skip
+    solution = solve(scene, rtol=1e-6)
+    # d<v^2>/dt = 8 w^2 <nu>: the integral is 8 times the number of collisions
+    assert solution.thermal_speed**2 == pytest.approx(8.0 * solution.collisions, rel=1e-6)
+    assert solution.thermal_speed[-1] == pytest.approx(math.sqrt(6.0) * 80.0, rel=0.03)
+    with pytest.raises(InputError, match="steady"):
+        solve_steady(1.0, bath_speed=1.0)
+
+
+def test_a_cold_bath_is_no_bath():
+    scene = dict(times=[1.0, 10.0], outputs=("thermal_speed", "msd"))
+    cold = solve(one_l(0.7, bath_speed=1e-4, **scene))
+    none = solve(one_l(0.7, **scene))
+    assert cold.thermal_speed == pytest.approx(none.thermal_speed, rel=1e-6)
+    assert cold.msd == pytest.approx(none.msd, rel=1e-6)
+
+
+# -- noise and drag --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.9])
+def test_moments_of_a_heated_tracer_go_in_steps_of_three(dimension, e):
+    state, d = solve_steady(e, dimension, heating=1.0), dimension
+    rate = CollisionLaw(e, dimension=d).decay_rate
+    third = 2.0 * d / rate(2.0)
+    assert state.moment(3) == pytest.approx(third, rel=1e-10)
+    assert state.moment(6) == pytest.approx(5.0 * (d + 3.0) * third / rate(5.0), rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("d", "e", "speed", "square", "diffusion", "mobility"),  # prototype and an infinite product
+    [(2, 0.0, 1.371721164198448, 2.575798633708138, 0.783902001313, 0.643949658427),
+     (2, 0.5, 1.5789395569643, 3.23715349447991, 0.585274323784, 0.371463042915),
+     (3, 0.0, 1.877785880203489, 4.374066797683362, 1.02093540069, 0.729011132947),
+     (3, 0.5, 2.13122283111854, 5.44002768425249, 0.755637711615, 0.425707964313)],
+)  # fmt: skip
+def test_a_heated_tracer(d, e, speed, square, diffusion, mobility):
+    state = solve_steady(e, d, heating=1.0)
+    assert state.collision_rate == pytest.approx(speed, rel=1e-10)
+    assert state.mean_square_speed == pytest.approx(square, rel=1e-10)
+    assert state.diffusion_coefficient == pytest.approx(diffusion, rel=1e-10)
+    assert state.mobility == pytest.approx(mobility, rel=1e-10)
+
+
+def test_its_density_is_that_of_airy(dimension):
+    state, v = solve_steady(0.0, dimension, heating=1.0), np.array([0.0, 0.5, 1.0, 3.0, 6.0])
+    shape = airy(v)[0] / airy(0.0)[0]
+    assert state.vdf(v)[:, 0] / state.vdf([0.0])[0, 0] == pytest.approx(shape, abs=1e-5)
+
+
+def test_drag_of_one():
+    state, v = solve_steady(0.0, heating=1.0, drag=1.0), np.array([0.5, 1.0, 2.0])
+    shape = (v + 2.0) * np.exp(-v - 0.5 * v * v) / 2.0
+    assert state.vdf(v)[:, 0] / state.vdf([0.0])[0, 0] == pytest.approx(shape, abs=1e-5)
+    half = solve_steady(0.5, heating=1.0, drag=1.0)
+    assert half.moment(3) == pytest.approx(2.29328419707, rel=1e-10)  # prototype
+    assert half.diffusion_coefficient == pytest.approx(0.264737814294, rel=1e-10)
+
+
+def test_heated_from_rest():
+    scene = one_l(0.5, 3, heating=1.0, initial="rest", times=[0.3, 1.0, 3.0, 10.0],
+                  outputs=("thermal_speed", "msd"))  # fmt: skip
+    solution = solve(scene)
+    square = [1.6749445393, 4.0976132511, 5.3927428231, 5.4400273913]  # prototype
+    assert solution.thermal_speed**2 == pytest.approx(square, rel=1e-8)
+    msd = [0.049032632436, 1.1859428, 9.2512541802, 40.961352774]
+    assert solution.msd == pytest.approx(msd, rel=3e-8)
+
+
+# -- a restitution that depends on the impact speed ------------------------------------------------
+
+
+def test_viscoelastic_spheres_cool():
+    scene = one_l(Viscoelastic(0.45), initial="monoenergetic", times=[1.0, 10.0, 100.0, 1000.0],
+                  outputs=("thermal_speed", "msd"))  # fmt: skip
+    solution = solve(scene)
+    square = [0.79908909819, 0.20931252427, 0.0082921346814, 1.8517790123e-4]  # prototype
+    assert solution.thermal_speed**2 == pytest.approx(square, rel=1e-8)
+    msd = [0.64318665312, 9.0422113216, 33.025756038, 72.017817261]
+    assert solution.msd == pytest.approx(msd, rel=1e-8)
+
+
+def test_a_constant_function_is_a_number(dimension):
+    given = dict(times=[1.0, 30.0], outputs=("thermal_speed", "a2", "msd"))
+    number = solve(one_l(0.6, dimension, **given))
+    for law in (lambda v: np.full(np.shape(v), 0.6), ([0.1, 2.0], [0.6, 0.6])):
+        found = solve(one_l(law, dimension, **given))
+        for name in given["outputs"]:
+            assert getattr(found, name) == pytest.approx(getattr(number, name), rel=1e-8)
+
+
+def test_a_smooth_law_ends_in_the_scaling_state_of_slow_impacts():
+    scene = one_l(lambda v: 0.7 + 0.2 * np.tanh(v), times=[1e5], outputs=("thermal_speed", "a2"))
+    solution, exact = solve(scene, rtol=1e-6), ScalingSolution(0.7)
+    assert solution.a2[0] == pytest.approx(exact.a2, abs=2e-3)
+    assert solution.thermal_speed[0] * 1e5 == pytest.approx(2.0 / exact.cooling_rate, rel=2e-3)
+
+
+def test_viscoelastic_spheres_in_a_field():
+    state = solve_steady(Viscoelastic(0.45), 3, field=1.0, rtol=1e-6)
+    # a Monte Carlo run: .5420(5), 2.775(3), 1.2211(15)
+    assert state.drift == pytest.approx(0.5420, abs=4 * 5e-4)
+    assert state.mean_square_speed == pytest.approx(2.775, abs=4 * 3e-3)
+    assert state.mean_square_along == pytest.approx(1.2211, abs=4 * 1.5e-3)
+
+
+# -- a field alone: against the other solver of the package ----------------------------------------
+
+
+@pytest.mark.parametrize("e", [0.3, 0.9])
+def test_a_field_alone_is_solve_field(dimension, e):
+    state, other = solve_steady(e, dimension, field=1.0, rtol=1e-9), solve_field(e, dimension)
+    assert state.drift == pytest.approx(other.drift, rel=1e-9)
+    assert state.mean_square_speed == pytest.approx(other.mean_square_speed, rel=1e-8)
+    assert state.diffusion_parallel == pytest.approx(other.diffusion_parallel, rel=1e-7)
+    assert state.diffusion_perpendicular == pytest.approx(other.diffusion_perpendicular, rel=1e-7)
+
+
+# -- sticking ------------------------------------------------------------------------------------
+
+
+def test_rare_sticking_in_a_field(dimension):
+    small, free = 0.01, solve_steady(0.5, dimension, field=1.0, rtol=1e-8)
+    state = solve_steady(0.5, dimension, field=1.0, capture_speed=small, rtol=1e-3)
+    # Z = u/(v_c^2 <1/v>) in space, twice that in the plane, as v_c -> 0
+    depth = (4.0 - dimension) * free.drift / (small**2 * free.moment(-1.0))
+    assert state.capture_depth == pytest.approx(depth, rel=5e-3)
+    assert state.capture_time == pytest.approx(depth / free.drift, rel=1e-2)
+
+
+def test_the_depth_of_a_trap_from_rest():
+    state = solve_steady(0.5, 3, field=1.0, capture_speed=0.2, rtol=1e-3)
+    depth, time, collisions = state.capture_from(0.0)
+    # a Monte Carlo run: 17.97(6), 24.35(8), 31.4(1)
+    assert depth == pytest.approx(17.97, abs=4 * 0.06)
+    assert time == pytest.approx(24.35, abs=4 * 0.08)
+    assert collisions == pytest.approx(31.4, abs=4 * 0.1)
+
+
+def test_all_stick_without_a_field_in_the_end():
+    scene = one_l(0.5, 3, capture_speed=0.1, times=[0.0, 1.0, 10.0, 300.0])
+    solution = solve(scene, rtol=1e-3)
+    assert solution.captured[0] == pytest.approx(0.0, abs=1e-12)
+    assert np.all(np.diff(solution.captured) > 0.0)
+    assert solution.captured[-1] > 0.99
+    with pytest.raises(InputError, match="capture_speed"):
+        _ = solve(one_l(0.5, times=[1.0])).captured
+
+
+SAMPLES = CollisionLaw.from_samples([1.0], [0.5], [0.0])
+
+
+# -- doors ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        (dict(bath_speed=-1.0), "bath_speed"),
+        (dict(heating=math.nan), "heating"),
+        (dict(bath_speed=1.0, scatterers="hard disks"), "scatterers"),
+        (dict(drag=1.0, tangential_restitution=0.5), "tangential_restitution"),
+        (dict(bath_speed=1.0, outputs="kurtosis"), "outputs"),
+        (dict(bath_speed=1.0, collision_numbers=[1]), "collision_numbers"),
+        (dict(restitution=lambda v: 2.0 + v), "restitution"),
+        (dict(restitution=([2.0, 1.0], [0.5, 0.5])), "restitution"),
+        (
+            dict(restitution=CollisionLaw.from_samples([1.0], [0.5], [0.0]), heating=1.0),
+            "restitution",
+        ),
+    ],
+)
+def test_what_cannot_be_solved_is_refused(given, named):
+    with pytest.raises(InputError, match=f"^{named}"):
+        Scene(**{"restitution": 0.5, "times": [1.0], **given})
+
+
+def test_a_miss_is_said():
+    with pytest.warns(ToleranceWarning):
+        solution = solve(one_l(0.5, capture_speed=0.3, times=[3.0]), rtol=1e-12)
+    assert solution.error_estimate > 1e-12
+
+
+@pytest.mark.parametrize("law", [0.5, Viscoelastic(0.3), ([0.5, 1.0], [0.9, 0.7])])
+def test_states_and_solutions_are_saved(tmp_path, law):
+    state = solve_steady(law, heating=1.0, rtol=1e-4)
+    solution = solve(one_l(law, heating=1.0, times=[1.0]), rtol=1e-4)
+    for name, one in (("state.h5", state), ("solution.h5", solution)):
+        one.save(tmp_path / name)
+        assert load(tmp_path / name) == one
+    assert load(tmp_path / "state.h5").moment(1) == pytest.approx(state.moment(1), rel=1e-12)
+    assert {"vdf", "thermal_speed"} <= set(state.to_xarray())
