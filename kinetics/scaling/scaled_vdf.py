@@ -99,7 +99,7 @@ class ScaledVDF(Result):
         number = real_number("p", p, -_LARGEST_POWER, _LARGEST_POWER)
         if number <= self.law.lowest_power:
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
-        log_moment = self._log_moment(number) - 0.5 * number * self._log_second
+        log_moment = self._axis.log_moment(number) - 0.5 * number * self._log_second
         if log_moment > _LARGEST_LOG:
             if self.requested_nodes is None or self.error_estimate < 1.0:
                 refuse("p", p, "<c^p> overflows double precision there")
@@ -130,7 +130,7 @@ class ScaledVDF(Result):
         inside = flat > 0.0
         log_c = np.log(flat[inside])
         log_g = self._axis.log_density(log_c + 0.5 * self._log_second)
-        log_f = log_g - self._log_norm - self.dimension * log_c
+        log_f = log_g - self.dimension * log_c
         if np.any(log_f > _LARGEST_LOG):  # nodes that were given are far too few
             self._axis.unresolved = True
         with np.errstate(under="ignore"):
@@ -210,20 +210,11 @@ class ScaledVDF(Result):
     @cached_property
     def _log_second(self) -> float:
         """Log of A(2) = kappa^2 <(v t/l)^2>: p/2 of its error gets into <c^p>."""
-        log_second = self._axis.log_sum(2.0) - self._log_norm
+        log_second = self._axis.log_moment(2.0)
         if abs(log_second) < 50.0:  # A(2) is between 1 and 2
             return log_second
         self._axis.unresolved = True
         return 0.0
-
-    @cached_property
-    def _log_norm(self) -> float:
-        """What A(0) comes to before the norm A(0) = 1 is imposed."""
-        return self._axis.log_sum(0.0)
-
-    def _log_moment(self, p: float) -> float:
-        """Log A(p), A(p) = E[(kappa v t/l)^p]."""
-        return self._axis.log_sum(p) - self._log_norm
 
 
 def solve_scaled(
