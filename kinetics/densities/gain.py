@@ -80,11 +80,7 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) ->
 
 
 def _averages(k: FloatArray, xi: FloatArray, factors: FloatArray) -> ComplexArray:
-    """Sums of (1 - s^z) times factors (points, columns), shape (n, columns).
-
-    1 - s^z has its digits where it is small: from half angles k xi/2, and those as sums of two
-    from short tables, which cost a tenth of a sine.
-    """
+    """Sums of (1 - s^z) times factors (points, columns), shape (n, columns)."""
     stride = math.ceil(math.sqrt(k.size))
     far = np.multiply.outer(0.5 * k[::stride], xi)[:, None]
     near = np.multiply.outer(0.5 * k[:stride], xi)

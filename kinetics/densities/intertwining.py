@@ -178,11 +178,7 @@ def intertwine(
 
 
 def _taper(grid: LogGrid) -> tuple[FloatArray, FloatArray]:
-    """Factors that fall to zero at the lower and at the upper end of the window, (nodes,) each.
-
-    The rounding of high modes fills the window; a jump of it from one end to the other would have
-    modes of all wave numbers, which the gain raises.
-    """
+    """Factors that fall to zero at the lower and at the upper end of the window, (nodes,) each."""
     from scipy.special import erfc
 
     low = 0.5 * erfc(_STEEPEST * (1.0 - 2.0 / TAPER * (grid.x - grid.x[0])))

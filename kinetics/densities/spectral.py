@@ -110,10 +110,7 @@ class GridDensity(Value):
         return out
 
     def _low_end(self, i: int) -> tuple[float, float]:
-        """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0.
-
-        Below it that slope goes on.
-        """
+        """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""
         size, x = np.abs(self.values[i]), self.grid.x
         top = float(size.max())
         first = int(((x >= self.start) & (size >= self.resolved * top)).argmax())
@@ -330,12 +327,7 @@ def _resolve(problem: _Problem, left: float, right: float, band: float) -> LogGr
 def _window(
     law: CollisionLaw, start: LogMeasure, rtol: float, duration: float
 ) -> tuple[float, float, float]:
-    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, up to tau = duration; wave number needed.
-
-    Above, the scaling state or the start, and no more than speeds that are kept would reach;
-    below, the slow tail of the start, which drifts up. At e below 0.3 bounces fill the low speeds
-    up to v^1 in the density of ln v.
-    """
+    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, up to tau = duration; wave number needed."""
     depth = math.log(1.0 / rtol) + _BELOW_RTOL
     x = start.x - 0.5 * start.log_second_moment()
     weight = np.abs(start.weight)

@@ -130,10 +130,7 @@ class Evolution:
                 h *= 2.0
 
     def _relative(self, missed: FloatArray, values: FloatArray) -> float:
-        """The largest of what values (n, n_averages) miss, relative to the scale of each.
-
-        The root mean square for velocities and displacements, <v^2> and <r^2> for the tensors.
-        """
+        """The largest of what values (n, n_averages) miss, relative to the scale of each."""
         of = {name: np.abs(values[:, i]) for i, name in enumerate(ALL)}
         speed, square = of["v^2"], of["x^2"] + of["y^2"]
         scale = of | dict.fromkeys(("v_x", "v_y"), np.sqrt(speed))

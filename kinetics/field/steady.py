@@ -133,9 +133,6 @@ def find(law: CollisionLaw, first: Resolution, rtol: float) -> tuple[Pair, float
 
 
 def _error(coarse: SteadyState, fine: SteadyState) -> float:
-    """The largest difference of the figures, relative to each; at least 1e-12.
-
-    It is the error of the coarser solution. That of the finer one is a tenth of it in most cases.
-    """
+    """The largest difference of the figures, relative to each; at least 1e-12."""
     apart = float(np.max(np.abs(coarse.figures / fine.figures - 1.0)))
     return max(apart, _FLOOR) if math.isfinite(apart) else math.inf

@@ -208,11 +208,7 @@ class BackwardEquation:
     def _known(
         self, y: Observable, reach: int, apart: bool = False
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """X at the nodes, (reach + n_panels, nodes), y below the panels, and what drives it.
-
-        y is flat, with the point where the first panel begins as its last. apart: without the
-        first term of the series.
-        """
+        """X at the nodes, (reach + n_panels, nodes), y below the panels, and what drives it."""
         series = self.series(y)
         # the panels below, and the point where the first one begins
         x = self.start + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)

@@ -19,6 +19,7 @@ a_2 is some 60 n per cent off, without it half of that at most.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -134,11 +135,7 @@ class Loops:
         return y[rising], weight[:, rising]
 
     def _paths(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Loops y in l for each X, (n, n_loops), and their weights, near and far, (2, n, n_loops).
-
-        Up to half of the longest one in ln y; then in ln of what is left to the longest, because
-        the first returns are a sharp event in the time that is left.
-        """
+        """Loops y in l for each X, (n, n_loops), and weights, near and far, (2, n, n_loops)."""
         if x[0] > math.log(_AMPLE * _pace(self.medium)):
             y, weight = self._late
             return np.tile(y, (x.size, 1)), np.repeat(weight[:, None], x.size, axis=1)
@@ -183,6 +180,50 @@ class Loops:
         return first, blocks.reshape(2, n, -1), *before
 
 
+class Returns:
+    """Returns that take time: V, of which collisions act on U = Y + V, made of W = (K - 1) U.
+
+    Parameters
+    ----------
+    operator : what loops bring to a panel, by its number
+    shares : factors of near and of far loops, (m, 2); 0 where returns are at once
+    early : the power series of W below all panels, shape (n_terms, m, n_k)
+    count, nodes : how many panels there are, at most, and nodes of each
+    """
+
+    def __init__(
+        self,
+        operator: Callable[[int], Operator],
+        shares: FloatArray,
+        early: FloatArray,
+        count: int,
+        nodes: int,
+    ) -> None:
+        self._operator, self._shares, self._early = operator, shares, early
+        self._lost = np.zeros((count, nodes, *early.shape[1:]))  # W
+
+    def begin(self, j: int, loss: FloatArray, drive: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Loss matrices (m, n, n) and gain (m, n, n_k) of panel j with what loops bring to it."""
+        first, blocks, weight, left = self._operator(j)
+        used, n = drive.shape[:2]
+        powers = left[:, :, None] ** np.arange(self._early.shape[0])
+        come = np.tensordot(weight[:, :, None] @ powers, self._early[:, :used], axes=1)[:, :, 0]
+        below = self._lost[first:j, :, :used].reshape(-1, used, drive.shape[2])
+        come += np.tensordot(blocks[:, :, :-n], below, axes=1)
+        shares = self._shares[:used]
+        here = np.tensordot(shares, blocks[:, :, -n:], axes=1)
+        self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
+        self._added = self._inverse @ (here @ drive + np.einsum("mk,kimq->miq", shares, come))
+        self._loss, self._drive = loss, drive
+        return loss @ self._inverse, drive - loss @ self._added
+
+    def end(self, j: int, found: FloatArray) -> FloatArray:
+        """U on panel j, where Y was found, both (m, n, n_k)."""
+        total = self._inverse @ found + self._added
+        self._lost[j, :, : found.shape[0]] = np.moveaxis(self._drive - self._loss @ total, 0, 1)
+        return np.asarray(total)
+
+
 @dataclass
 class DelayedReturns(BackwardEquation):
     """The backward equation with returns that take time; its law must have a medium, e > 0."""
@@ -214,42 +255,29 @@ class DelayedReturns(BackwardEquation):
         m, p, n = y.harmonic, y.degree, self.nodes
         if self._at_once(m):
             return super()._solve(y)
-        shares = self._loops.shares[m]
         loss, gain = self._kernel(m)
         reach = gain.shape[1] // n
         x, known, drive = self._known(y, reach)
-        rate = np.exp(x[reach:])
+        rate, one = np.exp(x[reach:]), np.eye(n)
         # below the panels (K - 1) U is (K - 1) Y, by its power series
         series = self.series(y)
-        series = (
-            -self.law.without_medium.harmonic_decay_rate(p + np.arange(series.size), m) * series
-        )
-        back, ended = [], np.empty((self.count, n))
-        for j, (_, blocks, weight, early) in enumerate(self._operator(p)):
-            back.append(np.tensordot(shares, blocks, axes=1))
-            each = shares @ weight.swapaxes(0, 1)
-            ended[j] = np.sum(each * np.polynomial.polynomial.polyval(early, series), axis=1)
-        # V = here ((K - 1) U there) + what loops bring from panels below, U = Y + V
-        here, one = np.stack([each[:, -n:] for each in back]), np.eye(n)
-        inverse = np.linalg.inv(one + here @ loss)
+        early = -self.law.without_medium.harmonic_decay_rate(p + np.arange(series.size), m) * series
+        operators, shares = self._operator(p), self._loops.shares[[m]]
+        returns = Returns(operators.__getitem__, shares, early[:, None, None], self.count, n)
         scale = 1.0 / np.maximum(1.0, rate)
         rate *= scale
-        matrix = scale[:, :, None] * (self.rule.derivative - p * one)
-        matrix += rate[:, :, None] * (loss @ inverse)
-        matrix[:, 0] = one[0]
-        solved = np.asarray(np.linalg.inv(matrix))
         total = np.empty((reach + self.count, n))  # U
         total[:reach] = known[:-1].reshape(reach, n)
-        found, lost = np.empty((self.count, n)), np.empty((self.count, n))  # Y, (K - 1) U
-        start = known[-1]
-        for j, (first, *_) in enumerate(self._operator(p)):
+        found, first = np.empty((self.count, n)), known[-1]
+        for j in range(self.count):
             below = gain @ total[j : j + reach].ravel()
-            added = here[j] @ below + back[j][:, :-n] @ lost[first:j].ravel() + ended[j]
-            added = inverse[j] @ added
-            right = rate[j] * (below - loss @ added + drive[j])
-            right[0] = start
-            found[j] = solved[j] @ right
-            start = found[j, -1]
-            total[reach + j] = inverse[j] @ found[j] + added
-            lost[j] = below - loss @ total[reach + j]
+            lost, come = returns.begin(j, loss[None], below[None, :, None])
+            matrix = scale[j][:, None] * (self.rule.derivative - p * one)
+            matrix += rate[j][:, None] * lost[0]
+            matrix[0] = one[0]
+            right = rate[j] * (come[0, :, 0] + drive[j])
+            right[0] = first
+            found[j] = np.linalg.solve(matrix, right)
+            first = found[j, -1]
+            total[reach + j] = returns.end(j, found[j][None, :, None])[0, :, 0]
         return found

@@ -67,10 +67,7 @@ class _Chebyshev:
         return interpolation_rows(local[:, None] - self.local, self.weights)
 
     def last_coefficients(self, values: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
-        """Sizes of the last Chebyshev coefficient and of the one before it.
-
-        values : at the points, shape (..., nodes); the results have the shape (...).
-        """
+        """Sizes of the last Chebyshev coefficient and of the one before it."""
         return np.abs(values @ self._last_two[:, 0]), np.abs(values @ self._last_two[:, 1])
 
 

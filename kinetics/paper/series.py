@@ -309,11 +309,7 @@ def _solve(law: CollisionLaw, n: int, rate: float, a: FloatArray) -> tuple[Float
 
 
 def _trial_functions(n: int, a: FloatArray) -> FloatArray:
-    """n functions that span F_n/phi times S_0 ... S_(n-1), in terms of S_i: (n + len(a), n).
-
-    F_n/phi times 1, x, x^2, ... made orthogonal one after the other (Arnoldi): the products with
-    S_k themselves are all but dependent where F_n changes sign.
-    """
+    """n functions that span F_n/phi times S_0 ... S_(n-1), in terms of S_i: (n + len(a), n)."""
     from scipy.special import eval_genlaguerre, roots_genlaguerre
 
     size = n + len(a)

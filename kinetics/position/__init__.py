@@ -3,6 +3,6 @@
 May import `kinetics.moments`, `kinetics.states`, `kinetics.collision` and `kinetics.numerics`.
 Begin with `scattering.py`: one system of equations for each wave number (`coupled_harmonics`,
 `directions`). `intermediate_scattering` is F(k, t), `density` g(r, t) as a result; `sweep` says
-which wave numbers it takes (`wave_panel`), `tail` how F ends (`returned`), and `uncollided` is
+which wave numbers it takes (`wave_panel`), `tail` how F ends, and `uncollided` is
 known exactly.
 """

@@ -127,14 +127,6 @@ class Displacement(Value):
 
 
 def _enough(nodes: int, turns: float) -> int:
-    """Gauss points for a polynomial through the nodes times J_0 over ``turns`` of its argument.
-
-    In space sin(x)/x turns as often.
-
-    n points are exact for polynomials up to degree 2 n - 1. The Chebyshev coefficients of the
-    Bessel function end at the order h = turns/2, over a width of h^(1/3) (DLMF 10.19.8); 2.5 of it
-    and 8 points more leave rounding. In steps of 8, so that other times and panels use the same
-    points.
-    """
+    """Gauss points for a polynomial through the nodes times J_0 over ``turns`` of its argument."""
     half = 0.5 * turns
     return 8 * math.ceil((8.0 + 0.5 * (nodes + half) + 2.5 * half ** (1.0 / 3.0)) / 8.0)

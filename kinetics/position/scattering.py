@@ -30,7 +30,7 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
-from kinetics.moments.delayed import Loops, first_closed
+from kinetics.moments.delayed import Loops, Returns, first_closed
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
 from kinetics.position.coupled_harmonics import eliminate, iterate
@@ -143,10 +143,7 @@ def solve_waves(
 
 
 def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
-    """Panels that resolve exp(-T + i K T), which varies fastest of all.
-
-    Bounces that change a velocity by a small share 1 + e of it end these waves only later.
-    """
+    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
     turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
     e = min(law.disk_restitutions, default=0.0)
     if e < 0.0:
@@ -244,7 +241,9 @@ class Sweep:
         returns = None
         if self._loops:
             early = -decay * series[:-1] / self._coupling[:, None]
-            returns = _Returns(self._loops, self._coupling, early, count)
+            shares = self._loops.shares * self._coupling[:, None]
+            shares[0] = 0.0  # at once, in the kernel
+            returns = Returns(self._loops.of_panel, shares, early, count, n)
         far = series * self._far[:, :, None]
         below = deque(self._below(series, reach), maxlen=max(reach, 1))
         largest = deque((float(np.abs(a).max(initial=0.0)) for a in below), maxlen=recent.size)
@@ -295,10 +294,7 @@ class Sweep:
         )
 
     def _near_gain(self, tolerance: float) -> tuple[FloatArray, FloatArray]:
-        """The gain from the panels that matter, and about how much comes from each of them.
-
-        Next to nothing comes from farther down, where e is about 0. The panel itself is the last.
-        """
+        """The gain from the panels that matter, and about how much comes from each of them."""
         n = self.rule.nodes
         size = np.abs(self._gain).max(axis=1, initial=0.0).max(axis=0, initial=0.0)
         size = size.reshape(-1, n).sum(axis=1)
@@ -337,10 +333,7 @@ class Sweep:
     def _panel_harmonics(
         self, known: FloatArray, used: int, rate: FloatArray, tolerance: float, kept: int
     ) -> int:
-        """The last harmonic of a panel that begins with a_m = known (m, n_k): even.
-
-        used : that of the panel below; rate : T at the nodes
-        """
+        """The last harmonic of a panel that begins with a_m = known (m, n_k): even."""
         size = np.abs(known).max(axis=1)
 
         def last_above(least: float) -> int:
@@ -361,12 +354,7 @@ class Sweep:
         loss: FloatArray,
         tolerance: float,
     ) -> FloatArray:
-        """One panel: shape (m, nodes, n_k).
-
-        rate : T at the nodes; drive : the gain from below, shape (m, nodes, n_k); known : a_m at
-        the first node, shape (m, n_k); loss : by the panel itself, (m, nodes, nodes). The number of
-        harmonics is odd.
-        """
+        """One panel: shape (m, nodes, n_k)."""
         count, flights = drive.shape[0], rate[-1] - rate[0]
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
@@ -383,59 +371,11 @@ class Sweep:
         return np.concatenate([known[:, None], inner], axis=1)
 
     def _left_out(self, values: FloatArray) -> float:
-        """What the polynomials of a panel leave out of F, by their last two coefficients.
-
-        values : (n_kept, nodes, n_k). Each harmonic m > 0 counts together with -m.
-        """
+        """What the polynomials of a panel leave out of F, by their last two coefficients."""
         last, before = self.rule.last_coefficients(np.moveaxis(values, 1, 2))
         fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
         each = (last * np.sqrt(fall)).max(axis=1)
         return _SAFETY * math.sqrt(4.0 * float(each @ each) - 3.0 * each[0] ** 2)
-
-
-class _Returns:
-    """Returns that take time, for the harmonics m > 0: V of `kinetics.moments.delayed`.
-
-    Collisions act on U = a_m + V, and V is what loops make of W = (K - 1) U. Rows are over their
-    coupling.
-
-    Parameters
-    ----------
-    loops : what loops bring to a panel
-    coupling : that of each row, shape (m,)
-    early : the power series of W below all panels, shape (n_terms, m, n_k)
-    count : how many panels there are, at most
-    """
-
-    def __init__(self, loops: Loops, coupling: FloatArray, early: FloatArray, count: int) -> None:
-        self._loops, self._early = loops, early
-        self._shares = loops.shares * coupling[:, None]
-        self._shares[0] = 0.0  # at once, in the kernel
-        self._lost = np.zeros((count, loops.rule.nodes, *early.shape[1:]))  # W
-
-    def begin(self, j: int, loss: FloatArray, drive: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Loss matrices (m, n, n) and gain (m, n, n_k) of panel j with what loops bring to it."""
-        first, blocks, weight, left = self._loops.of_panel(j)
-        n, used = self._loops.rule.nodes, drive.shape[0]
-        powers = left[:, :, None] ** np.arange(self._early.shape[0])
-        come = np.tensordot(weight[:, :, None] @ powers, self._early[:, :used], axes=1)[:, :, 0]
-        come += np.tensordot(
-            blocks[:, :, :-n],
-            self._lost[first:j, :, :used].reshape(-1, used, drive.shape[2]),
-            axes=1,
-        )
-        shares = self._shares[:used]
-        here = np.tensordot(shares, blocks[:, :, -n:], axes=1)
-        self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
-        self._added = self._inverse @ (here @ drive + np.einsum("mk,kimq->miq", shares, come))
-        self._loss, self._drive = loss, drive
-        return loss @ self._inverse, drive - loss @ self._added
-
-    def end(self, j: int, found: FloatArray) -> FloatArray:
-        """U on panel j, where a_m was found, both (m, n, n_k)."""
-        total = self._inverse @ found + self._added
-        self._lost[j, :, : found.shape[0]] = np.moveaxis(self._drive - self._loss @ total, 0, 1)
-        return np.asarray(total)
 
 
 def _series_sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:

@@ -57,10 +57,7 @@ ROUNDING_FLOOR = 64 * float(np.finfo(float).eps)  # 1.4e-14
 
 
 class _Panel(NamedTuple):
-    """w = e^log_w q and g = e^log_g q_g at the nodes, each (nodes,); q is 1 but after returns.
-
-    last : size of the last two Chebyshev coefficients of ln w, or of q
-    """
+    """w = e^log_w q and g = e^log_g q_g at the nodes, each (nodes,); q is 1 but after returns."""
 
     log_w: FloatArray
     q: FloatArray
@@ -80,10 +77,7 @@ def _differences(rows: FloatArray, values: FloatArray) -> FloatArray:
 
 
 class _Group(NamedTuple):
-    """Losses that lead from nodes of a panel to one panel above it, each (n_points,).
-
-    node : from which; flux, back : weights of P(xi > u) and of returns; rows (n_points, nodes)
-    """
+    """Losses that lead from nodes of a panel to one panel above it, each (n_points,)."""
 
     node: NDArray[np.intp]
     flux: FloatArray
@@ -92,14 +86,7 @@ class _Group(NamedTuple):
 
 
 class _Losses:
-    """int P(xi > u) w(x + u) du, and the returns, at the nodes of any panel but its top one.
-
-    Attributes
-    ----------
-    rows : from the differences of a panel to w(x + u) - w(x), (nodes - 1, n_u, nodes), 0 outside
-    flux, back : the weights of these, (nodes - 1, n_u)
-    flux_out, back_out : all weights but those inside, (nodes - 1,)
-    """
+    """int P(xi > u) w(x + u) du, and the returns, at the nodes of any panel but its top one."""
 
     def __init__(
         self, law: CollisionLaw, rule: SecondKind, width: float, rate: float, reach: float
@@ -210,10 +197,7 @@ class SpeedAxis:
         return True
 
     def _beginning(self) -> tuple[float, float, float, float]:
-        """Where the march begins: x, ln g nearly, and two derivatives of ln w + e^x/kappa.
-
-        ln g falls as z where z w, times the symbol lambda(z)/z of the flux, equals kappa z g.
-        """
+        """Where the march begins: x, ln g nearly, and two derivatives of ln w + e^x/kappa."""
         law, q = self.law, self.law.quadrature
         depth = self._depth + _FORGOTTEN - math.log(self.rtol)
         z = np.geomspace(0.02 * self._flank, _STEEPEST * self._flank + 4.0 * depth, 120)
@@ -289,7 +273,7 @@ class SpeedAxis:
         total = self._width * float(((q @ rows) * np.exp(terms - largest)).sum(axis=0) @ weight)
         if self._rest is not None:
             log_bottom, powers = self._rest
-            share = powers @ (1.0 / (p - self.law.lowest_power + np.arange(powers.size)))
+            share = float(powers @ (1.0 / (p - self.law.lowest_power + np.arange(powers.size))))
             total += math.exp(p * self._bottom + log_bottom - largest) * share
         if not total > 0.0:
             self.unresolved = True
@@ -355,11 +339,7 @@ class SpeedAxis:
         return np.asarray(log_g)
 
     def _next_to_rest(self) -> None:
-        """Find g = e^(q x) times a polynomial of e^x below the bottom, where it is that by now.
-
-        Where bounces come as near to rest as one likes, -q the law's lowest power: the polynomial
-        through the panel before foretells the last one, or is a constant.
-        """
+        """Find g = e^(q x) times a polynomial of e^x below the bottom, where it is that by now."""
         before, panel = self._panels[-2:]
         up, q = self._width * self._rule.local, self.law.lowest_power
         # over g at the bottom, and its power of speed
@@ -472,10 +452,7 @@ class SpeedAxis:
         return self._losses[key]
 
     def _from_above(self, losses: _Losses, log_w: FloatArray) -> FloatArray:
-        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1).
-
-        Over e^log_w, (nodes - 1,).
-        """
+        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1)."""
         total = np.zeros((2, log_w.size))
         for m in range(1, min(losses.furthest, len(self._panels)) + 1):
             group, panel = losses.outside(m), self._panels[-m]

@@ -85,11 +85,7 @@ def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
 
 
 def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
-    """How many steps of the recurrence lead from Re z = a to where rho is smooth.
-
-    That is beyond _START or, near e = 1, as far from all zeros of lambda: there all bounces turn
-    s^z once round at least.
-    """
+    """How many steps of the recurrence lead from Re z = a to where rho is smooth."""
     far = law.largest_loss < math.log(2.0) and not math.isfinite(law.lowest_power)
     if a < -_START and far and 2.0 * math.pi / law.largest_loss - height > _START + 1.0:
         return 1
@@ -249,10 +245,7 @@ def _sum(line: Line, x: FloatArray) -> FloatArray:
 
 
 def _line(law: CollisionLaw, a: float, scale: float) -> Line:
-    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible.
-
-    scale : about the deviation of x there
-    """
+    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible."""
     # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
     deepest = min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)
     small = min(_DIFFERENCE / scale, _DIFFERENCE * (a - law.lowest_power))
