@@ -23,7 +23,11 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
+from kinetics.numerics.chebyshev import (
+    barycentric_weights,
+    derivative_matrix,
+    interpolation_rows,
+)
 from kinetics.numerics.gauss import gauss_legendre
 
 _RATIO = 3.0  # of the ends of a panel, over time
@@ -172,13 +176,7 @@ class SpeedPanels:
 
     def derivative(self, panel: int) -> FloatArray:
         """d/dv of polynomials at the nodes of a panel, shape (nodes, nodes)."""
-        nodes, weights = self.speeds[self.parts[panel]], self._barycentric[panel]
-        difference = nodes[:, None] - nodes
-        np.fill_diagonal(difference, 1.0)
-        matrix = weights / weights[:, None] / difference
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        return np.asarray(matrix)
+        return derivative_matrix(self.speeds[self.parts[panel]], self._barycentric[panel])
 
     def interpolation(self, v: FloatArray) -> FloatArray:
         """Rows that take values at the nodes to those at speeds v (n,): shape (n, size)."""

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import SecondKind, interpolation_rows
+from kinetics.numerics.chebyshev import Chebyshev, interpolation_rows
 
 
 @dataclass(frozen=True)
-class PanelRule(SecondKind):
+class PanelRule(Chebyshev):
     """Chebyshev collocation on each of many equal panels.
 
     Parameters

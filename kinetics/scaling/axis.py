@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import SecondKind, barycentric_weights, interpolation_rows
+from kinetics.numerics.chebyshev import Chebyshev, barycentric_weights, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.scaling.extent import small_deviation
 
@@ -89,7 +89,7 @@ class _Losses:
     """int P(xi > u) w(x + u) du, and the returns, at the nodes of any panel but its top one."""
 
     def __init__(
-        self, law: CollisionLaw, rule: SecondKind, width: float, rate: float, reach: float
+        self, law: CollisionLaw, rule: Chebyshev, width: float, rate: float, reach: float
     ) -> None:
         u, flux = law.survival_for(rate)
         back = np.zeros(u.size)
@@ -155,7 +155,7 @@ class SpeedAxis:
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
         self.law, self.rtol, self.unresolved = law, rtol, False
-        self._rule = SecondKind(nodes or _MORE_NODES + math.ceil(-math.log10(rtol)))
+        self._rule = Chebyshev(nodes or _MORE_NODES + math.ceil(-math.log10(rtol)))
         deviation = small_deviation(law)
         self._flank = 1.0 / deviation  # steepness of g beside its peak
         self._width = min(_WIDEST, _DEVIATIONS * deviation)

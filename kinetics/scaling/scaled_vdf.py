@@ -15,27 +15,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_in_medium, law_of
+from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.results import Result
 from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
-from kinetics.scaling.closed_form import from_rest, scaled_dataset, scaled_figures
+from kinetics.scaling.closed_form import ScaledState, from_rest, scaled_dataset, scaled_figures
 from kinetics.status import SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
     not_negative,
-    real_number,
     refuse,
     whole_number,
 )
 
-_LARGEST_POWER = 300.0
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision
 _LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
 
 
 @dataclass(frozen=True)
-class ScaledVDF(Result):
+class ScaledVDF(ScaledState):
     """The scaled velocity distribution as the discretised solver finds it.
 
     Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 (4 pi c^2 in space) and <c^2> = 1.
@@ -56,25 +53,8 @@ class ScaledVDF(Result):
     scatterers, number_density, diameter, density_order, mass_ratio : as in :func:`solve_scaled`
     """
 
-    restitution: Any
-    rtol: float
+    rtol: float = 1e-12
     requested_nodes: int | None = None
-    tangential_restitution: float | None = 1.0
-    dimension: int = 2
-    scatterers: str = "dilute"
-    number_density: float | None = None
-    diameter: float = 1.0
-    density_order: str = "second"
-    mass_ratio: float = math.inf
-
-    @cached_property
-    def law(self) -> CollisionLaw:
-        """The collision law of these restitutions, in this dimension."""
-        law = law_of(
-            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
-        )  # fmt: skip
-        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
-        return law_in_medium(law, *medium)
 
     @cached_property
     def _axis(self) -> SpeedAxis:
@@ -96,9 +76,7 @@ class ScaledVDF(Result):
         Where nodes that were given are far too few, so that the error estimate is 1 or more,
         nothing is known of the moment, and it is the largest number instead of an overflow.
         """
-        number = real_number("p", p, -_LARGEST_POWER, _LARGEST_POWER)
-        if number <= self.law.lowest_power:
-            refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
+        number = self._power(p)
         log_moment = self._axis.log_moment(number) - 0.5 * number * self._log_second
         if log_moment > _LARGEST_LOG:
             if self.requested_nodes is None or self.error_estimate < 1.0:
@@ -174,8 +152,6 @@ class ScaledVDF(Result):
             f"h = {self.cooling_rate:.12g}, a2 = {self.a2:.12g}, "
             f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
         )
-
-    _points, _on_demand = ("c",), ("moment", "vdf")
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         found = scaled_dataset(self, only, **points)
@@ -257,23 +233,24 @@ def solve_scaled(
     >>> round(vdf.cooling_rate, 12), vdf.status.name
     (0.412181911126, 'CONVERGED')
     """
-    law = law_of(restitution, tangential_restitution, dimension, mass_ratio)
+    solution = ScaledVDF(
+        restitution,
+        tangential_restitution,
+        dimension,
+        scatterers,
+        number_density,
+        diameter,
+        density_order,
+        mass_ratio,
+        check_rtol(rtol),
+        None if nodes is None else whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES),
+    )
+    law = solution.law
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
         refuse("restitution", restitution, allowed)
     if _LARGEST_LOSS < law.largest_loss < math.inf:
         allowed = "the solver takes 0, or speed ratios of 1e-100 at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
-    if nodes is not None:
-        nodes = whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES)
-    solution = ScaledVDF(
-        rtol=check_rtol(rtol),
-        requested_nodes=nodes,
-        **law.arguments,
-        scatterers=scatterers,
-        number_density=number_density,
-        diameter=diameter,
-        density_order=density_order,
-    )
     solution._axis  # noqa: B018  (an error of the arguments must be raised here)
     return solution
