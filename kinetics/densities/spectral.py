@@ -18,15 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.densities.gain import log_gain
 from kinetics.densities.harmonic import HarmonicProblem, Profile, count_before_scaling, then_scaling
-from kinetics.densities.intertwining import TAPER, choose_angle, intertwine
+from kinetics.densities.intertwining import TAPER, choose_angle, intertwine, log_gain
 from kinetics.errors import InputError
 from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.results import Value
-from kinetics.scaling.extent import extent_of
+from kinetics.scaling.mellin import extent_of
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction
 

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.field import radau
-from kinetics.field.collisions import loss_matrices
 from kinetics.field.elimination import Chain, Elimination
-from kinetics.field.grid import SpeedPanels
+from kinetics.field.grid import SpeedPanels, loss_matrices
 from kinetics.numerics import FloatArray
 
 AVERAGES = (

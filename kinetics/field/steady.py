@@ -18,10 +18,9 @@ import numpy as np
 from scipy.special import roots_jacobi
 
 from kinetics.collision import CollisionLaw
-from kinetics.field.collisions import loss_matrices
+from kinetics.field.density import LastFlights
 from kinetics.field.elimination import Chain, Elimination, continuation
-from kinetics.field.flights import LastFlights
-from kinetics.field.grid import Resolution, SpeedPanels, highest_speed
+from kinetics.field.grid import Resolution, SpeedPanels, highest_speed, loss_matrices
 from kinetics.numerics import FloatArray
 
 _MOST_HARMONICS = 150  # as many as 2 GB of memory hold

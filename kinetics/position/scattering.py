@@ -33,8 +33,7 @@ from kinetics.collision.memory import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, first_closed
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
-from kinetics.position.coupled_harmonics import eliminate, iterate
-from kinetics.position.directions import coupling
+from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.

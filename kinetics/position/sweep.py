@@ -14,10 +14,9 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.position.density import Displacement
+from kinetics.position.density import Displacement, Uncollided, fastest_speed, fronts
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 

@@ -26,7 +26,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, barycentric_weights, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.scaling.extent import small_deviation
+from kinetics.scaling.mellin import small_deviation
 
 DEEPEST = 230.0  # e^-230 = 1e-100: F further below that of its bulk is not given
 FEWEST_NODES, MOST_NODES = 8, 256  # of a panel

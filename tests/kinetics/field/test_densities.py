@@ -18,8 +18,7 @@ from kinetics import (
     solve,
     solve_field,
 )
-from kinetics.field.collisions import loss_matrices
-from kinetics.field.grid import SpeedPanels
+from kinetics.field.grid import SpeedPanels, loss_matrices
 from kinetics.numerics.gauss import panels_between
 
 PATH = 12.5  # l at number_density 0.04

@@ -19,9 +19,8 @@ from kinetics import (
     solve,
     solve_field,
 )
-from kinetics.field.collisions import loss_matrices
 from kinetics.field.elimination import Chain
-from kinetics.field.grid import SpeedPanels
+from kinetics.field.grid import SpeedPanels, loss_matrices
 from kinetics.field.starts import free_way
 from kinetics.numerics.gauss import gauss_legendre
 
