@@ -41,7 +41,7 @@ class ScaledVDF(ScaledState):
 
     A value: equal to another one if it was asked for with the same arguments. A file that
     :meth:`save` writes holds these arguments, h and a2; what else is asked of the loaded one is
-    solved again, and ``nodes`` and ``error_estimate`` are of what was solved since.
+    solved again, as it is of a copy in another process.
 
     Attributes
     ----------
@@ -165,13 +165,6 @@ class ScaledVDF(ScaledState):
     def _figures(self) -> dict[str, str]:
         about = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}
         return scaled_figures(self) | about
-
-    def __getstate__(self) -> dict[str, Any]:
-        # with what has been solved: a copy in another process need not solve it again
-        return dict(self.__dict__)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
 
     def _to_storage(self) -> dict[str, Any]:
         return super()._to_storage() | {"cooling_rate": self.cooling_rate, "a2": self.a2}
