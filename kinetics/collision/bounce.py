@@ -298,8 +298,6 @@ class SampledBounce:
 class MixedBounce:
     """Each bounce is one of the parts, by chance; see :meth:`CollisionLaw.mixture`.
 
-    Parameters
-    ----------
     weight : of each part, positive, sum 1
     parts : bounces of one dimension; those that may stop a tracer come first
     """

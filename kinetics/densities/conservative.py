@@ -57,8 +57,6 @@ _DEEPEST, _NO_SHARE = 40.0, 1e-17
 class NodeMasses(Value):
     """Masses at nodes in ln v: the density of ln v is linear between them.
 
-    Attributes
-    ----------
     x : ln v at the nodes, equidistant, shape (n_nodes,)
     spacing : of the nodes
     mass : shape (n_times, n_nodes)

@@ -66,8 +66,6 @@ class Profile(Value):
 
     In space it is P_m(cos theta) v^2 f integrated over all directions.
 
-    Attributes
-    ----------
     density : the harmonic without delta peaks
     count : n_times
     method : "spectral", "conservative" or "exact"

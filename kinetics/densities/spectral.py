@@ -66,8 +66,6 @@ _MOST_TERMS = 1_000_000  # of a Fourier sum at once: 16 megabytes
 class GridDensity(Value):
     """g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
 
-    Attributes
-    ----------
     grid : the nodes of x
     values : g at the nodes, shape (n_times, n_nodes)
     shift : x - ln v, shape (n_times,)

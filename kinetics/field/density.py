@@ -38,8 +38,6 @@ _TOGETHER = 4000  # points of flights, so few that their harmonics stay in the c
 class LastFlights:
     """Integrates over what collisions make.
 
-    Parameters
-    ----------
     panels, dimension : on which the density is solved
     steps : beginning, length, and v times what collisions make at the points of each step of time,
         (n_points, families, M + 1, size); of a steady state one step with one point
@@ -136,8 +134,6 @@ _TRIED_ANGLES = np.array([0.05, 0.5, 1.3, 2.2, 3.0])
 class VelocityDensity:
     """The densities of one start at given times, in units of sqrt(g l) and sqrt(l/g).
 
-    Parameters
-    ----------
     evolution : one start over time
     state : that start
     unit : sqrt(g l) in U

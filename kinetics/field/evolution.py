@@ -30,16 +30,11 @@ _FIRST = 0.5  # of the first step, in free flights of the fastest
 class Evolution:
     """One start over time, in units of sqrt(g l) and sqrt(l/g).
 
-    Parameters
-    ----------
     law, start : the collision law, and the initial state
     times : rising, shape (n_times,)
     resolution : panels, harmonics and steps
     asked : names of `ALL` that steps must resolve; others may be less accurate, or 0
     state : of which the start is made, if its density is asked for point by point
-
-    Attributes
-    ----------
     values : `ALL`, shape (n_times, n_averages)
     steps : their number
     made : beginning, length, and v times what collisions make at the points, of each step; if the

@@ -30,8 +30,6 @@ AVERAGES = (
 class ForwardEquation:
     """Takes the density, and x f and y f, over one step of time after another.
 
-    Parameters
-    ----------
     law : the collision law
     panels : the speed axis
     highest : M, odd; harmonics 0 ... M

@@ -66,8 +66,6 @@ def reached_speed(law: CollisionLaw, time: float, accuracy: float) -> float:
 class Resolution:
     """How finely the velocity, and the time, are resolved.
 
-    Parameters
-    ----------
     nodes : of a panel of speeds
     harmonics : M, odd; harmonics 0 ... M are solved
     lowest : the first panel is about so long
@@ -106,8 +104,6 @@ class Resolution:
 class SpeedPanels:
     """Panels from rest to the largest speed.
 
-    Parameters
-    ----------
     edges : ends of the panels, rising from 0, n_panels + 1 of them
     counts : nodes of each panel, n_panels of them
     """

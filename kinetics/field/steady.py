@@ -32,8 +32,6 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 class SteadyState:
     """The steady state on given panels and harmonics.
 
-    Parameters
-    ----------
     law : the collision law, not elastic
     resolution : panels and harmonics
     """

@@ -94,8 +94,6 @@ def _gauss_of(x: FloatArray, weight: FloatArray, count: int) -> tuple[FloatArray
 class Loops:
     """What loops bring to the nodes of panels in X = ln T.
 
-    Parameters
-    ----------
     medium : the scatterers, e > 0
     rule : the collocation of a panel
     start : X where the panels begin, not above `first_closed`
@@ -183,8 +181,6 @@ class Loops:
 class Returns:
     """Returns that take time: V, of which collisions act on U = Y + V, made of W = (K - 1) U.
 
-    Parameters
-    ----------
     operator : what loops bring to a panel, by its number
     shares : factors of near and of far loops, (m, 2); 0 where returns are at once
     early : the power series of W below all panels, shape (n_terms, m, n_k)
@@ -251,33 +247,12 @@ class DelayedReturns(BackwardEquation):
             self._operators[p] = [self._loops.of_panel(j, p) for j in range(self.count)]
         return self._operators[p]
 
-    def _solve(self, y: Observable) -> FloatArray:
-        m, p, n = y.harmonic, y.degree, self.nodes
-        if self._at_once(m):
-            return super()._solve(y)
-        loss, gain = self._kernel(m)
-        reach = gain.shape[1] // n
-        x, known, drive = self._known(y, reach)
-        rate, one = np.exp(x[reach:]), np.eye(n)
+    def _returns(self, y: Observable) -> Returns | None:
+        if self._at_once(y.harmonic):
+            return None
         # below the panels (K - 1) U is (K - 1) Y, by its power series
-        series = self.series(y)
-        early = -self.law.without_medium.harmonic_decay_rate(p + np.arange(series.size), m) * series
-        operators, shares = self._operator(p), self._loops.shares[[m]]
-        returns = Returns(operators.__getitem__, shares, early[:, None, None], self.count, n)
-        scale = 1.0 / np.maximum(1.0, rate)
-        rate *= scale
-        total = np.empty((reach + self.count, n))  # U
-        total[:reach] = known[:-1].reshape(reach, n)
-        found, first = np.empty((self.count, n)), known[-1]
-        for j in range(self.count):
-            below = gain @ total[j : j + reach].ravel()
-            lost, come = returns.begin(j, loss[None], below[None, :, None])
-            matrix = scale[j][:, None] * (self.rule.derivative - p * one)
-            matrix += rate[j][:, None] * lost[0]
-            matrix[0] = one[0]
-            right = rate[j] * (come[0, :, 0] + drive[j])
-            right[0] = first
-            found[j] = np.linalg.solve(matrix, right)
-            first = found[j, -1]
-            total[reach + j] = returns.end(j, found[j][None, :, None])[0, :, 0]
-        return found
+        series, law = self.series(y), self.law.without_medium
+        rates = law.harmonic_decay_rate(y.degree + np.arange(series.size), y.harmonic)
+        operators, shares = self._operator(y.degree), self._loops.shares[[y.harmonic]]
+        early = (-rates * series)[:, None, None]
+        return Returns(operators.__getitem__, shares, early, self.count, self.nodes)

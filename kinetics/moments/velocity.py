@@ -44,8 +44,6 @@ _PIECE = 5000  # points at once, so that their interpolation weights stay in the
 class Averages:
     """Averages over an initial state, at given times.
 
-    Parameters
-    ----------
     law : the collision law
     mean_free_path : l, in d
     state : the initial state

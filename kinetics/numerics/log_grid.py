@@ -19,8 +19,6 @@ from kinetics.numerics import ComplexArray, FloatArray
 class LogGrid:
     """Nodes x_j = start + j h, j = 0 ... nodes-1, of a periodic window of length nodes*h.
 
-    Attributes
-    ----------
     start : left end of the window in x = ln(speed)
     spacing : h
     nodes : how many; where even, the highest mode is a cosine alone

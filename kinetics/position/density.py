@@ -38,8 +38,6 @@ _LEFT_OUT = 1e-12  # of all tracers, by these pieces, and beyond the last of the
 class Uncollided(Value):
     """f(r/t) exp(-r/l)/t, f the density of the initial speeds; 0 for a start of sharp speeds.
 
-    Attributes
-    ----------
     state : the initial state
     mean_free_path : l, in d
     times : in d/U, shape (n_times,)
@@ -107,8 +105,6 @@ def fastest_speed(state: State, rtol: float) -> float:
 class Displacement(Value):
     """g(r, t) at the times of a scene. Numbers and arrays only; the methods compute from them.
 
-    Attributes
-    ----------
     mean_free_path : l, in d
     times : in d/U, shape (n_times,)
     root_mean_square : sqrt(<r^2>) in d, shape (n_times,)

@@ -65,8 +65,6 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
 class Scattering:
     """Solves for F(k, t) of one system and start.
 
-    Parameters
-    ----------
     law : the collision law
     mean_free_path : l, in d
     state : the initial state

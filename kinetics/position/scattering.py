@@ -58,8 +58,6 @@ _FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the ti
 class Waves:
     """a_m for some wave numbers, in space b_m of `directions`, as a function of X = ln T.
 
-    Attributes
-    ----------
     wave_numbers : K = k l, shape (n_k,)
     rule : the collocation
     start : X where the panels begin
@@ -119,8 +117,6 @@ def solve_waves(
 ) -> Waves:
     """Solve for wave numbers K = k l (n_k,), of similar size, up to X = highest.
 
-    Parameters
-    ----------
     tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
     delayed : whether returns in the harmonics m > 0 take time, `kinetics.moments.delayed`
@@ -179,8 +175,6 @@ def _even(m: int) -> int:
 class Sweep:
     """The equations of some wave numbers, solved on panel after panel upwards.
 
-    Parameters
-    ----------
     law : the collision law
     wave_numbers : K, shape (n_k,)
     rule : the collocation

@@ -37,8 +37,6 @@ class PowerTail(Value):
         (2/pi) integral of q sin(q x)/x (q^2 + 1)^(-nu - 3/2) dq
             = (x/2)^nu K_nu(x)/(sqrt(pi) Gamma(nu + 3/2)).
 
-    Attributes
-    ----------
     coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
     dimension : 2 or 3

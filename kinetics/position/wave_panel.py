@@ -24,8 +24,6 @@ class WavePanel(Value):
     of which half are solved for. Elsewhere F of a density of speeds falls as a power of 1/K, and
     K^power F is a polynomial in 1/K; F of sharp speeds turns with K, and is a polynomial in K.
 
-    Attributes
-    ----------
     low, high : the ends of the interval
     power : with which F falls; 0 for a polynomial in K
     which : indices of the times at which F is not negligible, rising, shape (n_which,)

@@ -142,14 +142,9 @@ class SpeedAxis:
 
     Every estimate is relative, and of all that was asked for so far.
 
-    Parameters
-    ----------
     law : the collision law; not elastic
     rtol : relative accuracy of g and of its moments
     nodes : of each panel, or None for as many as rtol takes
-
-    Attributes
-    ----------
     unresolved : whether nothing is known, because too few nodes were asked for
     """
 
