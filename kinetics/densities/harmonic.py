@@ -249,14 +249,10 @@ def component_densities(
         # below the first panel the density is that of its first point
         out[i] = g @ weight + g[:, 0] * math.exp(_LOWEST) * one / other[0]
     if profile.peak_speed is not None and profile.peak_weight is not None:
-        shape = _component_of_one_speed(x, profile.peak_speed, dimension)
+        peak = profile.peak_speed  # one speed and any direction
+        shape = np.where(x < peak, 0.5 / peak, 0.0)
+        if dimension == 2:
+            room = peak**2 - np.minimum(x, 2.0 * peak) ** 2
+            shape = np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.maximum(room, 1e-300))), 0.0)
         out += profile.peak_weight.real[:, None] * shape
     return out
-
-
-def _component_of_one_speed(x: FloatArray, speed: float, dimension: int) -> NDArray[np.float64]:
-    """Density at |v_x| = x of velocities of one speed and any direction, in 1/U, shape of x."""
-    if dimension == 3:
-        return np.where(x < speed, 0.5 / speed, 0.0)
-    room = speed**2 - np.minimum(x, 2.0 * speed) ** 2
-    return np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)

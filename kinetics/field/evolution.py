@@ -74,13 +74,6 @@ class Evolution:
             f[:families] = equation.density(sums)
         return f
 
-    def _uncollided(self, times: FloatArray) -> FloatArray:
-        """Densities of those that have not collided, on the polynomials of the panels."""
-        equation, velocities = self.equation, self.start.velocities
-        assert velocities is not None
-        count = equation.highest + 1
-        return equation.density(velocities.projected(times, self.panels, count, equation.fields))
-
     def _run(self, last: float) -> None:
         """Step after step, up to the last time or beyond it."""
         equation, velocities = self.equation, self.start.velocities
@@ -95,7 +88,9 @@ class Evolution:
             tried += 1
             at, source, early = now + h * radau.POINTS, None, None
             if velocities is not None:
-                early = radau.projected(self._uncollided(now + h * radau.FINE))
+                count, fine = equation.highest + 1, now + h * radau.FINE
+                sums = velocities.projected(fine, self.panels, count, equation.fields)
+                early = radau.projected(equation.density(sums))
                 source = equation.gained(early[1:])
             stages = equation.step(f, h, source)
             averages = total = equation.averages(stages)

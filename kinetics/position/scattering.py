@@ -238,7 +238,10 @@ class Sweep:
             shares[0] = 0.0  # at once, in the kernel
             returns = Returns(self._loops.of_panel, shares, early, count, n)
         far = series * self._far[:, :, None]
-        below = deque(self._below(series, reach), maxlen=max(reach, 1))
+        # the panels below the first, by the series, (reach, top + 1, nodes, n_k)
+        x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
+        filled = _series_sum(series, np.exp(x.ravel())).reshape(reach, n, self.top + 1, size)
+        below = deque(np.moveaxis(filled, 2, 1), maxlen=max(reach, 1))
         largest = deque((float(np.abs(a).max(initial=0.0)) for a in below), maxlen=recent.size)
         known = _series_sum(series, np.exp(np.array([self.start])))[0]
         values: list[FloatArray] = []
@@ -315,13 +318,6 @@ class Sweep:
             coupled *= self._coupling[:, None]
             out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
         return out, loss.T[:, :, None]
-
-    def _below(self, series: FloatArray, reach: int) -> FloatArray:
-        """a_m on the panels below the first, by the series, (reach, top + 1, nodes, n_k)."""
-        below = (np.arange(reach) - reach)[:, None] * self.rule.width
-        x = self.start + below + self.rule.local * self.rule.width
-        found = _series_sum(series, np.exp(x.ravel()))
-        return np.moveaxis(found.reshape(*x.shape, *found.shape[1:]), 2, 1)
 
     def _panel_harmonics(
         self, known: FloatArray, used: int, rate: FloatArray, tolerance: float, kept: int

@@ -149,7 +149,10 @@ class _Sweep:
                 self.active = self.active[low * self._flights[self.active] <= _LARGEST]
                 if self.active.size == 0:
                     break
-            new, error = self._interval(low, high, self._tolerance(high), size)
+            # rounding of F allows no more than 3e-12
+            share = max(1.0, float(np.max(self.width[self.active])) * high)
+            solved = _SOLVED if high > _CHEAP else _SOLVED_CHEAPLY
+            new, error = self._interval(low, high, max(3e-12, self.rtol / share * solved), size)
             self.panels += new
             last = self.panels[-1].values
             # F of densities falls; that of sharp speeds turns
@@ -185,11 +188,6 @@ class _Sweep:
                 cut[i] = 0.5 * last[-1]
         return cut
 
-    def _tolerance(self, high: float) -> float:
-        """Of F up to K = high; rounding of F allows no more than 3e-12."""
-        share = max(1.0, float(np.max(self.width[self.active])) * high)
-        return max(3e-12, self.rtol / share * (_SOLVED if high > _CHEAP else _SOLVED_CHEAPLY))
-
     def _judge(self, high: float, error: float) -> None:
         """For which times F has ended at K = high; error: on the last interval."""
         for i in map(int, self.active):
@@ -209,7 +207,11 @@ class _Sweep:
         power = self.system.law.dimension + 1 if falls else 0
         each = _FOR_DIGIT_LATE if falls else _FOR_DIGIT if low else _FOR_DIGIT_AT_ZERO
         digits = math.log10(max(10.0, size / tolerance))
-        count = math.ceil(_POINTS + each * digits + self._turns(low, high, tolerance))
+        # and for cos(K T), with which tracers of one speed turn F until they have collided
+        flights = self._flights[self.active]
+        flying = flights[np.exp(-flights) > tolerance] if self.sharp else np.zeros(0)
+        turns = 0.5 * (high - low) * float(flying.max(initial=0.0))
+        count = math.ceil(_POINTS + each * digits + turns)
         k = wave_numbers_between(low, high, power, count)
         values, error = self.system.collided(k, self.active, tolerance)
         panel = WavePanel(low, high, power, self.active, values)
@@ -219,12 +221,6 @@ class _Sweep:
             right, second = self._interval(middle, high, tolerance, size, halvings + 1)
             return left + right, max(first, second)
         return [panel], panel.missed + error
-
-    def _turns(self, low: float, high: float, tolerance: float) -> float:
-        """Points for cos(K T), with which tracers of one speed turn F until they have collided."""
-        flights = self._flights[self.active]
-        flying = flights[np.exp(-flights) > tolerance] if self.sharp else np.zeros(0)
-        return 0.5 * (high - low) * float(flying.max(initial=0.0))
 
     def _rest(self, time: int, high: float) -> tuple[PowerTail | None, float]:
         """How F goes on beyond K = high, and how much of it is not known there."""
