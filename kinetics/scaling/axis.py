@@ -16,6 +16,7 @@ orders of magnitude. What is assumed above the top is forgotten as F grows.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -205,7 +206,7 @@ class SpeedAxis:
         two = np.array([start, start + step])
         slope = np.interp(two, x, z)
         for _ in range(5):  # averages by few points are a percent off there
-            slope = np.exp(two) / law.mean_log_loss * law.decay_rate(slope)
+            slope = np.exp(two) / law.mean_log_loss * law.decay_symbol(slope)
         power = np.exp(two) / self._kappa + 1.0 - slope
         bend = float(power[1] - power[0]) / step
         return start, float(np.interp(start, x, log_g)), float(power[0]), bend
@@ -246,8 +247,7 @@ class SpeedAxis:
         """ln of the integral of e^(p x) g, the whole axis."""
         self._rounding = max(self._rounding, abs(p) * ROUNDING_FLOOR)
         lacks = math.log(self.rtol) - _END
-        node, weight = gauss_legendre(_GAUSS)
-        rows = self._rule.rows(node).T
+        (node, weight), rows = gauss_legendre(_GAUSS), self._gauss_rows
         while True:
             left = self._top - self._width * np.arange(1.0, len(self._panels) + 1)
             x = left[:, None] + self._width * node
@@ -311,6 +311,11 @@ class SpeedAxis:
             floor = (self._steepest + self._flank) * ROUNDING_FLOOR
             self._rounding = max(self._rounding, floor)
         return out - (self._log_sum(0.0) if self._norm is None else self._norm)
+
+    @cached_property
+    def _gauss_rows(self) -> FloatArray:
+        """From a panel to the Gauss points of a moment, (nodes, points)."""
+        return self._rule.rows(gauss_legendre(_GAUSS)[0]).T
 
     @property
     def _tables(self) -> tuple[FloatArray, FloatArray]:
