@@ -37,7 +37,6 @@ _LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
 _LEAST = 36.0  # near loops that are so many times shorter than those that begin: e^-36
 _POINTS, _WIDE = 2, 2.0  # of the sums over loops: points beside half of the nodes; panels in ln y
 _SHARPEST = 2.0  # e-folds below n: how sharp what follows the first returns is
-_AMPLE, _FEW = 100.0, 8  # T/c after which so many loops of each kind stand for all, to e^-35
 
 Operator = tuple[int, FloatArray, FloatArray, FloatArray]
 """Of a panel: the first panel that loops lead to; what they bring from there on, to itself, near
@@ -76,20 +75,6 @@ def loops(medium: Medium, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     return near * begin, y * np.exp(-y / _LOOPS) * begin
 
 
-def _gauss_of(x: FloatArray, weight: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss nodes and weights of a sum over many points x, (count,) each: Stieltjes' recurrence."""
-    middle, norm = np.empty(count), np.empty(count)
-    before, now = np.zeros(x.size), np.ones(x.size)
-    for k in range(count):
-        norm[k] = weight @ now**2
-        middle[k] = weight @ (x * now**2) / norm[k]
-        ratio = norm[k] / norm[k - 1] if k else 0.0
-        before, now = now, (x - middle[k]) * now - ratio * before
-    side = np.sqrt(norm[1:] / norm[:-1])
-    nodes, vectors = np.linalg.eigh(np.diag(middle) + np.diag(side, 1) + np.diag(side, -1))
-    return nodes, norm[0] * vectors[0] ** 2
-
-
 @dataclass(frozen=True)
 class Loops:
     """What loops bring to the nodes of panels in X = ln T.
@@ -121,22 +106,8 @@ class Loops:
         rest = [(self.medium.returns(m) - near) / far for m in range(self.harmonic + 1)]
         return np.array([((-1.0) ** m, (-1.0) ** m * each) for m, each in enumerate(rest)])
 
-    @cached_property
-    def _late(self) -> tuple[FloatArray, FloatArray]:
-        """A few loops that stand for all where much time is left: y (16,), weights (2, 16)."""
-        y, each = self._all_loops
-        near, far = (_gauss_of(y, weight, _FEW) for weight in each)
-        none = np.zeros(_FEW)
-        weight = np.stack([np.append(near[1], none), np.append(none, far[1])])
-        y = np.append(near[0], far[0])
-        rising = np.argsort(y)
-        return y[rising], weight[:, rising]
-
     def _paths(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Loops y in l for each X, (n, n_loops), and weights, near and far, (2, n, n_loops)."""
-        if x[0] > math.log(_AMPLE * _pace(self.medium)):
-            y, weight = self._late
-            return np.tile(y, (x.size, 1)), np.repeat(weight[:, None], x.size, axis=1)
         points = self.rule.nodes // 2 + _POINTS
         top = np.minimum(np.exp(x) / _pace(self.medium), _LONGEST)[:, None]
         log_half = np.maximum(np.log(0.5 * top / _shortest(self.medium)), 1e-300)
