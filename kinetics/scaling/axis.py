@@ -10,7 +10,9 @@ before replace K - 1 by (K - 1)/(1 - eps S (K - 1)) (:mod:`kinetics.collision.me
 e^x g(x) = w(x) + eps [w(x + X) - E w(x + X + xi)], X = -ln e. Either way w at x needs w above x
 only. On Chebyshev panels of one width, from the top down, each panel is a small linear system for
 w over a guess of it, from which ln w follows: the error is relative to w itself, over hundreds of
-orders of magnitude. What is assumed above the top is forgotten as F grows.
+orders of magnitude. What is assumed above the top is forgotten as F grows. The march begins not
+far above the moments, and once more at 1e-100 of the bulk if a question reaches beyond. Next to
+rest, where bounces lead there, g ends as a power of v t/l times a polynomial in it.
 """
 
 from __future__ import annotations
