@@ -39,7 +39,7 @@ _TOP, _ORDERS = 24, 8
 # the sixth derivative of ln lambda, which is about 5!/24^6 = 6e-7.
 _BETWEEN = 3
 _NEGLIGIBLE = 1e-19  # bounces of less weight than this are left out: it is below rounding
-_TOGETHER_GAINS = 256  # wave numbers whose tables fit into the cache; it changes no result
+_TABLES = 256  # wave numbers whose tables fit into the cache; it changes no result
 
 
 def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) -> ComplexArray:
@@ -94,13 +94,21 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) ->
 
 
 def _averages(k: FloatArray, xi: FloatArray, factors: FloatArray) -> ComplexArray:
-    """Sums of (1 - s^z) times factors (points, columns), shape (n, columns), in its own digits."""
-    found = []
-    for part in np.array_split(k, 1 + k.size // _TOGETHER_GAINS):
-        half = np.multiply.outer(0.5 * part, xi)
-        sine, cosine = np.sin(half), np.cos(half)
-        found.append((2.0 * sine * sine) @ factors - 2j * ((sine * cosine) @ factors))
-    return np.concatenate(found)
+    """Sums of (1 - s^z) times factors (points, columns), shape (n, columns)."""
+    stride = math.ceil(math.sqrt(k.size))
+    far = np.multiply.outer(0.5 * k[::stride], xi)[:, None]
+    near = np.multiply.outer(0.5 * k[:stride], xi)
+    sin_near, cos_near = np.sin(near), np.cos(near)
+    out = np.empty((far.shape[0] * stride, factors.shape[1]), dtype=complex)
+    piece = max(1, _TABLES // stride)
+    for first in range(0, far.shape[0], piece):
+        sin_far, cos_far = np.sin(far[first : first + piece]), np.cos(far[first : first + piece])
+        sine = (sin_far * cos_near + cos_far * sin_near).reshape(-1, xi.size)
+        cosine = (cos_far * cos_near - sin_far * sin_near).reshape(-1, xi.size)
+        rows = slice(first * stride, first * stride + sine.shape[0])
+        out.real[rows] = (2.0 * sine * sine) @ factors
+        out.imag[rows] = (-2.0 * sine * cosine) @ factors
+    return out[: k.size]
 
 
 _KEPT = 5e-15  # of the largest mode of a state: a smaller one is rounding, and is not kept
