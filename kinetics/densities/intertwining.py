@@ -95,6 +95,7 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) ->
 
 def _averages(k: FloatArray, xi: FloatArray, factors: FloatArray) -> ComplexArray:
     """Sums of (1 - s^z) times factors (points, columns), shape (n, columns)."""
+    # half angles, where it keeps its digits, are sums of two from short tables: half of the time
     stride = math.ceil(math.sqrt(k.size))
     far = np.multiply.outer(0.5 * k[::stride], xi)[:, None]
     near = np.multiply.outer(0.5 * k[:stride], xi)
