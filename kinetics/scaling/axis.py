@@ -34,6 +34,7 @@ from kinetics.scaling.mellin import small_deviation
 DEEPEST = 230.0  # e^-230 = 1e-100: F further below that of its bulk is not given
 FEWEST_NODES, MOST_NODES = 8, 256  # of a panel
 _MORE_NODES = 6  # of a panel, than digits
+_RESOLVED = 1e-12  # error of F below which more nodes bring more rounding
 _WIDEST, _DEVIATIONS = 1.0, 5.0  # panels in x, and in deviations of g
 # In ln F, less ln rtol: how far the first march reaches, and what is assumed above its top is
 # forgotten. F or a moment from further out begins another one at DEEPEST.
@@ -154,6 +155,7 @@ class SpeedAxis:
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
         self.law, self.rtol, self.unresolved = law, rtol, False
         self._rule = Chebyshev(nodes or _MORE_NODES + math.ceil(-math.log10(rtol)))
+        self._own_nodes = nodes is None
         deviation = small_deviation(law)
         self._flank = 1.0 / deviation  # steepness of g beside its peak
         self._width = min(_WIDEST, _DEVIATIONS * deviation)
@@ -185,6 +187,14 @@ class SpeedAxis:
         self._panels = [_Panel(guess, ones, guess - start - up, ones, 0.0)]
         while self._bottom > -_DEVIATIONS / self._flank and self._add_panel():
             pass
+        last = max((p.last for p in self._panels[2:]), default=1.0)
+        nodes = 2 * self._rule.nodes
+        if self._own_nodes and _DENSITY * last > max(self.rtol, _RESOLVED) and nodes <= MOST_NODES:
+            # a narrow part of g beside a wide one, as of mixtures
+            self._rule, self._losses = Chebyshev(nodes), {}
+            self.__dict__.pop("_gauss_rows", None)
+            self._march(depth)
+            return
         self._bulk = float(self._log_g(np.zeros(1))[0])  # ln F there, up to a constant
 
     def _deepened(self) -> bool:
