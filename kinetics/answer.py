@@ -17,8 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.densities import harmonic
-from kinetics.densities.harmonic import HarmonicProblem, Profile, angular_function
-from kinetics.densities.marginal import component_densities
+from kinetics.densities.harmonic import (
+    HarmonicProblem,
+    Profile,
+    angular_function,
+    component_densities,
+)
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.backward import speed_power
 from kinetics.moments.displacement import root_mean_square

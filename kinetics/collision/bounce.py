@@ -109,11 +109,7 @@ class DiskBounce:
     def _nodes(
         self, level: int, deepest: float = DEEPEST
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """y, sqrt(1 - y^2) and the weights of an average over a uniform y, (n_nodes,) each.
-
-        Gauss points in u, sinh(u)/sinh(U) = y where e < et, else the angle from y = 1 over pi/2.
-        Panels are at most 2^-level long; y and sqrt(1 - y^2) are right relative to themselves.
-        """
+        """y, sqrt(1 - y^2) and the weights of an average over a uniform y, (n_nodes,) each."""
         top = self._top
         length = deepest if self._ends[0] == 0.0 else top
         u, w = equal_panels(length, _POINTS, min(1.0, top) * 2.0**-level)
@@ -302,8 +298,6 @@ class SampledBounce:
 class MixedBounce:
     """Each bounce is one of the parts, by chance; see :meth:`CollisionLaw.mixture`.
 
-    Parameters
-    ----------
     weight : of each part, positive, sum 1
     parts : bounces of one dimension; those that may stop a tracer come first
     """

@@ -67,8 +67,6 @@ _LOSSY, _LONGER, _J1 = (0.29, 3.2), 1.5, (1.07, 0.45)
 class Medium:
     """Fixed smooth disks at a finite density.
 
-    Attributes
-    ----------
     scatterers : "overlapping" (placed independently) or "hard disks"
     density : n = rho d^2, dimensionless
     restitution : e

@@ -57,8 +57,6 @@ _DEEPEST, _NO_SHARE = 40.0, 1e-17
 class NodeMasses(Value):
     """Masses at nodes in ln v: the density of ln v is linear between them.
 
-    Attributes
-    ----------
     x : ln v at the nodes, equidistant, shape (n_nodes,)
     spacing : of the nodes
     mass : shape (n_times, n_nodes)
@@ -106,10 +104,7 @@ def _shared(loss: FloatArray, low: Any, weight: FloatArray, spacing: float) -> F
 
 
 def _with_returns(kernel: FloatArray, spacing: float, eps: float, loss: float) -> FloatArray:
-    """The kernel of 1 + (K - 1)/(1 - eps S (K - 1)) from that of K, S a loss of ``loss``.
-
-    Quotients of power series, of which the symbols of mass and energy are those of the operator.
-    """
+    """The kernel of 1 + (K - 1)/(1 - eps S (K - 1)) from that of K, S a loss of ``loss``."""
     from scipy.signal import lfilter
 
     moved = kernel.copy()  # K - 1
@@ -164,11 +159,7 @@ def _start_masses(
 
 
 class _Axis:
-    """The masses as they move: node 0 is the fastest, so that bounces raise the index.
-
-    With ``peak``, node 0 holds the tracers of one speed that have not collided, and node 2 has the
-    same speed: bounces from node 0 start at node 2, and nothing returns.
-    """
+    """The masses as they move: node 0 is the fastest, so that bounces raise the index."""
 
     def __init__(
         self, speed: FloatArray, kernel: FloatArray, mass: NDArray[Any], peak: bool
@@ -224,11 +215,7 @@ class _Axis:
         self.mass[self.first :] = out / summed
 
     def _arriving(self, moving: NDArray[Any]) -> NDArray[Any]:
-        """Bounces of the moving masses, past the axis's end; by transforms where that is shorter.
-
-        They leave a rounding of the largest mass everywhere: what is above all that can have come
-        from faster tracers is cut off, or the axis's empty top would never stay empty.
-        """
+        """Bounces of the moving masses, past the end of the axis; by transforms where shorter."""
         full = moving.size + self.kernel.size - 1
         self.work += moving.size * min(self.kernel.size, _TRANSFORMED)
         if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):

@@ -18,15 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.densities.gain import log_gain
 from kinetics.densities.harmonic import HarmonicProblem, Profile, count_before_scaling, then_scaling
-from kinetics.densities.intertwining import TAPER, choose_angle, intertwine
+from kinetics.densities.intertwining import TAPER, choose_angle, intertwine, log_gain
 from kinetics.errors import InputError
 from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.results import Value
-from kinetics.scaling.extent import extent_of
+from kinetics.scaling.mellin import extent_of
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction
 
@@ -67,8 +66,6 @@ _MOST_TERMS = 1_000_000  # of a Fourier sum at once: 16 megabytes
 class GridDensity(Value):
     """g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
 
-    Attributes
-    ----------
     grid : the nodes of x
     values : g at the nodes, shape (n_times, n_nodes)
     shift : x - ln v, shape (n_times,)
@@ -110,10 +107,7 @@ class GridDensity(Value):
         return out
 
     def _low_end(self, i: int) -> tuple[float, float]:
-        """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0.
-
-        Below it that slope goes on.
-        """
+        """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""
         size, x = np.abs(self.values[i]), self.grid.x
         top = float(size.max())
         first = int(((x >= self.start) & (size >= self.resolved * top)).argmax())
@@ -330,12 +324,7 @@ def _resolve(problem: _Problem, left: float, right: float, band: float) -> LogGr
 def _window(
     law: CollisionLaw, start: LogMeasure, rtol: float, duration: float
 ) -> tuple[float, float, float]:
-    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, up to tau = duration; wave number needed.
-
-    Above, the scaling state or the start, and no more than speeds that are kept would reach;
-    below, the slow tail of the start, which drifts up. At e below 0.3 bounces fill the low speeds
-    up to v^1 in the density of ln v.
-    """
+    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, up to tau = duration; wave number needed."""
     depth = math.log(1.0 / rtol) + _BELOW_RTOL
     x = start.x - 0.5 * start.log_second_moment()
     weight = np.abs(start.weight)

@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import FirstKind
+from kinetics.numerics.chebyshev import derivative_matrix, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre
 
 _FADING = 40.0  # the power of v/top with which what leads beyond the top is faded out
@@ -55,13 +55,16 @@ class SpeedAxis:
         return math.asinh(self.top / self.scale)
 
     @cached_property
-    def _rule(self) -> FirstKind:
-        return FirstKind(2 * self.size if self.smooth else self.size)
+    def _points(self) -> tuple[FloatArray, FloatArray]:
+        """All points on [0, 1], rising, and their barycentric weights."""
+        count = 2 * self.size if self.smooth else self.size
+        angle = (np.arange(count) + 0.5) * math.pi / count
+        return 0.5 * (1.0 - np.cos(angle)), (-1.0) ** np.arange(count) * np.sin(angle)
 
     @cached_property
     def _place(self) -> FloatArray:
         """x at the points, rising, (size,)."""
-        local = self._rule.local
+        local = self._points[0]
         return 2.0 * local[self.size :] - 1.0 if self.smooth else local
 
     def _speed(self, x: FloatArray) -> FloatArray:
@@ -86,7 +89,7 @@ class SpeedAxis:
     @lru_cache(maxsize=2)  # noqa: B019
     def derivative(self, parity: int) -> FloatArray:
         """d/dv, at the points, of an even (parity 0) or odd polynomial, (size, size)."""
-        slopes = self._folded(self._rule.slopes[-self.size :], parity)
+        slopes = self._folded(derivative_matrix(*self._points)[-self.size :], parity)
         return slopes * ((0.5 if self.smooth else 1.0) / self._stretch(self._place))[:, None]
 
     @cached_property
@@ -108,7 +111,9 @@ class SpeedAxis:
     def rows(self, v: FloatArray, parity: int = 0) -> FloatArray:
         """Interpolation to speeds v (n,), shape (n, size)."""
         x = self.local(v)
-        return self._folded(self._rule.rows(0.5 * (1.0 + x) if self.smooth else x), parity)
+        nodes, weights = self._points
+        difference = (0.5 * (1.0 + x) if self.smooth else x)[:, None] - nodes
+        return self._folded(interpolation_rows(difference, weights), parity)
 
     def polynomials(self, v: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Chebyshev polynomials at speeds v (n,), even and odd ones, shape (n, size) each."""

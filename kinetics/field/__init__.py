@@ -7,11 +7,11 @@ no parameter but the collision law,
     d_t f + d_z f = v (gain - f),        d_z the derivative by the velocity along the field.
 
 Angular harmonics about the field turn it into a chain in which each harmonic meets its two
-neighbours only. `grid` discretises the speed, `collisions` the gain and loss on it, `elimination`
-solves the chain. `steady` makes the steady state and the dispersion about it of that, and
+neighbours only. `grid` discretises the speed, and gain and loss on it; `elimination` solves the
+chain. `steady` makes the steady state and the dispersion about it of that, and
 `solution` the answer of `solve_field`. Over time, `forward` takes a density from step to step by
 the rule of `radau`, `evolution` follows one initial state (`starts`), and `scene` makes the outputs
-of a scene. `flights` has the density at one velocity. Every error is the difference of two
+of a scene. `density` has the density at one velocity. Every error is the difference of two
 solutions, one coarser.
 
 May import `kinetics.numerics`, `kinetics.collision`, `kinetics.states` and the modules that serve

@@ -28,8 +28,6 @@ from kinetics.numerics import FloatArray
 class Chain:
     """The coupling of harmonics of one family.
 
-    Parameters
-    ----------
     panels : the speed axis
     dimension : 2 or 3
     family : 0 for averages along the field, 1 for those across it
@@ -118,8 +116,6 @@ def continuation(highest: int, powers: tuple[float, float]) -> FloatArray:
 class Elimination:
     """Solves (shift + field + collisions) f = source for all harmonics of a chain.
 
-    Parameters
-    ----------
     chain : the coupling by the field
     collisions : v^2 (1 - K_m), from `collision_matrices`, for m = 0 ... M; the highest harmonic is
         M, or M - 1 if only then harmonics come in pairs

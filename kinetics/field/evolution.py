@@ -30,16 +30,11 @@ _FIRST = 0.5  # of the first step, in free flights of the fastest
 class Evolution:
     """One start over time, in units of sqrt(g l) and sqrt(l/g).
 
-    Parameters
-    ----------
     law, start : the collision law, and the initial state
     times : rising, shape (n_times,)
     resolution : panels, harmonics and steps
     asked : names of `ALL` that steps must resolve; others may be less accurate, or 0
     state : of which the start is made, if its density is asked for point by point
-
-    Attributes
-    ----------
     values : `ALL`, shape (n_times, n_averages)
     steps : their number
     made : beginning, length, and v times what collisions make at the points, of each step; if the
@@ -79,13 +74,6 @@ class Evolution:
             f[:families] = equation.density(sums)
         return f
 
-    def _uncollided(self, times: FloatArray) -> FloatArray:
-        """Densities of those that have not collided, on the polynomials of the panels."""
-        equation, velocities = self.equation, self.start.velocities
-        assert velocities is not None
-        count = equation.highest + 1
-        return equation.density(velocities.projected(times, self.panels, count, equation.fields))
-
     def _run(self, last: float) -> None:
         """Step after step, up to the last time or beyond it."""
         equation, velocities = self.equation, self.start.velocities
@@ -100,7 +88,9 @@ class Evolution:
             tried += 1
             at, source, early = now + h * radau.POINTS, None, None
             if velocities is not None:
-                early = radau.projected(self._uncollided(now + h * radau.FINE))
+                count, fine = equation.highest + 1, now + h * radau.FINE
+                sums = velocities.projected(fine, self.panels, count, equation.fields)
+                early = radau.projected(equation.density(sums))
                 source = equation.gained(early[1:])
             stages = equation.step(f, h, source)
             averages = total = equation.averages(stages)
@@ -133,10 +123,7 @@ class Evolution:
             self.made.append((now, h, made))
 
     def _relative(self, missed: FloatArray, values: FloatArray) -> float:
-        """The largest of what values (n, n_averages) miss, relative to the scale of each.
-
-        The root mean square for velocities and displacements, <v^2> and <r^2> for the tensors.
-        """
+        """The largest of what values (n, n_averages) miss, relative to the scale of each."""
         of = {name: np.abs(values[:, i]) for i, name in enumerate(ALL)}
         speed, square = of["v^2"], of["x^2"] + of["y^2"]
         scale = of | dict.fromkeys(("v_x", "v_y"), np.sqrt(speed))

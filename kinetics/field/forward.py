@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.field import radau
-from kinetics.field.collisions import loss_matrices
 from kinetics.field.elimination import Chain, Elimination
-from kinetics.field.grid import SpeedPanels
+from kinetics.field.grid import SpeedPanels, loss_matrices
 from kinetics.numerics import FloatArray
 
 AVERAGES = (
@@ -31,8 +30,6 @@ AVERAGES = (
 class ForwardEquation:
     """Takes the density, and x f and y f, over one step of time after another.
 
-    Parameters
-    ----------
     law : the collision law
     panels : the speed axis
     highest : M, odd; harmonics 0 ... M

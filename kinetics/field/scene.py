@@ -44,8 +44,6 @@ class FieldScene:
     <r^2> for the tensors, and to the largest density at each time. They are the difference from a
     solution with fewer speeds, harmonics and steps.
 
-    Parameters
-    ----------
     law, path : the collision law, and the mean free path in d
     state : the initial state
     times : in d/U, shape (n_times,)

@@ -68,8 +68,6 @@ def angular(
 class Velocities:
     """Velocities at the start, each with its share of the tracers.
 
-    Parameters
-    ----------
     along, across : components of the velocity in sqrt(g l), shape (n,)
     weight : shape (n,), with the sum 1
     symmetric : whether each stands for all that differ by a turn, or a reflection, about the field
@@ -150,8 +148,6 @@ class Velocities:
 class Start:
     """An initial state in units of sqrt(g l).
 
-    Parameters
-    ----------
     measures : weighted points of ln(v/U) of each harmonic, or None
     speed : U in sqrt(g l)
     velocities : if there are any, they are used, and not the harmonics

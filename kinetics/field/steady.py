@@ -18,10 +18,9 @@ import numpy as np
 from scipy.special import roots_jacobi
 
 from kinetics.collision import CollisionLaw
-from kinetics.field.collisions import loss_matrices
+from kinetics.field.density import LastFlights
 from kinetics.field.elimination import Chain, Elimination, continuation
-from kinetics.field.flights import LastFlights
-from kinetics.field.grid import Resolution, SpeedPanels, highest_speed
+from kinetics.field.grid import Resolution, SpeedPanels, highest_speed, loss_matrices
 from kinetics.numerics import FloatArray
 
 _MOST_HARMONICS = 150  # as many as 2 GB of memory hold
@@ -33,8 +32,6 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 class SteadyState:
     """The steady state on given panels and harmonics.
 
-    Parameters
-    ----------
     law : the collision law, not elastic
     resolution : panels and harmonics
     """
@@ -133,9 +130,6 @@ def find(law: CollisionLaw, first: Resolution, rtol: float) -> tuple[Pair, float
 
 
 def _error(coarse: SteadyState, fine: SteadyState) -> float:
-    """The largest difference of the figures, relative to each; at least 1e-12.
-
-    It is the error of the coarser solution. That of the finer one is a tenth of it in most cases.
-    """
+    """The largest difference of the figures, relative to each; at least 1e-12."""
     apart = float(np.max(np.abs(coarse.figures / fine.figures - 1.0)))
     return max(apart, _FLOOR) if math.isfinite(apart) else math.inf

@@ -57,8 +57,6 @@ def fall_of(law: CollisionLaw, degree: float) -> float:
 class Observable:
     """One unknown of the backward equation.
 
-    Attributes
-    ----------
     degree : p, the power of the speed by which it scales
     harmonic : m
     constant : source that does not depend on X
@@ -134,8 +132,6 @@ def _kept(
 class BackwardEquation:
     """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
 
-    Parameters
-    ----------
     law : the collision law
     highest : largest X that will be asked for
     nodes : Chebyshev nodes of a panel
@@ -205,34 +201,27 @@ class BackwardEquation:
             self._solved[y] = self._solve(y)
         return self._solved[y]
 
-    def _known(
-        self, y: Observable, reach: int, apart: bool = False
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """X at the nodes, (reach + n_panels, nodes), y below the panels, and what drives it.
-
-        y is flat, with the point where the first panel begins as its last. apart: without the
-        first term of the series.
-        """
-        series = self.series(y)
-        # the panels below, and the point where the first one begins
-        x = self.start + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)
-        below = np.append(x[:reach], self.start)
-        rest = np.append(0.0, series[1:]) if apart else series
-        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
-        drive = np.full((self.count, self.nodes), y.constant)
-        for factor, other in y.sources:
-            drive += factor * self.solve(other)
-        return x, known, drive
+    def _returns(self, y: Observable) -> Any:
+        """What returns that take time add to the panels, one after another; None without them."""
+        return None
 
     def _solve(self, y: Observable) -> FloatArray:
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
         # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
         apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
         loss, gain = self._kernel(y.harmonic)
-        n = self.nodes
+        n, one, returns = self.nodes, np.eye(self.nodes), self._returns(y)
         reach = gain.shape[1] // n
-        x, known, drive = self._known(y, reach, apart)
-        table = np.empty((reach + self.count, n))
+        # the panels below, and the point where the first one begins; without T^p itself if apart
+        x = self.start + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)
+        below, rest = np.append(x[:reach], self.start), self.series(y).copy()
+        rest[0] *= not apart
+        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
+        drive = np.full((self.count, n), y.constant)
+        for factor, other in y.sources:
+            drive += factor * self.solve(other)
+        found, first = np.empty((self.count, n)), known[-1]
+        table = np.empty((reach + self.count, n))  # what collisions act on
         table[:reach] = known[:-1].reshape(reach, n)
         rate = np.exp(x[reach:])
         if apart:
@@ -241,18 +230,25 @@ class BackwardEquation:
         # rows are divided by the collision rate where that is large
         scale = 1.0 / np.maximum(1.0, rate)
         rate *= scale
-        matrix = scale[:, :, None] * (self.rule.derivative - y.degree * np.eye(n))
-        matrix += rate[:, :, None] * loss
-        matrix[:, 0] = 0.0
-        matrix[:, 0, 0] = 1.0
-        inverse = np.linalg.inv(matrix)
-        first = known[-1]
+        matrix: Any = scale[:, :, None] * (self.rule.derivative - y.degree * one)
+        if returns is None:
+            matrix += rate[:, :, None] * loss
+            matrix[:, 0] = one[0]
+            matrix = np.linalg.inv(matrix)
         for j in range(self.count):
-            right = rate[j] * (gain @ table[j : j + reach].ravel() + drive[j])
+            come, inverse = gain @ table[j : j + reach].ravel(), matrix[j]
+            if returns is not None:
+                lost, all_come = returns.begin(j, loss[None], come[None, :, None])
+                inverse = matrix[j] + rate[j][:, None] * lost[0]
+                inverse[0], come = one[0], all_come[0, :, 0]
+                inverse = np.linalg.inv(inverse)
+            right = rate[j] * (come + drive[j])
             right[0] = first
-            table[reach + j] = inverse[j] @ right
-            first = table[reach + j, -1]
-        return table[reach:] + term if apart else table[reach:]
+            found[j] = table[reach + j] = inverse @ right
+            first = found[j, -1]
+            if returns is not None:
+                table[reach + j] = returns.end(j, found[j][None, :, None])[0, :, 0]
+        return found + term if apart else found
 
     def series(self, y: Observable) -> FloatArray:
         """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy.

@@ -19,6 +19,7 @@ a_2 is some 60 n per cent off, without it half of that at most.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -36,7 +37,6 @@ _LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
 _LEAST = 36.0  # near loops that are so many times shorter than those that begin: e^-36
 _POINTS, _WIDE = 2, 2.0  # of the sums over loops: points beside half of the nodes; panels in ln y
 _SHARPEST = 2.0  # e-folds below n: how sharp what follows the first returns is
-_AMPLE, _FEW = 100.0, 8  # T/c after which so many loops of each kind stand for all, to e^-35
 
 Operator = tuple[int, FloatArray, FloatArray, FloatArray]
 """Of a panel: the first panel that loops lead to; what they bring from there on, to itself, near
@@ -75,26 +75,10 @@ def loops(medium: Medium, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     return near * begin, y * np.exp(-y / _LOOPS) * begin
 
 
-def _gauss_of(x: FloatArray, weight: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss nodes and weights of a sum over many points x, (count,) each: Stieltjes' recurrence."""
-    middle, norm = np.empty(count), np.empty(count)
-    before, now = np.zeros(x.size), np.ones(x.size)
-    for k in range(count):
-        norm[k] = weight @ now**2
-        middle[k] = weight @ (x * now**2) / norm[k]
-        ratio = norm[k] / norm[k - 1] if k else 0.0
-        before, now = now, (x - middle[k]) * now - ratio * before
-    side = np.sqrt(norm[1:] / norm[:-1])
-    nodes, vectors = np.linalg.eigh(np.diag(middle) + np.diag(side, 1) + np.diag(side, -1))
-    return nodes, norm[0] * vectors[0] ** 2
-
-
 @dataclass(frozen=True)
 class Loops:
     """What loops bring to the nodes of panels in X = ln T.
 
-    Parameters
-    ----------
     medium : the scatterers, e > 0
     rule : the collocation of a panel
     start : X where the panels begin, not above `first_closed`
@@ -122,26 +106,8 @@ class Loops:
         rest = [(self.medium.returns(m) - near) / far for m in range(self.harmonic + 1)]
         return np.array([((-1.0) ** m, (-1.0) ** m * each) for m, each in enumerate(rest)])
 
-    @cached_property
-    def _late(self) -> tuple[FloatArray, FloatArray]:
-        """A few loops that stand for all where much time is left: y (16,), weights (2, 16)."""
-        y, each = self._all_loops
-        near, far = (_gauss_of(y, weight, _FEW) for weight in each)
-        none = np.zeros(_FEW)
-        weight = np.stack([np.append(near[1], none), np.append(none, far[1])])
-        y = np.append(near[0], far[0])
-        rising = np.argsort(y)
-        return y[rising], weight[:, rising]
-
     def _paths(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Loops y in l for each X, (n, n_loops), and their weights, near and far, (2, n, n_loops).
-
-        Up to half of the longest one in ln y; then in ln of what is left to the longest, because
-        the first returns are a sharp event in the time that is left.
-        """
-        if x[0] > math.log(_AMPLE * _pace(self.medium)):
-            y, weight = self._late
-            return np.tile(y, (x.size, 1)), np.repeat(weight[:, None], x.size, axis=1)
+        """Loops y in l for each X, (n, n_loops), and weights, near and far, (2, n, n_loops)."""
         points = self.rule.nodes // 2 + _POINTS
         top = np.minimum(np.exp(x) / _pace(self.medium), _LONGEST)[:, None]
         log_half = np.maximum(np.log(0.5 * top / _shortest(self.medium)), 1e-300)
@@ -183,6 +149,48 @@ class Loops:
         return first, blocks.reshape(2, n, -1), *before
 
 
+class Returns:
+    """Returns that take time: V, of which collisions act on U = Y + V, made of W = (K - 1) U.
+
+    operator : what loops bring to a panel, by its number
+    shares : factors of near and of far loops, (m, 2); 0 where returns are at once
+    early : the power series of W below all panels, shape (n_terms, m, n_k)
+    count, nodes : how many panels there are, at most, and nodes of each
+    """
+
+    def __init__(
+        self,
+        operator: Callable[[int], Operator],
+        shares: FloatArray,
+        early: FloatArray,
+        count: int,
+        nodes: int,
+    ) -> None:
+        self._operator, self._shares, self._early = operator, shares, early
+        self._lost = np.zeros((count, nodes, *early.shape[1:]))  # W
+
+    def begin(self, j: int, loss: FloatArray, drive: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Loss matrices (m, n, n) and gain (m, n, n_k) of panel j with what loops bring to it."""
+        first, blocks, weight, left = self._operator(j)
+        used, n = drive.shape[:2]
+        powers = left[:, :, None] ** np.arange(self._early.shape[0])
+        come = np.tensordot(weight[:, :, None] @ powers, self._early[:, :used], axes=1)[:, :, 0]
+        below = self._lost[first:j, :, :used].reshape(-1, used, drive.shape[2])
+        come += np.tensordot(blocks[:, :, :-n], below, axes=1)
+        shares = self._shares[:used]
+        here = np.tensordot(shares, blocks[:, :, -n:], axes=1)
+        self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
+        self._added = self._inverse @ (here @ drive + np.einsum("mk,kimq->miq", shares, come))
+        self._loss, self._drive = loss, drive
+        return loss @ self._inverse, drive - loss @ self._added
+
+    def end(self, j: int, found: FloatArray) -> FloatArray:
+        """U on panel j, where Y was found, both (m, n, n_k)."""
+        total = self._inverse @ found + self._added
+        self._lost[j, :, : found.shape[0]] = np.moveaxis(self._drive - self._loss @ total, 0, 1)
+        return np.asarray(total)
+
+
 @dataclass
 class DelayedReturns(BackwardEquation):
     """The backward equation with returns that take time; its law must have a medium, e > 0."""
@@ -210,46 +218,12 @@ class DelayedReturns(BackwardEquation):
             self._operators[p] = [self._loops.of_panel(j, p) for j in range(self.count)]
         return self._operators[p]
 
-    def _solve(self, y: Observable) -> FloatArray:
-        m, p, n = y.harmonic, y.degree, self.nodes
-        if self._at_once(m):
-            return super()._solve(y)
-        shares = self._loops.shares[m]
-        loss, gain = self._kernel(m)
-        reach = gain.shape[1] // n
-        x, known, drive = self._known(y, reach)
-        rate = np.exp(x[reach:])
+    def _returns(self, y: Observable) -> Returns | None:
+        if self._at_once(y.harmonic):
+            return None
         # below the panels (K - 1) U is (K - 1) Y, by its power series
-        series = self.series(y)
-        series = (
-            -self.law.without_medium.harmonic_decay_rate(p + np.arange(series.size), m) * series
-        )
-        back, ended = [], np.empty((self.count, n))
-        for j, (_, blocks, weight, early) in enumerate(self._operator(p)):
-            back.append(np.tensordot(shares, blocks, axes=1))
-            each = shares @ weight.swapaxes(0, 1)
-            ended[j] = np.sum(each * np.polynomial.polynomial.polyval(early, series), axis=1)
-        # V = here ((K - 1) U there) + what loops bring from panels below, U = Y + V
-        here, one = np.stack([each[:, -n:] for each in back]), np.eye(n)
-        inverse = np.linalg.inv(one + here @ loss)
-        scale = 1.0 / np.maximum(1.0, rate)
-        rate *= scale
-        matrix = scale[:, :, None] * (self.rule.derivative - p * one)
-        matrix += rate[:, :, None] * (loss @ inverse)
-        matrix[:, 0] = one[0]
-        solved = np.asarray(np.linalg.inv(matrix))
-        total = np.empty((reach + self.count, n))  # U
-        total[:reach] = known[:-1].reshape(reach, n)
-        found, lost = np.empty((self.count, n)), np.empty((self.count, n))  # Y, (K - 1) U
-        start = known[-1]
-        for j, (first, *_) in enumerate(self._operator(p)):
-            below = gain @ total[j : j + reach].ravel()
-            added = here[j] @ below + back[j][:, :-n] @ lost[first:j].ravel() + ended[j]
-            added = inverse[j] @ added
-            right = rate[j] * (below - loss @ added + drive[j])
-            right[0] = start
-            found[j] = solved[j] @ right
-            start = found[j, -1]
-            total[reach + j] = inverse[j] @ found[j] + added
-            lost[j] = below - loss @ total[reach + j]
-        return found
+        series, law = self.series(y), self.law.without_medium
+        rates = law.harmonic_decay_rate(y.degree + np.arange(series.size), y.harmonic)
+        operators, shares = self._operator(y.degree), self._loops.shares[[y.harmonic]]
+        early = (-rates * series)[:, None, None]
+        return Returns(operators.__getitem__, shares, early, self.count, self.nodes)

@@ -27,10 +27,7 @@ _LATE, _LARGEST = -_FREE, 700.0  # later than the first nothing changes at e = 1
 
 
 def _free(averages: Averages) -> tuple[NDArray[np.bool_], FloatArray]:
-    """At which times all tracers fly freely to rounding, and v_rms t then, in d; (n_times,) each.
-
-    Later, powers of v t/l do not underflow.
-    """
+    """When all tracers fly freely to rounding, and v_rms t then, in d; (n_times,) each."""
     log_first = averages.log_first
     free = log_first + averages.log_stretch < _FREE
     with np.errstate(over="ignore", under="ignore"):

@@ -44,8 +44,6 @@ _PIECE = 5000  # points at once, so that their interpolation weights stay in the
 class Averages:
     """Averages over an initial state, at given times.
 
-    Parameters
-    ----------
     law : the collision law
     mean_free_path : l, in d
     state : the initial state
@@ -207,12 +205,7 @@ class Averages:
         return self._at_times(LogMeasure(found.x, w), y, leading)
 
     def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
-        """The average at all times, (n_times,); where there are many, most by interpolation.
-
-        An average over speeds is as smooth in ln t as its observable is in ln T: a few times of
-        each panel give the others. Panels in ln t are those in X, moved by the largest ln v: then
-        the average is the same few small matrices on all of them.
-        """
+        """The average at all times, (n_times,); where there are many, most by interpolation."""
         equation, width, p = self.equation, self.width, y.degree + leading
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
@@ -247,10 +240,7 @@ class Averages:
         return out
 
     def _rows_of(self, points: LogMeasure, rule: PanelRule, reach: int) -> NDArray[Any]:
-        """The average at the nodes of a panel in ln t from y in so many panels up to that in X.
-
-        Shape (reach * nodes, nodes of rule). The fastest points are where the node itself is.
-        """
+        """The average at the nodes of a panel in ln t from y in so many panels up to that in X."""
         inner, order = self.equation.rule, np.argsort(points.x)
         out = np.zeros((rule.nodes * reach, inner.nodes), dtype=points.weight.dtype)
         for part in np.array_split(order, 1 + order.size * rule.nodes // _PIECE):

@@ -37,9 +37,22 @@ def interpolation_rows(difference: FloatArray, weights: FloatArray) -> FloatArra
     return np.asarray(rows)
 
 
+def derivative_matrix(nodes: FloatArray, weights: FloatArray) -> FloatArray:
+    """d/dx of polynomials at the nodes, shape (n_nodes, n_nodes), from their weights."""
+    difference = nodes[:, None] - nodes
+    np.fill_diagonal(difference, 1.0)
+    matrix = weights / weights[:, None] / difference
+    np.fill_diagonal(matrix, 0.0)
+    np.fill_diagonal(matrix, -matrix.sum(axis=1))
+    return np.asarray(matrix)
+
+
 @dataclass(frozen=True)
-class _Chebyshev:
-    """What both kinds of points share. ``nodes`` is their number, 3 at least."""
+class Chebyshev:
+    """The extrema of a Chebyshev polynomial: both ends of the interval are among them.
+
+    ``nodes`` is their number, 3 at least.
+    """
 
     nodes: int
 
@@ -50,27 +63,24 @@ class _Chebyshev:
 
     @property
     def _angle(self) -> FloatArray:
-        raise NotImplementedError
+        return np.asarray(np.arange(self.nodes) * math.pi / (self.nodes - 1))
+
+    @property
+    def _halves(self) -> FloatArray:
+        return np.where(np.isin(np.arange(self.nodes), (0, self.nodes - 1)), 0.5, 1.0)
 
     @cached_property
     def weights(self) -> FloatArray:
         """Barycentric weights, shape (nodes,)."""
-        raise NotImplementedError
+        return (-1.0) ** np.arange(self.nodes) * self._halves
 
     @cached_property
     def _last_two(self) -> FloatArray:
         """Columns that give the last Chebyshev coefficient and the one before, (nodes, 2)."""
-        raise NotImplementedError
-
-    @cached_property
-    def slopes(self) -> FloatArray:
-        """Derivative on [0, 1] at the points, shape (nodes, nodes)."""
-        difference = self.local[:, None] - self.local
-        np.fill_diagonal(difference, 1.0)
-        matrix = self.weights / self.weights[:, None] / difference
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        return np.asarray(matrix)
+        last = self.nodes - 1
+        cosines = np.cos(np.outer(self._angle, np.array([last, last - 1])))
+        # the last coefficient has half the weight of the others
+        return np.asarray(self._halves[:, None] * cosines * [1.0, 2.0] / last)
 
     def rows(self, local: FloatArray) -> FloatArray:
         """Interpolation from the points to local (n,) in [0, 1]: shape (n, nodes)."""
@@ -83,46 +93,7 @@ class _Chebyshev:
         """
         return np.abs(values @ self._last_two[:, 0]), np.abs(values @ self._last_two[:, 1])
 
-
-@dataclass(frozen=True)
-class FirstKind(_Chebyshev):
-    """The zeros of a Chebyshev polynomial: the ends of the interval are not among them."""
-
-    @property
-    def _angle(self) -> FloatArray:
-        return np.asarray((np.arange(self.nodes) + 0.5) * math.pi / self.nodes)
-
     @cached_property
-    def weights(self) -> FloatArray:
-        """Barycentric weights, shape (nodes,)."""
-        return np.asarray((-1.0) ** np.arange(self.nodes) * np.sin(self._angle))
-
-    @cached_property
-    def _last_two(self) -> FloatArray:
-        order = np.array([self.nodes - 1, self.nodes - 2])
-        return np.asarray(np.cos(np.outer(self._angle, order)) * (2.0 / self.nodes))
-
-
-@dataclass(frozen=True)
-class SecondKind(_Chebyshev):
-    """The extrema of a Chebyshev polynomial: both ends of the interval are among them."""
-
-    @property
-    def _angle(self) -> FloatArray:
-        return np.asarray(np.arange(self.nodes) * math.pi / (self.nodes - 1))
-
-    @cached_property
-    def weights(self) -> FloatArray:
-        """Barycentric weights, shape (nodes,)."""
-        return (-1.0) ** np.arange(self.nodes) * self._halves
-
-    @property
-    def _halves(self) -> FloatArray:
-        return np.where(np.isin(np.arange(self.nodes), (0, self.nodes - 1)), 0.5, 1.0)
-
-    @cached_property
-    def _last_two(self) -> FloatArray:
-        last = self.nodes - 1
-        cosines = np.cos(np.outer(self._angle, np.array([last, last - 1])))
-        # the last coefficient has half the weight of the others
-        return np.asarray(self._halves[:, None] * cosines * [1.0, 2.0] / last)
+    def slopes(self) -> FloatArray:
+        """Derivative on [0, 1] at the points, shape (nodes, nodes)."""
+        return derivative_matrix(self.local, self.weights)

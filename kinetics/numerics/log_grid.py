@@ -19,8 +19,6 @@ from kinetics.numerics import ComplexArray, FloatArray
 class LogGrid:
     """Nodes x_j = start + j h, j = 0 ... nodes-1, of a periodic window of length nodes*h.
 
-    Attributes
-    ----------
     start : left end of the window in x = ln(speed)
     spacing : h
     nodes : how many; where even, the highest mode is a cosine alone
@@ -47,16 +45,6 @@ class LogGrid:
     def wave_numbers(self) -> FloatArray:
         """Of a real transform, shape (nodes//2 + 1,)."""
         return np.asarray(2.0 * np.pi * np.fft.rfftfreq(self.nodes, self.spacing))
-
-    def circulant(self, symbol: ComplexArray) -> FloatArray:
-        """Matrix, shape (nodes, nodes), of the convolution with this symbol at wave_numbers.
-
-        A read-only view of two periods of its first column.
-        """
-        column = np.fft.irfft(symbol, self.nodes)
-        turned = np.concatenate([column, column])[::-1]
-        rows = np.lib.stride_tricks.sliding_window_view(turned, self.nodes)
-        return np.asarray(rows[self.nodes - 1 :: -1])
 
     def coefficients(self, values: FloatArray) -> ComplexArray:
         """Of values (..., nodes), the c_n in Re sum_n c_n exp(i k_n (x - start))."""

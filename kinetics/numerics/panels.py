@@ -13,15 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import SecondKind, interpolation_rows
+from kinetics.numerics.chebyshev import Chebyshev, interpolation_rows
 
 
 @dataclass(frozen=True)
-class PanelRule(SecondKind):
+class PanelRule(Chebyshev):
     """Chebyshev collocation on each of many equal panels.
 
-    Parameters
-    ----------
     nodes : Chebyshev points of a panel, both of its ends among them
     width : of a panel in x
     """
@@ -49,13 +47,8 @@ def panel_rule(nodes: int, width: float) -> PanelRule:
 class PanelShifts:
     """Where the nodes of a panel go when they are shifted down, and the interpolation there.
 
-    Parameters
-    ----------
     rule : the collocation
     shift : in x, not negative, shape (n_shifts,)
-
-    Attributes
-    ----------
     below : by how many panels each shifted node lies below, shape (nodes, n_shifts)
     rows : its interpolation from the nodes of that panel, shape (nodes, n_shifts, nodes)
     """

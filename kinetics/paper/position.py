@@ -39,16 +39,12 @@ def _scaled(r: ArrayLike, eta: ArrayLike) -> FloatArray:
         return np.minimum(numbers(r) / np.sqrt(numbers(eta)), _FAR)
 
 
-def _rayleigh(x: ArrayLike, width: ArrayLike) -> FloatArray:
-    """x/width exp(-x^2/(2 width))."""
-    z = _scaled(x, width)
-    with np.errstate(under="ignore"):
-        return z / np.sqrt(numbers(width)) * np.exp(-np.square(z) / 2)
-
-
 def position_given_speed(r: ArrayLike, eta: ArrayLike, speed: ArrayLike) -> FloatArray:
     """G(R, V) of one hopping speed V (eqs. posivel, peakg), normalised over R."""
-    return _rayleigh(r, numbers(eta) * numbers(speed) ** 2)
+    width = numbers(eta) * numbers(speed) ** 2
+    z = _scaled(r, width)
+    with np.errstate(under="ignore"):
+        return z / np.sqrt(width) * np.exp(-np.square(z) / 2)
 
 
 def position_peak(

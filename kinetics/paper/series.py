@@ -1,4 +1,4 @@
-r"""The Sonine expansion of the scaled state, of diffusion and of cooling to any order.
+r"""The Sonine expansion of the scaled state and of diffusion to any order.
 
 F(c) = exp(-c^2)/pi (1 + sum_k a_k S_k(c^2)), k = 2 ... n + 1 at order n. S_k are the Laguerre
 polynomials (paper, label ``sonine1``); the paper's own approximation is order 1, a_2 alone. The
@@ -33,7 +33,6 @@ from kinetics.paper.first_order import numbers
 HIGHEST_ORDER = 100
 ROUNDING_LIMIT = 1e-4  # relative error of a root above which it is not reported
 _REAL = 1e-9  # imaginary part over modulus of a root that counts as real
-_BOUND = 1e8  # coefficients that pass it in time do not come back
 
 
 class SeriesStatus(enum.Enum):
@@ -42,7 +41,6 @@ class SeriesStatus(enum.Enum):
     REAL = "a real solution"
     NO_REAL_SOLUTION = "no real solution with a positive cooling rate: try another order"
     ILL_CONDITIONED = "rounding spoils the numbers of this order: try a lower one"
-    INTEGRATION_FAILED = "the coefficients could not be followed to the last time: lower the order"
 
 
 def laguerre_products(size: int, alpha: int) -> FloatArray:
@@ -171,76 +169,6 @@ def scaled_state(restitution: float, order: int) -> SonineState:
 
 
 @dataclass(frozen=True)
-class SonineCooling:
-    """v0(t) and the coefficients at one order.
-
-    times (n_times,) in d/U; thermal_speed (n_times,) in U, NaN where the status is not REAL;
-    coefficients a_0 ... a_(order+1), shape (n_times, order + 2); status.
-    """
-
-    times: FloatArray
-    thermal_speed: FloatArray
-    coefficients: FloatArray
-    status: SeriesStatus
-
-    @property
-    def a2(self) -> FloatArray:
-        """a_2(t), shape (n_times,)."""
-        return np.asarray(self.coefficients[:, 2])
-
-
-def cooling(
-    restitution: float, times: ArrayLike, order: int, mean_free_path: float = 12.5,
-    initial: str = "gaussian", rtol: float = 1e-8,
-) -> SonineCooling:  # fmt: skip
-    """v0(t) and a_k(t) at this order, from a "gaussian" or a "monoenergetic" start.
-
-    With ds = v0 dt/l: da_j/ds = 2 alpha j (a_j - a_(j-1)) - sum_k ((I - T) H)_jk a_k, where
-    alpha = -d ln v0/ds is what keeps a_1 = 0. Times in d/U, rising; the mean free path in d.
-    """
-    from scipy.integrate import solve_ivp
-
-    n, t = _order(order, HIGHEST_ORDER), np.atleast_1d(numbers(times))
-    if initial not in ("gaussian", "monoenergetic"):
-        raise InputError(f"initial: got {initial!r}; it must be 'gaussian' or 'monoenergetic'")
-    collide, scale = _matrices(float(restitution), n + 2)
-    a, speed = np.eye(n + 2)[0], math.sqrt(2.0)
-    if initial == "monoenergetic":  # delta(c - 1): a_k = S_k(1)
-        a, speed = np.asarray(np.polynomial.laguerre.lagval(1.0, np.eye(n + 2))), 1.0
-        a[1] = 0.0
-
-    def derivative(_: float, state: FloatArray) -> FloatArray:
-        a, slowness = state[:-1], math.exp(-state[-1])
-        loss = collide @ a
-        alpha = -0.5 * loss[1]
-        change = 2.0 * alpha * (scale @ a) - loss
-        change[:2] = 0.0
-        # the clock is ln(1 + t/t0), t0 = l/v0(0); state[-1] = ln(v0 (t + t0)/l), all autonomous
-        return np.append(change / slowness, 1.0 - alpha / slowness)
-
-    unit = mean_free_path / speed
-    clock = np.log1p(t / unit)
-    with np.errstate(over="ignore", invalid="ignore"):
-        found = solve_ivp(
-            derivative, (0.0, float(clock[-1]) or 1.0), np.append(a, 0.0), method="LSODA",
-            t_eval=clock, rtol=rtol, atol=1e-2 * rtol, events=_runaway,
-        )  # fmt: skip
-    if not (found.status == 0 and np.all(np.isfinite(found.y))):
-        nothing = np.full((t.size, n + 2), np.nan)
-        return SonineCooling(t, nothing[:, 0], nothing, SeriesStatus.INTEGRATION_FAILED)
-    v0 = np.exp(found.y[-1]) * mean_free_path / (t + unit)
-    return SonineCooling(t, v0, np.asarray(found.y[:-1].T), SeriesStatus.REAL)
-
-
-def _runaway(_: float, state: FloatArray) -> float:
-    """Below 0 once the coefficients grow beyond all bounds."""
-    return float(_BOUND - np.abs(state[:-1]).max())
-
-
-_runaway.terminal = True  # type: ignore[attr-defined]
-
-
-@dataclass(frozen=True)
 class SonineDiffusion:
     """The diffusion coefficient of the Chapman-Enskog equation at one order.
 
@@ -309,11 +237,7 @@ def _solve(law: CollisionLaw, n: int, rate: float, a: FloatArray) -> tuple[Float
 
 
 def _trial_functions(n: int, a: FloatArray) -> FloatArray:
-    """n functions that span F_n/phi times S_0 ... S_(n-1), in terms of S_i: (n + len(a), n).
-
-    F_n/phi times 1, x, x^2, ... made orthogonal one after the other (Arnoldi): the products with
-    S_k themselves are all but dependent where F_n changes sign.
-    """
+    """n functions that span F_n/phi times S_0 ... S_(n-1), in terms of S_i: (n + len(a), n)."""
     from scipy.special import eval_genlaguerre, roots_genlaguerre
 
     size = n + len(a)

@@ -1,8 +1,7 @@
 """The distribution of the displacement: F(k, t), g(r, t) and G(R).
 
 May import `kinetics.moments`, `kinetics.states`, `kinetics.collision` and `kinetics.numerics`.
-Begin with `scattering.py`: one system of equations for each wave number (`coupled_harmonics`,
-`directions`). `intermediate_scattering` is F(k, t), `density` g(r, t) as a result; `sweep` says
-which wave numbers it takes (`wave_panel`), `tail` how F ends (`returned`), and `uncollided` is
-known exactly.
+Begin with `scattering.py`: one system of equations for each wave number (`directions`).
+`intermediate_scattering` is F(k, t), `density` g(r, t) as a result; `sweep` says which wave
+numbers it takes (`wave_panel`), and `tail` how F ends.
 """

@@ -7,7 +7,7 @@ With F(k, t), the average of exp(i k.r) over the start and the paths
     g(r, t) = (2/pi) r^2 integral of k^2 sin(k r)/(k r) F(k, t) dk
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
-(:mod:`kinetics.position.uncollided`). Only the others are transformed: their F falls in k,
+(:class:`Uncollided`). Only the others are transformed: their F falls in k,
 until powers of 1/k are left (:mod:`kinetics.position.tail`). Tracers of one sharp speed that have
 collided once or twice leave a front too, and their F falls slowly: before some ten mean free times
 G(R) is right to about 1e-2 beside it, and the error estimate says so.
@@ -24,17 +24,87 @@ import numpy as np
 from kinetics.numerics import FloatArray
 from kinetics.position.directions import element, radial_measure, radial_waves, surface
 from kinetics.position.tail import PowerTail
-from kinetics.position.uncollided import Uncollided
 from kinetics.position.wave_panel import WavePanel
 from kinetics.results import Value
+from kinetics.states.quadrature import refined
+from kinetics.states.state import State
+
+_NONE_LEFT = 40.0  # flights of so many l without a collision: e^-40 of the tracers
+_PIECES = 40  # of the radii where there are tracers, halved where the density needs it
+_LEFT_OUT = 1e-12  # of all tracers, by these pieces, and beyond the last of them
+
+
+@dataclass(frozen=True)
+class Uncollided(Value):
+    """f(r/t) exp(-r/l)/t, f the density of the initial speeds; 0 for a start of sharp speeds.
+
+    state : the initial state
+    mean_free_path : l, in d
+    times : in d/U, shape (n_times,)
+    """
+
+    state: State
+    mean_free_path: float
+    times: FloatArray
+
+    def at(self, time: int, r: FloatArray) -> FloatArray:
+        """Density in 1/d at radii r in d, shape (n_r,)."""
+        profile, t = self.state.profile(0), self.times[time]
+        if profile is None or t == 0.0:
+            return np.zeros(r.shape)
+        with np.errstate(under="ignore", over="ignore"):
+            left = np.exp(-r / self.mean_free_path)
+            # where none is left, the speed is not asked for: it may be larger than any number
+            f = np.asarray(profile(np.where(left > 0.0, r / t, 0.0)).real)
+            # a speed density is not negative: what is below zero is rounding
+            return np.where(left > 0.0, np.maximum(f, 0.0) * left / t, 0.0)
+
+    def within(self, time: int, r: FloatArray) -> FloatArray:
+        """Share of all tracers that have not collided and are within r, shape of r (n_r,)."""
+        t = self.times[time]
+        if self.state.profile(0) is None or t == 0.0:
+            return np.zeros(r.shape)
+        with np.errstate(over="ignore"):
+            # the points of a density stop short of where it ends
+            far = 2.0 * t * fastest_speed(self.state, _LEFT_OUT)
+            far = min(far, _NONE_LEFT * self.mean_free_path)
+            kinks = self.state.kinks * t
+        near = np.clip(r, 0.0, far)
+        inner = np.concatenate([kinks[kinks < far], near, far * np.linspace(0.0, 1.0, _PIECES + 1)])
+        edges = np.unique(inner)
+        ends = np.stack([edges[:-1], edges[1:]], axis=1)
+        at, share = refined(lambda x: self.at(time, x), ends, _LEFT_OUT)
+        order = np.argsort(at)
+        sums = np.concatenate([[0.0], np.cumsum(share[order])])
+        return np.asarray(sums[np.searchsorted(at[order], near)])
+
+
+def fronts(state: State, mean_free_path: float, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Where the uncollided of each delta peak of the speed are, and their share of all tracers.
+
+    Shape (n_times, n_speeds) each, radii in d; n_speeds = 0 for a start with a density.
+    """
+    speed, share = state.peaks or (np.zeros(0), np.zeros(0))
+    with np.errstate(over="ignore", under="ignore"):
+        radius = np.outer(times, speed)
+        return radius, share * np.exp(-radius / mean_free_path)
+
+
+def fastest_speed(state: State, rtol: float) -> float:
+    """The largest of sharp speeds; for densities, one that all but about rtol of the tracers keep
+    below.
+    """
+    if state.peaks is not None:
+        return float(np.max(state.peaks[0]))
+    found = state.harmonic(0, rtol)
+    assert found is not None  # harmonic 0 is never zero
+    return float(np.exp(found.x.max()))
 
 
 @dataclass(frozen=True)
 class Displacement(Value):
     """g(r, t) at the times of a scene. Numbers and arrays only; the methods compute from them.
 
-    Attributes
-    ----------
     mean_free_path : l, in d
     times : in d/U, shape (n_times,)
     root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
@@ -127,14 +197,6 @@ class Displacement(Value):
 
 
 def _enough(nodes: int, turns: float) -> int:
-    """Gauss points for a polynomial through the nodes times J_0 over ``turns`` of its argument.
-
-    In space sin(x)/x turns as often.
-
-    n points are exact for polynomials up to degree 2 n - 1. The Chebyshev coefficients of the
-    Bessel function end at the order h = turns/2, over a width of h^(1/3) (DLMF 10.19.8); 2.5 of it
-    and 8 points more leave rounding. In steps of 8, so that other times and panels use the same
-    points.
-    """
+    """Gauss points for a polynomial through the nodes times J_0 over ``turns`` of its argument."""
     half = 0.5 * turns
     return 8 * math.ceil((8.0 + 0.5 * (nodes + half) + 2.5 * half ** (1.0 / 3.0)) / 8.0)

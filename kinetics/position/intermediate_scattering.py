@@ -17,7 +17,6 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
-from kinetics.position.returned import density_at_origin
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
 from kinetics.states.quadrature import LogMeasure
@@ -66,8 +65,6 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
 class Scattering:
     """Solves for F(k, t) of one system and start.
 
-    Parameters
-    ----------
     law : the collision law
     mean_free_path : l, in d
     state : the initial state
@@ -104,11 +101,7 @@ class Scattering:
     def _waves(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
     ) -> tuple[Waves, LogMeasure, float]:
-        """The backward equation for K = k l up to the largest T of the times.
-
-        Besides, the initial speeds as points for it, and its error averaged over them, absolute,
-        at the worst of the times.
-        """
+        """The backward equation for K = k l up to the largest T of the times."""
         speeds = points_of(self.state, 0, 1.0, tolerance)
         assert speeds is not None  # harmonic 0 is never zero
         stretch = self.log_stretch(which)
@@ -134,15 +127,6 @@ class Scattering:
             speeds.weight @ self._collided(waves, speeds.x + s) for s in self.log_stretch(which)
         ]
         return np.array(means), error
-
-    def mean_at_origin(self) -> FloatArray:
-        """Density of the returned at the origin, see `returned.density_at_origin`, (n_times,)."""
-        speeds = points_of(self.state, 0, 1.0, 1e-9)
-        assert speeds is not None
-        with np.errstate(over="ignore"):
-            path = np.exp(self.log_stretch(np.arange(self.times.size))[:, None] + speeds.x)
-        found = density_at_origin(self.law, path.ravel()).reshape(path.shape)
-        return np.asarray(found @ speeds.weight)
 
     def _collided(self, waves: Waves, x: FloatArray) -> FloatArray:
         """The part of a_0 of those that have collided, at X = x: (n_x, n_k)."""

@@ -30,11 +30,10 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
-from kinetics.moments.delayed import Loops, first_closed
+from kinetics.moments.delayed import Loops, Returns, first_closed
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
-from kinetics.position.coupled_harmonics import eliminate, iterate
-from kinetics.position.directions import coupling
+from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
@@ -59,8 +58,6 @@ _FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the ti
 class Waves:
     """a_m for some wave numbers, in space b_m of `directions`, as a function of X = ln T.
 
-    Attributes
-    ----------
     wave_numbers : K = k l, shape (n_k,)
     rule : the collocation
     start : X where the panels begin
@@ -120,8 +117,6 @@ def solve_waves(
 ) -> Waves:
     """Solve for wave numbers K = k l (n_k,), of similar size, up to X = highest.
 
-    Parameters
-    ----------
     tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
     delayed : whether returns in the harmonics m > 0 take time, `kinetics.moments.delayed`
@@ -143,10 +138,7 @@ def solve_waves(
 
 
 def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
-    """Panels that resolve exp(-T + i K T), which varies fastest of all.
-
-    Bounces that change a velocity by a small share 1 + e of it end these waves only later.
-    """
+    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
     turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
     e = min(law.disk_restitutions, default=0.0)
     if e < 0.0:
@@ -183,8 +175,6 @@ def _even(m: int) -> int:
 class Sweep:
     """The equations of some wave numbers, solved on panel after panel upwards.
 
-    Parameters
-    ----------
     law : the collision law
     wave_numbers : K, shape (n_k,)
     rule : the collocation
@@ -244,9 +234,14 @@ class Sweep:
         returns = None
         if self._loops:
             early = -decay * series[:-1] / self._coupling[:, None]
-            returns = _Returns(self._loops, self._coupling, early, count)
+            shares = self._loops.shares * self._coupling[:, None]
+            shares[0] = 0.0  # at once, in the kernel
+            returns = Returns(self._loops.of_panel, shares, early, count, n)
         far = series * self._far[:, :, None]
-        below = deque(self._below(series, reach), maxlen=max(reach, 1))
+        # the panels below the first, by the series, (reach, top + 1, nodes, n_k)
+        x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
+        filled = _series_sum(series, np.exp(x.ravel())).reshape(reach, n, self.top + 1, size)
+        below = deque(np.moveaxis(filled, 2, 1), maxlen=max(reach, 1))
         largest = deque((float(np.abs(a).max(initial=0.0)) for a in below), maxlen=recent.size)
         known = _series_sum(series, np.exp(np.array([self.start])))[0]
         values: list[FloatArray] = []
@@ -295,10 +290,7 @@ class Sweep:
         )
 
     def _near_gain(self, tolerance: float) -> tuple[FloatArray, FloatArray]:
-        """The gain from the panels that matter, and about how much comes from each of them.
-
-        Next to nothing comes from farther down, where e is about 0. The panel itself is the last.
-        """
+        """The gain from the panels that matter, and about how much comes from each of them."""
         n = self.rule.nodes
         size = np.abs(self._gain).max(axis=1, initial=0.0).max(axis=0, initial=0.0)
         size = size.reshape(-1, n).sum(axis=1)
@@ -327,20 +319,10 @@ class Sweep:
             out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
         return out, loss.T[:, :, None]
 
-    def _below(self, series: FloatArray, reach: int) -> FloatArray:
-        """a_m on the panels below the first, by the series, (reach, top + 1, nodes, n_k)."""
-        below = (np.arange(reach) - reach)[:, None] * self.rule.width
-        x = self.start + below + self.rule.local * self.rule.width
-        found = _series_sum(series, np.exp(x.ravel()))
-        return np.moveaxis(found.reshape(*x.shape, *found.shape[1:]), 2, 1)
-
     def _panel_harmonics(
         self, known: FloatArray, used: int, rate: FloatArray, tolerance: float, kept: int
     ) -> int:
-        """The last harmonic of a panel that begins with a_m = known (m, n_k): even.
-
-        used : that of the panel below; rate : T at the nodes
-        """
+        """The last harmonic of a panel that begins with a_m = known (m, n_k): even."""
         size = np.abs(known).max(axis=1)
 
         def last_above(least: float) -> int:
@@ -361,12 +343,7 @@ class Sweep:
         loss: FloatArray,
         tolerance: float,
     ) -> FloatArray:
-        """One panel: shape (m, nodes, n_k).
-
-        rate : T at the nodes; drive : the gain from below, shape (m, nodes, n_k); known : a_m at
-        the first node, shape (m, n_k); loss : by the panel itself, (m, nodes, nodes). The number of
-        harmonics is odd.
-        """
+        """One panel: shape (m, nodes, n_k)."""
         count, flights = drive.shape[0], rate[-1] - rate[0]
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
@@ -383,59 +360,11 @@ class Sweep:
         return np.concatenate([known[:, None], inner], axis=1)
 
     def _left_out(self, values: FloatArray) -> float:
-        """What the polynomials of a panel leave out of F, by their last two coefficients.
-
-        values : (n_kept, nodes, n_k). Each harmonic m > 0 counts together with -m.
-        """
+        """What the polynomials of a panel leave out of F, by their last two coefficients."""
         last, before = self.rule.last_coefficients(np.moveaxis(values, 1, 2))
         fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
         each = (last * np.sqrt(fall)).max(axis=1)
         return _SAFETY * math.sqrt(4.0 * float(each @ each) - 3.0 * each[0] ** 2)
-
-
-class _Returns:
-    """Returns that take time, for the harmonics m > 0: V of `kinetics.moments.delayed`.
-
-    Collisions act on U = a_m + V, and V is what loops make of W = (K - 1) U. Rows are over their
-    coupling.
-
-    Parameters
-    ----------
-    loops : what loops bring to a panel
-    coupling : that of each row, shape (m,)
-    early : the power series of W below all panels, shape (n_terms, m, n_k)
-    count : how many panels there are, at most
-    """
-
-    def __init__(self, loops: Loops, coupling: FloatArray, early: FloatArray, count: int) -> None:
-        self._loops, self._early = loops, early
-        self._shares = loops.shares * coupling[:, None]
-        self._shares[0] = 0.0  # at once, in the kernel
-        self._lost = np.zeros((count, loops.rule.nodes, *early.shape[1:]))  # W
-
-    def begin(self, j: int, loss: FloatArray, drive: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Loss matrices (m, n, n) and gain (m, n, n_k) of panel j with what loops bring to it."""
-        first, blocks, weight, left = self._loops.of_panel(j)
-        n, used = self._loops.rule.nodes, drive.shape[0]
-        powers = left[:, :, None] ** np.arange(self._early.shape[0])
-        come = np.tensordot(weight[:, :, None] @ powers, self._early[:, :used], axes=1)[:, :, 0]
-        come += np.tensordot(
-            blocks[:, :, :-n],
-            self._lost[first:j, :, :used].reshape(-1, used, drive.shape[2]),
-            axes=1,
-        )
-        shares = self._shares[:used]
-        here = np.tensordot(shares, blocks[:, :, -n:], axes=1)
-        self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
-        self._added = self._inverse @ (here @ drive + np.einsum("mk,kimq->miq", shares, come))
-        self._loss, self._drive = loss, drive
-        return loss @ self._inverse, drive - loss @ self._added
-
-    def end(self, j: int, found: FloatArray) -> FloatArray:
-        """U on panel j, where a_m was found, both (m, n, n_k)."""
-        total = self._inverse @ found + self._added
-        self._lost[j, :, : found.shape[0]] = np.moveaxis(self._drive - self._loss @ total, 0, 1)
-        return np.asarray(total)
 
 
 def _series_sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:

@@ -14,10 +14,9 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.position.density import Displacement
+from kinetics.position.density import Displacement, Uncollided, fastest_speed, fronts
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
@@ -93,11 +92,7 @@ def solve_displacement(
 
 
 def _groups(system: Scattering, width: FloatArray, rtol: float) -> list[list[int]]:
-    """The times in groups that need about the same wave numbers.
-
-    Up to the reciprocal of the width; from 1 on all need the same. Those at which tracers of a
-    sharp speed still fly freely stand apart.
-    """
+    """The times in groups that need about the same wave numbers."""
     groups: dict[tuple[bool, int], list[int]] = {}
     for i, size in enumerate(width):
         level = math.ceil(max(0.0, -math.log(max(float(size), 1e-300)) / math.log(_ALIKE)))
@@ -106,14 +101,7 @@ def _groups(system: Scattering, width: FloatArray, rtol: float) -> list[list[int
 
 
 class _Sweep:
-    """F on one interval of wave numbers after another, at some of the times.
-
-    Attributes
-    ----------
-    panels, tails : F there, and for each time its powers of 1/K beyond, or None
-    active : indices of the times for which F has not ended
-    missed : what all this leaves of G(R), absolute, for each time
-    """
+    """F on one interval of wave numbers after another, at some of the times."""
 
     def __init__(
         self, system: Scattering, width: FloatArray, which: list[int], rtol: float
@@ -134,8 +122,6 @@ class _Sweep:
         self._solved_error = np.zeros(width.size)
         # the least that was missed of each time, its tail then, and the number of panels
         self._best: dict[int, tuple[float, PowerTail | None, int]] = {}
-        returns = bool(system.law.returns(0)[0]) and not self.sharp
-        self._at_origin = system.mean_at_origin() if returns else None
         self._first_power = self._slowest_fall()
         speeds = points_of(system.state, 0, 1.0, 1e-3)
         assert speeds is not None
@@ -146,10 +132,10 @@ class _Sweep:
     def _slowest_fall(self) -> int:
         """j_0 of :class:`kinetics.position.tail.PowerTail`."""
         law, profile = self.system.law, self.system.state.profile(0)
-        if law.throws_back:
-            return 1 - law.dimension  # samples that throw tracers straight back
+        if law.throws_back or (law.returns(0)[0] and not self.sharp):
+            return 1 - law.dimension  # tracers that are thrown straight back cross the origin
         slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        return 0 if 0.0 in law.disk_restitutions or self._at_origin is not None or slow else 1
+        return 0 if 0.0 in law.disk_restitutions or slow else 1
 
     def run(self) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
@@ -163,7 +149,10 @@ class _Sweep:
                 self.active = self.active[low * self._flights[self.active] <= _LARGEST]
                 if self.active.size == 0:
                     break
-            new, error = self._interval(low, high, self._tolerance(high), size)
+            # rounding of F allows no more than 3e-12
+            share = max(1.0, float(np.max(self.width[self.active])) * high)
+            solved = _SOLVED if high > _CHEAP else _SOLVED_CHEAPLY
+            new, error = self._interval(low, high, max(3e-12, self.rtol / share * solved), size)
             self.panels += new
             last = self.panels[-1].values
             # F of densities falls; that of sharp speeds turns
@@ -191,21 +180,13 @@ class _Sweep:
         return min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
 
     def cut(self) -> FloatArray:
-        """K from which F is tapered where G is hardly known, else infinite, (n_times,).
-
-        A sharp end would be seen as waves at all radii there.
-        """
+        """K from which F is tapered where G is hardly known, else infinite, (n_times,)."""
         cut = np.full(self.width.shape, np.inf)
         for i in np.nonzero(self.missed > max(self.enough, _TAPERED))[0]:
             last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
             if self.tails[i] is None and last:
                 cut[i] = 0.5 * last[-1]
         return cut
-
-    def _tolerance(self, high: float) -> float:
-        """Of F up to K = high; rounding of F allows no more than 3e-12."""
-        share = max(1.0, float(np.max(self.width[self.active])) * high)
-        return max(3e-12, self.rtol / share * (_SOLVED if high > _CHEAP else _SOLVED_CHEAPLY))
 
     def _judge(self, high: float, error: float) -> None:
         """For which times F has ended at K = high; error: on the last interval."""
@@ -221,15 +202,16 @@ class _Sweep:
     def _interval(
         self, low: float, high: float, tolerance: float, size: float, halvings: int = 0
     ) -> tuple[list[WavePanel], float]:
-        """F on an interval of K, halved until its Chebyshev coefficients end; and its error.
-
-        tolerance : of F; size : about the largest value there, at its lower end for densities
-        """
+        """F on an interval of K, halved until its Chebyshev coefficients end; and its error."""
         falls = not self.sharp and low > 0.0 and high * self._widest > _FIRST
         power = self.system.law.dimension + 1 if falls else 0
         each = _FOR_DIGIT_LATE if falls else _FOR_DIGIT if low else _FOR_DIGIT_AT_ZERO
         digits = math.log10(max(10.0, size / tolerance))
-        count = math.ceil(_POINTS + each * digits + self._turns(low, high, tolerance))
+        # and for cos(K T), with which tracers of one speed turn F until they have collided
+        flights = self._flights[self.active]
+        flying = flights[np.exp(-flights) > tolerance] if self.sharp else np.zeros(0)
+        turns = 0.5 * (high - low) * float(flying.max(initial=0.0))
+        count = math.ceil(_POINTS + each * digits + turns)
         k = wave_numbers_between(low, high, power, count)
         values, error = self.system.collided(k, self.active, tolerance)
         panel = WavePanel(low, high, power, self.active, values)
@@ -239,12 +221,6 @@ class _Sweep:
             right, second = self._interval(middle, high, tolerance, size, halvings + 1)
             return left + right, max(first, second)
         return [panel], panel.missed + error
-
-    def _turns(self, low: float, high: float, tolerance: float) -> float:
-        """Points for cos(K T), with which tracers of one speed turn F until they have collided."""
-        flights = self._flights[self.active]
-        flying = flights[np.exp(-flights) > tolerance] if self.sharp else np.zeros(0)
-        return 0.5 * (high - low) * float(flying.max(initial=0.0))
 
     def _rest(self, time: int, high: float) -> tuple[PowerTail | None, float]:
         """How F goes on beyond K = high, and how much of it is not known there."""
@@ -266,8 +242,7 @@ class _Sweep:
         law, begin = self.system.law, max(1.0, 1.0 / self.width[time])
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, math.inf
-        returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
         k, f = points_beyond(self.panels, time, _FITTED * high)
-        tail, left = fit_tail(k, f, begin, law.dimension, self._first_power, returned)
+        tail, left = fit_tail(k, f, begin, law.dimension, self._first_power)
         by_steps = _BY_STEPS if law.least_loss > _LOSSY else _BEYOND
-        return tail, left * (_RETURNED if returned else by_steps)
+        return tail, left * (_RETURNED if law.returns(0)[0] else by_steps)

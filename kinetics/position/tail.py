@@ -2,12 +2,10 @@
 
 Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the density of the
 displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. Where e = 0, collisions
-leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. At a finite density tracers that
-are thrown straight back come through the origin again: in the plane F then falls as 1/k, with a
-factor that is known (`kinetics.position.returned`). It does so too, also in space, where a law of
-samples throws a share of them straight back, or where all are nearly at rest after one flight: they
-stay on a straight line. The end of F is fitted by terms whose
-transforms are known, so that the transform needs no large k.
+leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. Tracers that are
+thrown straight back, at a finite density or by a law of samples, or are nearly at rest after one
+flight, stay on a straight line through the origin: F falls as 1/k. The end of F is fitted by terms
+whose transforms are known, so that the transform needs no large k.
 """
 
 from __future__ import annotations
@@ -39,33 +37,27 @@ class PowerTail(Value):
         (2/pi) integral of q sin(q x)/x (q^2 + 1)^(-nu - 3/2) dq
             = (x/2)^nu K_nu(x)/(sqrt(pi) Gamma(nu + 3/2)).
 
-    Attributes
-    ----------
     coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
     dimension : 2 or 3
     first : j_0: 1; 0 where collisions may stop tracers or throw them straight back; 1 - d where
         many tracers stay on a straight line through the origin
-    returned : factor of (K^2 + scale^2)^(-1/2), which stands besides; 0 in space
     """
 
     coefficients: FloatArray
     scale: float
     dimension: int = 2
     first: int = 1
-    returned: float = 0.0
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
         terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension, self.first)
-        return np.asarray(terms @ self.coefficients + self.returned / np.hypot(k, self.scale))
+        return np.asarray(terms @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
         d, count, x = self.dimension, self.coefficients.size, self.scale * rho
         found = self.coefficients @ origin_transforms(x, count, kind, d, self.first)
-        if self.returned:  # a term of nu = -1/2
-            found = found + self.returned / self.scale * origin_transforms(x, 1, kind, d, -1)[0]
         return np.asarray(found) * self.scale ** (d, d - 1, d + 1)[kind]
 
 
@@ -128,11 +120,10 @@ def fit_tail(
     scale: float,
     dimension: int,
     first: int = 1,
-    returned: float = 0.0,
 ) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
-    ``scale`` is where the powers begin, ``first`` which they are, ``returned`` the factor of 1/K.
+    ``scale`` is where the powers begin, ``first`` which they are.
     Two sums are fitted, to the lower part of the range and to all of it. The error is the largest
     that the first one misses there, or that they differ by beyond, times K over the largest K: so
     much more it changes G(R). It is infinite where there are too few points. Too few terms miss F,
@@ -142,8 +133,7 @@ def fit_tail(
     below = k < k.min() + _LOWER * (highest - k.min())
     most = min(_TERMS[-1], int(np.count_nonzero(below)) - 2)
     if most < _TERMS[0]:
-        return PowerTail(np.zeros(0), scale, dimension, first, returned), np.inf
-    falling = f - returned / np.hypot(k, scale)
+        return PowerTail(np.zeros(0), scale, dimension, first), np.inf
     weight = k ** (dimension + first)  # errors relative to the first power count
     everywhere = np.append(k, highest * _BEYOND)
     terms = origin_terms(everywhere / scale, most + 1, dimension, first)
@@ -151,11 +141,11 @@ def fit_tail(
 
     def fit(used: FloatArray, count: int) -> FloatArray:
         columns = terms[: k.size, :count] * used[:, None]
-        return np.asarray(np.linalg.lstsq(columns, falling * used, rcond=1e-13)[0])
+        return np.asarray(np.linalg.lstsq(columns, f * used, rcond=1e-13)[0])
 
     def left(count: int) -> tuple[FloatArray, float]:
         found = fit(weight, count)
-        known = np.append(falling, terms[k.size :, :count] @ found)
+        known = np.append(f, terms[k.size :, :count] @ found)
         lower = terms[:, :count] @ fit(weight * below, count)
         return found, float(np.abs(share * (lower - known)).max())
 
@@ -164,4 +154,4 @@ def fit_tail(
     errors = np.array([error for _, error in fits])
     errors = np.maximum(np.maximum(errors[:-2], errors[1:-1]), errors[2:])
     best = int(np.argmin(errors))
-    return PowerTail(fits[best + 1][0], scale, dimension, first, returned), float(errors[best])
+    return PowerTail(fits[best + 1][0], scale, dimension, first), float(errors[best])

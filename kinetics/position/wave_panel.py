@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import FirstKind
+from kinetics.numerics.chebyshev import Chebyshev
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.results import Value
 
@@ -18,14 +18,12 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class WavePanel(Value):
-    """F on an interval of K = k l, at Chebyshev points of the first kind of a variable.
+    """F on an interval of K = k l, at Chebyshev points of a variable.
 
     From K = 0 on, F is an even polynomial: the points are those of the interval from -high to high,
     of which half are solved for. Elsewhere F of a density of speeds falls as a power of 1/K, and
     K^power F is a polynomial in 1/K; F of sharp speeds turns with K, and is a polynomial in K.
 
-    Attributes
-    ----------
     low, high : the ends of the interval
     power : with which F falls; 0 for a polynomial in K
     which : indices of the times at which F is not negligible, rising, shape (n_which,)
@@ -58,7 +56,7 @@ class WavePanel(Value):
         f = self.of(time)
         if f is None or self.low > 0.0:
             return None
-        middle = FirstKind(2 * f.size).rows(np.array([0.5]))[0]
+        middle = Chebyshev(2 * f.size).rows(np.array([0.5]))[0]
         return float(middle @ np.concatenate([f[::-1], f]))
 
     def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -77,15 +75,15 @@ class WavePanel(Value):
         smooth = self.values * (self.wave_numbers / self.high) ** self.power
         if self.low == 0.0:
             smooth = np.concatenate([smooth[:, ::-1], smooth], axis=1)
-        last = np.max(FirstKind(smooth.shape[1]).last_coefficients(smooth))
+        last = np.max(Chebyshev(smooth.shape[1]).last_coefficients(smooth))
         return float(last) * (self.high / max(self.low, 1e-300)) ** (0.5 * self.power)
 
 
 def wave_numbers_between(low: float, high: float, power: int, nodes: int) -> FloatArray:
     """Where F is solved for on an interval, see :class:`WavePanel`: shape (nodes,), rising."""
     if low == 0.0:
-        return high * (2.0 * FirstKind(2 * nodes).local[nodes:] - 1.0)
-    local = FirstKind(nodes).local
+        return high * (2.0 * Chebyshev(2 * nodes).local[nodes:] - 1.0)
+    local = Chebyshev(nodes).local
     if power == 0:
         return np.asarray(low + (high - low) * local)
     return np.asarray(1.0 / (1.0 / low + (1.0 / high - 1.0 / low) * local))
@@ -96,11 +94,11 @@ def _rows(low: float, high: float, power: int, nodes: int, points: int) -> Float
     """Interpolation from the wave numbers to so many Gauss points, (points, nodes)."""
     k = low + (high - low) * gauss_legendre(points)[0]
     if low == 0.0:
-        rows = FirstKind(2 * nodes).rows(0.5 + 0.5 * k / high)
+        rows = Chebyshev(2 * nodes).rows(0.5 + 0.5 * k / high)
         return np.asarray(rows[:, nodes:] + rows[:, nodes - 1 :: -1])
     if power == 0:
-        return FirstKind(nodes).rows((k - low) / (high - low))
-    rows = FirstKind(nodes).rows((1.0 / low - 1.0 / k) / (1.0 / low - 1.0 / high))
+        return Chebyshev(nodes).rows((k - low) / (high - low))
+    rows = Chebyshev(nodes).rows((1.0 / low - 1.0 / k) / (1.0 / low - 1.0 / high))
     at = wave_numbers_between(low, high, power, nodes)
     return np.asarray((high / k[:, None]) ** power * rows * (at / high) ** power)
 

@@ -3,7 +3,6 @@
 - `closed_form`: ScalingSolution, formulas; `mellin`: what they take from the complex plane;
   `collisions`: the number of collisions and the path
 - `scaled_vdf`: solve_scaled and its result; `axis`: the axis of speeds, marched downwards
-- `extent`: how far the scaling state reaches, for grids of densities over time
 
 May import `kinetics.collision` and `kinetics.numerics`. Begin with `closed_form.py` for the
 formulas and with `scaled_vdf.py` for the solver.

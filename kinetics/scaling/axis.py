@@ -10,28 +10,37 @@ before replace K - 1 by (K - 1)/(1 - eps S (K - 1)) (:mod:`kinetics.collision.me
 e^x g(x) = w(x) + eps [w(x + X) - E w(x + X + xi)], X = -ln e. Either way w at x needs w above x
 only. On Chebyshev panels of one width, from the top down, each panel is a small linear system for
 w over a guess of it, from which ln w follows: the error is relative to w itself, over hundreds of
-orders of magnitude. What is assumed above the top is forgotten as F grows.
+orders of magnitude. What is assumed above the top is forgotten as F grows. The march begins not
+far above the moments, and once more at 1e-100 of the bulk if a question reaches beyond. Next to
+rest, where bounces lead there, g ends as a power of v t/l times a polynomial in it.
 """
 
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.polynomial import polyfit, polyval
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import SecondKind, barycentric_weights, interpolation_rows
+from kinetics.numerics.chebyshev import Chebyshev, barycentric_weights, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.scaling.extent import small_deviation
+from kinetics.scaling.mellin import small_deviation
 
 DEEPEST = 230.0  # e^-230 = 1e-100: F further below that of its bulk is not given
 FEWEST_NODES, MOST_NODES = 8, 256  # of a panel
 _MORE_NODES = 6  # of a panel, than digits
+_RESOLVED = 1e-12  # error of F below which more nodes bring more rounding
 _WIDEST, _DEVIATIONS = 1.0, 5.0  # panels in x, and in deviations of g
-_FORGOTTEN = 40.0  # in ln F: what is assumed above the top weighs e^-40 so much further down
+# In ln F, less ln rtol: how far the first march reaches, and what is assumed above its top is
+# forgotten. F or a moment from further out begins another one at DEEPEST.
+_SHALLOW, _FORGOTTEN = 15.0, 12.0
+_POWERS = 4  # of v t/l, that make g next to rest beside its own power
+_FORETOLD = 0.03  # of rtol, by which these may miss the next panel
 _NEGLIGIBLE = 40.0  # e^-40 = 4e-18: of the losses at a speed, what is left out
 _FOLDS = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
 _STEEPEST = 60.0  # g near e = 1, over its deviation: where it is e^-(60^2/2) of its peak
@@ -52,10 +61,7 @@ ROUNDING_FLOOR = 64 * float(np.finfo(float).eps)  # 1.4e-14
 
 
 class _Panel(NamedTuple):
-    """w = e^log_w q and g = e^log_g q_g at the nodes, each (nodes,); q is 1 but after returns.
-
-    last : size of the last two Chebyshev coefficients of ln w, or of q
-    """
+    """w = e^log_w q and g = e^log_g q_g at the nodes, each (nodes,); q is 1 but after returns."""
 
     log_w: FloatArray
     q: FloatArray
@@ -75,10 +81,7 @@ def _differences(rows: FloatArray, values: FloatArray) -> FloatArray:
 
 
 class _Group(NamedTuple):
-    """Losses that lead from nodes of a panel to one panel above it, each (n_points,).
-
-    node : from which; flux, back : weights of P(xi > u) and of returns; rows (n_points, nodes)
-    """
+    """Losses that lead from nodes of a panel to one panel above it, each (n_points,)."""
 
     node: NDArray[np.intp]
     flux: FloatArray
@@ -87,18 +90,10 @@ class _Group(NamedTuple):
 
 
 class _Losses:
-    """int P(xi > u) w(x + u) du, and the returns, at the nodes of any panel but its top one.
-
-    Attributes
-    ----------
-    rows : from the differences of a panel to w(x + u) - w(x), (nodes - 1, n_u, nodes), 0 outside
-    flux, back : the weights of these, (nodes - 1, n_u)
-    outside : by how many panels u leads up -> those losses
-    flux_out, back_out : all weights but those inside, (nodes - 1,)
-    """
+    """int P(xi > u) w(x + u) du, and the returns, at the nodes of any panel but its top one."""
 
     def __init__(
-        self, law: CollisionLaw, rule: SecondKind, width: float, rate: float, reach: float
+        self, law: CollisionLaw, rule: Chebyshev, width: float, rate: float, reach: float
     ) -> None:
         u, flux = law.survival_for(rate)
         back = np.zeros(u.size)
@@ -127,13 +122,23 @@ class _Losses:
         self.flux_out = law.mean_log_loss - self.flux.sum(axis=1)
         self.back_out = -self.back.sum(axis=1)
         self.flux, self.back = self.flux[:, :near], self.back[:, :near]
-        up = np.maximum(np.ceil(place).astype(int) - 1, 0)
-        self.outside = {}
-        for m in range(1, int(up.max(initial=0)) + 1):
-            node, k = np.nonzero(up == m)
-            if k.size:
-                rows = rule.rows(place[node, k] - m)
-                self.outside[m] = _Group(node, flux[k], back[k], rows)
+        self._rule, self._weights, self._place = rule, (flux, back), place
+        self._up = np.maximum(np.ceil(place).astype(int) - 1, 0)
+        self._groups: dict[int, _Group] = {}
+
+    def outside(self, m: int) -> _Group:
+        """What leads to the panel m panels up."""
+        if m not in self._groups:
+            node, k = np.nonzero(self._up == m)
+            flux, back = self._weights
+            rows = self._rule.rows(self._place[node, k] - m)
+            self._groups[m] = _Group(node, flux[k], back[k], rows)
+        return self._groups[m]
+
+    @property
+    def furthest(self) -> int:
+        """How many panels up losses lead."""
+        return int(self._up.max(initial=0))
 
 
 class SpeedAxis:
@@ -141,20 +146,16 @@ class SpeedAxis:
 
     Every estimate is relative, and of all that was asked for so far.
 
-    Parameters
-    ----------
     law : the collision law; not elastic
     rtol : relative accuracy of g and of its moments
     nodes : of each panel, or None for as many as rtol takes
-
-    Attributes
-    ----------
     unresolved : whether nothing is known, because too few nodes were asked for
     """
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
         self.law, self.rtol, self.unresolved = law, rtol, False
-        self._rule = SecondKind(nodes or _MORE_NODES + math.ceil(-math.log10(rtol)))
+        self._rule = Chebyshev(nodes or _MORE_NODES + math.ceil(-math.log10(rtol)))
+        self._own_nodes = nodes is None
         deviation = small_deviation(law)
         self._flank = 1.0 / deviation  # steepness of g beside its peak
         self._width = min(_WIDEST, _DEVIATIONS * deviation)
@@ -168,8 +169,15 @@ class SpeedAxis:
         self._steepest = 0.0
         q = law.quadrature  # bounces that keep the speed change nothing
         self._kappa = law.mean_log_loss / float(q.weight[q.log_loss > 0.0].sum())
+        self._march(min(_SHALLOW - math.log(rtol), DEEPEST))
+
+    def _march(self, depth: float) -> None:
+        """The axis from where F is e^-depth of its bulk down to its bulk."""
         # one panel of a guess: exp(-e^x/kappa) times a power of the speed, nearly. The next one is
         # polluted by it, and lies above all that is asked for as well
+        self._depth = depth
+        self._rest: tuple[float, FloatArray] | None = None  # ln g at the bottom, and a polynomial
+        self._norm: float | None = None
         start, log_g, power, bend = self._beginning()
         self._top = start + self._width
         up = self._width * self._rule.local
@@ -177,16 +185,29 @@ class SpeedAxis:
         guess = log_g + start + (power + 0.5 * bend * up) * up - rate * np.expm1(up)
         ones = np.ones(up.size)
         self._panels = [_Panel(guess, ones, guess - start - up, ones, 0.0)]
-        while self._bottom > -_DEVIATIONS * deviation and self._add_panel():
+        while self._bottom > -_DEVIATIONS / self._flank and self._add_panel():
             pass
+        last = max((p.last for p in self._panels[2:]), default=1.0)
+        nodes = 2 * self._rule.nodes
+        if self._own_nodes and _DENSITY * last > max(self.rtol, _RESOLVED) and nodes <= MOST_NODES:
+            # a narrow part of g beside a wide one, as of mixtures
+            self._rule, self._losses = Chebyshev(nodes), {}
+            self.__dict__.pop("_gauss_rows", None)
+            self._march(depth)
+            return
         self._bulk = float(self._log_g(np.zeros(1))[0])  # ln F there, up to a constant
 
-    def _beginning(self) -> tuple[float, float, float, float]:
-        """Where the march begins: x, ln g nearly, and two derivatives of ln w + e^x/kappa.
+    def _deepened(self) -> bool:
+        """Marched again, from as far out as F is given; False if that has been done."""
+        if self._depth == DEEPEST:
+            return False
+        self._march(DEEPEST)
+        return True
 
-        ln g falls as z where z w, times the symbol lambda(z)/z of the flux, equals kappa z g.
-        """
-        law, q, depth = self.law, self.law.quadrature, DEEPEST + _FORGOTTEN
+    def _beginning(self) -> tuple[float, float, float, float]:
+        """Where the march begins: x, ln g nearly, and two derivatives of ln w + e^x/kappa."""
+        law, q = self.law, self.law.quadrature
+        depth = self._depth + _FORGOTTEN - math.log(self.rtol)
         z = np.geomspace(0.02 * self._flank, _STEEPEST * self._flank + 4.0 * depth, 120)
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         x = np.log(law.mean_log_loss * z / law.met_again(z, rate, 0))
@@ -197,7 +218,7 @@ class SpeedAxis:
         two = np.array([start, start + step])
         slope = np.interp(two, x, z)
         for _ in range(5):  # averages by few points are a percent off there
-            slope = np.exp(two) / law.mean_log_loss * law.decay_rate(slope)
+            slope = np.exp(two) / law.mean_log_loss * law.decay_symbol(slope)
         power = np.exp(two) / self._kappa + 1.0 - slope
         bend = float(power[1] - power[0]) / step
         return start, float(np.interp(start, x, log_g)), float(power[0]), bend
@@ -218,7 +239,7 @@ class SpeedAxis:
             weight = np.exp(np.minimum(sizes - self._bulk - math.log(_UNKNOWN), 0.0))
         last = float(np.max(weight * [p.last for p in self._panels[2:]], initial=0.0))
         with np.errstate(over="ignore"):
-            unit = _MOMENT * last + abs(math.expm1(min(self.log_sum(1.0) - self.log_sum(0.0), 1.0)))
+            unit = _MOMENT * last + abs(math.expm1(min(self.log_moment(1.0), 1.0)))
         found = (
             _CUTS * self.rtol
             + self._coefficient * last
@@ -227,12 +248,18 @@ class SpeedAxis:
         )
         return max(found, 1.0) if self.unresolved else found
 
-    def log_sum(self, p: float) -> float:
+    def log_moment(self, p: float) -> float:
+        """ln A(p), the average of e^(p x)."""
+        found = self._log_sum(p)  # which may begin the march again
+        if self._norm is None:
+            self._norm = self._log_sum(0.0)
+        return found - self._norm
+
+    def _log_sum(self, p: float) -> float:
         """ln of the integral of e^(p x) g, the whole axis."""
         self._rounding = max(self._rounding, abs(p) * ROUNDING_FLOOR)
         lacks = math.log(self.rtol) - _END
-        node, weight = gauss_legendre(_GAUSS)
-        rows = self._rule.rows(node).T
+        (node, weight), rows = gauss_legendre(_GAUSS), self._gauss_rows
         while True:
             left = self._top - self._width * np.arange(1.0, len(self._panels) + 1)
             x = left[:, None] + self._width * node
@@ -243,22 +270,25 @@ class SpeedAxis:
             if not abs(largest) < 1e6:
                 self.unresolved = True
                 return 0.0
+            if float(size[:2].max()) > largest + lacks:
+                if self._deepened():
+                    continue
+                self.unresolved = True
             done = float(size[-1].max()) < largest + lacks or largest - self._bulk > _LARGEST
             if done or not self._extend():
                 break
-        if float(size[:2].max()) > largest + lacks:
-            self.unresolved = True
         total = self._width * float(((q @ rows) * np.exp(terms - largest)).sum(axis=0) @ weight)
-        if self._straight:
-            base = self._panels[-1].log_g[0]
-            total += math.exp(p * self._bottom + base - largest) / (p - self.law.lowest_power)
+        if self._rest is not None:
+            log_bottom, powers = self._rest
+            share = float(powers @ (1.0 / (p - self.law.lowest_power + np.arange(powers.size))))
+            total += math.exp(p * self._bottom + log_bottom - largest) * share
         if not total > 0.0:
             self.unresolved = True
             return 0.0
         return largest + math.log(total)
 
     def log_density(self, x: FloatArray) -> FloatArray:
-        """ln g at x, shape (n,).
+        """ln g at x, shape (n,), g of integral 1.
 
         -inf where F is below that of the bulk by e^-230; NaN at low speeds among scatterers that
         are met again.
@@ -272,10 +302,13 @@ class SpeedAxis:
                 break
         out = np.full(x.shape, -math.inf)
         inside = x < self._top - 2.0 * self._width
-        inside &= (x >= self._bottom) | self._straight
+        inside &= (x >= self._bottom) | (self._rest is not None)
         out[inside] = self._log_g(x[inside])
         with np.errstate(invalid="ignore"):
-            out[out - d * x < self._bulk - DEEPEST] = -math.inf
+            far = out - d * x < self._bulk - self._depth
+        if np.any(far & (x > 0.0)) and self._deepened():
+            return self.log_density(x)
+        out[far & (out - d * x < self._bulk - DEEPEST)] = -math.inf
         if self._has_returns:
             low = x < 0.0
             out[low & ~(out > self._bulk + math.log(_UNKNOWN))] = math.nan
@@ -289,7 +322,12 @@ class SpeedAxis:
             # a narrow density has rounding of its own, as large as on its flanks
             floor = (self._steepest + self._flank) * ROUNDING_FLOOR
             self._rounding = max(self._rounding, floor)
-        return out
+        return out - (self._log_sum(0.0) if self._norm is None else self._norm)
+
+    @cached_property
+    def _gauss_rows(self) -> FloatArray:
+        """From a panel to the Gauss points of a moment, (nodes, points)."""
+        return self._rule.rows(gauss_legendre(_GAUSS)[0]).T
 
     @property
     def _tables(self) -> tuple[FloatArray, FloatArray]:
@@ -304,24 +342,37 @@ class SpeedAxis:
         log_g, q = (np.sum(rows * table[i], axis=1) for table in self._tables)
         with np.errstate(divide="ignore", invalid="ignore"):
             log_g = log_g + np.log(q)
-        # below the bottom g is a power of speed
-        below = np.minimum(x - self._bottom, 0.0)
-        return np.asarray(log_g - (self.law.lowest_power * below if self._straight else 0.0))
+        if self._rest is not None:
+            log_bottom, powers = self._rest
+            down = np.minimum(x - self._bottom, 0.0)
+            series = polyval(np.exp(down), powers)
+            below = log_bottom + np.log(series) - self.law.lowest_power * down
+            log_g = np.where(down < 0.0, below, log_g)
+        return np.asarray(log_g)
 
-    @property
-    def _straight(self) -> bool:
-        """Whether g goes on as a power of speed: bounces come as near to rest as one likes."""
-        return self.law.reaches_rest and self._bottom < math.log(
-            0.01 * self.rtol * self.law.mean_log_loss
-        )
+    def _next_to_rest(self) -> None:
+        """Find g = e^(q x) times a polynomial of e^x below the bottom, where it is that by now."""
+        before, panel = self._panels[-2:]
+        up, q = self._width * self._rule.local, self.law.lowest_power
+        # over g at the bottom, and its power of speed
+        scaled = np.exp(panel.log_g - panel.log_g[0] + q * up)
+        if self._bottom < math.log(0.01 * self.rtol * self.law.mean_log_loss):
+            self._rest = float(panel.log_g[0]), np.ones(1)
+        elif self._bottom < -self._width:
+            above = np.exp(before.log_g - panel.log_g[0] + q * (up + self._width))
+            foretold = polyval(np.exp(up), polyfit(np.exp(up + self._width), above, _POWERS))
+            if float(np.max(np.abs(foretold / scaled - 1.0))) < _FORETOLD * self.rtol:
+                self._rest = float(panel.log_g[0]), polyfit(np.exp(up), scaled, _POWERS)
 
     def _extend(self) -> bool:
         """One panel further down; False where that is not needed, or does not go."""
-        if self._straight:
+        if self._rest is not None:
             return False
         if self._bottom < -_LARGEST or not self._add_panel():
             self.unresolved = True
             return False
+        if self.law.reaches_rest:
+            self._next_to_rest()
         return True
 
     # -- the march ----------------------------------------------------------------------------
@@ -413,15 +464,10 @@ class SpeedAxis:
         return self._losses[key]
 
     def _from_above(self, losses: _Losses, log_w: FloatArray) -> FloatArray:
-        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1).
-
-        Over e^log_w, (nodes - 1,).
-        """
+        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1)."""
         total = np.zeros((2, log_w.size))
-        for m, group in losses.outside.items():
-            if m > len(self._panels):
-                break
-            panel = self._panels[-m]
+        for m in range(1, min(losses.furthest, len(self._panels)) + 1):
+            group, panel = losses.outside(m), self._panels[-m]
             w = np.exp(group.rows @ panel.log_w - log_w[group.node]) * (group.rows @ panel.q)
             total[0] += np.bincount(group.node, group.flux * w, total.shape[1])
             total[1] += np.bincount(group.node, group.back * w, total.shape[1])

@@ -32,7 +32,42 @@ _CLOSE_TO_REST = 1e-16  # corrections are of that order
 
 
 @dataclass(frozen=True)
-class ScalingSolution(Result):
+class ScaledState(Result):
+    """What the closed form and the solver share: the law that was asked for."""
+
+    restitution: Any
+    tangential_restitution: float | None = 1.0
+    dimension: int = 2
+    scatterers: str = "dilute"
+    number_density: float | None = None
+    diameter: float = 1.0
+    density_order: str = "second"
+    mass_ratio: float = math.inf
+    _points, _on_demand = ("c",), ("moment", "vdf")
+
+    def __post_init__(self) -> None:
+        for name, value in self.law.arguments.items():
+            object.__setattr__(self, name, value)
+
+    @cached_property
+    def law(self) -> CollisionLaw:
+        """The collision law of these restitutions, in this dimension."""
+        law = law_of(
+            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
+        )  # fmt: skip
+        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
+        return law_in_medium(law, *medium)
+
+    def _power(self, p: Any) -> float:
+        """p of a moment, checked."""
+        number = real_number("p", p, -_EXPONENT_LIMIT, _EXPONENT_LIMIT)
+        if number <= self.law.lowest_power:
+            refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
+        return number
+
+
+@dataclass(frozen=True)
+class ScalingSolution(ScaledState):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 
     Parameters
@@ -59,28 +94,6 @@ class ScalingSolution(Result):
     >>> bool(abs(exact.cooling_rate - 2**0.5) < 1e-15), bool(abs(exact.a2 - 2) < 1e-14)
     (True, True)
     """
-
-    restitution: Any
-    tangential_restitution: float | None = 1.0
-    dimension: int = 2
-    scatterers: str = "dilute"
-    number_density: float | None = None
-    diameter: float = 1.0
-    density_order: str = "second"
-    mass_ratio: float = math.inf
-
-    def __post_init__(self) -> None:
-        for name, value in self.law.arguments.items():
-            object.__setattr__(self, name, value)
-
-    @cached_property
-    def law(self) -> CollisionLaw:
-        """The collision law of these restitutions, in this dimension."""
-        law = law_of(
-            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
-        )  # fmt: skip
-        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
-        return law_in_medium(law, *medium)
 
     @cached_property
     def cooling_rate(self) -> float:
@@ -198,7 +211,7 @@ class ScalingSolution(Result):
 
         Raises InputError for other p, and where the moment overflows.
         """
-        p = self._check_exponent(p)
+        p = self._power(p)
         if self.law.is_elastic:
             return 1.0
         # <c^p> = E[Y^p]/E[Y^2]^(p/2) and E[Y^p] = kappa^-p A(p): the powers of kappa cancel
@@ -212,7 +225,7 @@ class ScalingSolution(Result):
 
         Raises InputError if bounces are elastic: v t has no limit.
         """
-        p = self._check_exponent(p)
+        p = self._power(p)
         if self.law.is_elastic:
             refuse("restitution", 1.0, "v t has no limit law in the elastic gas")
         return math.exp(self._log_a(p) - p * math.log(self.law.mean_log_loss))
@@ -254,8 +267,6 @@ class ScalingSolution(Result):
         """The Mellin lines that F(c) has taken so far."""
         return []
 
-    _points, _on_demand = ("c",), ("moment", "vdf")
-
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         return scaled_dataset(self, only, status="exact", message="closed form", **points)
 
@@ -275,12 +286,6 @@ class ScalingSolution(Result):
             refuse("restitution", self.restitution, "the collisions of elastic bounces grow as t")
         if self.law.medium is not None:
             refuse("scatterers", self.scatterers, "collisions are counted in the dilute gas only")
-
-    def _check_exponent(self, p: float) -> float:
-        number = real_number("p", p, -_EXPONENT_LIMIT, _EXPONENT_LIMIT)
-        if number <= self.law.lowest_power:
-            refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
-        return number
 
 
 def scaled_dataset(

@@ -15,27 +15,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_in_medium, law_of
+from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.results import Result
 from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
-from kinetics.scaling.closed_form import from_rest, scaled_dataset, scaled_figures
+from kinetics.scaling.closed_form import ScaledState, from_rest, scaled_dataset, scaled_figures
 from kinetics.status import SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
     not_negative,
-    real_number,
     refuse,
     whole_number,
 )
 
-_LARGEST_POWER = 300.0
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision
 _LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
 
 
 @dataclass(frozen=True)
-class ScaledVDF(Result):
+class ScaledVDF(ScaledState):
     """The scaled velocity distribution as the discretised solver finds it.
 
     Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 (4 pi c^2 in space) and <c^2> = 1.
@@ -44,7 +41,7 @@ class ScaledVDF(Result):
 
     A value: equal to another one if it was asked for with the same arguments. A file that
     :meth:`save` writes holds these arguments, h and a2; what else is asked of the loaded one is
-    solved again, and ``nodes`` and ``error_estimate`` are of what was solved since.
+    solved again, as it is of a copy in another process.
 
     Attributes
     ----------
@@ -56,25 +53,8 @@ class ScaledVDF(Result):
     scatterers, number_density, diameter, density_order, mass_ratio : as in :func:`solve_scaled`
     """
 
-    restitution: Any
-    rtol: float
+    rtol: float = 1e-12
     requested_nodes: int | None = None
-    tangential_restitution: float | None = 1.0
-    dimension: int = 2
-    scatterers: str = "dilute"
-    number_density: float | None = None
-    diameter: float = 1.0
-    density_order: str = "second"
-    mass_ratio: float = math.inf
-
-    @cached_property
-    def law(self) -> CollisionLaw:
-        """The collision law of these restitutions, in this dimension."""
-        law = law_of(
-            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
-        )  # fmt: skip
-        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
-        return law_in_medium(law, *medium)
 
     @cached_property
     def _axis(self) -> SpeedAxis:
@@ -96,10 +76,8 @@ class ScaledVDF(Result):
         Where nodes that were given are far too few, so that the error estimate is 1 or more,
         nothing is known of the moment, and it is the largest number instead of an overflow.
         """
-        number = real_number("p", p, -_LARGEST_POWER, _LARGEST_POWER)
-        if number <= self.law.lowest_power:
-            refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
-        log_moment = self._log_moment(number) - 0.5 * number * self._log_second
+        number = self._power(p)
+        log_moment = self._axis.log_moment(number) - 0.5 * number * self._log_second
         if log_moment > _LARGEST_LOG:
             if self.requested_nodes is None or self.error_estimate < 1.0:
                 refuse("p", p, "<c^p> overflows double precision there")
@@ -130,7 +108,7 @@ class ScaledVDF(Result):
         inside = flat > 0.0
         log_c = np.log(flat[inside])
         log_g = self._axis.log_density(log_c + 0.5 * self._log_second)
-        log_f = log_g - self._log_norm - self.dimension * log_c
+        log_f = log_g - self.dimension * log_c
         if np.any(log_f > _LARGEST_LOG):  # nodes that were given are far too few
             self._axis.unresolved = True
         with np.errstate(under="ignore"):
@@ -175,8 +153,6 @@ class ScaledVDF(Result):
             f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
         )
 
-    _points, _on_demand = ("c",), ("moment", "vdf")
-
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         found = scaled_dataset(self, only, **points)
         return found.assign_attrs(  # of all that is solved by now
@@ -189,13 +165,6 @@ class ScaledVDF(Result):
     def _figures(self) -> dict[str, str]:
         about = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}
         return scaled_figures(self) | about
-
-    def __getstate__(self) -> dict[str, Any]:
-        # with what has been solved: a copy in another process need not solve it again
-        return dict(self.__dict__)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
 
     def _to_storage(self) -> dict[str, Any]:
         return super()._to_storage() | {"cooling_rate": self.cooling_rate, "a2": self.a2}
@@ -210,20 +179,11 @@ class ScaledVDF(Result):
     @cached_property
     def _log_second(self) -> float:
         """Log of A(2) = kappa^2 <(v t/l)^2>: p/2 of its error gets into <c^p>."""
-        log_second = self._axis.log_sum(2.0) - self._log_norm
+        log_second = self._axis.log_moment(2.0)
         if abs(log_second) < 50.0:  # A(2) is between 1 and 2
             return log_second
         self._axis.unresolved = True
         return 0.0
-
-    @cached_property
-    def _log_norm(self) -> float:
-        """What A(0) comes to before the norm A(0) = 1 is imposed."""
-        return self._axis.log_sum(0.0)
-
-    def _log_moment(self, p: float) -> float:
-        """Log A(p), A(p) = E[(kappa v t/l)^p]."""
-        return self._axis.log_sum(p) - self._log_norm
 
 
 def solve_scaled(
@@ -266,23 +226,24 @@ def solve_scaled(
     >>> round(vdf.cooling_rate, 12), vdf.status.name
     (0.412181911126, 'CONVERGED')
     """
-    law = law_of(restitution, tangential_restitution, dimension, mass_ratio)
+    solution = ScaledVDF(
+        restitution,
+        tangential_restitution,
+        dimension,
+        scatterers,
+        number_density,
+        diameter,
+        density_order,
+        mass_ratio,
+        check_rtol(rtol),
+        None if nodes is None else whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES),
+    )
+    law = solution.law
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
         refuse("restitution", restitution, allowed)
     if _LARGEST_LOSS < law.largest_loss < math.inf:
         allowed = "the solver takes 0, or speed ratios of 1e-100 at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
-    if nodes is not None:
-        nodes = whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES)
-    solution = ScaledVDF(
-        rtol=check_rtol(rtol),
-        requested_nodes=nodes,
-        **law.arguments,
-        scatterers=scatterers,
-        number_density=number_density,
-        diameter=diameter,
-        density_order=density_order,
-    )
     solution._axis  # noqa: B018  (an error of the arguments must be raised here)
     return solution

@@ -97,10 +97,7 @@ class Gaussian(Normal):
         return Maxwell(self.deviation_x) if self.highest_harmonic == 0 else None
 
     def _factor(self, m: int, u: FloatArray) -> Any:
-        """With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only.
-
-        q = (a^2 - 1) u^2/4: the inverse squares of the deviations differ by that much.
-        """
+        """With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only."""
         if self.highest_harmonic == 0 or m % 2:
             return None if m else 1.0
         from scipy.special import ive

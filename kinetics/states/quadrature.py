@@ -46,8 +46,6 @@ NO_INTEGRAL = (
 class LogMeasure(Value):
     """A distribution of speeds: weight w_k at ln v = x_k.
 
-    Attributes
-    ----------
     x : ln(v/U), shape (n_points,)
     weight : shape (n_points,); real and summing to 1 for a speed distribution, complex for an
         angular harmonic of one

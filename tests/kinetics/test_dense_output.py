@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import kinetics.moments.backward
 from kinetics import Beam, InputError, Scene, Solution, load, solve
 from kinetics.outputs import OUTPUTS
 
@@ -33,20 +32,6 @@ def test_other_times_are_what_a_scene_with_them_gives(name: str) -> None:
     assert found.error_estimate == again.error_estimate
     for output, values in again.values.items():
         np.testing.assert_allclose(found.values[output], values, rtol=1e-13, atol=1e-14)
-
-
-def test_nothing_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    solution = solve(Scene(0.6, times=[1e4], outputs=AVERAGES))
-
-    def never(*arguments: object, **keywords: object) -> None:
-        raise AssertionError("a panel was solved")
-
-    equation = kinetics.moments.backward.BackwardEquation
-    monkeypatch.setattr(equation, "__post_init__", never)
-    monkeypatch.setattr(equation, "_kernel", never)
-    found = solution.at([1.0, 100.0])
-    assert found.msd.shape == (2,)
-    assert found.at([50.0]).msd.shape == (1,)
 
 
 def test_after_pickling_and_from_a_file(tmp_path: Path) -> None:

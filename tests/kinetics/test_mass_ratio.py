@@ -4,10 +4,8 @@ The references are two bodies in the frame of their centre of mass, and known fi
 (Fermi), ions and electrons in a strong field (Wannier 1953, Druyvesteyn).
 """
 
-import json
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import mpmath as mp
@@ -23,7 +21,6 @@ from kinetics import (
     Monoenergetic,
     ScalingSolution,
     Scene,
-    load,
     solve,
     solve_field,
     solve_scaled,
@@ -215,19 +212,3 @@ def test_a_law_brings_its_own_mass_ratio() -> None:
     assert Scene(law, times=[1.0]).mass_ratio == 2.0
     with pytest.raises(InputError, match=r"mass_ratio: got 3.0; restitution is a law, in which"):
         Scene(law, times=[1.0], mass_ratio=3.0)
-
-
-def test_it_is_saved_with_a_result(tmp_path: Path) -> None:
-    path = str(tmp_path / "one.nc")
-    for one in (
-        solve(Scene(1.0, mass_ratio=0.5, times=[1.0, 10.0])),
-        ScalingSolution(1.0, mass_ratio=0.5),
-        solve_scaled(1.0, mass_ratio=0.5),
-        solve_field(1.0, mass_ratio=0.5, rtol=1e-4),
-    ):
-        one.save(path)
-        assert load(path) == one
-        scene = json.loads(one.to_xarray().attrs["scene"])
-        assert "0.5" in json.dumps(scene)
-    # JSON has no infinity, which is the default
-    assert "mass_ratio" not in solve(Scene(0.5, times=[1.0])).to_xarray().attrs["scene"]

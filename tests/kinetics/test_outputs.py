@@ -1,6 +1,5 @@
 """The table of outputs: every row can be asked for, and a new output is one row."""
 
-import dataclasses
 import subprocess
 import sys
 from typing import Any
@@ -8,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import Beam, InputError, Scene, SolverStatus, outputs, solve
+from kinetics import Beam, Scene, outputs, solve
 from kinetics.moments.backward import Observable
-from kinetics.outputs import OUTPUTS, VELOCITY, Output, described, parts
+from kinetics.outputs import OUTPUTS, described
 
 TIMES = [0.0, 1.0, 100.0]
 
@@ -49,49 +48,12 @@ def test_names_and_heads() -> None:
     assert described("msd_slope", 2)[0] == "d^2"
 
 
-def test_a_new_output_is_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    """<|v|>/v0: validated, solved, planned, shown and refused by its row alone."""
-    from kinetics.moments.backward import speed_power
-
-    row = Output(
-        "mean_speed_ratio", VELOCITY, "<v>/v0", "1", ("n_times",), "mean speed over thermal speed",
-        lambda _: parts((1.0, speed_power(1.0)), (0.5, speed_power(2.0))),
-        lambda averages: averages.power(1.0) / np.sqrt(averages.power(2.0)),
-    )  # fmt: skip
-    monkeypatch.setitem(OUTPUTS, row.name, row)
-    solution = solve(Scene(0.7, times=TIMES, outputs=row.name), rtol=1e-9)
-    assert solution.mean_speed_ratio[0] == pytest.approx(np.sqrt(np.pi) / 2, rel=1e-9)
-    expected = solution.moment(1.0) / np.sqrt(solution.moment(2.0))
-    assert np.allclose(solution.mean_speed_ratio, expected, rtol=1e-9)
-    assert solution.status is SolverStatus.CONVERGED
-    (step,) = [step for step in solution.plan if step.part == VELOCITY]
-    assert "v^1, v^2" in step.reason
-    assert "mean_speed_ratio (3,)" in repr(solution)
-    with pytest.raises(InputError, match="did you mean 'mean_speed_ratio'"):
-        Scene(0.7, times=TIMES, outputs="mean_speed_ration")
-
-
-def test_rows_cannot_be_changed() -> None:
-    with pytest.raises(AttributeError):
-        OUTPUTS["msd"].unit = "d"  # type: ignore[misc]
-    assert not dataclasses.is_dataclass(Output)  # which would cost `lorentz --help` an import
-
-
 def test_the_table_loads_nothing() -> None:
     code = (
         "import sys, kinetics.outputs; print('numpy' in sys.modules, 'dataclasses' in sys.modules)"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["False", "False"]
-
-
-def test_help_of_solve_lists_the_numbers(capsys: pytest.CaptureFixture[str]) -> None:
-    from kinetics import cli
-
-    assert cli.main(["solve", "--help"]) == 0
-    text = " ".join(capsys.readouterr().out.split())
-    numbers = [name for name, row in OUTPUTS.items() if row.is_number]
-    assert ", ".join(numbers) in text
 
 
 def test_the_velocity_of_the_start_is_averaged_over_all_directions() -> None:

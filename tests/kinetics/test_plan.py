@@ -11,7 +11,6 @@ from kinetics import (
     Gaussian,
     Scene,
     Solution,
-    VelocitySamples,
     solve,
 )
 from kinetics.densities import conservative, harmonic
@@ -75,17 +74,10 @@ def solved(solution: Solution) -> dict[str, bool]:
     return {step.part: step.solved for step in solution.plan}
 
 
-def test_the_thermal_speed_alone(count: Count) -> None:
-    plan = solved(run("thermal_speed"))
-    assert [(y.degree, y.harmonic) for y in count.observables] == [(2.0, 0)]
-    assert count.densities == []
-    assert plan["moments of the velocity"]
-    assert not any(plan[part] for part in ("collision number", "displacement", "densities"))
-
-
 @pytest.mark.parametrize(
     ("outputs", "powers", "others"),
     [
+        (("thermal_speed",), {(2.0, 0)}, 0),
         (("temperature",), {(2.0, 0)}, 0),
         (("thermal_speed", "temperature"), {(2.0, 0)}, 0),
         (("a2",), {(2.0, 0), (4.0, 0)}, 0),
@@ -139,12 +131,6 @@ def test_the_harmonics_that_a_scene_has(
     assert str(expected) in step.reason
 
 
-def test_speed_density_solves_one_harmonic(count: Count) -> None:
-    run(("speed_density",), Beam(speeds="gaussian"))
-    assert count.densities == [("solve_spectral", 0)]
-    assert count.observables == []
-
-
 def test_everything(count: Count) -> None:
     solution = run(tuple(OUTPUTS), Beam(speeds="gaussian"), harmonics=2)
     assert all(solved(solution).values())
@@ -169,29 +155,3 @@ def test_moments_are_solved_when_they_are_asked_for(count: Count) -> None:
     before = len(count.observables)
     solution.moment(3.0)
     assert [(y.degree, y.harmonic) for y in count.observables[before:]] == [(3.0, 0)]
-
-
-@pytest.mark.parametrize(
-    ("initial", "isotropic"),
-    [("gaussian", True), ("monoenergetic", True), (Beam(), False), (Gaussian(1, 2), False)],
-)
-def test_reasons_name_the_start(initial: Any, isotropic: bool) -> None:
-    (step,) = [s for s in run("thermal_speed", initial).plan if s.part == "angular harmonics"]
-    assert ("isotropic" in step.reason) == isotropic
-
-
-def test_every_step_says_why() -> None:
-    for initial in ("gaussian", VelocitySamples([[1.0, 0.0], [0.0, 2.0]])):
-        for step in run(("thermal_speed", "msd"), initial).plan:
-            assert step.part
-            assert step.reason
-            assert isinstance(step.solved, bool)
-
-
-def test_stats_count_the_work() -> None:
-    light = run("thermal_speed").stats
-    heavy = run(("thermal_speed", "speed_density")).stats
-    assert "density_nodes_m0" not in light
-    assert heavy["density_nodes_m0"] >= 8
-    assert light["panels"] >= 1
-    assert light["initial_points"] > 10

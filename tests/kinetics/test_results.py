@@ -123,23 +123,6 @@ def test_different_questions_give_different_values() -> None:
     assert ScalingSolution(0.7) != ScalingSolution(0.8)
 
 
-def test_a_class_of_ones_own() -> None:
-    @dataclasses.dataclass(frozen=True)
-    class Own(Value):
-        array: Any
-        note: str = dataclasses.field(default="", compare=False)
-
-    nan, same = np.array([np.nan, 0.0]), np.array([np.nan, -0.0])
-    assert Own(nan, "a") == Own(same, "b") != Own(np.zeros(2))
-    assert hash(Own(nan, "a")) == hash(Own(same, "b"))
-    assert Own({"a": nan}) == Own({"a": same}) != Own({"b": nan})
-    refused(lambda: Own(nan).save("own.h5"), "Own")
-    own = Own(nan)  # the array of the caller stays his
-    nan[1] = 7.0
-    assert own == Own(same)
-    assert nan.flags.writeable
-
-
 def test_names_are_shown() -> None:
     solution = solve(Scene(0.7, times=TIMES, outputs=("msd", "diffusion_coefficient")))
     assert {"msd", "diffusion_coefficient", "msd_slope", "moment", "save"} <= {*dir(solution)}

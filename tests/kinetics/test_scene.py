@@ -122,14 +122,6 @@ def test_outputs_that_were_not_asked_for_say_so() -> None:
         _ = solution._nothing
 
 
-def test_what_is_as_by_default_is_not_shown() -> None:
-    scene = Scene(0.5, times=[1.0, 2.0], initial=SpeedSamples([1.0, 3.0]), diameter=1)
-    samples = "SpeedSamples(speed=<2 numbers, 1 to 3>)"
-    text = f"Scene(restitution=0.5, initial={samples}, times=<2 numbers, 1 to 2>)"
-    assert repr(scene) == text
-    assert repr(solve(scene)).startswith(f"Solution of {text}\n")
-
-
 def test_units() -> None:
     scene = Scene(0.5, number_density=0.04, diameter=2.0, times=[1.0])
     assert scene.mean_free_path == pytest.approx(1 / (2 * 2.0 * 0.04))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinetics import Scene, SolverStatus, ToleranceWarning, solve, solve_scaled
+from kinetics import Scene, SolverStatus, ToleranceWarning, solve
 
 
 def test_what_the_message_says_helps() -> None:
@@ -29,11 +29,3 @@ def test_a_missed_tolerance_warns_at_the_line_that_asked() -> None:
     with pytest.warns(ToleranceWarning, match="more nodes") as caught:
         solve(scene, rtol=1e-10, nodes=16)
     assert caught[0].filename == __file__
-
-
-def test_the_scaled_distribution_says_it_too() -> None:
-    missed = solve_scaled(0.7, nodes=9)
-    assert missed.cooling_rate > 0.0
-    assert missed.status is SolverStatus.TOLERANCE_NOT_REACHED
-    assert "more nodes than 9" in missed.message
-    assert solve_scaled(0.7).message == SolverStatus.CONVERGED.value

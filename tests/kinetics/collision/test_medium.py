@@ -131,22 +131,6 @@ def test_the_scaled_state_needs_the_density_and_powers_it_knows() -> None:
         state.moment(-3.0)
 
 
-def test_the_plan_and_the_message_say_what_was_done() -> None:
-    def solved(n: float, time: float, **more: Any) -> Any:
-        return solve(Scene(0.7, n, times=[time], scatterers="hard disks", **more), rtol=1e-3)
-
-    (step,) = [s for s in solved(0.04, 1e4).plan if s.part == "scatterers met again"]
-    assert "fitted to simulations" in step.reason
-    (step,) = [
-        s for s in solved(0.04, 1e4, density_order="first").plan if s.part.startswith("scat")
-    ]
-    assert "no fitted number" in step.reason
-    assert solved(0.04, 1e4).message == "the error estimate meets rtol"
-    early = solved(0.04, 10.0, outputs="position_density", initial="gaussian")
-    assert "before 30 l/U" in early.message
-    assert "outside the range" in solved(0.11, 1e4).message
-
-
 @pytest.mark.parametrize("scatterers", ["overlapping", "hard disks"])
 def test_nothing_jumps_where_the_constants_begin(scatterers: str) -> None:
     outputs = ("msd", "thermal_speed", "kurtosis", "collisions")

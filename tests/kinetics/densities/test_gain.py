@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinetics import CollisionLaw
-from kinetics.densities.gain import log_gain
+from kinetics.densities.intertwining import log_gain
 
 
 def rates(e: Any, z: Any, m: int, count: int) -> list[Any]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from kinetics import Beam, Monoenergetic, Scene, SpeedTable, solve
+from kinetics import Beam, Monoenergetic, Scene, solve
 
 
 def scene(e: float, times: Any, initial: Any = "gaussian", dimension: int = 2) -> Scene:
@@ -70,15 +70,6 @@ def test_one_speed_at_the_start(e: float, initial: Any) -> None:
     with np.errstate(invalid="ignore"):
         exact = np.where(np.abs(v_x) < 2.0, 1.0 / (np.pi * np.sqrt(4.0 - v_x**2)), 0.0)
     assert np.allclose(found, exact, rtol=1e-9)
-
-
-def test_flat_table() -> None:
-    """f = 1 on [1, 2]: F(v_x) = (arcosh(2/v_x) - arcosh(1/v_x))/pi inside, e = 1 keeps it."""
-    solution = solve(scene(1.0, [3.0], SpeedTable([1.0, 2.0], [1.0, 1.0])))
-    v_x = np.array([0.2, 0.5, 0.9])
-    exact = (np.arccosh(2 / v_x) - np.arccosh(1 / v_x)) / np.pi
-    # the steps of f at 1 and 2 fall inside panels of the quadrature: 2 %
-    assert np.allclose(solution.velocity_component_density(v_x)[0], exact, rtol=3e-2)
 
 
 def test_random_scission_in_space() -> None:

@@ -77,39 +77,6 @@ def test_one_step_of_the_equation(e: float) -> None:
     np.testing.assert_allclose(slope, right, atol=2e-8)
 
 
-@pytest.mark.parametrize("e", [0.2, 0.8])
-def test_convergence_is_exponential_in_the_nodes(e: float) -> None:
-    v = np.array([0.05, 0.3, 0.8, 1.5, 2.5])
-    times = [3.0, 30.0]
-    best = density(e, times, rtol=1e-13)
-    chosen = best.stats["density_nodes_m0"]
-    reference = best.speed_density(v)
-    counts = (np.linspace(0.2, 0.6, 6) * chosen / 2).astype(int) * 2
-    errors = np.array(
-        [
-            np.max(np.abs(density(e, times, rtol=1e-13, nodes=int(n)).speed_density(v) - reference))
-            for n in counts
-        ]
-    )
-    assert errors[-1] < 1e-6
-    assert np.polyfit(counts, np.log(errors), 1)[0] * chosen < -18.0
-
-
-def test_elastic_density_is_kept() -> None:
-    v = np.array([0.0, 0.5, 2.0])
-    f = density(1.0, [0.0, 1e5]).speed_density(v)
-    np.testing.assert_allclose(f, np.tile(v * np.exp(-0.5 * v * v), (2, 1)), rtol=1e-14)
-
-
-@pytest.mark.parametrize("e", [0.0, 0.3, 0.8])
-def test_zero_and_far_speeds(e: float) -> None:
-    solution = density(e, [1.0, 1e3])
-    f = solution.speed_density([0.0, 1e-300, 1e3, 1e300])
-    assert np.all(np.isfinite(f))
-    assert np.all(np.abs(f[:, 2:]) < 1e-9)
-    assert f.shape == (2, 4)
-
-
 @pytest.mark.parametrize("e", [1e-6, 1e-3, 0.02, 0.045, 0.06])
 def test_small_restitutions_keep_what_is_promised_and_claim_it(e: float) -> None:
     # of speeds above 1e-2 v0 relative to the maximum; below, of the density of ln v

@@ -1,7 +1,6 @@
 """Densities of the velocity over time in a field: against averages, closed forms and limits."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,10 @@ from kinetics import (
     Scene,
     SolverStatus,
     ToleranceWarning,
-    load,
     solve,
     solve_field,
 )
-from kinetics.field.collisions import loss_matrices
-from kinetics.field.grid import SpeedPanels
+from kinetics.field.grid import SpeedPanels, loss_matrices
 from kinetics.numerics.gauss import panels_between
 
 PATH = 12.5  # l at number_density 0.04
@@ -119,15 +116,8 @@ def test_a_start_that_is_not_symmetric() -> None:
     assert total + found.uncollided[0] == pytest.approx(1.0, abs=5e-3)
 
 
-def test_a_solution_with_densities_is_a_value(tmp_path: Path) -> None:
+def test_the_density_of_the_component_along_the_field() -> None:
     solution = solve(scene([0.5], outputs=("speed_density", "mean_velocity")), rtol=0.1)
-    solution.save(tmp_path / "field.h5")
-    again = load(tmp_path / "field.h5")
-    v = np.array([0.5, 1.0, 2.0])
-    assert again == solution
-    assert np.array_equal(again.speed_density(v), solution.speed_density(v))
-    assert again.to_dataframe("speed_density", speeds=v).shape[0] == 3
-    assert solution.plan[1].part == "densities"
     v, w = panels_between(np.linspace(-7.0, 7.0, 8), 6)
     f = solution.velocity_component_density(v)[0]
     assert f @ w == pytest.approx(1.0, abs=1e-3)

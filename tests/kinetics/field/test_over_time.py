@@ -1,7 +1,6 @@
 """Averages over time in a field: from rest, towards the steady state, and as the field vanishes."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,11 @@ from kinetics import (
     Scene,
     ToleranceWarning,
     VelocitySamples,
-    load,
     solve,
     solve_field,
 )
-from kinetics.field.collisions import loss_matrices
 from kinetics.field.elimination import Chain
-from kinetics.field.grid import SpeedPanels
+from kinetics.field.grid import SpeedPanels, loss_matrices
 from kinetics.field.starts import free_way
 from kinetics.numerics.gauss import gauss_legendre
 
@@ -198,17 +195,8 @@ def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
         assert np.all(np.abs(alone - expected) <= 2e-3 * np.max(scale))
 
 
-def test_a_scene_with_a_field_is_a_value(tmp_path: Path) -> None:
+def test_moments_at_will_are_refused_with_a_field() -> None:
     solution = solve(scene([0.5]), rtol=1e-3)
-    assert solution.status.name == "CONVERGED"
-    solution.save(tmp_path / "field.h5")
-    again = load(tmp_path / "field.h5")
-    assert again == solution
-    assert again.scene.field == 0.01
-    assert "field=0.01" in repr(solution)
-    assert "displacement_tensor" in solution._repr_html_()
-    assert "displacement_tensor" in solution.scene._repr_html_()
-    assert solution.plan[0].part == "averages in a field"
     for question in (lambda: solution.moment(2.0), lambda: solution.harmonic(1.0, 1)):
         with pytest.raises(InputError, match="field"):
             question()

@@ -1,16 +1,14 @@
 """solve_field: the steady state against exact relations, limits and tables."""
 
 import math
-import pickle
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from kinetics import CollisionLaw, FieldState, InputError, ToleranceWarning, load, solve_field
+from kinetics import CollisionLaw, FieldState, InputError, ToleranceWarning, solve_field
 from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
@@ -270,19 +268,3 @@ def test_moments_that_do_not_exist() -> None:
         solve_field(0.0, rtol=1e-6).moment(-2.0, 1)
     assert state.moment(0.0) == pytest.approx(1.0, rel=1e-12)
     assert state.moment(-1.5) > 0.0
-
-
-def test_a_state_is_a_value(tmp_path: Path) -> None:
-    state = solve_field(0.7, rtol=1e-6)
-    coefficient = state.diffusion_parallel
-    state.save(tmp_path / "state.h5")
-    again = load(tmp_path / "state.h5")
-    assert again == state == pickle.loads(pickle.dumps(state))
-    assert hash(again) == hash(state)
-    assert again.diffusion_parallel == coefficient
-    assert again.moment(0.5, 1) == state.moment(0.5, 1)
-    assert len(repr(state).splitlines()) <= 10
-    assert "drift" in state._repr_html_()
-    parts = [step.part for step in state.plan]
-    assert parts == ["angular harmonics", "speeds", "dispersion"]
-    assert state.stats["nodes"] > 0

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import AngularHarmonics, Beam, CollisionLaw, InputError, Scene, load, solve
+from kinetics import AngularHarmonics, Beam, CollisionLaw, InputError, Scene, solve
 from kinetics.moments.by_collision import ByCollision
 from particles import BoltzmannGrad, simulate
 
@@ -94,16 +94,6 @@ def test_harmonics_after_many_collisions() -> None:
         assert found.harmonic(p, m)[-1] == 0.0
     other = AngularHarmonics({0: lambda v: np.exp(-v)})
     assert np.all(after(law, initial=other).harmonic(1.0, 1) == 0.0)
-
-
-def test_a_scene_without_times_is_solved_saved_and_read_again(tmp_path: Any) -> None:
-    solution = solve(Scene(0.7, collision_numbers=range(4), outputs=("thermal_speed",)))
-    assert solution.times.tolist() == [0.0]
-    assert solution.thermal_speed == pytest.approx(solution.by_collision.thermal_speed[:1])
-    solution.save(tmp_path / "found.json")
-    again = load(tmp_path / "found.json")
-    assert again == solution
-    np.testing.assert_array_equal(again.by_collision.msd, solution.by_collision.msd)
 
 
 @pytest.mark.parametrize("numbers", [[0.5], [-1], [1e300], [np.nan], "many", [[1, 2]], None, [1j]])

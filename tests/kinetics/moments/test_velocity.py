@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinetics import (
-    Beam,
     InputError,
     ScalingSolution,
     Scene,
@@ -89,16 +88,6 @@ def test_slow_tracers_weigh_in_negative_moments(formulas: ModuleType) -> None:
                     p = mp.mpf(-1) / 2
                     exact = formulas.early_power(e, p, reduced, start) / reduced**p
                     assert value == pytest.approx(float(exact), rel=1e-11, abs=0.0)
-
-
-@pytest.mark.parametrize("m", [1, 2, 5, 8])
-@pytest.mark.parametrize("e", ["0.2", "0.7"])
-def test_harmonics_of_a_beam(e: str, m: int, formulas: ModuleType, numbers: Any) -> None:
-    """<v^2 cos(m phi)> with nu_m(p) = 1 - E[s^p cos(m chi)] in place of lambda(p)."""
-    solution = solve(Scene(float(e), times=formulas.TIMES, initial=Beam()), rtol=1e-11)
-    v2 = solution.moment(2.0)
-    difference = solution.harmonic(2.0, m) - np.array(numbers["beam"][e][str(m)])
-    assert np.max(np.abs(difference) / v2) <= 1e-9
 
 
 @pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
@@ -216,16 +205,6 @@ def test_moments_that_do_not_exist() -> None:
     ):
         with pytest.raises(InputError, match=message):
             solve(Scene(e, times=[1.0], initial=initial)).moment(p)
-
-
-def test_elastic_harmonics_relax_at_their_own_rates(formulas: ModuleType) -> None:
-    times = np.array([0.0, 5.0, 60.0])
-    solution = solve(Scene(1.0, times=times, initial=Beam(direction=0.3)), rtol=1e-12)
-    for m in (1, 2, 5, 8):
-        with mp.workdps(30):
-            nu = float(1 - formulas.ratio_power_cosine(1.0, 0, m))
-        exact = np.exp(-nu * times / 12.5 - 0.3j * m)
-        np.testing.assert_allclose(solution.harmonic(2.0, m), exact, rtol=1e-12)
 
 
 def test_nearly_elastic_is_nearly_elastic() -> None:

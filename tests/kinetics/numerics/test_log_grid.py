@@ -19,10 +19,6 @@ def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
         return np.asarray(0.3 + np.cos(3.0 * turn) - 2.0 * np.sin(((nodes - 1) // 2) * turn))
 
     np.testing.assert_allclose(grid.interpolate(wave(grid.x), x), wave(x), atol=1e-13)
-    # the convolution matrix multiplies each mode by its symbol
-    symbol = np.exp(-0.1 * grid.wave_numbers) + 0.0j
-    shrunk = np.fft.irfft(symbol * np.fft.rfft(wave(grid.x)), nodes)
-    np.testing.assert_allclose(grid.circulant(symbol) @ wave(grid.x), shrunk, atol=1e-13)
 
 
 def test_the_highest_mode_of_an_even_grid_is_a_cosine() -> None:

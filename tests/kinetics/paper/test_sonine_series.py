@@ -214,33 +214,6 @@ def test_diffusion_inherits_the_divergence() -> None:
     assert abs(kept.coefficient / 0.932364706647683 - 1) < kept.rounding < 1e-5
 
 
-# -- cooling in time ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
-def test_cooling_ends_in_the_scaled_state_of_its_order(initial: str) -> None:
-    found = sonine.cooling(0.9, [0.0, 1e9], 4, initial=initial)
-    state = sonine.scaled_state(0.9, 4)
-    assert found.status is SeriesStatus.REAL
-    assert found.thermal_speed[0] == pytest.approx(math.sqrt(2) if initial == "gaussian" else 1)
-    assert found.a2[0] == (0.0 if initial == "gaussian" else -0.5)
-    assert found.a2[-1] == pytest.approx(state.a2, rel=1e-6)
-    # v0 t -> 2 l/h
-    assert found.thermal_speed[-1] * 1e9 == pytest.approx(25 / state.cooling_rate, rel=1e-6)
-
-
-def test_the_elastic_gas_does_not_cool() -> None:
-    found = sonine.cooling(1.0, [0.0, 10.0, 1000.0], 3)
-    np.testing.assert_allclose(found.thermal_speed, math.sqrt(2), rtol=1e-7)
-    np.testing.assert_allclose(found.coefficients, [[1, 0, 0, 0, 0]] * 3, atol=1e-12)
-
-
-def test_cooling_without_a_scaled_state_to_go_to_says_so() -> None:
-    found = sonine.cooling(0.05, [1e6], 1)
-    assert found.status is SeriesStatus.INTEGRATION_FAILED
-    assert np.all(np.isnan(found.thermal_speed))
-
-
 @pytest.mark.parametrize(
     "call",
     [
@@ -248,7 +221,6 @@ def test_cooling_without_a_scaled_state_to_go_to_says_so() -> None:
         lambda: sonine.scaled_state(0.5, 0),
         lambda: sonine.scaled_state(0.5, 2.5),
         lambda: sonine.diffusion_of_order(0.5, 41),
-        lambda: sonine.cooling(0.5, [1.0], 2, initial="uniform"),
     ],
 )
 def test_bad_input_is_one_clear_line(call: Any) -> None:

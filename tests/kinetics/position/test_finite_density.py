@@ -8,7 +8,6 @@ import pytest
 from scipy.special import j0, kv
 
 from kinetics import CollisionLaw, InputError, Scene, SolverStatus, solve
-from kinetics.position.returned import density_at_origin
 from particles import HardDisks, simulate
 from tests.references.returning_flights import returning_flights
 
@@ -106,24 +105,6 @@ def inverse_laplace(function: Callable[[complex], complex], t: float, points: in
         slope = 0.5017 * cot - 0.5017 * 0.6407 * theta / np.sin(0.6407 * theta) ** 2 + 0.2645j
         total += (np.exp(z * t) * function(z) * slope * scale).imag / points
     return total
-
-
-def test_chains_of_bounces_straight_back_cross_the_origin() -> None:
-    """One, two and three bounces, of which two have one free path left: an integral over it."""
-    e, n = 0.6, 1e-3
-    law = Scene(e, n, times=[1.0], scatterers="overlapping", density_order="leading").law
-    eps = 2 * e / (1 + e) * n * math.log(1 / n)
-    for path in (0.2, 2.0, 8.0):
-        once = eps * math.exp(-2 * e * path / (1 + e)) / (1 + e)
-        back, half = np.linspace(0.0, path, 200_001), 1.0 / (1.0 - e * e)
-        last = half * (path - (1.0 + e) * back)  # the flight after the second bounce
-        first = path - back - last
-        open_ = (last >= 0.0) & (first >= 0.0)
-        weight = np.where(open_, np.exp(-first - e * back - e * e * last), 0.0)
-        twice = eps**2 * e * half * np.trapezoid(weight, back)
-        found = density_at_origin(law, np.array([path]))[0]
-        assert found == pytest.approx(once + twice, rel=30 * eps**2)
-        assert abs(found / once - 1.0) > 2e-4
 
 
 @pytest.mark.parametrize(("e", "n", "t"), [(0.7, 0.04, 100.0), (0.4, 0.02, 3000.0)])

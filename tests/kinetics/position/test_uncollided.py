@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, SpeedTable
-from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
+from kinetics.position.density import Uncollided, fastest_speed, fronts
 from kinetics.states.kinds import Gaussian, Monoenergetic, State, as_state
 
 PATH = 12.5

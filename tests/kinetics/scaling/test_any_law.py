@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from marking import slow_but
 
 from kinetics import CollisionLaw, InputError, ScalingSolution, solve_scaled
 from kinetics.status import SolverStatus
@@ -24,18 +23,6 @@ LAWS = [
     (0.0, 0.5, 3),
 ]
 C = np.concatenate([np.geomspace(1e-3, 0.05, 6), np.linspace(0.1, 4.0, 40)])
-
-
-@pytest.mark.parametrize(
-    ("e", "h"), [(0.0, 0.81650), (0.4, 0.57859), (0.7, 0.29805), (0.9, 0.09994)]
-)
-def test_cooling_rate_of_spheres(e: float, h: float) -> None:
-    """2 sqrt(kappa lambda(1)), worked out by hand to five digits."""
-    exact = ScalingSolution(e, dimension=3)
-    assert exact.cooling_rate == pytest.approx(h, abs=6e-6)
-    kappa = 0.5 + (e**2 * math.log(e) / (1.0 - e**2) if e else 0.0)
-    first = 1.0 - 2.0 * (1.0 - e**3) / (3.0 * (1.0 - e**2))
-    assert exact.cooling_rate == pytest.approx(2.0 * math.sqrt(kappa * first), rel=1e-14)
 
 
 def test_spheres_that_keep_no_normal_velocity() -> None:
@@ -67,18 +54,6 @@ def test_solver_against_closed_form(e: float, et: float, dimension: int) -> None
     assert vdf.a2 == pytest.approx(
         dimension / (dimension + 2.0) * exact.moment(4.0) - 1.0, rel=1e-9
     )
-
-
-@pytest.mark.parametrize(("e", "et", "dimension"), slow_but(LAWS[2:5] + LAWS[7:8], LAWS))
-def test_norm_and_unit_of_speed(e: float, et: float, dimension: int) -> None:
-    """Integral of F over all velocities is 1, and so is that of c^2 F."""
-    exact = ScalingSolution(e, et, dimension)
-    x = np.linspace(-40.0, 4.0, 1500) if min(e, et) == 0.0 else np.linspace(-9.0, 3.5, 400)
-    c = np.exp(x)
-    shell = 2.0 * math.pi * c**2 if dimension == 2 else 4.0 * math.pi * c**3  # per unit of ln c
-    f = exact.vdf(c) * shell * (x[1] - x[0])
-    assert f.sum() == pytest.approx(1.0, rel=1e-9)
-    assert (c**2 * f).sum() == pytest.approx(1.0, rel=1e-9)
 
 
 def test_bounces_without_tangential_velocity_leave_slow_tracers() -> None:

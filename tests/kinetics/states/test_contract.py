@@ -95,13 +95,6 @@ def test_states_are_values(name: str) -> None:
         state.speed = 1.0  # type: ignore[attr-defined]
 
 
-def test_the_text_of_large_states_says_how_large_they_are() -> None:
-    assert repr(SpeedSamples(np.arange(1.0, 1001.0))) == (
-        "SpeedSamples(speed=<1000 numbers, 1 to 1000>)"
-    )
-    assert repr(SpeedDensity(gamma_speeds)) == "SpeedDensity(function=gamma_speeds)"
-
-
 @pytest.mark.parametrize("name", STATES)
 def test_points_and_profiles_are_of_one_density(name: str) -> None:
     state = STATES[name]()
