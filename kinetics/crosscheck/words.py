@@ -21,10 +21,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-AGREES_BELOW = 2.5
-"""Corrected sigmas below which data and theory agree (p > 0.012)."""
-DIFFERS_ABOVE = 4.0
-"""Corrected sigmas from which on data and theory differ (p < 6.4e-5)."""
+AGREES_BELOW = 2.5  # corrected sigmas below which data and theory agree (p > 0.012)
+DIFFERS_ABOVE = 4.0  # corrected sigmas from which on data and theory differ (p < 6.4e-5)
 CLOSE_BELOW, ROUGH_BELOW = 0.02, 0.10
 """Relative deviations below which a printed approximation is called close, and rough."""
 
@@ -112,8 +110,7 @@ def judge_approximation(deviation: float) -> Verdict:
 
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PLAIN = range(-4, 6)
-"""Powers of ten that are written out."""
+_PLAIN = range(-4, 6)  # powers of ten that are written out
 
 
 def numeral(value: float, form: str) -> str:

@@ -39,16 +39,14 @@ OVER_TIME = (
 """Options that mean nothing where no scene is solved over time."""
 IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in (*HEADS, *TENSORS))
 """Averages that are solved with --field."""
-BY_COLLISION = ("thermal_speed", "a2", "msd")
-"""Those that are printed by collision number as well."""
+BY_COLLISION = ("thermal_speed", "a2", "msd")  # those that are printed by collision number as well
 STATES = ("gaussian", "monoenergetic", "beam", "rest")
 SCALED = ("cooling_rate", "a2", "error_estimate", "nodes")
 STEADY = (
     "drift", "mean_square_speed", "mean_square_along", "mean_speed", "diffusion_parallel",
     "diffusion_perpendicular", "error_estimate", "message",
 )  # fmt: skip
-_LARGEST = 10_000_000
-"""Bytes of a table of speeds."""
+_LARGEST = 10_000_000  # bytes of a table of speeds
 ENDINGS = (".csv", ".parquet", ".nc", ".h5")
 
 _points = partial(click.option, type=options.Numbers(), default="")

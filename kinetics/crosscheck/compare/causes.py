@@ -30,10 +30,8 @@ from kinetics.crosscheck.compare.theory import OBSERVABLES, SPEED, Point, Sample
 from kinetics.crosscheck.data.sample import V2, N, Sample
 from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, Verdict, numeral
 
-AGREES_ABOVE = chance(AGREES_BELOW)
-"""p-value from which on what a cause leaves agrees."""
-CLEARLY = 3.0
-"""Errors by which a fitted value must differ from what was told."""
+AGREES_ABOVE = chance(AGREES_BELOW)  # p-value from which on what a cause leaves agrees
+CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
 NEAR_BEST = 6.0
 """Distance from the best in -2 ln likelihood up to which a cause explains as well: at this distance
 it is exp(3) = 20 times less likely."""
@@ -43,8 +41,7 @@ _FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
 """Logarithms of the factors from which a unit or a free path is looked for."""
 _SHARES = (0.02, 0.3, 0.9)
 """Of the smallest mean square, from which the variance of noise is looked for."""
-_LATER = (0.3, -0.3, 3.0)
-"""Offsets of the clock that are tried, in the first time above 0."""
+_LATER = (0.3, -0.3, 3.0)  # offsets of the clock that are tried, in the first time above 0
 
 
 def start_in_words(start: Any) -> str:

@@ -8,10 +8,8 @@ import numpy as np
 
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 
-_DECADES = 30.0
-"""Largest over smallest value from which on an axis is logarithmic."""
-_REGIONS = {"68 %": 1.515, "95 %": 2.448}
-"""Radii that hold so much of a Gaussian of two numbers."""
+_DECADES = 30.0  # largest over smallest value from which on an axis is logarithmic
+_REGIONS = {"68 %": 1.515, "95 %": 2.448}  # Radii that hold so much of a Gaussian of two numbers
 
 
 def figures_of(result: Any) -> list[str]:

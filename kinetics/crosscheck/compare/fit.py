@@ -31,8 +31,7 @@ LIMITS = {
 """Of parameters that are fitted as they are; others are positive, and their logarithms fitted."""
 LEAST_RESTITUTION, DENSEST = 0.2, 0.3
 """Restitution from which on, and number density up to which, there is a theory of dense media."""
-WIDEST = 12.0
-"""|ln| of the factor by which a positive parameter may differ from what was told."""
+WIDEST = 12.0  # |ln| of the factor by which a positive parameter may differ from what was told
 _STEP = 1e-4
 """Of a parameter, for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1."""
 

@@ -36,8 +36,7 @@ LEAST_EXPECTED = 50
 MOST_IN_A_BIN = 1 / 12
 """Share of the samples from which on a bin is not made wider, so that the body has a shape."""
 _MOST_BINS = 40
-_AT_ZERO = ("drift", "thermal_speed", "a2")
-"""The averages that say something at time 0."""
+_AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -268,10 +268,8 @@ _OWN_ERROR: Mapping[str, tuple[float, float]] = {
 n = .02, .04, .06 and .1, five e from 0.4 to 1 and both media
 (tests/kinetics/measurements/density_error.py), rounded up. Twice for v0 before and for a2 after,
 whose deviations have one sign."""
-_LATE = 30.0
-"""In l/U."""
-_REMEMBERED = np.log(10.0)
-"""In ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)."""
+_LATE = 30.0  # in l/U
+_REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
 
 
 def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Array | None:

@@ -31,9 +31,9 @@ _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
 
 
 class Flights(NamedTuple):
-    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
+    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that this share of all has.
 
-    share: of all tracers then. The ratio is 1 where units belong together, whatever the scatterers.
+    It is 1 where units belong together, whatever the scatterers.
     """
 
     time: float
@@ -41,24 +41,18 @@ class Flights(NamedTuple):
     share: float
 
 
-@dataclass(frozen=True, eq=False)
-class Binned:
-    """Counts in bins of speed or displacement, in U or d.
+class Binned(NamedTuple):
+    """Counts in bins of speed or displacement, in U or d, of groups that are not those of the sums.
 
-    edges (n_times, n_bins + 1); by_group (n, n_times, n_bins + 2), the first and last of what lies
-    outside, of independent groups, not those of the sums.
+    edges (n_times, n_bins + 1); by_group (n, n_times, n_bins + 2), with what lies outside.
     """
 
     edges: Array
     by_group: Counts
 
 
-@dataclass(frozen=True, eq=False)
-class StartBins:
-    """Speeds at time 0 in fine bins, of the tracers that move.
-
-    squares (n_bins,): mean v^2 in U^2; counts (n_bins,): tracers.
-    """
+class StartBins(NamedTuple):
+    """Speeds at time 0 in fine bins, of those that move: mean v^2 in U^2 and tracers, (n_bins,)."""
 
     squares: Array
     counts: Counts
@@ -95,15 +89,13 @@ class Sample:
     sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
         field, with v_x, x, x^2
     times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
-    speeds, displacements : counts in bins, None where unknown
-    start : the speeds at time 0, None without one
+    speeds, displacements, start : counts in bins, None where unknown
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
     flights : tracers that have flown straight, of the two times at which most of them have
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
-    told : "restitution", "number_density" (in d^-2), "initial" and "scatterers", as far as the data
-        say
+    told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
     units : "speed", "length" and "time": U, d and d/U in the data's unit, and its name
     """
 
@@ -141,24 +133,21 @@ class Sample:
         start, told = self.start, dict(self.told)
         if "number_density" in told:
             told["number_density"] *= length**self.law.dimension
-        seen = tuple(
-            Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
-            for one in self.flights
-        )
         speeds, displacements = (
-            one and replace(one, edges=one.edges / unit)
+            one and one._replace(edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
         )
+        flown = [
+            Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
+            for one in self.flights
+        ]
         return replace(
-            self, speeds=speeds, displacements=displacements, told=told,
-            law=replace(self.law, field=self.law.field * length / speed**2), flights=seen,
+            self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
+            law=replace(self.law, field=self.law.field * length / speed**2),
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
-            start=start and replace(start, squares=start.squares / speed**2),
+            start=start and start._replace(squares=start.squares / speed**2),
         )  # fmt: skip
-
-
-# -- from tracks to a sample -----------------------------------------------------------------------
 
 
 def size_of_vectors(vectors: Any) -> Any:
@@ -199,15 +188,11 @@ def reduced(
         if time == 0:
             start = _start_bins(v, scales[0, k])
     used = sums[..., N].sum(axis=1) > 0
-
     edges = scales[..., None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
-    speeds, displacements = (
-        Binned(e, by_group[by_group.any(axis=(1, 2))])
-        for e, by_group in zip(edges, counts, strict=True)
-    )
+    binned = [Binned(e, n[n.any(axis=(1, 2))]) for e, n in zip(edges, counts, strict=True)]
     seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
     return Sample(
-        names, tracks.times, sums[used], scales[0], scales[1], speeds, displacements, start,
+        names, tracks.times, sums[used], scales[0], scales[1], binned[0], binned[1], start,
         at_rest, grouping, flights=seen,
     )  # fmt: skip
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -17,8 +17,7 @@ from kinetics.errors import InputError, short
 from kinetics.validation import one_of, real_number, refuse
 
 AXES, SPEEDS = ("x", "y", "z"), ("vx", "vy", "vz")
-LABELS = ("tracer", "medium", "type")
-"""Columns that may be there: whole numbers or texts."""
+LABELS = ("tracer", "medium", "type")  # columns that may be there: whole numbers or texts
 ALIASES = {
     "time": ("t", "times"),
     **{a: (f"{a}u", f"r_{a}", f"r{a}", f"pos_{a}", f"d{a}") for a in AXES},
@@ -37,8 +36,7 @@ _ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")
 """Endings of the name of an average's standard error."""
 SOLVED = {"thermal_speed": "thermal_speed [u]", "msd": "msd [d^2]"}
 """Averages without errors that are read: as a Solution writes their heads."""
-MOST_TIMES = 400
-"""Different times that data may have: bounds the memory of what is reduced."""
+MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
 SAME_TIME = 1e-9
 """Relative difference below which two times are one: above the rounding of 12 digits."""
 
@@ -136,16 +134,14 @@ class Tracks:
     file: Any = 0
 
 
-@dataclass(frozen=True)
-class Averages:
+class Averages(NamedTuple):
     """A table of averages: "time", averages and, behind "error of ", their errors, (n,) each."""
 
     columns: Mapping[str, Any]
     units: Mapping[str, str]
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """Columns in memory that take the place of a file."""
 
     columns: Mapping[str, Any]
@@ -172,9 +168,6 @@ def require_memory(where: str, declared: float, stored: float | None = None) -> 
         free = 1024.0 * float(found[1]) if found else free
     if 3 * declared > free:
         bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
-
-
-# -- columns: one row for each tracer at each time -------------------------------------------------
 
 
 def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, int]:
@@ -321,9 +314,6 @@ def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
     times = np.array(firsts)
     at = np.searchsorted(times[:-1] / 2 + times[1:] / 2, different)[found]
     return at, times if within <= SAME_TIME else np.bincount(at, time) / np.bincount(at)
-
-
-# -- frames ----------------------------------------------------------------------------------------
 
 
 def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:

@@ -27,10 +27,8 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-MEAN_FREE_PATH = 12.5
-"""l in d, of the paper's number density 0.04."""
-RESTITUTIONS = (0.0, 0.2, 0.5, 0.7, 0.95, 0.99)
-"""Those of the table "benchmark"."""
+MEAN_FREE_PATH = 12.5  # l in d, of the paper's number density 0.04
+RESTITUTIONS = (0.0, 0.2, 0.5, 0.7, 0.95, 0.99)  # those of the table "benchmark"
 STARTS = ("gaussian", "monoenergetic")
 HORIZONS = {"short": (0.1, 1e2, 25), "long": (1.0, 1e8, 25)}
 """Name: first and last time in d/U, and how many, log-spaced."""

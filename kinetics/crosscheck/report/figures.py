@@ -26,29 +26,25 @@ from kinetics.crosscheck.report.systems import SCATTERERS
 from kinetics.crosscheck.words import numeral
 
 INK, FAINT = "#16191d", "#dde1e6"
+# of the restitutions of a report, in their order (after Okabe and Ito, dark enough for text)
 COLOURS = ("#0072b2", "#c04f00", "#007a58", "#b3478f", "#876600", "#3c4bb0")
-"""Of the restitutions of a report, in their order (after Okabe and Ito, dark enough for text)."""
+# of what is no restitution: disks and spheres, observables, densities
 GROUPS = ("#8a1538", "#00707a", "#6b4a2b", "#5a6572")
-"""Of what is no restitution: disks and spheres, observables, densities."""
 VARIABLES = {INK: "var(--ink)", FAINT: "var(--faint)"}
 VARIABLES |= {colour: f"var(--series-{i})" for i, colour in enumerate(COLOURS)}
 VARIABLES |= {colour: f"var(--group-{i})" for i, colour in enumerate(GROUPS)}
 MARKERS = "os^DvP"
 STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
-"""The style sheet of every figure."""
-_DASHED, _DOTTED, _BOTH = (0, (4, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5))
 _DASHES: dict[str, Any] = {
-    **dict.fromkeys((SONINE, "paper, tail"), _DASHED),
-    **dict.fromkeys(("paper's integral", "limiting law"), _DOTTED),
-    **dict.fromkeys((FIT, "paper, peak", "Gaussian"), _BOTH),
+    **dict.fromkeys((SONINE, "paper, tail"), (0, (4, 2))),
+    **dict.fromkeys(("paper's integral", "limiting law"), (0, (1, 1.5))),
+    **dict.fromkeys((FIT, "paper, peak", "Gaussian"), (0, (6, 1.5, 1, 1.5))),
 }
 _WIDTH = 5.0  # inches, as are all lengths
 _TIME, _RESTITUTION, _FIELD_TIME = "time $t$  [d/U]", "restitution $e$", "time $t$  [√(l/g)]"
 _FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))  # e, ever closer to 1
 
-
-Made = tuple[Any, dict[str, str]]
-"""A figure of matplotlib, and the words that its caption leaves open."""
+Made = tuple[Any, dict[str, str]]  # a figure, and the words that its caption leaves open
 
 
 @dataclass(frozen=True)
@@ -81,11 +77,12 @@ class Drawn:
             text = text.replace(colour, variable)
         head, body = text.split(">", 1)
         head = re.sub(r'\s(width|height)="[^"]*"', "", head)  # the page gives the size
-        return (
-            f'{head} role="img" aria-labelledby="{prefix}title {prefix}desc">'
-            f'<title id="{prefix}title">{escape(self.title)}</title>'
-            f'<desc id="{prefix}desc">{escape(self.caption)}</desc>{body.strip()}'
+        words = "".join(
+            f'<{tag} id="{prefix}{tag}">{escape(said)}</{tag}>'
+            for tag, said in (("title", self.title), ("desc", self.caption))
         )
+        named = f'role="img" aria-labelledby="{prefix}title {prefix}desc"'
+        return f"{head} {named}>{words}{body.strip()}"
 
 
 class _Sheet:
@@ -117,8 +114,7 @@ class _Sheet:
         return colours[k % len(colours)], MARKERS[k % len(MARKERS)]
 
     def _enter(self, source: str, stroke: dict[str, Any], key: Any, named: bool) -> None:
-        if source:
-            self._legend.setdefault(source, {"color": INK, **stroke})
+        self._legend.setdefault(source, {"color": INK, **stroke})
         if key is not None and named:
             colour, marker = self.style(key)
             label = key[0] if isinstance(key, tuple) else f"e = {key:g}"
@@ -127,10 +123,10 @@ class _Sheet:
     def line(
         self, ax: Any, source: str, x: ArrayLike, y: ArrayLike, key: Any = None, named: bool = True
     ) -> None:
-        """A line; thin and not in the legend for source "", its key there only if `named`."""
+        """A line; its key is in the legend only if `named`."""
         stroke = {"linestyle": _DASHES.get(source, "-")}
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        ax.plot(x, y, color=self.style(key)[0], **stroke, linewidth=1.5 if source else 0.8)
+        ax.plot(x, y, color=self.style(key)[0], **stroke, linewidth=1.5)
         self._enter(source, stroke, key, named)
 
     def points(
@@ -172,22 +168,21 @@ class _Sheet:
             for side in (ax.xaxis, ax.yaxis):
                 if side.get_scale() != "log":
                     prune = "both" if self.columns > 1 else None
-                    steps = [1, 2, 2.5, 5, 10]
-                    side.set_major_locator(MaxNLocator(4 if many else 6, prune=prune, steps=steps))
+                    side.set_major_locator(
+                        MaxNLocator(4 if many else 6, prune=prune, steps=[1, 2, 2.5, 5, 10])
+                    )
                     continue
                 low, top = side.get_view_interval()
                 subs = (1.0,) if top > 30 * low else (1.0, 2.0, 5.0)
                 side.set_major_locator(LogLocator(subs=subs, numticks=5 if many else 7))
                 side.set_minor_locator(NullLocator())
-                side.set_major_formatter(
-                    (lambda x, _: numeral(x, ".0e")) if top > 30 * low else "{x:g}"
-                )
-        if self._legend:
-            self.figure.legend(
-                handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
-                labels=list(self._legend), loc="outside upper left", ncols=3,
-                handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
-            )  # fmt: skip
+                powers = subs == (1.0,)
+                side.set_major_formatter((lambda x, _: numeral(x, ".0e")) if powers else "{x:g}")
+        self.figure.legend(
+            handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
+            labels=list(self._legend), loc="outside upper left", ncols=3,
+            handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
+        )  # fmt: skip
         return self.figure
 
 
@@ -198,13 +193,12 @@ def figures(results: Results) -> list[Drawn]:
     """
     import matplotlib as mpl
 
-    more, cools = results.more, bool(results.cooling)
+    chosen: list[Callable[[Results], Made]] = [msd, position, kurtosis]
     if results.system.in_field:
-        chosen: list[Callable[[Results], Made]] = [drift, dispersion]
-        chosen += [from_rest] if more["approach"] else []
-    else:
-        chosen = [cooling_rate, msd, vdf] if cools else [msd]
-        chosen += [position, kurtosis]
+        chosen = [drift, dispersion]
+        chosen += [from_rest] if results.more["approach"] else []
+    elif results.cooling:
+        chosen = [cooling_rate, msd, vdf, position, kurtosis]
     chosen += [picture] if "disks" in results.system.scatterers else []
     drawn = []
     with mpl.rc_context(fname=STYLE):
@@ -227,9 +221,6 @@ def _panels(results: Results, cases: Sequence[Case]) -> tuple[_Sheet, list[tuple
         colour = sheet.style(case.restitution)[0]
         ax.set_title(f"e = {case.restitution:g}", loc="left", color=colour, fontsize=10.5, pad=3)
     return sheet, list(zip(cases, sheet.axes, strict=False))
-
-
-# -- a gas that cools ------------------------------------------------------------------------------
 
 
 @cache
@@ -300,7 +291,7 @@ def vdf(results: Results) -> Made:
     """
     sheet, panels = _panels(results, results.cooling)
     hard, near, reason = f"hard {results.system.scatterers}", [], ""
-    c, at = np.linspace(0.01, 2.5, 120), reduce.middles(reduce.SPEED_EDGES)
+    c, at = np.linspace(0.01, 2.5, 120), reduce.SPEEDS
     for case, ax in panels:
         e, inside = case.restitution, at < c[-1]
         sheet.line(ax, KINETIC, c, reduce.last_vdf(case.solved.kinetic)(c), e, named=False)
@@ -326,7 +317,7 @@ def position(results: Results) -> Made:
     constants (peak η = 0.75, tail η = 0.25, γ = 7.39); they are of smooth disks.
     """
     sheet, panels = _panels(results, results.cases)
-    r, at = np.linspace(0.04, 6.0, 120), reduce.middles(reduce.POSITION_EDGES)
+    r, at = np.linspace(0.04, 6.0, 120), reduce.DISTANCES
     for case, ax in panels:
         e, d = case.restitution, case.dimension
         ax.set(yscale="log", ylim=(1e-5, 3.0))
@@ -393,9 +384,10 @@ def picture(results: Results) -> Made:
 def _steady(results: Results, dimension: int, name: str) -> tuple[Array, Measured, Array]:
     """Restitutions, what particles say, and what the solver says."""
     cases = [c for c in results.cases if c.dimension == dimension and "drift" in c.theory[SOLVER]]
-    measured = Measured.joined(case.measured[FREE][name] for case in cases)
-    solved = np.array([case.theory[SOLVER][name] for case in cases])
-    return np.array([case.restitution for case in cases]), measured, solved
+    found = [c.measured[FREE][name] for c in cases]
+    measured = Measured(*(np.array([getattr(x, k) for x in found]) for k in ("value", "error")))
+    e, solved = np.array([(c.restitution, c.theory[SOLVER][name]) for c in cases]).T
+    return e, measured, solved
 
 
 def drift(results: Results) -> Made:

@@ -54,8 +54,7 @@ COLUMNS = (
 have a meaning. `deviation` is relative to the theory, for a2 to 1 + a2 = <c^4>/2 (a2 itself passes
 through 0). `within` is the relative difference that would have been seen at 95 % at every time or
 bin."""
-PAPER_KURTOSIS = 4.0
-"""<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta."""
+PAPER_KURTOSIS = 4.0  # <R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta
 POSITION_FORMS = (
     ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
     ("paper, tail", sonine.position_tail, 2.0, 4.0, "eq. (58), η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
@@ -151,7 +150,7 @@ def _measured(
     found = case.measured[source][observable]
     if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
         found = Measured(found.value, case.differences.get(observable, found.error))
-    place, groups = case.places.get(observable), case.groups(source)
+    place, groups = case.places.get(observable), case.runs[source].media
     return estimated(observable, (source, said or against), found, expected, groups, place, note)
 
 
@@ -249,7 +248,7 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
 
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     """F(c): the solver against the closed form, relative to its peak; particles in bins."""
-    c, solved = reduce.middles(reduce.SPEED_EDGES), case.solved
+    c, solved = reduce.SPEEDS, case.solved
     # the solver gives 0 where F is below its reach
     exact, solver = np.asarray(solved.exact.vdf(c)), np.asarray(solved.scaled.reached_vdf(c))
     k = int(np.argmax(np.abs(solver - exact)))

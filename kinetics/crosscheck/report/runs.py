@@ -1,8 +1,6 @@
 """Runs the solver and the particles on every system, and reduces what they give to `Case` values.
 
-A `Case` is all that is compared at one restitution: numbers of the particles by who measured them,
-and of the theory by who says so, under the same names of observables. Rows, figures and the
-findings read nothing else, whatever the system.
+Rows, figures and the findings read nothing else, whatever the system.
 """
 
 import math
@@ -34,8 +32,7 @@ PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fit
 
 OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
 """Observables of a gas that cools that have a value at each time."""
-LATEST = 1e9
-"""Last time in d/U of the equation alone."""
+LATEST = 1e9  # last time in d/U of the equation alone
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
 """Of the approach to the steady state in a field, in sqrt(l/g)."""
 
@@ -70,10 +67,6 @@ class Case:
         """Whether there is a scaling state: the law is not elastic."""
         return getattr(self.solved, "exact", None) is not None
 
-    def groups(self, source: str) -> int:
-        """How many independent groups of tracers are behind the errors of a source."""
-        return self.runs[source].media
-
     def samples(self, source: str) -> int:
         """How many tracers a source has."""
         return self.runs[source].media * self.runs[source].tracers
@@ -95,18 +88,11 @@ class Results:
 
 def gather(system: System, tell: Tell) -> Results:
     """Run everything that a report of the system needs; ValueError for what cannot be simulated."""
-    return _in_field(system, tell) if isinstance(system, Falling) else _cooling(system, tell)
-
-
-# -- a gas that cools ------------------------------------------------------------------------------
-
-
-def _cooling(system: Cooling, tell: Tell) -> Results:
+    if isinstance(system, Falling):
+        return _in_field(system, tell)
     with ThreadPoolExecutor(1) as beside:  # the solver works while tracers are followed
-        cases = [
-            cooling_case(system, e, last, tell, beside)
-            for e, last in zip(system.restitutions, system.final_times, strict=True)
-        ]
+        ends = zip(system.restitutions, system.final_times, strict=True)
+        cases = [cooling_case(system, e, last, tell, beside) for e, last in ends]
     return Results(system, cases, {})
 
 
@@ -118,27 +104,34 @@ def cooling_case(
     times = np.geomspace(min(1.0, last / 10), last, system.n_times)
     early = int(np.searchsorted(times, last / 10))
     seed, hard = system.seed + 2 * system.restitutions.index(e), f"hard {system.scatterers}"
+    free_media = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
     dense: Medium = HardDisks(system.number_density, system.count)
     if d == 3:
         dense = HardSpheres(system.number_density, count=system.count)
+
+    def followed(medium: Medium, seed: int, media: int, tracers: int) -> Ensemble:
+        return simulate(
+            medium, restitution=e, times=times, seed=seed, workers=system.workers, media=media,
+            tracers=tracers, observables=("finals",),
+            tangential_restitution=system.tangential_restitution,
+        )  # fmt: skip
+
     tell(f"e = {e:g}: {hard}")
     solving = beside.submit(_solutions, law, times, system)
-    packed = _followed(dense, e, times, seed + 1, system, system.media, system.tracers)
+    packed = followed(dense, seed + 1, system.media, system.tracers)
     path = float(packed.mean_free_path.value)
     if not np.isfinite(path):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")
     tell(f"e = {e:g}: {FREE} particles")
     groups = min(100, system.free_tracers // 2)  # independent ones, for the jackknife
-    dilute = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
-    free = _followed(dilute, e, times, seed, system, groups, system.free_tracers // groups)
+    free = followed(free_media, seed, groups, system.free_tracers // groups)
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
     thinner = 1 / (2 * path) / half_section(d)
     found.rescaled = _solved(law, thinner, times, (*OVER_TIME, "speed_density"), system.rtol)
     found.early = early
     measured, differences = _reduced(packed, early, half_rate, found.rescaled)
-    position = found.position
-    edges = reduce.POSITION_EDGES
+    position, edges = found.position, reduce.POSITION_EDGES
     shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
     theory: dict[str, dict[str, Any]] = {
         name: _over_time(solution, early, half_rate)
@@ -156,22 +149,11 @@ def cooling_case(
     if system.is_papers_law:
         theory |= _printed(e, times, system.number_density)
     places = {name: ("time", times) for name in OVER_TIME}
-    places["scaled_vdf"] = "c", reduce.middles(reduce.SPEED_EDGES)
-    places["position"] = "distance", reduce.middles(reduce.POSITION_EDGES)
+    places |= {"scaled_vdf": ("c", reduce.SPEEDS), "position": ("distance", reduce.DISTANCES)}
     return Case(
         system.scatterers if system.is_smooth else f"rough {system.scatterers}", e, d, times,
         {FREE: _reduced(free, early, half_rate)[0], hard: measured}, theory,
         {FREE: free, hard: packed}, places, differences, found,
-    )  # fmt: skip
-
-
-def _followed(
-    medium: Medium, e: float, times: Array, seed: int, system: Cooling, media: int, tracers: int
-) -> Ensemble:
-    return simulate(
-        medium, restitution=e, times=times, seed=seed, workers=system.workers, media=media,
-        tracers=tracers, observables=("finals",),
-        tangential_restitution=system.tangential_restitution,
     )  # fmt: skip
 
 
@@ -198,15 +180,25 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     found.late = _solved(law, density, late, (*OVER_TIME, "diffusion_coefficient"), rtol)
     place = ("msd", "position_density")
     found.position = _solved(law, density, times[-1:], place, system.position_rtol)
-    if system.is_papers_law and density <= HIGHEST_DENSITY:
-        outputs, medium = ("thermal_speed", "a2", "msd"), {"scatterers": "hard disks"}
-        found.dense = _solved(law, density, times, outputs, rtol, **medium)
-        if found.exact is not None:
-            ends = np.array([LATEST / 10, LATEST])
-            far = _solved(law, density, ends, outputs, rtol, **medium)
-            found.dense_slope = reduce.msd_slope_between(ends, far.msd, 0)
-        found.levels = _levels(law, times, system)
+    if not system.is_papers_law or density > HIGHEST_DENSITY:
+        return found
+    outputs, medium = ("thermal_speed", "a2", "msd"), {"scatterers": "hard disks"}
+    found.dense = _solved(law, density, times, outputs, rtol, **medium)
+    if found.exact is not None:
+        ends = np.array([LATEST / 10, LATEST])
+        found.dense_slope = _slope(ends, _solved(law, density, ends, outputs, rtol, **medium).msd)
+    # <r^2> at the last time, in d^2, by what is known of hard disks
+    leading = law_in_medium(law, "hard disks", density, 1.0, "leading")
+    thinner = 0.5 / leading.mean_free_path(density, 1.0)
+    found.levels[PATH] = _solved(law, thinner, times[-1:], ("msd",), rtol).msd[-1]
+    for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
+        one = _solved(law, density, times[-1:], ("msd",), rtol, density_order=order, **medium)
+        found.levels[name] = one.msd[-1]
     return found
+
+
+def _slope(times: Array, msd: Array) -> float:
+    return float((msd[-1] - msd[0]) / np.log(times[-1] / times[0]))
 
 
 def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
@@ -219,27 +211,15 @@ def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]
     for source, msd in ((FIT, sonine.msd_random_walk), (SONINE, sonine.msd_sonine)):
         found[source]["msd"] = msd(times, e, density)
         if e < 1:
-            slope = reduce.msd_slope_between(late, msd(late, e, density), 0)
-            found[source]["msd_slope"] = slope
+            found[source]["msd_slope"] = _slope(late, msd(late, e, density))
     return found
 
 
 def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
     """Averages over time of a solution or a run, and the rates of its last decade."""
-    values = (getattr(source, name) for name in OVER_TIME)
-    averages = {
-        name: np.asarray(getattr(value, "value", value))
-        for name, value in zip(OVER_TIME, values, strict=True)
-    }
-    return averages | _rates(source.times, averages, early, half_rate)
-
-
-def _rates(
-    times: Array, averages: dict[str, Array], early: int, half_rate: float
-) -> dict[str, Array]:
-    rate = reduce.cooling_rate_between(times, averages["thermal_speed"], early, half_rate)
-    slope = reduce.msd_slope_between(times, averages["msd"], early)
-    return {"cooling_rate": np.asarray(rate), "msd_slope": np.asarray(slope)}
+    values = {name: getattr(source, name) for name in OVER_TIME}
+    averages = {name: np.asarray(getattr(x, "value", x)) for name, x in values.items()}
+    return averages | reduce.rates(source.times, averages, early, half_rate)
 
 
 def _reduced(
@@ -253,23 +233,23 @@ def _reduced(
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
     log_speed, _, *place = np.moveaxis(by_group, -1, 0)
     place.pop(2)  # collisions
-    speeds = np.exp(log_speed)
+    speeds, distances = np.exp(log_speed), np.hypot(*place[:2])
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
-    distances = np.hypot(*place[:2])
     for third in place[2:]:
         distances = np.hypot(distances, third)
     parts = _without_each(run)
     replicates = [_over_time(part, early, half_rate) for part in parts]
     found = _over_time(run, early, half_rate)
-    errors = {
-        name: reduce.jackknife_error(np.array([values[name] for values in replicates]))
-        for name in ("cooling_rate", "msd_slope")
-    }
+
+    def errors(rows: list[dict[str, Array]], *names: str) -> dict[str, Array]:
+        return {n: reduce.jackknife_error(np.array([row[n] for row in rows])) for n in names}
+
+    rates = errors(replicates, "cooling_rate", "msd_slope")
     bins = np.diff(reduce.POSITION_EDGES)
     measured = {
         **{name: Measured.of(getattr(run, name)) for name in OVER_TIME},
-        **{name: Measured(found[name], error) for name, error in errors.items()},
+        **{name: Measured(found[name], error) for name, error in rates.items()},
         "free_path": Measured.of(run.mean_free_path),
         "scaled_vdf": reduce.scaled_density(speeds, reduce.SPEED_EDGES, reduce.bin_measure(d)),
         "position": reduce.scaled_density(distances, reduce.POSITION_EDGES, bins),
@@ -286,17 +266,13 @@ def _reduced(
     for part, values in zip(parts, replicates, strict=True):
         moved = np.log(float(part.mean_free_path.value)) - log_path
         expected = {name: value + moved * per_log_path[name] for name, value in theory.items()}
-        expected |= _rates(run.times, expected, early, half_rate)
+        expected |= reduce.rates(run.times, expected, early, half_rate)
         apart.append({name: values[name] - expected[name] for name in values})
-    names = apart[0]
-    return measured, {n: reduce.jackknife_error(np.array([row[n] for row in apart])) for n in names}
+    return measured, errors(apart, *apart[0])
 
 
 def _without_each(run: Ensemble) -> list[Ensemble]:
-    """The ensemble without one of its configurations, for each of them.
-
-    Its averages are made of sums over configurations.
-    """
+    """The ensemble without one of its configurations, of whose sums its averages are made."""
     sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
     totals = {name: array.sum(axis=0) for name, array in sums.items()}
     return [
@@ -321,18 +297,6 @@ def picture(system: Any) -> tuple[Ensemble, str]:
         tangential_restitution=system.tangential_restitution, **many,
     )  # fmt: skip
     return run, f"e = {e:g}, until {until:g} d/U or 20 bounces"
-
-
-def _levels(law: CollisionLaw, times: Array, system: Cooling) -> dict[str, float]:
-    """<r^2> at the last time, in d^2, of the equation of hard disks by what is known of them."""
-    density, found = system.number_density, {}
-    medium = law_in_medium(law, "hard disks", density, 1.0, "leading")
-    thinner = 0.5 / medium.mean_free_path(density, 1.0)
-    found[PATH] = _solved(law, thinner, times[-1:], ("msd",), system.rtol).msd[-1]
-    for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
-        more = {"scatterers": "hard disks", "density_order": order}
-        found[name] = _solved(law, density, times[-1:], ("msd",), system.rtol, **more).msd[-1]
-    return found
 
 
 # -- tracers in a uniform field --------------------------------------------------------------------
@@ -372,11 +336,7 @@ def _fallen(state: Any, times: Array, system: Falling, *observables: str) -> Ens
 
 
 def _steady(restitution: float, dimension: int, system: Falling) -> Case:
-    """Solve, follow particles until they have forgotten their start, and average from there on.
-
-    What should be 1 by an exact relation is formed before the error is taken, since both of its
-    sides come from the same tracers.
-    """
+    """Solve, follow particles until they have forgotten their start, and average from there on."""
     state = solve_field(restitution, dimension, rtol=system.rtol)
     # d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively: after
     # ten such times e^-10 of the start is left, as far as the energy remembers it
@@ -388,18 +348,14 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     r = run.positions.reshape(n, run.media, run.tracers, d)[[0, -1]]
     speed, along = np.linalg.norm(v, axis=-1), v[..., 0]
 
-    def mean(x: Array) -> Array:
-        return np.asarray(x.mean(axis=(0, 2)))  # of each group, over times and tracers
-
     s = {
-        "v_z": mean(along), "v": mean(speed), "v^2": mean(speed**2), "v^3": mean(speed**3),
-        "v^4": mean(speed**4), "v_z^2": mean(along**2), "v v_z": mean(speed * along),
-        "cos": mean(along / speed),
+        "v_z": along, "v": speed, "v^2": speed**2, "v^3": speed**3, "v^4": speed**4,
+        "v_z^2": along**2, "v v_z": speed * along, "cos": along / speed,
     }  # fmt: skip
     for k in (0, 1):
-        s[f"z{k}"] = mean(r[k : k + 1, ..., 0])
-        s[f"zz{k}"] = mean(r[k : k + 1, ..., 0] ** 2)
-        s[f"xx{k}"] = mean((r[k : k + 1, ..., 1:] ** 2).mean(axis=-1))
+        z = r[k : k + 1, ..., 0]
+        s |= {f"z{k}": z, f"zz{k}": z**2, f"xx{k}": (r[k : k + 1, ..., 1:] ** 2).mean(axis=-1)}
+    s = {name: x.mean(axis=(0, 2)) for name, x in s.items()}  # of each group
     elapsed = float(run.times[-1] - run.times[0])
     loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
     quantities: dict[str, Callable[[dict[str, Array]], Array]] = {
@@ -416,7 +372,14 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
         "cube": lambda s: loss[3] * s["v^4"] / (3 * s["v v_z"]),
         "direction": lambda s: s["cos"] / (loss[1] * s["v^2"]),
     }
-    measured = {name: reduce.jackknifed(s, of) for name, of in quantities.items()}
+    total, without = ({name: of(x) for name, x in s.items()} for of in (
+        np.mean, lambda x: (x.sum() - x) / (run.media - 1)
+    ))  # fmt: skip
+    # both sides of a relation come from the same tracers: their ratio is formed first
+    measured = {
+        name: Measured(np.asarray(of(total)), reduce.jackknife_error(of(without)))
+        for name, of in quantities.items()
+    }
     averages = {name: float(getattr(state, name)) for name in tuple(quantities)[:6]}
     solved, exact = exact_relations(state)
     theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
@@ -425,10 +388,8 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
 
 
 def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """Both sides of each relation between averages that holds exactly: solver, and closed form.
-
-    They are moments of the equation for v v_z, v^2, v^3, v, ln v and 1/v, of which the rate of
-    change vanishes. That of 1/v has no finite side at e = 0.
+    """Both sides of each exact relation between averages, solver and closed form: moments of the
+    equation for v v_z, v^2, v^3, v, ln v and 1/v, which do not change.
     """
     law, moment, e = state.law, state.moment, float(state.restitution)
     loss = {p: float(law.decay_rate(float(p))) for p in (-1, 1, 2, 3) if p > law.lowest_power}

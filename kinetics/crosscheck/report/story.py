@@ -22,19 +22,15 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 HOLDS, FAILS = "holds", "does not hold"
-SHARE = 0.99
-"""Share of its limit at which d<r^2>/d ln t counts as reached."""
-CLOSE = 0.01
-"""The drift is reached when the mean velocity stays as close to it as this, relative to it."""
-
+SHARE = 0.99  # share of its limit at which d<r^2>/d ln t counts as reached
+CLOSE = 0.01  # the drift is reached when the mean velocity stays as close to it, relative to it
 Record = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Story:
-    """What a reader should know: findings first, then the paper's claims, then tables of numbers.
-
-    tables : by name, tidy records; those of "summary" have quantity, restitution, value and error
+    """Findings first, the paper's claims, tables of tidy records: "summary" has quantity,
+    restitution, value and error.
     """
 
     compared: str
@@ -97,9 +93,6 @@ def chance(table: "DataFrame") -> str:
         "turned into corrected sigmas. Were every theory true, at most "
         f"{expected} of them would not agree by chance."
     )
-
-
-# -- a gas that cools ------------------------------------------------------------------------------
 
 
 def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:

@@ -1,8 +1,7 @@
 """What a report compares: smooth disks as in the paper, any other law, spheres, or a field.
 
-`Cooling` is a gas that is left alone, `Falling` one in a uniform field. Both are values with the
-same few members, so that everything after this file takes either. InputError for what cannot be
-used.
+`Cooling` is a gas that is left alone, `Falling` one in a uniform field: values with the same few
+members, so that everything after this file takes either. InputError for what cannot be used.
 """
 
 import math
@@ -11,19 +10,12 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.validation import (
-    check_positive,
-    check_restitution,
-    check_rtol,
-    refuse,
-    whole_number,
-)  # fmt: skip
+from kinetics.validation import check_positive, check_restitution, check_rtol, refuse, whole_number
 
 SCATTERERS = {2: "disks", 3: "spheres"}
 PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of its figures 5 and 6)."""
-OTHER_FINAL_TIME = 1000.0
-"""Final time in d/U of a restitution that the paper does not have."""
+OTHER_FINAL_TIME = 1000.0  # final time in d/U of a restitution that the paper does not have
 FIELD_RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
 _LINE = (*(k / 20 for k in range(19)), 0.925, 0.95, 0.97, 0.98, 0.99, 0.995, 0.999)
 _QUICK_LINE = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.8, 0.9, 0.95, 0.975, 0.99, 0.995, 0.999)
@@ -68,9 +60,8 @@ class _System:
 class Cooling(_System):
     """Tracers that are left alone from a Gaussian start, and lose speed at every bounce.
 
-    Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2, or d^-3
-    in space. Empty restitutions stand for the paper's, empty final times for the paper's or
-    `OTHER_FINAL_TIME`; a single final time is that of all restitutions.
+    Times in d/U, densities in d^-2, or d^-3 in space. Empty restitutions are the paper's, empty
+    final times the paper's or `OTHER_FINAL_TIME`; a single final time is that of all restitutions.
     """
 
     final_times: tuple[float, ...] = ()
