@@ -1,7 +1,5 @@
 """The command `lorentz compare`. What it needs is imported when it runs: --help stays quick."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The command `simulate`: follows particles and prints estimates with their errors."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterator
@@ -15,19 +13,13 @@ from kinetics.crosscheck.cli import options
 
 # name in the result -> head of its column
 ESTIMATES = {
-    "thermal_speed": "v0 [U]",
-    "a2": "a2",
-    "msd": "<r^2> [d^2]",
-    "kurtosis": "kurtosis",
+    "thermal_speed": "v0 [U]", "a2": "a2", "msd": "<r^2> [d^2]", "kurtosis": "kurtosis",
     "collisions": "collisions",
-}
+}  # fmt: skip
 IN_FIELD = {
-    "drift": "<v_x> [U]",
-    "thermal_speed": "v0 [U]",
-    "dispersion_parallel": "var x [d^2]",
-    "dispersion_perpendicular": "var y [d^2]",
-    "collisions": "collisions",
-}
+    "drift": "<v_x> [U]", "thermal_speed": "v0 [U]", "dispersion_parallel": "var x [d^2]",
+    "dispersion_perpendicular": "var y [d^2]", "collisions": "collisions",
+}  # fmt: skip
 ENDS = ("finished", "collision_cap", "trapped", "escaped")
 ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
 OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
@@ -117,13 +109,9 @@ def simulate(
     media = arguments["media"]
     with _saying_how_to_go_on(output, media), options.progress(media) as tell:
         run = particles.simulate(
-            scatterers,
-            times=times or None,
-            observables=names or None,
-            output=output,
-            progress=lambda done, total: tell("configurations", total, done),
-            **arguments,
-        )
+            scatterers, times=times or None, observables=names or None, output=output,
+            progress=lambda done, total: tell("configurations", total, done), **arguments,
+        )  # fmt: skip
     if picture is not None:
         write_picture(run, picture)
     if h5md is not None:

@@ -13,9 +13,7 @@ _REGIONS = {"68 %": 1.515, "95 %": 2.448}  # Radii that hold so much of a Gaussi
 
 
 def figures_of(result: Any) -> list[str]:
-    """The names of the figures: each observable, "sigmas", and, where e and l were fitted,
-    "confidence", the region that holds both.
-    """
+    """Each observable, "sigmas", and "confidence", the region of e and l, if both were fitted."""
     rows = result.rows[result.rows["time"] > 0]
     bins = rows[rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)]
     seen = {*rows[rows["low"].isna()]["observable"], *bins["observable"]}

@@ -11,8 +11,6 @@ from kinetics.crosscheck.files import require_file
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
 from kinetics.errors import InputError
 
-WIDTH = 100  # columns of a terminal
-
 
 def test_cells(result: Comparison) -> list[list[str]]:
     """The chi-squares, a line each below the heads."""
@@ -53,7 +51,7 @@ def tables(result: Comparison) -> str:
         return "\n".join("  ".join(cells).rstrip() for cells in padded)
 
     def wrapped(text: str) -> str:
-        return textwrap.fill(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+        return textwrap.fill(text, 100, subsequent_indent="  ", break_on_hyphens=False)
 
     shown = row_cells(result, every=False)
     hidden = len(result.numbers) + 1 - len(shown)
@@ -90,10 +88,10 @@ def render(result: Comparison, json_name: str) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
+    loader, strict = PackageLoader("kinetics.crosscheck"), StrictUndefined
     made = Environment(
-        loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+        loader=loader, autoescape=True, undefined=strict, trim_blocks=True, lstrip_blocks=True
+    )
     svg = drawn(result, result.figures).decode() if result.figures else ""
     return made.get_template("comparison.html.j2").render(
         result=result, outcomes=OUTCOMES, scene=scene_of(result), tests=test_cells(result),

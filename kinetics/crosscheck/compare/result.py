@@ -4,7 +4,7 @@ import json
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 from kinetics import __version__
 from kinetics.crosscheck.compare.theory import OBSERVABLES
@@ -12,10 +12,6 @@ from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
 from kinetics.errors import InputError, short
 from kinetics.results import Result
-
-if TYPE_CHECKING:
-    import pandas
-    import xarray
 
 SCHEMA = "inelastic-lorentz/comparison/1"
 OUTCOMES = {
@@ -48,10 +44,9 @@ class Row(NamedTuple):
 class ComparisonTest:
     """All rows of an observable together (of a density: at one time) by one chi-square.
 
-    `groups` independent groups gave the covariance, None where it is known. `verdict` looks at the
-    p-value times the number of tests, as `sigmas` of a Gaussian, and, for an average, at the time
-    that differs most. `within` is the relative difference (of 1 + a2 for a2) that the data exclude
-    at every time, at 95 %; None for a density.
+    `groups` gave the covariance, None where it is known. `verdict` looks at the p-value times the
+    number of tests, as `sigmas`, and, for an average, at the time that differs most. `within` is
+    the relative difference (of 1 + a2) that the data exclude at every time, at 95 %.
     """
 
     observable: str
@@ -79,8 +74,8 @@ class Explanation:
     """Something that may explain a difference; chi-squares are of all averages.
 
     outcome: "explains" (the rest agrees, and no other cause is much likelier), "in part" (the
-    chi-square falls by 16 and by a tenth at least), "does not", "noted" (not tested) or "found" (an
-    effect that the data show by itself). `headline` is what the summary says of it.
+    chi-square falls by 16 and by a tenth), "does not", "noted" (not tested) or "found" (the data
+    show it by themselves). `headline` is what the summary says of it.
     """
 
     name: str
@@ -133,7 +128,7 @@ class Comparison(Result):
     covariance: tuple[tuple[float, ...], ...] = ()
 
     @property
-    def rows(self) -> "pandas.DataFrame":
+    def rows(self) -> Any:
         """Every number: a row for each observable and time (and bin of a density), as a new table.
 
         `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
@@ -149,17 +144,14 @@ class Comparison(Result):
         others = ("observable", "verdict", "samples")
         return frame.astype({name: float for name in Row._fields if name not in others})
 
-    def observable(self, name: str) -> "pandas.DataFrame":
+    def observable(self, name: str) -> Any:
         """The rows of one observable."""
         rows = self.rows
         return rows[rows["observable"] == name].reset_index(drop=True)
 
     def p_value(self, observable: str, time: float | None = None) -> float:
         """The p-value of an average, or of a density at a time; KeyError where there is none."""
-        for test in self.tests:
-            if test.observable == observable and test.time == time:
-                return test.p_value
-        raise KeyError(f"no test of {observable!r}" + ("" if time is None else f" at {time:g}"))
+        return {(test.observable, test.time): test.p_value for test in self.tests}[observable, time]
 
     @property
     def title(self) -> str:
@@ -184,11 +176,11 @@ class Comparison(Result):
         """The document as strict JSON."""
         return dumps(self.to_dict())
 
-    def to_dataframe(self, name: str | None = None, **points: Any) -> "pandas.DataFrame":
-        """The rows as a pandas DataFrame, or those of one observable."""
+    def to_dataframe(self, name: str | None = None, **points: Any) -> Any:
+        """The rows, or those of one observable."""
         return self.rows if name is None else self.observable(name)
 
-    def _dataset(self, only: Any = None, **points: Any) -> "xarray.Dataset":
+    def _dataset(self, only: Any = None, **points: Any) -> Any:
         """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
         made = self.rows.rename_axis("row").to_xarray()
         units = [OBSERVABLES[name].unit or "1" for name in self.rows["observable"]]
@@ -198,10 +190,7 @@ class Comparison(Result):
         return made.assign_attrs(**about, scene=scene, version=__version__)
 
     def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
-        """Draw one of `figures`, data beside theory, by the name of an observable, or "sigmas".
-
-        On ``ax`` or on new axes, which are returned. InputError for a name that is not there.
-        """
+        """Draw one of `figures` on ``ax`` or on new axes, which are returned; or InputError."""
         from kinetics.crosscheck.compare.draw import draw
 
         figures = [figure.replace("-", "_") for figure in self.figures]

@@ -49,7 +49,7 @@ class Report:
             "algebra": self.checks,
             "tables": story.tables,
             "figures": [
-                {"name": x.name, "title": x.title, "caption": x.caption} for x in self.figures
+                {key: vars(x)[key] for key in ("name", "title", "caption")} for x in self.figures
             ],
         })  # fmt: skip
         return found
@@ -61,10 +61,7 @@ class Report:
         return page.text(self.document)
 
     def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
-        """Write the page, its JSON, its tables as CSV and figures in these formats, or nothing.
-
-        Returns their paths, the page first.
-        """
+        """Write the page, its JSON, its tables and figures in these formats, or nothing; paths."""
         import pandas as pd
 
         from kinetics.crosscheck.files import dumps, write_together
@@ -84,8 +81,8 @@ class Report:
 def make_report(system: Any, progress: Callable[[str], None] | None = None) -> Report:
     """Run the three methods on a system (of `systems.py`), and compare them.
 
-    progress is called with the name of each stage, `system.stages` times with that of writing.
-    ValueError for what cannot be simulated; RuntimeError if the derivations fail.
+    progress is called with the name of each stage. ValueError for what cannot be simulated;
+    RuntimeError if the derivations fail.
     """
     from kinetics.crosscheck.report import page
 

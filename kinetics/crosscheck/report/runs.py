@@ -274,9 +274,9 @@ def _reduced(
 def _without_each(run: Ensemble) -> list[Ensemble]:
     """The ensemble without one of its configurations, of whose sums its averages are made."""
     sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
-    totals = {name: array.sum(axis=0) for name, array in sums.items()}
+    rest = {name: array.sum(axis=0) - array for name, array in sums.items()}
     return [
-        replace(run, arrays={**run.arrays, **{n: (totals[n] - sums[n][k])[None] for n in sums}})
+        replace(run, arrays={**run.arrays, **{n: rest[n][k][None] for n in sums}})
         for k in range(run.media)
     ]
 

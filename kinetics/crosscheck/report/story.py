@@ -6,7 +6,7 @@ A number that belongs to one restitution stands in a table, beside its e; each f
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from kinetics.crosscheck.report.rows import OBSERVABLES, kept
 from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, Case, Results
 from kinetics.crosscheck.report.systems import SCATTERERS
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 HOLDS, FAILS = "holds", "does not hold"
 SHARE = 0.99  # share of its limit at which d<r^2>/d ln t counts as reached
@@ -40,7 +37,7 @@ class Story:
     tables: dict[str, list[Record]] = field(default_factory=dict)
 
 
-def tell(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:
+def tell(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     """The story of any report; `checks` are the rows of the algebra."""
     return (_falling if results.system.in_field else _cooling)(results, table, checks)
 
@@ -64,7 +61,7 @@ def off(values: Sequence[float]) -> str:
     return f"{span(percents, '+' + form)} % from"
 
 
-def agreement(table: "DataFrame") -> str:
+def agreement(table: Any) -> str:
     """In how many comparisons that could have shown a difference particles and solver show none."""
     strict = table[(table.kind == "statistical") & (table.source == FREE)]
     tested = strict[strict.verdict != Verdict.NOT_TESTED]
@@ -83,7 +80,7 @@ def agreement(table: "DataFrame") -> str:
     return text + "."
 
 
-def chance(table: "DataFrame") -> str:
+def chance(table: Any) -> str:
     """What the verdicts allow for, and what they expect by chance."""
     rows = int((table.kind == "statistical").sum())
     expected = numeral(rows * math.erfc(AGREES_BELOW / math.sqrt(2)), ".2g")
@@ -95,7 +92,7 @@ def chance(table: "DataFrame") -> str:
     )
 
 
-def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:
+def _cooling(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     system: Any = results.system
     of, cases, paper = system.scatterers, results.cooling, system.is_papers_law
     rough = "" if system.is_smooth else f", e_t = {system.tangential_restitution:g},"
@@ -220,7 +217,7 @@ def _claims(cases: Sequence[Case]) -> list[dict[str, str]]:
 # -- tracers in a field ----------------------------------------------------------------------------
 
 
-def _falling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:
+def _falling(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     lines = results.more["lines"]
 
     def each(of: Callable[[int, Any], str]) -> str:
