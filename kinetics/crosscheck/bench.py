@@ -5,11 +5,8 @@ the benchmark; `measure` makes a row of one, a dictionary; `BenchReport` makes t
 of the rows. Speed from version to version: see ``tests/benchmarks``.
 
 Errors are relative to references of 1e-12 or better, but G(R) and <r^2> among hard disks, of which
-nothing else is known, to a tighter solution. Of F(c) and G(R) the error is the largest difference
-over the largest value, of averages the largest relative error (of a2 that of 1 + a2).
+nothing else is known, to a tighter solution.
 """
-
-from __future__ import annotations
 
 import io
 import math
@@ -49,7 +46,6 @@ RADII = np.linspace(0.0, 6.0, 200)  # R at which G(R) is compared
 LATE = 1e7  # d/U, where the scaling state is reached
 
 # -- measuring ------------------------------------------------------------------------------------
-
 LONG = 1.0  # s; work that takes longer is repeated once
 
 
@@ -87,10 +83,8 @@ def measure(
     work: Work, effort: Effort,
     clocks: tuple[Callable[[], float], ...] = (time.process_time, time.perf_counter),
 ) -> Row:  # fmt: skip
-    """The row of a piece of work; what fails is a row too.
-
-    Its times are median and quartiles of the repeats; the first call, which may compile, is not
-    among them.
+    """The row of a piece of work, also if it fails: median and quartiles of all calls but the
+    first, which may compile.
     """
     errors: list[float] = []
     times, note, seeded = np.empty((0, 2)), "", work.method == MONTE_CARLO
@@ -125,9 +119,7 @@ def measure(
 
 
 def sweep(problem: str, error: Any, *ways: tuple[Any, ...]) -> list[Work]:
-    """Works on one problem; ways : method, setting, its values, a function of one (and of a seed),
-    and its own error, if that is another.
-    """
+    """Works on one problem; ways : method, setting, its values, a function, its own error."""
     return [
         Work("precision", problem, method, partial(solve, x), setting, x, (*own, error)[0])
         for method, setting, values, solve, *own in ways
@@ -147,17 +139,12 @@ def over_largest(value: Any, exact: FloatArray) -> float:
 
 
 # -- the methods ----------------------------------------------------------------------------------
-
-
 def conservative(e: float, start: str, times: Any, nodes: int) -> tuple[Any, FloatArray]:
-    """The solution of the conservative scheme; its v0 (U) and 1 + a2, (2, n_times).
-
-    At 1e-13 the scheme serves every time itself. By the trapezoid rule in ln v.
-    """
+    """The solution of the conservative scheme; its v0 (U) and 1 + a2, (2, n_times)."""
     from kinetics import Scene, solve
 
     scene = Scene(e, DENSITY, initial=start, times=times, outputs=("speed_density",))
-    found = solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)
+    found = solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)  # serves every time itself
     slowest = 1e-5 * min(1.0, MEAN_FREE_PATH / times[-1])  # far below the last thermal speed
     v = np.geomspace(slowest, 16.0, 4 * nodes)  # next to no tracer of either start is faster
     weight = found.speed_density(v) * v * math.log(v[1] / v[0])
@@ -184,10 +171,9 @@ def averages_of(found: Any, names: Iterable[str]) -> FloatArray:
 
 
 def histogram_error(histogram: Any, unit: float, x: FloatArray, f: FloatArray, d: int = 1) -> float:
-    """The largest difference of densities in d = 1 or 2 dimensions, over the largest value of f.
+    """The largest difference of densities in d dimensions, edges over the unit, over the largest f.
 
-    histogram : of one time, its bins 4 % wide, so that f at their middles is its mean to 1e-3;
-    unit : by which its edges are divided; x, f : the exact density, where bins are compared
+    Bins are 4 % wide, so that f(x), the exact density, at their middles is its mean to 1e-3.
     """
     edges = histogram.edges / unit
     middle, size = np.sqrt(edges[1:] * edges[:-1]), math.pi ** (d - 1) * np.diff(edges**d)
@@ -196,8 +182,6 @@ def histogram_error(histogram: Any, unit: float, x: FloatArray, f: FloatArray, d
 
 
 # -- problems: run time against error -------------------------------------------------------------
-
-
 def scaled(effort: Effort) -> Iterator[Work]:
     """F(c) of the scaling state against `ScalingSolution`."""
     from kinetics import ScalingSolution, solve_scaled
@@ -288,8 +272,6 @@ def in_field(effort: Effort) -> Iterator[Work]:
 
 
 # -- what skipping saves, and particles -----------------------------------------------------------
-
-
 def skipping(effort: Effort) -> Iterator[Work]:
     """Each output of a scene alone; "everything" comes first."""
     from kinetics import Scene, solve
@@ -338,17 +320,15 @@ CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
     "skipping": skipping, "particles": throughput,
 }  # fmt: skip
 
+
 # -- run ------------------------------------------------------------------------------------------
-
-
 def run_bench(
     quick: bool = False, cases: Iterable[str] | None = None,
     progress: Callable[[str, int], None] = lambda case, total: None,
-) -> BenchReport:  # fmt: skip
-    """Measure everything, or the named cases (see `CASES`), one after another.
+) -> "BenchReport":  # fmt: skip
+    """Measure everything, or the named cases (see `CASES`), one after another, or InputError.
 
-    The linear algebra has one thread. progress(name of the case, number of cases) is called as each
-    of them starts. Raises InputError for a case that does not exist.
+    progress(name of the case, number of cases) is called as each of them starts.
     """
     from threadpoolctl import threadpool_limits
 
@@ -377,8 +357,6 @@ def machine() -> Row:
 
 
 # -- tables and figure ----------------------------------------------------------------------------
-
-
 # columns of the table of all rows, beside those that no table shows
 TEXTS = ["section", "problem", "method", "setting", "status", "note", "threads"]
 NUMBERS = ["value", "seconds", "error", "asked"]
@@ -386,12 +364,7 @@ NUMBERS = ["value", "seconds", "error", "asked"]
 
 @dataclass(frozen=True)
 class BenchReport:
-    """A whole benchmark: rows, names of the cases that were run, processor and versions, s in all.
-
-    A row has the keys section, problem ("question: variant"), method, setting, value, seconds
-    (median; low and high: quartiles; wall, warm_up: of the clock), repeats, error, asked, status
-    ("measured", "failed"), note, threads, extra.
-    """
+    """A whole benchmark: rows (see `measure`), the cases that were run, the machine, s in all."""
 
     records: list[Row]
     quick: bool
@@ -403,9 +376,8 @@ class BenchReport:
         """The rows of a section, a DataFrame; the question is the problem without its variant."""
         from pandas import DataFrame
 
-        frame = DataFrame(self.records, columns=[*TEXTS, *NUMBERS]).astype(
-            dict.fromkeys(NUMBERS, float)
-        )
+        frame = DataFrame(self.records, columns=[*TEXTS, *NUMBERS])
+        frame = frame.astype(dict.fromkeys(NUMBERS, float))
         frame = frame[(frame["status"] == status) & frame["section"].str.startswith(section)]
         return frame.assign(question=frame["problem"].str.split(": ").str[0])
 

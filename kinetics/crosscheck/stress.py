@@ -1,13 +1,10 @@
 """The stability sweep: solvers and particles at their limits, a verdict for each case.
 
 A row of the table in `all_cases` is the name of a group, the work of its cases, and the values of
-each argument of the work; every choice of these values is a case. The work gives an `Outcome`: the
-error asked for, the error reached, against `digits` or `limits` known apart from the solver or
-against a `tighter` solution, and how well it keeps what every answer must keep (`invariants`,
-`of_particles`). The tests with random arguments, in tests/fuzz, ask for the same.
+each argument of the work; every choice of these is a case. The work gives an `Outcome`: the error
+asked for, the error reached, against `digits` or `limits` known apart from the solver or against a
+`tighter` solution, and what every answer must keep (`invariants`, `of_particles`).
 """
-
-from __future__ import annotations
 
 import math
 import time
@@ -16,7 +13,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,23 +40,20 @@ VERDICTS = {
 ACCEPTED = (HOLDS, CAREFUL, SAYS_SO)
 LONGEST = 60.0  # s of processor time that one case may take
 
+
 # -- a case and its verdict -----------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """What a run gave."""
 
     asked: float = math.inf  # where no error was asked for
     reached: float = math.nan  # where there is no reference; infinite for no finite answer
     converged: bool = True  # as the status claims
     known_to: float = 0.0  # the error of the reference itself
-    invariants: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    invariants: Mapping[str, tuple[float, float]] = {}
     note: str = ""
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(NamedTuple):
     """A case that has not been run."""
 
     group: str
@@ -83,10 +77,7 @@ def judge(outcome: Outcome, seconds: float) -> str:
 
 
 def attempt(case: Case) -> dict[str, Any]:
-    """Run one case; the row of it. Nothing that it does stops the sweep, except an interruption.
-
-    The invariant is the worst one; seconds are of processor time.
-    """
+    """The row of one case, with its worst invariant; only an interruption stops the sweep."""
     begin, outcome = time.process_time(), Outcome()
     try:
         with warnings.catch_warnings():
@@ -111,8 +102,6 @@ def attempt(case: Case) -> dict[str, Any]:
 
 
 # -- what every answer must keep ------------------------------------------------------------------
-
-
 def below(values: Any, least: float = 0.0) -> float:
     """How far the smallest value is below the least that is allowed; 0 if it is not."""
     return max(0.0, least - float(np.min(values, initial=math.inf)))
@@ -134,9 +123,11 @@ def invariants(found: Any) -> Violations:
     scene, values, times = found.scene, found.values, np.asarray(found.times)
     error = max(found.rtol, found.error_estimate)
     slack = 4.0 * error + 1e-12
-    infinite = {name: float(np.sum(~np.isfinite(array))) for name, array in values.items()}
-    kept: Violations = {f"{name} is finite": (n, 0.0) for name, n in infinite.items()}
-    if any(infinite.values()):
+    kept: Violations = {
+        f"{name} is finite": (float(np.sum(~np.isfinite(array))), 0.0)
+        for name, array in values.items()
+    }
+    if any(count for count, _ in kept.values()):
         return kept
 
     def keep(name: str, needs: str, violation: Callable[..., float], most: float = slack) -> None:
@@ -201,8 +192,6 @@ def of_particles(run: Any, first: Any = None) -> Violations:
 
 
 # -- starts, and references: the error of a Solution, whose start has this name ------------------
-
-
 @cache
 def closed_form(law: CollisionLaw) -> Any:
     """The scaling state, which shares nothing with the solvers."""
@@ -232,9 +221,7 @@ def starts() -> dict[str, Any]:
 
 
 def doubled(found: Any, start: str) -> float:
-    """Error of the distribution function of the conservative scheme against twice as many nodes,
-    and of its mass; the density is linear in ln v between nodes.
-    """
+    """Error of the conservative scheme's distribution, against twice the nodes, and of its mass."""
     import kinetics
 
     finer = kinetics.solve(found.scene, found.rtol, "conservative", 2 * found.nodes)
@@ -258,8 +245,8 @@ def tighter(found: Any, start: str) -> float:
 
 
 def limits(found: Any, start: str) -> float:
-    """The difference to a `tighter` solution, or the error of v0, a2 and the slope of <r^2> against
-    the scaling state, at the times at which the start is forgotten; the larger of both.
+    """The difference to a `tighter` solution, or, if larger, the error of v0, a2 and the slope of
+    <r^2> against the scaling state at the times at which the start is forgotten.
     """
     scene, times, v0 = found.scene, found.times, found.thermal_speed
     law, path = scene.law, scene.mean_free_path
@@ -291,8 +278,8 @@ def again(found: Any, rtol: float) -> Any:
 def apart(found: Any, finer: Any) -> float:
     """The largest error of a Solution, a finer one of the same scene taken as exact.
 
-    Averages relative to their size (a2 to 1 + a2, vectors to their lengths), densities relative to
-    their maximum, those of the speed below 1e-2 of the thermal speed as densities of ln v.
+    Averages relative to their size (vectors to their lengths), densities to their maximum, those of
+    the speed below 1e-2 of the thermal speed as densities of ln v.
     """
     v0, errors = finer.thermal_speed, []
     sizes = {
@@ -304,9 +291,9 @@ def apart(found: Any, finer: Any) -> float:
     }
     with np.errstate(all="ignore"):
         for name, values in found.values.items():
-            exact = finer.values[name]
-            change = np.abs(values - exact) / sizes.get(name, np.abs)(exact)
-            errors.append(np.where(np.abs(values - exact) < 1e-300, 0.0, change))
+            change, exact = np.abs(values - finer.values[name]), finer.values[name]
+            relative = change / sizes.get(name, np.abs)(exact)
+            errors.append(np.where(change < 1e-300, 0.0, relative))
     c, R = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)]), np.linspace(0.0, 8.0, 400)
     outputs, k = found.scene.outputs, np.array([1e-3, 0.1, 2.0])
     for i, unit in enumerate(v0):
@@ -314,19 +301,16 @@ def apart(found: Any, finer: Any) -> float:
             f, exact = (one.speed_density(unit * c)[i] for one in (found, finer))
             errors.append((f - exact) * np.minimum(1.0, c / 1e-2) / exact.max())
         if "position_density" in outputs and found.times[i] > 0.0:
-            f, exact = (one.scaled_position_density(R)[i] for one in (found, finer))
-            errors.append(f - exact)
+            errors.append(np.subtract(*(x.scaled_position_density(R)[i] for x in (found, finer))))
     if "intermediate_scattering" in outputs:
         for at in (None, 0.3):
-            F, exact = (one.intermediate_scattering(k, direction=at) for one in (found, finer))
-            errors.append(F - exact)
+            both = (one.intermediate_scattering(k, direction=at) for one in (found, finer))
+            errors.append(np.subtract(*both))
     return largest(*errors, 0.0)
 
 
 def steady_errors(found: Any) -> tuple[float, float]:
-    """Errors of a FieldState in two exact relations, infinite where a number is not finite:
-    <v^2 cos> = 1/lambda_1(1) and 2 <v_x> = lambda(2) <v^3>.
-    """
+    """Errors of a FieldState in <v^2 cos> = 1/lambda_1(1) and 2 <v_x> = lambda(2) <v^3>."""
     fixed = found.moment(2.0, 1) * float(found.law.harmonic_decay_rate(1.0, 1)) - 1.0
     energy = float(found.law.decay_rate(2.0)) * found.moment(3.0) / (2.0 * found.drift) - 1.0
     finite = math.isfinite(fixed + energy + found.mean_square_speed + found.mean_speed)
@@ -334,8 +318,6 @@ def steady_errors(found: Any) -> tuple[float, float]:
 
 
 # -- work of the cases ----------------------------------------------------------------------------
-
-
 def scene(
     reference: Callable[[Any, str], float], law: CollisionLaw, start: str, times: Any,
     outputs: tuple[str, ...], rtol: float, nodes: Any = None, method: Any = None, **sizes: Any,
@@ -437,8 +419,6 @@ def grazing(e: float, gap: float) -> Outcome:
 
 
 # -- the table ------------------------------------------------------------------------------------
-
-
 def all_cases(quick: bool) -> list[Case]:
     """Every case of a sweep, not run: every choice of the values in each row of the table."""
     cases: list[Case] = []
@@ -535,14 +515,9 @@ def all_cases(quick: bool) -> list[Case]:
 
 
 # -- run and report -------------------------------------------------------------------------------
-
-
 @dataclass
 class StressReport:
-    """The cases of a sweep in the order in which they were run; s, and s of processor time.
-
-    not_run : how many more an interruption left out
-    """
+    """The cases of a sweep as they were run, how many were not; s, and s of processor time."""
 
     quick: bool
     not_run: int
@@ -593,18 +568,16 @@ def run_stress(
     progress: Callable[[str, int], None] = lambda group, total: None,
     interrupted: Callable[[StressReport], None] = lambda report: None,
 ) -> StressReport:  # fmt: skip
-    """Run the sweep, or the named groups of it.
+    """Run the sweep, or the named groups of it; InputError for one that does not exist.
 
-    progress(name of the group, number of cases in all) is called before each case. After Ctrl-C or
-    SIGTERM interrupted(report of the cases that have been run) is called, and the exception goes
-    on. Raises InputError for a group that does not exist.
+    progress(name of the group, number of cases in all) is called before each case,
+    interrupted(report of what has been run) after Ctrl-C or SIGTERM, which goes on.
     """
     chosen = all_cases(quick)
     names = dict.fromkeys(case.group for case in chosen)
     for group in set(groups or ()) - set(names):
         raise InputError(f"groups: got {group!r}; known are {', '.join(map(repr, names))}")
-    if groups is not None:
-        chosen = [case for case in chosen if case.group in groups]
+    chosen = [case for case in chosen if groups is None or case.group in groups]
     report = StressReport(quick, len(chosen))
     begin, processor = time.perf_counter(), time.process_time()
     try:

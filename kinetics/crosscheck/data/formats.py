@@ -173,8 +173,6 @@ def _npz(path: Path, where: str, asked: Asked) -> Read:
 
 
 # -- HDF5 ------------------------------------------------------------------------------------------
-
-
 def _hdf5(path: Path, where: str, asked: Asked) -> Read:
     import h5py
 
@@ -270,8 +268,6 @@ def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
 
 
 # -- frames of text --------------------------------------------------------------------------------
-
-
 class _Lines:
     """The lines of a text file, one after another; `where` names the file and the last line."""
 

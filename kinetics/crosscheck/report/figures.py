@@ -379,8 +379,6 @@ def picture(results: Results) -> Made:
 
 
 # -- tracers in a field ----------------------------------------------------------------------------
-
-
 def _steady(results: Results, dimension: int, name: str) -> tuple[Array, Measured, Array]:
     """Restitutions, what particles say, and what the solver says."""
     cases = [c for c in results.cases if c.dimension == dimension and "drift" in c.theory[SOLVER]]

@@ -300,8 +300,6 @@ def picture(system: Any) -> tuple[Ensemble, str]:
 
 
 # -- tracers in a uniform field --------------------------------------------------------------------
-
-
 def _in_field(system: Falling, tell: Tell) -> Results:
     cases: list[Case] = []
     more: dict[str, Any] = {"lines": {}, "approach": []}

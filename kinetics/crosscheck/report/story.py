@@ -215,8 +215,6 @@ def _claims(cases: Sequence[Case]) -> list[dict[str, str]]:
 
 
 # -- tracers in a field ----------------------------------------------------------------------------
-
-
 def _falling(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     lines = results.more["lines"]
 
