@@ -18,6 +18,7 @@ from kinetics.validation import one_of, real_number, refuse
 
 AXES, SPEEDS = ("x", "y", "z"), ("vx", "vy", "vz")
 LABELS = ("tracer", "medium", "type")  # columns that may be there: whole numbers or texts
+# other names of columns, in lower case, which are looked for where the first is missing
 ALIASES = {
     "time": ("t", "times"),
     **{a: (f"{a}u", f"r_{a}", f"r{a}", f"pos_{a}", f"d{a}") for a in AXES},
@@ -26,19 +27,16 @@ ALIASES = {
     "medium": ("configuration", "config", "replica", "realisation", "realization", "sample"),
     "type": ("species", "element"),
 }
-"""Other names of columns, in lower case, which are looked for where the first is missing."""
+# averages that a table of averages may have, and other names of them
 AVERAGES = {
     "thermal_speed": ("v0", "v_0", "v0(t)"), "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
     "a2": ("a_2",), "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"), "kurtosis": (),
 }  # fmt: skip
-"""Averages that a table of averages may have, and other names of them."""
-_ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")
-"""Endings of the name of an average's standard error."""
+_ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")  # endings of names of errors
+# averages without errors that are read: as a Solution writes their heads
 SOLVED = {"thermal_speed": "thermal_speed [u]", "msd": "msd [d^2]"}
-"""Averages without errors that are read: as a Solution writes their heads."""
 MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
-SAME_TIME = 1e-9
-"""Relative difference below which two times are one: above the rounding of 12 digits."""
+SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
 
 
 def bad(where: str, got: Any, must: str) -> NoReturn:
@@ -156,10 +154,8 @@ def name_of(source: Path | Table) -> str:
 
 
 def require_memory(where: str, declared: float, stored: float | None = None) -> None:
-    """InputError for arrays of more bytes than a third of what is free, or than a file can hold.
-
-    stored: bytes in the file, packed by deflate, which makes nothing smaller than by 1032.
-    """
+    """InputError for arrays of more bytes than a third of what is free, or than `stored` hold."""
+    # deflate makes nothing smaller than by 1032
     if stored is not None and declared > 1100 * stored + 1e6:
         bad(where, f"{stored:.2g} bytes that declare {declared:.2g}", "a whole file")
     free = 16e9  # on another system: what most machines have
@@ -317,9 +313,9 @@ def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
 
 
 def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
-    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d).
+    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
 
-    labels: (n,) or (T, n); without `tracer` the k-th of each frame is the same tracer.
+    Without `tracer` the k-th of each frame is the same tracer.
     """
     times, place, velocity = (np.asarray(one) for one in (times, place, velocity))
     shape = (*place.shape, 0, 0)[:2]
