@@ -24,8 +24,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from pandas import DataFrame
+from threadpoolctl import threadpool_limits
 
+import particles as p
+from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled
 from kinetics.crosscheck import references
 from kinetics.crosscheck.files import dumps, markdown_table, plain
 from kinetics.crosscheck.references import MEAN_FREE_PATH
@@ -141,8 +146,6 @@ def over_largest(value: Any, exact: FloatArray) -> float:
 # -- the methods ----------------------------------------------------------------------------------
 def conservative(e: float, start: str, times: Any, nodes: int) -> tuple[Any, FloatArray]:
     """The solution of the conservative scheme; its v0 (U) and 1 + a2, (2, n_times)."""
-    from kinetics import Scene, solve
-
     scene = Scene(e, DENSITY, initial=start, times=times, outputs=("speed_density",))
     found = solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)  # serves every time itself
     slowest = 1e-5 * min(1.0, MEAN_FREE_PATH / times[-1])  # far below the last thermal speed
@@ -156,10 +159,8 @@ def monte_carlo(
     e: float, start: Any, times: Any, samples: int, seed: int, observable: str = ""
 ) -> Any:
     """A Boltzmann-Grad run in 50 blocks, of one thread, with the free path MEAN_FREE_PATH."""
-    from particles import BoltzmannGrad, simulate
-
-    return simulate(
-        BoltzmannGrad(DENSITY), e, initial=start, times=times, media=50, tracers=samples // 50,
+    return p.simulate(
+        p.BoltzmannGrad(DENSITY), e, initial=start, times=times, media=50, tracers=samples // 50,
         seed=seed, observables=[observable] if observable else None, workers=1,
     )  # fmt: skip
 
@@ -184,7 +185,6 @@ def histogram_error(histogram: Any, unit: float, x: FloatArray, f: FloatArray, d
 # -- problems: run time against error -------------------------------------------------------------
 def scaled(effort: Effort) -> Iterator[Work]:
     """F(c) of the scaling state against `ScalingSolution`."""
-    from kinetics import ScalingSolution, solve_scaled
 
     def of_grid(e: float, nodes: int) -> Any:
         found, ((v0,), _) = conservative(e, "gaussian", [LATE], nodes)
@@ -207,8 +207,6 @@ def scaled(effort: Effort) -> Iterator[Work]:
 
 def averages(effort: Effort, name: str, outputs: tuple[str, ...], horizon: str) -> Iterator[Work]:
     """Averages over time from both starts of the paper, against kept references."""
-    from kinetics import Scene, solve
-
     times = references.times(horizon)
     for e, start in ((e, start) for e in effort.restitutions for start in references.STARTS):
         exact = [references.kept(n, e, start, horizon) + (n == "a2") for n in outputs]
@@ -232,8 +230,6 @@ def cooling(effort: Effort) -> Iterator[Work]:
 
 def position(effort: Effort) -> Iterator[Work]:
     """<r^2>(t) and kurtosis(t), <r^2>(t) among hard disks, and G(R) at e = 0.6, t = 300."""
-    from kinetics import Scene, solve
-
     yield from averages(effort, "<r^2>(t)", ("msd",), "short")
     yield from averages(effort, "kurtosis(t)", ("kurtosis",), "short")
     disks = Scene(E, DENSITY, times=np.geomspace(1.0, 1e8, 100), outputs=("msd",),
@@ -261,8 +257,6 @@ def position(effort: Effort) -> Iterator[Work]:
 
 def in_field(effort: Effort) -> Iterator[Work]:
     """The steady state in a uniform field against digits of a program of its own, l = g = 1."""
-    from kinetics import solve_field
-
     steady = {"drift": 0.501926119920, "mean_square_speed": 1.702146383757,
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
     yield from sweep(
@@ -274,8 +268,6 @@ def in_field(effort: Effort) -> Iterator[Work]:
 # -- what skipping saves, and particles -----------------------------------------------------------
 def skipping(effort: Effort) -> Iterator[Work]:
     """Each output of a scene alone; "everything" comes first."""
-    from kinetics import Scene, solve
-
     times = np.geomspace(1.0, 1e4, 20)
     isotropic = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
     position = ("msd", "kurtosis", "diffusion_coefficient", "position_density")
@@ -295,8 +287,6 @@ MEDIA = 4  # configurations of a run
 
 def throughput(effort: Effort) -> Iterator[Work]:
     """Runs of one and of two threads at e = 0.9: of one collision, to place scatterers; long."""
-    import particles as p
-
     count, space = 10_000, 0.1 / math.pi  # per d^3: l = 10 d
     media: dict[str, Any] = {
         **{f"hard disks, {n:g} per d^2": p.HardDisks(n, count) for n in (0.005, DENSITY, 0.5)},
@@ -330,8 +320,6 @@ def run_bench(
 
     progress(name of the case, number of cases) is called as each of them starts.
     """
-    from threadpoolctl import threadpool_limits
-
     names = tuple(CASES if cases is None else cases)
     for wrong in set(names) - set(CASES):
         raise InputError(f"cases: got {wrong!r}; known are {', '.join(CASES)}")
@@ -374,8 +362,6 @@ class BenchReport:
 
     def rows(self, section: str, status: str = MEASURED) -> Any:
         """The rows of a section, a DataFrame; the question is the problem without its variant."""
-        from pandas import DataFrame
-
         frame = DataFrame(self.records, columns=[*TEXTS, *NUMBERS])
         frame = frame.astype(dict.fromkeys(NUMBERS, float))
         frame = frame[(frame["status"] == status) & frame["section"].str.startswith(section)]
@@ -427,8 +413,6 @@ class BenchReport:
 
     def _particles(self) -> Any:
         """Rates from the difference of the long run and that of one collision."""
-        from pandas import DataFrame
-
         frame = self.rows("particles").set_index(["problem", "threads"])
         placing, long = (frame[frame["method"] == part] for part in ("placing", "run"))
         rate = (long["value"] - placing["value"]) / (long["seconds"] - placing["seconds"])
@@ -440,8 +424,6 @@ class BenchReport:
         frame = self.rows("precision")
         if not len(frame):
             return None
-        from matplotlib.figure import Figure
-
         frame["error"] = frame["error"].clip(1e-16, 10.0)
         file, panels, legend = io.StringIO(), frame.groupby("question", sort=False), {}
         rows = math.ceil(len(panels) / 3)

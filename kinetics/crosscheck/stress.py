@@ -16,7 +16,11 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
+import kinetics
+import particles
+from kinetics import Beam, Gaussian, Monoenergetic, SpeedSamples, SpeedTable
 from kinetics.collision import CollisionLaw
 from kinetics.crosscheck import references
 from kinetics.crosscheck.files import dumps, markdown_table
@@ -195,16 +199,12 @@ def of_particles(run: Any, first: Any = None) -> Violations:
 @cache
 def closed_form(law: CollisionLaw) -> Any:
     """The scaling state, which shares nothing with the solvers."""
-    from kinetics import ScalingSolution
-
-    return ScalingSolution(**law.arguments)
+    return kinetics.ScalingSolution(**law.arguments)
 
 
 @cache
 def starts() -> dict[str, Any]:
     """Initial states by name, beside those that have one: of other units, directed, and rough."""
-    from kinetics import Beam, Gaussian, Monoenergetic, SpeedSamples, SpeedTable
-
     return {
         "gaussian of 1e-150": Gaussian(1e-150, 1e-150),
         "gaussian of 1e150": Gaussian(1e150, 1e150),
@@ -222,8 +222,6 @@ def starts() -> dict[str, Any]:
 
 def doubled(found: Any, start: str) -> float:
     """Error of the conservative scheme's distribution, against twice the nodes, and of its mass."""
-    import kinetics
-
     finer = kinetics.solve(found.scene, found.rtol, "conservative", 2 * found.nodes)
     v0 = found.thermal_speed
     v = np.geomspace(1e-8 * v0[-1], 1e6 * v0[0], max(200_001, 400 * found.nodes + 1))
@@ -269,8 +267,6 @@ def limits(found: Any, start: str) -> float:
 
 def again(found: Any, rtol: float) -> Any:
     """The scene of a Solution once more, to another rtol, with the thermal speed."""
-    import kinetics
-
     outputs = dict.fromkeys(("thermal_speed", *found.scene.outputs))
     return kinetics.solve(replace(found.scene, outputs=tuple(outputs)), rtol)
 
@@ -323,8 +319,6 @@ def scene(
     outputs: tuple[str, ...], rtol: float, nodes: Any = None, method: Any = None, **sizes: Any,
 ) -> Outcome:  # fmt: skip
     """A scene over time against a reference."""
-    import kinetics
-
     state: Any = starts().get(start, start)
     asked = kinetics.Scene(law, initial=state, times=times, outputs=outputs, **sizes)
     try:
@@ -345,10 +339,8 @@ def scene(
 
 def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:
     """h, a2 and F, relative to itself, against closed forms; norm, <c^2> = 1 and sign of F."""
-    from kinetics import solve_scaled
-
     c, known = np.geomspace(0.05, 30.0, 400), closed_form(law)  # et = 0: slow nearer to 0
-    state, exact = solve_scaled(law, rtol, nodes), known.vdf(c)
+    state, exact = kinetics.solve_scaled(law, rtol, nodes), known.vdf(c)
     seen = exact > 1e-95 * exact[c > 0.3].max()  # the solver ends at 1e-100
     F = np.where(seen, state.reached_vdf(c), 0.0)  # 0 where few nodes do not reach
     h, a2 = state.cooling_rate / known.cooling_rate, (1.0 + state.a2) / (1.0 + known.a2)
@@ -363,9 +355,7 @@ def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:
 
 def steady(law: CollisionLaw, rtol: float) -> Outcome:
     """The steady state in a field against two exact relations."""
-    from kinetics import solve_field
-
-    found = solve_field(law, rtol=rtol)
+    found = kinetics.solve_field(law, rtol=rtol)
     kept = {"<v_x>^2 <= <v_x^2>": (above(found.drift / math.sqrt(found.mean_square_along)), 0.0)}
     done = found.status.name == "CONVERGED"
     return Outcome(rtol + 1e-12, largest(steady_errors(found)), done, invariants=kept)
@@ -373,8 +363,6 @@ def steady(law: CollisionLaw, rtol: float) -> Outcome:
 
 def fly(law: CollisionLaw, medium: str, tracers: int, most: int, times: Any = None) -> Outcome:
     """Many tracers, or many collisions of a few: speeds are as the losses make them."""
-    import particles
-
     kind, density = medium.split()
     size: Any = {"dimension": law.dimension} if kind == "BoltzmannGrad" else {"count": 2_000}
     run = particles.simulate(
@@ -401,10 +389,8 @@ def fly(law: CollisionLaw, medium: str, tracers: int, most: int, times: Any = No
 
 def grazing(e: float, gap: float) -> Outcome:
     """A tracer flies past one disk, its centre 1 + gap from the path: it hits if gap < 0."""
-    from particles import Positions, simulate
-
-    medium = Positions(np.array([[15.0, 11.0 + gap]]), box_side=20.0, start=(10.0, 10.0))
-    run = simulate(
+    medium = particles.Positions(np.array([[15.0, 11.0 + gap]]), box_side=20.0, start=(10.0, 10.0))
+    run = particles.simulate(
         medium, e, np.array([[1.0, 0.0]]), [4.0, 8.0, 1e3], media=1, tracers=1, workers=1,
         max_collisions=10_000, observables=("finals",),
     )  # fmt: skip
@@ -540,16 +526,14 @@ class StressReport:
 
     def markdown(self, every_case: bool = False) -> str:
         """A row for each group; then the cases that are not accepted, or every case."""
-        from pandas import DataFrame, crosstab
-
         text = (
             f"# Stability sweep{' (quick)' * self.quick}\n\n{len(self.cases)} cases in "
             f"{self.seconds:.0f} s, {self.processor_seconds:.0f} s of processor time; "
             f"{len(self.rejected)} did not end as they must, {self.not_run} were not run.\n\n"
         )
         if self.cases:
-            frame = DataFrame(self.cases)
-            counts = crosstab(frame["group"], frame["verdict"], margins=True, margins_name="all")
+            frame = pd.DataFrame(self.cases)
+            counts = pd.crosstab(frame["group"], frame["verdict"], margins=True, margins_name="all")
             counts = counts.reindex(columns=["all", *VERDICTS], fill_value=0)
             counts["slowest [s]"] = frame.groupby("group")["seconds"].max()
             text += markdown_table(counts.reset_index()) + "\n"
@@ -559,7 +543,7 @@ class StressReport:
             ("Every case", self.cases if every_case else ()),
         ):
             if shown:
-                text += f"\n## {title}\n\n{markdown_table(DataFrame(shown))}"
+                text += f"\n## {title}\n\n{markdown_table(pd.DataFrame(shown))}"
         return text
 
 

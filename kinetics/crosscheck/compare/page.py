@@ -5,8 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from kinetics.crosscheck.compare.draw import drawn
-from kinetics.crosscheck.compare.result import OUTCOMES, Comparison
+from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, drawn
 from kinetics.crosscheck.files import require_file
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
 from kinetics.errors import InputError

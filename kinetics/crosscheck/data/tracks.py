@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
+import pandas as pd
 
 from kinetics.crosscheck.data.units import split_unit, stated
 from kinetics.errors import InputError, short
@@ -247,8 +248,6 @@ def _column(where: str, name: str, values: Any) -> Any:
     if values.ndim != 1:
         bad(here, f"shape {values.shape}", "(n,)")
     if name in LABELS and values.dtype.kind in "OUST":
-        import pandas as pd
-
         codes, texts = pd.factorize(values.astype(str), sort=True)
         return texts[codes] if name == "type" else codes
     if values.dtype.kind not in "iuf" or values.dtype.itemsize > 8:
@@ -261,8 +260,6 @@ def _column(where: str, name: str, values: Any) -> Any:
 
 
 def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
-    import pandas as pd
-
     index, times = binned(where, c["time"], asked)
     keys: list[str] = [name for name in ("tracer", "medium") if name in c]
     if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
@@ -294,8 +291,6 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
 
 def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
     """The index of each row's time among the different ones, and these, at their means."""
-    import pandas as pd
-
     within = max(SAME_TIME, asked.bin_times or 0.0)
     found, different = pd.factorize(time, sort=True)
     if different[0] < 0:
@@ -337,8 +332,6 @@ def of_frames(
     units: Mapping[str, str] | None = None, box: Any = None,
 ) -> Tracks:  # fmt: skip
     """Tracks of the columns of frames, by our names; units of x, vx and time."""
-    import pandas as pd
-
     if not frames:
         bad(where, "no frames", "a file of this format")
     rows = pd.concat([pd.DataFrame(frame) for frame in frames], join="inner", ignore_index=True)
@@ -358,7 +351,6 @@ def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
     """
     if tracks.box is None or tracks.tracer is None or tracks.times.size < 2:
         return tracks, False
-    import pandas as pd
 
     def filled(values: Any) -> Any:
         """With the last value known where a tracer is missing."""

@@ -14,7 +14,13 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from numpy.typing import ArrayLike
 
 from kinetics import ScalingSolution, sonine
@@ -58,8 +64,6 @@ class Drawn:
 
     def file(self, kind: str) -> bytes:
         """As a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
-        import matplotlib as mpl
-
         buffer = io.BytesIO()
         dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
         with mpl.rc_context(fname=STYLE):
@@ -92,9 +96,6 @@ class _Sheet:
         self, order: Sequence[float], heights: Sequence[float] = (2.9,), columns: int = 1,
         panels: bool = False,
     ) -> None:  # fmt: skip
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
         self.figure, self.order, self.columns = Figure(layout="constrained"), list(order), columns
         FigureCanvasAgg(self.figure)  # knows the other formats as well
         self.tall = sum(heights) + len(heights) * (0.35 if panels else 0.15)  # panels have titles
@@ -154,9 +155,6 @@ class _Sheet:
 
     def done(self, x: str, *y: str) -> Any:
         """Labels (one of y for each row, or for all), ticks and the legend; the figure."""
-        from matplotlib.lines import Line2D
-        from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
-
         lines, many = math.ceil(len(self._legend) / 3), len(self.axes) > 1
         self.figure.set_size_inches(_WIDTH, self.tall + 0.5 + 0.2 * lines)
         for k, ax in enumerate(self.axes):
@@ -191,8 +189,6 @@ def figures(results: Results) -> list[Drawn]:
 
     The docstring of each has its title and its caption, in which "{words}" are filled.
     """
-    import matplotlib as mpl
-
     chosen: list[Callable[[Results], Made]] = [msd, position, kurtosis]
     if results.system.in_field:
         chosen = [drift, dispersion]
@@ -361,10 +357,6 @@ def picture(results: Results) -> Made:
     Tracers among hard disks, {said}, coloured by their speed, from the open circle to the dots.
     Shaded: where no centre of a tracer can be.
     """
-    import matplotlib as mpl
-    from matplotlib.colors import ListedColormap
-    from matplotlib.figure import Figure
-
     run, said = runs.picture(results.system)
     figure = Figure(figsize=(_WIDTH, 0.85 * _WIDTH), layout="constrained")
     ax = figure.add_subplot()

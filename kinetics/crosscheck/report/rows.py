@@ -10,6 +10,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from kinetics import sonine
 from kinetics.crosscheck import words
@@ -52,8 +53,6 @@ POSITION_FORMS = (
 
 def comparisons(results: Results) -> Any:
     """The table of all rows of a report, with `COLUMNS`, in the order of `OBSERVABLES`."""
-    import pandas as pd
-
     rows, compare = [], _of_cooling if isinstance(results.system, Cooling) else _of_field
     for case in results.cases:
         of = {"system": case.system, "dimension": case.dimension, "restitution": case.restitution}
@@ -278,8 +277,6 @@ def records(table: Any) -> list[dict[str, Any]]:
 
 def points(results: Results) -> Any:
     """Everything measured and every theory at its times and bins, one number in a row."""
-    import pandas as pd
-
     found = []
     for case in results.cases:
         said = {
