@@ -152,13 +152,11 @@ def make_medium(
 
 def write_picture(run: Any, path: Path) -> None:
     """Draw the paths of the first tracers of the first configuration."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     from kinetics.crosscheck.files import write_together
 
     figure = Figure(figsize=(6.4, 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
     run.plot_trajectories(min(_DRAWN, run.tracers), ax=figure.subplots())
     file = io.BytesIO()
     figure.savefig(file, format=path.suffix[1:].lower(), dpi=_DOTS_PER_INCH, bbox_inches="tight")
@@ -191,14 +189,12 @@ def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
     law = ["restitution", "tangential_restitution", "number_density", "field"]
     law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
     return {
-        "medium": kind,
-        **{name: getattr(run, name) for name in law},
-        "dimension": run.medium.dimension,
-        **{name: arguments[name] for name in ARGUMENTS},
+        "medium": kind, **{name: getattr(run, name) for name in law},
+        "dimension": run.medium.dimension, **{name: arguments[name] for name in ARGUMENTS},
         "statuses": {name: getattr(run.statuses, name) for name in ENDS},
         **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
         **{name: _value_and_error(getattr(run, name)) for name in estimates},
-    }
+    }  # fmt: skip
 
 
 def _text(run: Any) -> str:

@@ -3,6 +3,7 @@
 import math
 import os
 import textwrap
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -151,26 +152,19 @@ def over_time(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)  # the status says it
         solution = solve_scene(scene, rtol=rtol)
-    found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, *MEDIUM) if name in system},
-        "initial": initial if isinstance(initial, str) else repr(scene.state),
-        **({"field": system["field"]} if system.get("field") else {}),
-        "rtol": rtol,
-        "status": solution.status.name.lower(),
-        "message": solution.message,
-        "times": solution.times,
-        **{name: getattr(solution, name) for name in names},
-    }
+    found: dict[str, Any] = {name: system[name] for name in (*LAW, *MEDIUM) if name in system}
+    found["initial"] = initial if isinstance(initial, str) else repr(scene.state)
+    if system.get("field"):
+        found["field"] = system["field"]
+    found |= {"rtol": rtol, "status": solution.status.name.lower(), "message": solution.message}
+    found |= {name: getattr(solution, name) for name in ("times", *names)}
     for (name, at), density in zip(asked.items(), densities, strict=True):
         found |= {name: at, density: getattr(solution, density)(at)}
     if system.get("field") and "speed_density" in found:
         found["uncollided"] = solution.uncollided
     if numbers := system.get("collision_numbers", ()):
-        after = solution.by_collision
-        found["by_collision"] = {
-            "collision_numbers": [int(n) for n in numbers],
-            **{name: getattr(after, name) for name in BY_COLLISION},
-        }
+        after = {name: getattr(solution.by_collision, name) for name in BY_COLLISION}
+        found["by_collision"] = {"collision_numbers": [int(n) for n in numbers], **after}
     return solution, found
 
 
@@ -196,9 +190,9 @@ def scaled_state(law: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]
     from kinetics import solve_scaled
 
     state = solve_scaled(**law, rtol=rtol)
-    figures = {name: getattr(state, name) for name in SCALED}
+    found = law | {name: getattr(state, name) for name in SCALED}
     moments = {f"{p}": state.moment(p) for p in range(1, 7)}
-    return state, law | figures | {"status": state.status.name.lower(), "moments": moments}
+    return state, found | {"status": state.status.name.lower(), "moments": moments}
 
 
 def steady_state(
@@ -252,18 +246,16 @@ def initial_state(text: str, speed: float, direction: float) -> Any:
 def _two_columns(path: str) -> Any:
     """Two columns of numbers, below one line of names if there is one: (2, n)."""
     allowed = "it must be a CSV file of two columns, a speed and its density, of two rows at least"
+    allowed += f" and {_LARGEST:g} bytes at most"
     import numpy as np
 
-    try:
+    with suppress(OSError, ValueError, IndexError):  # a line of other columns, or no text
         if not os.path.isfile(path) or os.path.getsize(path) > _LARGEST:
-            raise InputError(f"initial: got {path!r}; {allowed}, and of at most {_LARGEST:g} bytes")
-        rows = np.genfromtxt(path, delimiter=",", encoding="utf-8")
-        rows = np.atleast_2d(rows)
+            raise ValueError
+        rows = np.atleast_2d(np.genfromtxt(path, delimiter=",", encoding="utf-8"))
         table = rows[int(np.isnan(rows[0]).any()) :]
         if table.shape[1] == 2 and len(table) > 1 and np.all(np.isfinite(table)):
             return table.T
-    except (OSError, ValueError, IndexError):
-        pass  # a line of other columns, or no text
     raise InputError(f"initial: got {path!r}; {allowed}")
 
 

@@ -154,10 +154,10 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
     tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
     parameters = _parameters(both, unit is not None)
-    names = {"restitution": "e", "number_density": "ρ₀"}
+    names = (("restitution", "e"), ("number_density", "ρ₀"))
     fitted = " and ".join(
-        f"{names[name]} = {number(p.value, p.error)}" for name, p in parameters.items()
-        if name in names and p.error is not None
+        f"{symbol} = {number(parameters[name].value, parameters[name].error)}"
+        for name, symbol in names if parameters[name].error is not None
     )  # fmt: skip
     start = start_in_words(point.start)
     return Comparison(

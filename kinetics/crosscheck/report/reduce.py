@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics import Solution, sonine
+from kinetics.crosscheck.compare.statistics import errors as jackknife_error
 from kinetics.numerics.gauss import panels_between
 
 Array = NDArray[np.float64]
@@ -45,12 +46,6 @@ class Measured:
 
     def __getitem__(self, where: Any) -> "Measured":
         return Measured(np.asarray(self.value[where]), np.asarray(self.error[where]))
-
-
-def jackknife_error(replicates: Array) -> Array:
-    """Standard error from n >= 2 estimates that each leave out one group, shape (n, ...)."""
-    n = len(replicates)
-    return np.asarray(np.sqrt((n - 1) * np.var(replicates, axis=0)))
 
 
 def contact_value(number_density: float, dimension: int = 2) -> float:

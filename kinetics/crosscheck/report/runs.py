@@ -356,29 +356,29 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     s = {name: x.mean(axis=(0, 2)) for name, x in s.items()}  # of each group
     elapsed = float(run.times[-1] - run.times[0])
     loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
-    quantities: dict[str, Callable[[dict[str, Array]], Array]] = {
-        "drift": lambda s: (s["z1"] - s["z0"]) / elapsed,
-        "mean_square_speed": lambda s: s["v^2"],
-        "mean_square_along": lambda s: s["v_z^2"],
-        "mean_speed": lambda s: s["v"],
-        "diffusion_parallel": lambda s: (
-            (s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2) / (2 * elapsed)
-        ),
-        "diffusion_perpendicular": lambda s: (s["xx1"] - s["xx0"]) / (2 * elapsed),
-        "momentum": lambda s: s["v v_z"],
-        "energy": lambda s: loss[2] * s["v^3"] / (2 * s["v_z"]),
-        "cube": lambda s: loss[3] * s["v^4"] / (3 * s["v v_z"]),
-        "direction": lambda s: s["cos"] / (loss[1] * s["v^2"]),
-    }
-    total, without = ({name: of(x) for name, x in s.items()} for of in (
-        np.mean, lambda x: (x.sum() - x) / (run.media - 1)
-    ))  # fmt: skip
+
+    def quantities(s: dict[str, Array]) -> dict[str, Array]:
+        along = s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2
+        return {
+            "drift": (s["z1"] - s["z0"]) / elapsed,
+            "mean_square_speed": s["v^2"],
+            "mean_square_along": s["v_z^2"],
+            "mean_speed": s["v"],
+            "diffusion_parallel": along / (2 * elapsed),
+            "diffusion_perpendicular": (s["xx1"] - s["xx0"]) / (2 * elapsed),
+            "momentum": s["v v_z"],
+            "energy": loss[2] * s["v^3"] / (2 * s["v_z"]),
+            "cube": loss[3] * s["v^4"] / (3 * s["v v_z"]),
+            "direction": s["cos"] / (loss[1] * s["v^2"]),
+        }
+
     # both sides of a relation come from the same tracers: their ratio is formed first
+    without = quantities({n: (x.sum() - x) / (run.media - 1) for n, x in s.items()})
     measured = {
-        name: Measured(np.asarray(of(total)), reduce.jackknife_error(of(without)))
-        for name, of in quantities.items()
+        name: Measured(value, reduce.jackknife_error(without[name]))
+        for name, value in quantities({n: x.mean() for n, x in s.items()}).items()
     }
-    averages = {name: float(getattr(state, name)) for name in tuple(quantities)[:6]}
+    averages = {name: float(getattr(state, name)) for name in [*measured][:6]}
     solved, exact = exact_relations(state)
     theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
     name = f"{SCATTERERS[d]} in a field"
