@@ -461,12 +461,3 @@ sys.exit(cli.main())
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.stderr == "lorentz: warning: mind the step\nlorentz: the end\n"
     assert done.returncode == 2
-
-
-def test_a_status_that_a_command_sets_is_the_one_of_the_process(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for status in (0, 1):
-        command = click.Command("bad", callback=lambda status=status: status)
-        monkeypatch.setitem(cli.cli.commands, "bad", command)
-        assert cli.main(["bad"]) == status
