@@ -68,9 +68,6 @@ def test_errors_are_root_mean_squares_over_seeds_and_finite() -> None:
     assert [measure(work, once)["status"] for work in sweep("p", max, way)] == [MEASURED, FAILED]
 
 
-# -- methods that are only here -------------------------------------------------------------------
-
-
 @pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")
 @pytest.mark.parametrize("start", references.STARTS)
 def test_cooling_by_other_methods_converges_to_the_references(start: str) -> None:
@@ -96,9 +93,6 @@ def test_the_error_of_a_histogram_is_what_was_put_in() -> None:
         histogram = SimpleNamespace(edges=edges * v0, probability=found)
         found = histogram_error(histogram, v0, x, exact.vdf(x), d=2)
         assert found == pytest.approx(error, abs=1e-3)
-
-
-# -- a case, and the tables -----------------------------------------------------------------------
 
 
 def test_every_method_and_question_is_among_the_cases() -> None:

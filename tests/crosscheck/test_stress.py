@@ -220,9 +220,6 @@ def test_the_invariants_see_what_is_violated() -> None:
     assert {"thermal_speed does not grow", "msd does not fall", "kurtosis >= 1"} <= violated
 
 
-# -- the command ----------------------------------------------------------------------------------
-
-
 @pytest.fixture
 def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
     cases = [

@@ -119,8 +119,6 @@ def test_texts_of_the_data_are_escaped(differing: Comparison) -> None:
     assert page.words.count(EVIL) >= 5
 
 
-# -- the command -----------------------------------------------------------------------------------
-
 TOLD = ("-e", "0.75", "--number-density", "0.04")
 
 

@@ -97,9 +97,7 @@ def test_findings_stand_before_figures_and_details_are_folded(made: Any) -> None
     order = ['class="strip"', "Findings", "<figure", 'id="claims"', "<details"]
     places = [text.index(part) for part in order]
     assert places == sorted(places)
-    words = Page(text).words
-    assert words.count("1.45") <= 3  # found, judged, and nowhere else
-    assert "near scatterers" in words  # why F(0) of hard disks is not 0
+    assert Page(text).words.count("1.45") <= 3  # found, judged, and nowhere else
 
 
 def test_the_files(each: Any) -> None:
@@ -200,7 +198,7 @@ def test_the_page_in_a_browser(made: Any, browser: Any, width: int, dark: bool) 
         asked = {"high": "document.documentElement.scrollHeight", "ink":
                  "getComputedStyle(document.querySelector('figure svg text')).fill"}  # fmt: skip
         drawn = len(found.report.figures)
-        seen = check_in_browser(browser, found.page, drawn, width, dark, more=asked)
+        seen = check_in_browser(browser, found.page, drawn, width, dark, asked)
         assert (seen["ink"] == "rgb(231, 234, 238)") is dark
 
 
