@@ -20,7 +20,7 @@ from kinetics.crosscheck.compare.result import Comparison, Explanation, Paramete
 from kinetics.crosscheck.compare.statistics import chance, errors, hotelling, spread_out
 from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import X2, Sample
+from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import Table
 from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
 from kinetics.errors import InputError
@@ -222,8 +222,6 @@ def _sample_of(data: Any) -> Sample:
 
     if not isinstance(data, Ensemble):
         refuse("data", data, "it must be a file, several files, columns or a run of simulate")
-    from kinetics.crosscheck.data.summaries import from_ensemble
-
     return from_ensemble(data)
 
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data import tracks as t
-from kinetics.crosscheck.data.sample import Sample
+from kinetics.crosscheck.data.sample import Sample, read_ensemble
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
 from kinetics.errors import InputError, short
 
@@ -171,8 +171,6 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
 
     with h5py.File(path, "r") as file:
         if "plan" in file and "done" in file.attrs:
-            from kinetics.crosscheck.data.summaries import read_ensemble
-
             return read_ensemble(path)
         if _own(file, "h5md") and _own(file, "particles"):
             return _h5md(where, file["particles"], asked)

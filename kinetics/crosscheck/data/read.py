@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.data import summaries
 from kinetics.crosscheck.data.formats import read
-from kinetics.crosscheck.data.sample import Law, Sample, reduced, size_of_vectors
+from kinetics.crosscheck.data.sample import Law, Sample, of_averages, reduced, size_of_vectors
 from kinetics.crosscheck.data.tracks import Asked, Averages, Table, Tracks, bad, joined, name_of
 from kinetics.crosscheck.data.tracks import unwrapped as _unwrapped
 from kinetics.crosscheck.data.units import are_own, conversion
@@ -45,7 +44,7 @@ def read_sample(
     if isinstance(parts[0], Averages):
         if asked.with_field:
             bad("field", "a table of averages", "0 for it")
-        return _scaled(summaries.of_averages(parts[0], names, law), asked, parts[0].units)
+        return _scaled(of_averages(parts[0], names, law), asked, parts[0].units)
     tracks, warnings = _displacements(parts, names, asked)
     sample, more = _grouped(tracks, names, asked)
     # tracers of one flight share |r|/(|v| t) only at their own times

@@ -1,8 +1,8 @@
 """The report: the three methods on one system, compared number by number, as a page and as JSON.
 
-Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs the solver and the
-particles, `reduce.py` makes numbers of the runs, `rows.py` one table of all comparisons,
-`figures.py` the pictures, `story.py` the findings in words, `page.py` the HTML page.
+Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs the methods,
+`rows.py` makes one table of all comparisons, `figures.py` the pictures, `story.py` the findings in
+words, `page.py` the HTML page.
 """
 
 from collections.abc import Callable, Sequence

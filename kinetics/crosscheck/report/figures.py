@@ -24,10 +24,20 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from numpy.typing import ArrayLike
 
 from kinetics import ScalingSolution, sonine
-from kinetics.crosscheck.report import reduce, runs
-from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.report import runs
 from kinetics.crosscheck.report.rows import PAPER_KURTOSIS
-from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, SONINE, Case, Results
+from kinetics.crosscheck.report.runs import (
+    EXACT,
+    FIT,
+    FREE,
+    KINETIC,
+    SOLVER,
+    SONINE,
+    Array,
+    Case,
+    Measured,
+    Results,
+)
 from kinetics.crosscheck.report.systems import SCATTERERS
 from kinetics.crosscheck.words import numeral
 
@@ -287,13 +297,13 @@ def vdf(results: Results) -> Made:
     """
     sheet, panels = _panels(results, results.cooling)
     hard, near, reason = f"hard {results.system.scatterers}", [], ""
-    c, at = np.linspace(0.01, 2.5, 120), reduce.SPEEDS
+    c, at = np.linspace(0.01, 2.5, 120), runs.SPEEDS
     for case, ax in panels:
         e, inside = case.restitution, at < c[-1]
-        sheet.line(ax, KINETIC, c, reduce.last_vdf(case.solved.kinetic)(c), e, named=False)
+        sheet.line(ax, KINETIC, c, runs.last_vdf(case.solved.kinetic)(c), e, named=False)
         for source, found in case.measured.items():
             sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
-        sheet.line(ax, "Gaussian", c, reduce.gaussian_vdf(c, case.dimension))
+        sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, case.dimension))
         first, equation = case.measured[hard]["scaled_vdf"], case.theory[KINETIC]["scaled_vdf"]
         near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
     most, error, expected, e = max(near)
@@ -313,7 +323,7 @@ def position(results: Results) -> Made:
     constants (peak η = 0.75, tail η = 0.25, γ = 7.39); they are of smooth disks.
     """
     sheet, panels = _panels(results, results.cases)
-    r, at = np.linspace(0.04, 6.0, 120), reduce.DISTANCES
+    r, at = np.linspace(0.04, 6.0, 120), runs.DISTANCES
     for case, ax in panels:
         e, d = case.restitution, case.dimension
         ax.set(yscale="log", ylim=(1e-5, 3.0))
@@ -326,8 +336,8 @@ def position(results: Results) -> Made:
             sheet.line(ax, "paper, tail", r[r > 1], sonine.position_tail(r[r > 1]))
             sheet.line(ax, "paper's integral", r, sonine.position_integral(r))
         else:  # as of c: a density in the plane or in space
-            surface = d * reduce.ball(d) * r ** (d - 1)
-            sheet.line(ax, "Gaussian", r, surface * reduce.gaussian_vdf(r, d))
+            surface = d * runs.ball(d) * r ** (d - 1)
+            sheet.line(ax, "Gaussian", r, surface * runs.gaussian_vdf(r, d))
     return sheet.done("scaled distance $R$", "$G(R)$"), {}
 
 

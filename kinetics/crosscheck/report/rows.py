@@ -14,9 +14,8 @@ import pandas as pd
 
 from kinetics import sonine
 from kinetics.crosscheck import words
-from kinetics.crosscheck.report import reduce, runs
-from kinetics.crosscheck.report.reduce import Array, Measured
-from kinetics.crosscheck.report.runs import Case, Results
+from kinetics.crosscheck.report import runs
+from kinetics.crosscheck.report.runs import Array, Case, Measured, Results
 from kinetics.crosscheck.report.systems import Cooling
 from kinetics.crosscheck.words import Verdict, numeral
 
@@ -199,7 +198,7 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield from particles(name)
     for run, note in ((free, ""), (hard, "finite density")):
         share = theory[runs.KINETIC]["position"]
-        filled = _filled(share, case.samples(run), np.diff(reduce.POSITION_EDGES))
+        filled = _filled(share, case.samples(run), np.diff(runs.POSITION_EDGES))
         yield from _measured(case, "position", run, runs.KINETIC, note, filled)
     if not paper:
         return
@@ -235,7 +234,7 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
 
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     """F(c): the solver against the closed form, relative to its peak; particles in bins."""
-    c, solved = reduce.SPEEDS, case.solved
+    c, solved = runs.SPEEDS, case.solved
     # the solver gives 0 where F is below its reach
     exact, solver = np.asarray(solved.exact.vdf(c)), np.asarray(solved.scaled.reached_vdf(c))
     k = int(np.argmax(np.abs(solver - exact)))
@@ -244,21 +243,21 @@ def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     note = f"worst bin centre, relative to the peak; {row['note']}"
     yield row | {"c": float(c[k]), "looks": len(c), "note": note}
     kinetic = case.theory[runs.KINETIC]["scaled_vdf"]
-    final = reduce.bin_average(solved.scaled.reached_vdf, case.dimension)
+    final = runs.bin_average(solved.scaled.reached_vdf, case.dimension)
     change = float(np.max(np.abs(kinetic - final)) / np.max(final))
     note = (
-        f"mean over a bin of c at the last time, bins of {reduce.LEAST_EXPECTED} samples or more; "
+        f"mean over a bin of c at the last time, bins of {runs.LEAST_EXPECTED} samples or more; "
         f"still to change by {change:.1%} of the peak"
     )
     for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
         expected = case.theory[against]["scaled_vdf"]
-        filled = _filled(expected, case.samples(run), reduce.bin_measure(case.dimension))
+        filled = _filled(expected, case.samples(run), runs.bin_measure(case.dimension))
         yield from _measured(case, "scaled_vdf", run, against, note, filled)
 
 
 def _filled(density: Array, samples: int, measure: Array) -> Array:
     """The density in those bins in which it expects enough samples, NaN in others."""
-    return np.where(samples * density * measure >= reduce.LEAST_EXPECTED, density, np.nan)
+    return np.where(samples * density * measure >= runs.LEAST_EXPECTED, density, np.nan)
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:

@@ -5,38 +5,67 @@ Rows, figures and the findings read nothing else, whatever the system.
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from kinetics import ScalingSolution, Scene, Solution, solve, solve_field, solve_scaled, sonine
 from kinetics.collision import CollisionLaw, law_in_medium
 from kinetics.collision.medium import HIGHEST_DENSITY
-from kinetics.crosscheck.report import reduce
-from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.compare.statistics import errors as jackknife_error
 from kinetics.crosscheck.report.systems import SCATTERERS, Cooling, Falling, System
 from kinetics.crosscheck.report.systems import half_cross_section as half_section
 from kinetics.errors import ToleranceWarning
+from kinetics.numerics.gauss import panels_between
 from kinetics.validation import refuse
 from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, simulate
 
 KINETIC, RESCALED = "kinetic equation", "kinetic equation, measured l"
 EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
 FREE, LIMIT = "Boltzmann-Grad", "limit e → 1"
+# what the theory of a finite density knows, each with what the one before it has
 PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
-"""What the theory of a finite density knows, each with what the one before it has."""
-
-OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
-"""Observables of a gas that cools that have a value at each time."""
+OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")  # without a field, at each time
 LATEST = 1e9  # last time in d/U of the equation alone
+# of the approach to the steady state in a field, in sqrt(l/g)
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
-"""Of the approach to the steady state in a field, in sqrt(l/g)."""
+# bins of c = v/v0 for F(c), and of R = r/sqrt(<r^2>) for G(R)
+SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
+POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
+SPEEDS, DISTANCES = ((edges[1:] + edges[:-1]) / 2 for edges in (SPEED_EDGES, POSITION_EDGES))
+LEAST_EXPECTED = 50  # samples in a bin before its jackknife error is trusted
 
 Tell = Callable[[str], None]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """An estimate with its standard error, of the same shape; NaN where nothing was measured."""
+
+    value: Array
+    error: Array
+
+    @staticmethod
+    def of(estimate: Any) -> "Measured":
+        """Of anything that has both."""
+        return Measured(np.asarray(estimate.value), np.asarray(estimate.error))
+
+    @property
+    def last(self) -> "Measured":
+        """The last one, of shape ()."""
+        return Measured(*(np.asarray(np.ravel(x)[-1]) for x in (self.value, self.error)))
+
+    def __truediv__(self, scale: float | Array) -> "Measured":
+        return Measured(np.asarray(self.value / scale), np.asarray(self.error / scale))
+
+    def __getitem__(self, where: Any) -> "Measured":
+        return Measured(np.asarray(self.value[where]), np.asarray(self.error[where]))
 
 
 @dataclass(frozen=True)
@@ -86,6 +115,76 @@ class Results:
         return [case for case in self.cases if case.cools]
 
 
+# -- numbers of one run or solution ----------------------------------------------------------------
+def contact_value(number_density: float, dimension: int = 2) -> float:
+    """The pair correlation at contact, g(d), by which the mean free path is divided.
+
+    Of hard disks: D. Henderson, Mol. Phys. 30, 971 (1975); number_density in d^-2. Of hard spheres:
+    N. F. Carnahan and K. E. Starling, J. Chem. Phys. 51, 635 (1969); in d^-3.
+    """
+    x = math.pi * number_density / (2 * dimension)  # their share of the plane, or of space
+    return (1 - x / 2) / (1 - x) ** 3 if dimension == 3 else (1 - 7 * x / 16) / (1 - x) ** 2
+
+
+def rates(
+    times: Array, averages: Mapping[str, Array], early: int, half_rate: float
+) -> dict[str, Array]:
+    """h from 1/v0, and d<r^2>/d ln t, between index `early` and the last time; half_rate 1/2l."""
+    (first, last), (r1, r2) = (averages[n][[early, -1]] for n in ("thermal_speed", "msd"))
+    slope = (1 / last - 1 / first) / (times[-1] - times[early])
+    spread = (r2 - r1) / np.log(times[-1] / times[early])
+    return {"cooling_rate": np.asarray(slope / half_rate), "msd_slope": np.asarray(spread)}
+
+
+def ball(dimension: int) -> float:
+    """Area of the unit circle, or volume of the unit sphere."""
+    return math.pi if dimension == 2 else 4 * math.pi / 3
+
+
+def gaussian_vdf(c: ArrayLike, dimension: int) -> Array:
+    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
+    if dimension == 2:
+        return sonine.vdf(c, 0.0)
+    return np.asarray((1.5 / math.pi) ** 1.5 * np.exp(-1.5 * np.square(c)))
+
+
+def bin_measure(dimension: int) -> Array:
+    """Area, or volume, of each bin of c."""
+    return np.asarray(ball(dimension) * np.diff(SPEED_EDGES**dimension))
+
+
+def last_vdf(solution: Solution) -> Callable[[Array], Array]:
+    """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
+    v0, law = float(solution.thermal_speed[-1]), solution.scene.law
+    surface, power = law.unit_surface, law.dimension - 1
+    return lambda c: v0 * solution.speed_density(c * v0)[-1] / (surface * c**power)
+
+
+def bin_average(vdf: Callable[[Array], ArrayLike], dimension: int) -> Array:
+    """F(c) averaged over the area, or volume, of each bin of c, by 8 Gauss points in each."""
+    c, weight = panels_between(SPEED_EDGES, 8)
+    shares = dimension * c ** (dimension - 1) * np.asarray(vdf(c)) * weight
+    return np.asarray(shares.reshape(-1, 8).sum(axis=1) / np.diff(SPEED_EDGES**dimension))
+
+
+def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
+    """Density of samples (n_groups, n_in_group) over their own root mean square, per bin.
+
+    edges (n_bins + 1,) of the scaled variable; measure (n_bins,): length or area of each bin.
+    """
+    every, by_group = np.sort(samples, axis=None), np.sort(samples, axis=1)
+
+    def density(left_out: Array) -> Array:
+        n = every.size - left_out.size
+        at = edges * np.sqrt((np.sum(every**2) - np.sum(left_out**2)) / n)
+        inside = np.diff(np.searchsorted(every, at) - np.searchsorted(left_out, at))
+        return np.asarray(inside / n / measure)
+
+    replicates = np.array([density(group) for group in by_group])
+    return Measured(density(every[:0]), jackknife_error(replicates))
+
+
+# -- a gas that cools ------------------------------------------------------------------------------
 def gather(system: System, tell: Tell) -> Results:
     """Run everything that a report of the system needs; ValueError for what cannot be simulated."""
     if isinstance(system, Falling):
@@ -131,15 +230,15 @@ def cooling_case(
     found.rescaled = _solved(law, thinner, times, (*OVER_TIME, "speed_density"), system.rtol)
     found.early = early
     measured, differences = _reduced(packed, early, half_rate, found.rescaled)
-    position, edges = found.position, reduce.POSITION_EDGES
+    position, edges = found.position, POSITION_EDGES
     shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
     theory: dict[str, dict[str, Any]] = {
         name: _over_time(solution, early, half_rate)
-        | {"scaled_vdf": reduce.bin_average(reduce.last_vdf(solution), d)}
+        | {"scaled_vdf": bin_average(last_vdf(solution), d)}
         for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
     }
     theory[KINETIC] |= {"free_path": 0.5 / half_rate, "position": shares / np.diff(edges)}
-    contact = reduce.contact_value(system.number_density, d)
+    contact = contact_value(system.number_density, d)
     theory["contact"] = {"free_path": 0.5 / half_rate / contact}
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
@@ -149,7 +248,7 @@ def cooling_case(
     if system.is_papers_law:
         theory |= _printed(e, times, system.number_density)
     places = {name: ("time", times) for name in OVER_TIME}
-    places |= {"scaled_vdf": ("c", reduce.SPEEDS), "position": ("distance", reduce.DISTANCES)}
+    places |= {"scaled_vdf": ("c", SPEEDS), "position": ("distance", DISTANCES)}
     return Case(
         system.scatterers if system.is_smooth else f"rough {system.scatterers}", e, d, times,
         {FREE: _reduced(free, early, half_rate)[0], hard: measured}, theory,
@@ -219,7 +318,7 @@ def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
     """Averages over time of a solution or a run, and the rates of its last decade."""
     values = {name: getattr(source, name) for name in OVER_TIME}
     averages = {name: np.asarray(getattr(x, "value", x)) for name, x in values.items()}
-    return averages | reduce.rates(source.times, averages, early, half_rate)
+    return averages | rates(source.times, averages, early, half_rate)
 
 
 def _reduced(
@@ -243,16 +342,16 @@ def _reduced(
     found = _over_time(run, early, half_rate)
 
     def errors(rows: list[dict[str, Array]], *names: str) -> dict[str, Array]:
-        return {n: reduce.jackknife_error(np.array([row[n] for row in rows])) for n in names}
+        return {n: jackknife_error(np.array([row[n] for row in rows])) for n in names}
 
-    rates = errors(replicates, "cooling_rate", "msd_slope")
-    bins = np.diff(reduce.POSITION_EDGES)
+    of_rates = errors(replicates, "cooling_rate", "msd_slope")
+    bins = np.diff(POSITION_EDGES)
     measured = {
         **{name: Measured.of(getattr(run, name)) for name in OVER_TIME},
-        **{name: Measured(found[name], error) for name, error in rates.items()},
+        **{name: Measured(found[name], error) for name, error in of_rates.items()},
         "free_path": Measured.of(run.mean_free_path),
-        "scaled_vdf": reduce.scaled_density(speeds, reduce.SPEED_EDGES, reduce.bin_measure(d)),
-        "position": reduce.scaled_density(distances, reduce.POSITION_EDGES, bins),
+        "scaled_vdf": scaled_density(speeds, SPEED_EDGES, bin_measure(d)),
+        "position": scaled_density(distances, POSITION_EDGES, bins),
         "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
     }
     if rescaled is None:
@@ -266,7 +365,7 @@ def _reduced(
     for part, values in zip(parts, replicates, strict=True):
         moved = np.log(float(part.mean_free_path.value)) - log_path
         expected = {name: value + moved * per_log_path[name] for name, value in theory.items()}
-        expected |= reduce.rates(run.times, expected, early, half_rate)
+        expected |= rates(run.times, expected, early, half_rate)
         apart.append({name: values[name] - expected[name] for name in values})
     return measured, errors(apart, *apart[0])
 
@@ -375,7 +474,7 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     # both sides of a relation come from the same tracers: their ratio is formed first
     without = quantities({n: (x.sum() - x) / (run.media - 1) for n, x in s.items()})
     measured = {
-        name: Measured(value, reduce.jackknife_error(without[name]))
+        name: Measured(value, jackknife_error(without[name]))
         for name, value in quantities({n: x.mean() for n, x in s.items()}).items()
     }
     averages = {name: float(getattr(state, name)) for name in [*measured][:6]}

@@ -12,9 +12,17 @@ import numpy as np
 
 from kinetics.crosscheck.report import runs
 from kinetics.crosscheck.report.figures import exact_rates
-from kinetics.crosscheck.report.reduce import Measured
 from kinetics.crosscheck.report.rows import OBSERVABLES, kept
-from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, Case, Results
+from kinetics.crosscheck.report.runs import (
+    EXACT,
+    FIT,
+    FREE,
+    KINETIC,
+    SOLVER,
+    Case,
+    Measured,
+    Results,
+)
 from kinetics.crosscheck.report.systems import SCATTERERS
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 

@@ -12,8 +12,7 @@ from kinetics import Scene, compare, fit, solve
 from kinetics.crosscheck import Comparison
 from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import Sample
-from kinetics.crosscheck.data.summaries import from_ensemble
+from kinetics.crosscheck.data.sample import Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import Table
 from particles import BoltzmannGrad, HardDisks, Poisson, simulate
 

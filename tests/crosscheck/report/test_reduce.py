@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from kinetics.crosscheck.report import reduce
+from kinetics.crosscheck.report.runs import scaled_density
 
 
 def test_the_scaled_density_of_gaussian_velocities_and_its_errors() -> None:
@@ -14,7 +14,7 @@ def test_the_scaled_density_of_gaussian_velocities_and_its_errors() -> None:
     exact = -np.diff(np.exp(-(edges**2))) / area
     rng = np.random.default_rng(2)
     samples = [np.hypot(*rng.normal(0, 7.0, (2, 25, 40))) for _ in range(300)]
-    runs = [reduce.scaled_density(each, edges, area) for each in samples]
+    runs = [scaled_density(each, edges, area) for each in samples]
     values, errors = (np.array([getattr(r, k) for r in runs]) for k in ("value", "error"))
     spread = values.std(axis=0)
     assert np.all(np.abs(values.mean(axis=0) - exact) < 5 * spread / math.sqrt(300))

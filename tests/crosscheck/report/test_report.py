@@ -16,7 +16,7 @@ from pages import Page, check_alone, check_in_browser
 from derivations import printed_equation
 from derivations.printers import mathml
 from kinetics.crosscheck.report import figures, page, rows
-from kinetics.crosscheck.report.reduce import Measured
+from kinetics.crosscheck.report.runs import Measured
 from kinetics.crosscheck.report.systems import Cooling, Falling
 
 KINDS = ("paper", "rough", "spheres", "elastic", "field")
