@@ -88,9 +88,7 @@ def measure(
     work: Work, effort: Effort,
     clocks: tuple[Callable[[], float], ...] = (time.process_time, time.perf_counter),
 ) -> Row:  # fmt: skip
-    """The row of a piece of work, also if it fails: median and quartiles of all calls but the
-    first, which may compile.
-    """
+    """The row of a piece of work, also if it fails; the first call may compile, and is no time."""
     errors: list[float] = []
     times, note, seeded = np.empty((0, 2)), "", work.method == MONTE_CARLO
     try:
@@ -316,10 +314,7 @@ def run_bench(
     quick: bool = False, cases: Iterable[str] | None = None,
     progress: Callable[[str, int], None] = lambda case, total: None,
 ) -> "BenchReport":  # fmt: skip
-    """Measure everything, or the named cases (see `CASES`), one after another, or InputError.
-
-    progress(name of the case, number of cases) is called as each of them starts.
-    """
+    """Measure everything, or the named cases; progress(name of a case, number of cases)."""
     names = tuple(CASES if cases is None else cases)
     for wrong in set(names) - set(CASES):
         raise InputError(f"cases: got {wrong!r}; known are {', '.join(CASES)}")
@@ -384,10 +379,12 @@ class BenchReport:
             f"# Benchmark{' (quick)' * self.quick}\n\n{about}. {self.seconds:.0f} s in all. Times "
             "are medians over repeats, in s: of the processor, of two threads by the clock.\n"
         )
+        saved, by = self.rows("skipping"), "everything over it"
+        saved[by] = saved.groupby("problem")["seconds"].transform("first") / saved["seconds"]
         failed = self.rows("", FAILED)[["problem", "method", "setting", "value", "note"]]
         for title, frame in (
             ("Run time for an error (inf: not reached)", self._run_times()),
-            ("What skipping saves", self._skipping()),
+            ("What skipping saves", saved[["problem", "method", "seconds", "everything over it"]]),
             ("Particles, e = 0.9", self._particles()),
             ("Failed", failed),
         ):
@@ -405,11 +402,6 @@ class BenchReport:
         table = table.groupby(by[:2], sort=False).median()
         frame["error over asked"] = frame["error"] / frame["asked"]
         return table.join(frame.groupby(by[:2])["error over asked"].max()).reset_index()
-
-    def _skipping(self) -> Any:
-        frame = self.rows("skipping")
-        ratio = frame.groupby("problem")["seconds"].transform("first") / frame["seconds"]
-        return frame[["problem", "method", "seconds"]].assign(**{"everything over it": ratio})
 
     def _particles(self) -> Any:
         """Rates from the difference of the long run and that of one collision."""

@@ -55,11 +55,10 @@ def _require_parent(asked: Path, folder: Path) -> None:
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
-    """Write all files into the folder, or none of them; returns their paths.
+    """Write all files into the folder, or none of them; returns their paths, or ValueError.
 
-    Every file is complete on disk before the first takes its final name. Where a symbolic link
-    stands, the file that it points to is replaced. Missing folders are created, and removed again
-    if nothing comes of it. ValueError if the folder cannot be written.
+    Each is complete on disk before the first takes its final name. Links are followed. Missing
+    folders are created, and removed again if nothing comes of it.
     """
     created = [p for p in (folder, *folder.parents) if not p.exists()]
     try:

@@ -552,10 +552,9 @@ def run_stress(
     progress: Callable[[str, int], None] = lambda group, total: None,
     interrupted: Callable[[StressReport], None] = lambda report: None,
 ) -> StressReport:  # fmt: skip
-    """Run the sweep, or the named groups of it; InputError for one that does not exist.
+    """Run the sweep, or the named groups; progress(group, number of cases) before each case.
 
-    progress(name of the group, number of cases in all) is called before each case,
-    interrupted(report of what has been run) after Ctrl-C or SIGTERM, which goes on.
+    interrupted(report of what has been run) is called after Ctrl-C or SIGTERM, which goes on.
     """
     chosen = all_cases(quick)
     names = dict.fromkeys(case.group for case in chosen)

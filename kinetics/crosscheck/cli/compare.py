@@ -121,17 +121,26 @@ def _done(
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
-    from kinetics.crosscheck.compare import page
-    from kinetics.crosscheck.files import write_together
+    from kinetics.crosscheck.compare.page import render, tables
+    from kinetics.crosscheck.compare.result import drawn
+    from kinetics.crosscheck.files import require_file, write_together
 
-    if output is not None:
-        page.prepare(output, data)
+    outputs: list[Any] = [] if output is None else [(output, (".html", ".htm"))]
+    outputs += [] if output is None else [(output.with_suffix(".json"), (".json",))]
+    for path, endings in outputs:  # before anything is read
+        require_file("output", path, endings)
+        if any(path.resolve() == other.resolve() for other in data):
+            raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
     result = work(list(data), show_progress=True, **told)
-    written = []
+    text = result.to_json() if as_json else tables(result) + "\n"
     if output is not None:
-        written = write_together(output.parent, page.files_of(result, output, figures))
-    text = result.to_json() if as_json else page.tables(result) + "\n"
-    if written and not as_json:
-        text += f"wrote {', '.join(map(str, written))}\n"
+        numbers = output.with_suffix(".json").name
+        contents = {numbers: result.to_json(), output.name: render(result, numbers)}
+        contents |= {
+            f"{output.stem}-{name}.{kind}": drawn(result, [name], kind)
+            for kind in figures for name in result.figures
+        }  # fmt: skip
+        written = write_together(output.parent, contents)
+        text += "" if as_json else f"wrote {', '.join(map(str, written))}\n"
     click.echo(text, nl=False)
     return result

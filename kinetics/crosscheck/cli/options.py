@@ -140,10 +140,7 @@ def written(value: Any, digits: int = 6) -> str:
 
 
 def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
-    """A table of numbers, one column per head, bold where the terminal has colours.
-
-    What is too wide goes on in a table below, which begins with the first column too.
-    """
+    """A table of numbers, one column per head; what is too wide goes on in a table below."""
     blocks: list[list[list[str]]] = []
     for head, column in zip(heads, values, strict=True):
         texts = [head, *(written(float(x)) for x in column)]

@@ -86,7 +86,11 @@ def compare_data(
             number_density = check_positive("number_density", number_density)
             number_density *= diameter**sample.law.dimension
     else:
-        sample = _sample_of(data)
+        from particles import Ensemble
+
+        if not isinstance(data, Ensemble | Sample):
+            refuse("data", data, "it must be a file, several files, columns or a run of simulate")
+        sample = data if isinstance(data, Sample) else from_ensemble(data)
     law, told, path = sample.law, sample.told, None
     if tangential_restitution is not None:
         checked = real_number("tangential_restitution", tangential_restitution, 0.0, 1.0)
@@ -212,17 +216,6 @@ def _sources(data: Any) -> list[Any] | None:
     if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
         data = {name: data[name].to_numpy() for name in data.columns}
     return [Table(data)] if isinstance(data, Mapping) else None
-
-
-def _sample_of(data: Any) -> Sample:
-    """The sample of a run of `simulate`, lengths in d; InputError for anything else."""
-    if isinstance(data, Sample):
-        return data
-    from particles import Ensemble
-
-    if not isinstance(data, Ensemble):
-        refuse("data", data, "it must be a file, several files, columns or a run of simulate")
-    return from_ensemble(data)
 
 
 def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:

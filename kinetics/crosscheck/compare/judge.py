@@ -57,7 +57,6 @@ class Histogram(NamedTuple):
 class Both:
     """A sample and its theory side by side: what rows, tests and causes are made of.
 
-    found : the fit to the same averages that the point's numbers come from
     theory, difference, error (n_names, n_times); replicates (G, n_names, n_times) of the difference
     known (p_all, p_all) : covariance of the theory's own error, None where it has none
     compared : where there is something to compare; usable : and where it has spread

@@ -1,14 +1,10 @@
 """A comparison as tables for the terminal, as figures, and as a page with its numbers as JSON."""
 
 import textwrap
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, drawn
-from kinetics.crosscheck.files import require_file
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
-from kinetics.errors import InputError
 
 
 def test_cells(result: Comparison) -> list[list[str]]:
@@ -62,24 +58,6 @@ def tables(result: Comparison) -> str:
         *(wrapped(f"{x.name} ({OUTCOMES[x.outcome]}): {x.text}") for x in result.explanations),
     ]  # fmt: skip
     return "\n\n".join(parts)
-
-
-def prepare(output: Path, data: Iterable[Path]) -> None:
-    """InputError, before anything is read, for an output that cannot be or that is of the data."""
-    for path, endings in ((output, (".html", ".htm")), (output.with_suffix(".json"), (".json",))):
-        require_file("output", path, endings)
-        if any(path.resolve() == other.resolve() for other in data):
-            raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
-
-
-def files_of(result: Comparison, output: Path, kinds: Sequence[str] = ()) -> dict[str, Any]:
-    """File names and contents: the page, the JSON beside it, and figures in these formats."""
-    numbers = output.with_suffix(".json").name
-    figures = {
-        f"{output.stem}-{name}.{kind}": drawn(result, [name], kind)
-        for kind in kinds for name in result.figures
-    }  # fmt: skip
-    return {numbers: result.to_json(), output.name: render(result, numbers), **figures}
 
 
 def render(result: Comparison, json_name: str) -> str:

@@ -25,8 +25,7 @@ SPEED, DISPLACEMENT = "speed_density", "position_density"
 class Observable(NamedTuple):
     """How an observable is written (title, symbol, unit, in a text), and what it is made of.
 
-    measured : of the means m over tracers, the scales u of speed and d of displacement, and the
-        law; None for a density, whose symbol is that of its variable
+    measured : of the means m over tracers, the scales u and d, and the law; None for a density
     where : "field", "free" or "both", see `AVERAGES`
     output, component : of a Solution; the output has the observable's name, if not told
     """

@@ -228,10 +228,9 @@ def _start_bins(v: Any, unit: float) -> StartBins:
 
 
 def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
-    """The ratio |r|/(|v| t) that most tracers (n,) share; None where too few share one.
+    """The ratio |r|/(|v| t) that most tracers (n,) share within .2 %; None where too few share one.
 
-    They fly alike within .002 in its logarithm, as numbers may have few digits; twenty at least,
-    and 5 % of all: those that have collided put some 0.5 % into such a width.
+    Twenty at least, and 5 %: those that have collided put some 0.5 % into such a width.
     """
     moving = (distance > 0) & (speed > 0) & (time > 0)
     ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time or 1.0))

@@ -346,8 +346,7 @@ def of_frames(
 def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
     """Continuous positions of tracers in a periodic box, and whether any had been wrapped.
 
-    Speeds never rise without a field, so that between two frames a tracer moves by |v| dt at most.
-    Where that is less than half the box, its way is the shortest one; else nothing is changed.
+    Where |v| dt is less than half the box, the shortest way is taken; else nothing is changed.
     """
     if tracks.box is None or tracks.tracer is None or tracks.times.size < 2:
         return tracks, False

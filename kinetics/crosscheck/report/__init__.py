@@ -81,8 +81,7 @@ class Report:
 def make_report(system: Any, progress: Callable[[str], None] | None = None) -> Report:
     """Run the three methods on a system (of `systems.py`), and compare them.
 
-    progress is called with the name of each stage. ValueError for what cannot be simulated;
-    RuntimeError if the derivations fail.
+    progress is called with each stage. ValueError for what cannot be simulated.
     """
     from kinetics.crosscheck.report import page
 

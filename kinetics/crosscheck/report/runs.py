@@ -326,8 +326,8 @@ def _reduced(
 ) -> tuple[dict[str, Measured], dict[str, Array]]:
     """All that is measured, and the errors of data minus theory with the run's own free path l.
 
-    Both change when a configuration is left out: the theory by its derivative in ln l, which
-    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> is l^2 times a function of t/l.
+    Both change when a configuration is left out: the theory by its derivative in ln l, as v0 and a2
+    depend on t/l alone, and <r^2> is l^2 times a function of t/l.
     """
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
     log_speed, _, *place = np.moveaxis(by_group, -1, 0)
@@ -507,10 +507,9 @@ def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
 def near_elastic(restitution: Any, dimension: int) -> dict[str, Any]:
     """The limiting laws as collisions become elastic, in sqrt(g l) and sqrt(g l^3).
 
-    With eps = 1 - e^2 the speeds are then distributed as exp(-a v^4) and grow as eps^(-1/4). The
-    energy that the field gives, g u, is what the collisions take: u = lambda(2) <v^3>/2. Across the
-    field a tracer diffuses as without a field, with the mean speed; along it the fluctuations of
-    the energy take part, no closed form is known, and the number is the solver's as e -> 1.
+    With eps = 1 - e^2 speeds are distributed as exp(-a v^4) and grow as eps^(-1/4); u = lambda(2)
+    <v^3>/2. Across the field a tracer diffuses as without one, with the mean speed; along it no
+    closed form is known, and the number is the solver's as e -> 1.
     """
     fall, loss, turn, along = {
         2: (2 / 9, 2 / 3, 4 / 3, 0.176205),

@@ -261,17 +261,14 @@ def _falling(results: Results, table: Any, checks: Sequence[Record]) -> Story:
         ), key=lambda row: row["quantity"],
     )  # fmt: skip
     if results.more["approach"]:
-        overshoots, reached = zip(*map(_overshoot, results.more["approach"]), strict=True)
+        overshoots, reached = [], []
+        for case in results.more["approach"]:
+            over = case.theory[SOLVER]["drift_from_rest"] / case.solved.drift
+            away = [-1, *np.flatnonzero(abs(over - 1) > CLOSE)][-1]
+            overshoots.append(100 * float(np.max(over) - 1))
+            reached.append(float(case.times[min(away + 1, over.size - 1)]) if away >= 0 else 0.0)
         findings.append(
             f"From rest the mean velocity first exceeds the drift, by {span(overshoots, '.0f')} %, "
             f"and is within {100 * CLOSE:g} % of it from t = {span(reached, '.2g')} √(l/g) on."
         )
     return Story(compared, findings, f"Finding: {findings[1]}", tables={"summary": summary})
-
-
-def _overshoot(case: Case) -> tuple[float, float]:
-    """By how many per cent the mean velocity exceeds the drift, and when it is close to it."""
-    ratio = case.theory[SOLVER]["drift_from_rest"] / case.solved.drift
-    away = np.flatnonzero(abs(ratio - 1) > CLOSE)
-    reached = float(case.times[min(away[-1] + 1, len(ratio) - 1)]) if away.size else 0.0
-    return 100 * float(np.max(ratio) - 1), reached

@@ -128,8 +128,7 @@ class Cooling(_System):
 class Falling(_System):
     """Tracers that fall from rest in a uniform field among smooth disks, and among spheres.
 
-    The mean free path l and the acceleration g are the units, so that speeds are in sqrt(g l) and
-    times in sqrt(l/g). Restitutions are below 1; empty for `FIELD_RESTITUTIONS`.
+    Speeds are in sqrt(g l), times in sqrt(l/g). Restitutions below 1; none: `FIELD_RESTITUTIONS`.
     """
 
     rtol: float = 1e-8
