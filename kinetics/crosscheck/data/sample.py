@@ -20,16 +20,15 @@ from kinetics.errors import InputError, short
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
+# columns of the sums: samples, and powers of speed and displacement; in a field also the velocity
+# and the displacement along it, along +x, and the square of this
 N, V2, V4, R2, R4, VX, X, X2 = range(8)
-"""Columns of the sums: samples, and powers of speed and displacement. In a field also the velocity
-and the displacement along it, along +x, and the square of this."""
+# groups at most: primes, so that labels with a regular pattern spread over all of them; a standard
+# error from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-"""Groups at most: primes, so that labels with a regular pattern spread over all of them. The
-relative error of a standard error from G groups is 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins,
-which take most of the memory."""
+# bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
+# octave, their number: from a thousandth of the root mean square to 64 times it
 _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
-"""Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
-octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
 EXACT = 1e-6  # relative error of averages of a Solution, which have none beside them
 GROUPS = 1000  # groups that are made up: so many that errors are as good as exact

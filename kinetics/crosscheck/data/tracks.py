@@ -226,8 +226,8 @@ def from_columns(
             k = int(np.argmin(good))
             who = f"row {k}"
             if "tracer" in found:  # by its own label
-                label = np.asarray(columns[names[found["tracer"]]])[k]
-                who = f"tracer {label} at time {values['time'][k]:g}"
+                who = f"tracer {np.asarray(columns[names[found['tracer']]])[k]}"
+                who += f" at time {values['time'][k]:g}"
             bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
     if "x" not in values:
         return Averages(values, units)
@@ -277,14 +277,12 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
 
     def spread_out(names: Sequence[str]) -> Any:
         out = np.full((times.size * n, len(names)), np.nan)
-        for k, name in enumerate(names):
-            out[cell, k] = c[name]
+        out[cell] = np.stack([c[name] for name in names], axis=-1)
         return out.reshape(times.size, n, -1)
 
-    labels: dict[str, Any] = {"tracer": None, "medium": None}
-    for name in (name for name in labels if name in c):
-        labels[name] = np.empty(n, np.int64)
-        labels[name][number] = c[name]
+    labels: Any = {name: np.empty(n, np.int64) for name in ("tracer", "medium") if name in c}
+    for name, values in labels.items():
+        values[number] = c[name]
     place, velocity = (spread_out([one for one in axes if one in c]) for axes in (AXES, SPEEDS))
     return Tracks(times, place, velocity, **labels)
 

@@ -238,8 +238,7 @@ def cooling_case(
         for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
     }
     theory[KINETIC] |= {"free_path": 0.5 / half_rate, "position": shares / np.diff(edges)}
-    contact = contact_value(system.number_density, d)
-    theory["contact"] = {"free_path": 0.5 / half_rate / contact}
+    theory["contact"] = {"free_path": 0.5 / half_rate / contact_value(system.number_density, d)}
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
         names = ("cooling_rate", "a2")
