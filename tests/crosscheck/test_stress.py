@@ -176,13 +176,6 @@ def test_a_case_of_each_other_group(group: str, parts: tuple[str, ...]) -> None:
     assert attempt(named(group, *parts))["verdict"] in ACCEPTED
 
 
-def test_every_solver_medium_and_dimension_is_driven() -> None:
-    names = " ".join(f"{case.group}: {case.name}" for case in all_cases(True))
-    media = "Poisson", "HardDisks", "HardSpheres", "PoissonSpheres", "BoltzmannGrad"
-    solvers = "scaled eq", "cooling", "spectral", "conservative", "position", "scattering", "steady"
-    assert all(word in names for word in (*media, *solvers, "field", "grazing", "dimension=3"))
-
-
 @pytest.mark.slow
 def test_the_quick_sweep() -> None:
     assert run_stress(quick=True).rejected == []
