@@ -267,8 +267,8 @@ def limits(found: Any, start: str) -> float:
 
 def again(found: Any, rtol: float) -> Any:
     """The scene of a Solution once more, to another rtol, with the thermal speed."""
-    outputs = dict.fromkeys(("thermal_speed", *found.scene.outputs))
-    return kinetics.solve(replace(found.scene, outputs=tuple(outputs)), rtol)
+    outputs = tuple(dict.fromkeys(("thermal_speed", *found.scene.outputs)))
+    return kinetics.solve(replace(found.scene, outputs=outputs), rtol)
 
 
 def apart(found: Any, finer: Any) -> float:

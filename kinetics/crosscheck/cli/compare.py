@@ -65,7 +65,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--columns", default="", metavar="NAME=THEIRS,...",
         help="Names of columns in the files, as in time=t_sim,tracer=id.")
 @option("--type", help="Particles of this type (species) alone, where a file has several.")
-@option("-o", "--output", type=Output(""), metavar="PAGE.html",
+@option("-o", "--output", type=Output(".html", ".htm"), metavar="PAGE.html",
         help="Write the page here, and beside it a .json file with every number in it.")
 @option("--figures", multiple=True, type=Choice(["pdf", "png", "svg"]),
         help="Write each figure as a file beside the page; may be repeated. Needs --output.")
@@ -125,10 +125,8 @@ def _done(
     from kinetics.crosscheck.compare.result import drawn
     from kinetics.crosscheck.files import require_file, write_together
 
-    outputs: list[Any] = [] if output is None else [(output, (".html", ".htm"))]
-    outputs += [] if output is None else [(output.with_suffix(".json"), (".json",))]
-    for path, endings in outputs:  # before anything is read
-        require_file("output", path, endings)
+    for path in () if output is None else (output, output.with_suffix(".json")):
+        require_file("output", path)  # before anything is read
         if any(path.resolve() == other.resolve() for other in data):
             raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
     result = work(list(data), show_progress=True, **told)

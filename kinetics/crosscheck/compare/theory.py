@@ -76,9 +76,7 @@ class SampledStart(State):
 
     bins: StartBins
 
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Any:
         """One point per bin."""
         if m:
             return None
@@ -242,14 +240,13 @@ def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array
     return np.append(shares, max(1 - shares.sum(), 0.0))
 
 
+# Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
+# 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
+# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density_error.py),
+# rounded up. Twice for v0 before and for a2 after, whose deviations have one sign.
 _OWN_ERROR: Mapping[str, tuple[float, float]] = {
     "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
 }  # fmt: skip
-"""Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
-1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
-n = .02, .04, .06 and .1, five e from 0.4 to 1 and both media
-(tests/kinetics/measurements/density_error.py), rounded up. Twice for v0 before and for a2 after,
-whose deviations have one sign."""
 _LATE = 30.0  # in l/U
 _REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
 

@@ -7,9 +7,9 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,8 +68,7 @@ class Measured:
         return Measured(np.asarray(self.value[where]), np.asarray(self.error[where]))
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(NamedTuple):
     """What every method gives at one restitution.
 
     measured : by source and observable, estimates with their errors
@@ -87,8 +86,8 @@ class Case:
     measured: dict[str, dict[str, Measured]]
     theory: dict[str, dict[str, Any]]
     runs: dict[str, Ensemble]
-    places: dict[str, tuple[str, Array]] = field(default_factory=dict)
-    differences: dict[str, Array] = field(default_factory=dict)
+    places: Mapping[str, tuple[str, Array]] = {}
+    differences: Mapping[str, Array] = {}
     solved: Any = None
 
     @property
@@ -101,8 +100,7 @@ class Case:
         return self.runs[source].media * self.runs[source].tracers
 
 
-@dataclass(frozen=True)
-class Results:
+class Results(NamedTuple):
     """Everything that was run: the cases, and what varies another parameter, by name."""
 
     system: System

@@ -4,9 +4,8 @@ A number that belongs to one restitution stands in a table, beside its e; each f
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,8 +31,7 @@ CLOSE = 0.01  # the drift is reached when the mean velocity stays as close to it
 Record = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Story:
+class Story(NamedTuple):
     """Findings first, the paper's claims, tables of tidy records: "summary" has quantity,
     restitution, value and error.
     """
@@ -41,8 +39,8 @@ class Story:
     compared: str
     findings: list[str]
     line: str
-    claims: list[dict[str, str]] = field(default_factory=list)
-    tables: dict[str, list[Record]] = field(default_factory=dict)
+    claims: Sequence[dict[str, str]] = ()
+    tables: Mapping[str, list[Record]] = {}
 
 
 def tell(results: Results, table: Any, checks: Sequence[Record]) -> Story:
