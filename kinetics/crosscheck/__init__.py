@@ -15,8 +15,7 @@ __all__ = ["Comparison", "compare", "compare_data", "fit_data"]
 
 
 def __getattr__(name: str) -> Any:
-    # Loaded at first use: the command line imports this package before it knows what it needs.
-    from importlib import import_module
+    from importlib import import_module  # the command line does not know yet what it needs
 
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

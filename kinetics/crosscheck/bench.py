@@ -5,11 +5,8 @@ the benchmark; `measure` makes a row of one, a dictionary; `BenchReport` makes t
 of the rows. Speed from version to version: see ``tests/benchmarks``.
 
 Errors are relative to references of 1e-12 or better, but G(R) and <r^2> among hard disks, of which
-nothing else is known, to a tighter solution. Of F(c) and G(R) the error is the largest difference
-over the largest value, of averages the largest relative error (of a2 that of 1 + a2).
+nothing else is known, to a tighter solution.
 """
-
-from __future__ import annotations
 
 import io
 import math
@@ -27,8 +24,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from pandas import DataFrame
+from threadpoolctl import threadpool_limits
 
+import particles as p
+from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled
 from kinetics.crosscheck import references
 from kinetics.crosscheck.files import dumps, markdown_table, plain
 from kinetics.crosscheck.references import MEAN_FREE_PATH
@@ -49,7 +51,6 @@ RADII = np.linspace(0.0, 6.0, 200)  # R at which G(R) is compared
 LATE = 1e7  # d/U, where the scaling state is reached
 
 # -- measuring ------------------------------------------------------------------------------------
-
 LONG = 1.0  # s; work that takes longer is repeated once
 
 
@@ -87,11 +88,7 @@ def measure(
     work: Work, effort: Effort,
     clocks: tuple[Callable[[], float], ...] = (time.process_time, time.perf_counter),
 ) -> Row:  # fmt: skip
-    """The row of a piece of work; what fails is a row too.
-
-    Its times are median and quartiles of the repeats; the first call, which may compile, is not
-    among them.
-    """
+    """The row of a piece of work, also if it fails; the first call may compile, and is no time."""
     errors: list[float] = []
     times, note, seeded = np.empty((0, 2)), "", work.method == MONTE_CARLO
     try:
@@ -125,9 +122,7 @@ def measure(
 
 
 def sweep(problem: str, error: Any, *ways: tuple[Any, ...]) -> list[Work]:
-    """Works on one problem; ways : method, setting, its values, a function of one (and of a seed),
-    and its own error, if that is another.
-    """
+    """Works on one problem; ways : method, setting, its values, a function, its own error."""
     return [
         Work("precision", problem, method, partial(solve, x), setting, x, (*own, error)[0])
         for method, setting, values, solve, *own in ways
@@ -147,17 +142,10 @@ def over_largest(value: Any, exact: FloatArray) -> float:
 
 
 # -- the methods ----------------------------------------------------------------------------------
-
-
 def conservative(e: float, start: str, times: Any, nodes: int) -> tuple[Any, FloatArray]:
-    """The solution of the conservative scheme; its v0 (U) and 1 + a2, (2, n_times).
-
-    At 1e-13 the scheme serves every time itself. By the trapezoid rule in ln v.
-    """
-    from kinetics import Scene, solve
-
+    """The solution of the conservative scheme; its v0 (U) and 1 + a2, (2, n_times)."""
     scene = Scene(e, DENSITY, initial=start, times=times, outputs=("speed_density",))
-    found = solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)
+    found = solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)  # serves every time itself
     slowest = 1e-5 * min(1.0, MEAN_FREE_PATH / times[-1])  # far below the last thermal speed
     v = np.geomspace(slowest, 16.0, 4 * nodes)  # next to no tracer of either start is faster
     weight = found.speed_density(v) * v * math.log(v[1] / v[0])
@@ -169,10 +157,8 @@ def monte_carlo(
     e: float, start: Any, times: Any, samples: int, seed: int, observable: str = ""
 ) -> Any:
     """A Boltzmann-Grad run in 50 blocks, of one thread, with the free path MEAN_FREE_PATH."""
-    from particles import BoltzmannGrad, simulate
-
-    return simulate(
-        BoltzmannGrad(DENSITY), e, initial=start, times=times, media=50, tracers=samples // 50,
+    return p.simulate(
+        p.BoltzmannGrad(DENSITY), e, initial=start, times=times, media=50, tracers=samples // 50,
         seed=seed, observables=[observable] if observable else None, workers=1,
     )  # fmt: skip
 
@@ -184,10 +170,9 @@ def averages_of(found: Any, names: Iterable[str]) -> FloatArray:
 
 
 def histogram_error(histogram: Any, unit: float, x: FloatArray, f: FloatArray, d: int = 1) -> float:
-    """The largest difference of densities in d = 1 or 2 dimensions, over the largest value of f.
+    """The largest difference of densities in d dimensions, edges over the unit, over the largest f.
 
-    histogram : of one time, its bins 4 % wide, so that f at their middles is its mean to 1e-3;
-    unit : by which its edges are divided; x, f : the exact density, where bins are compared
+    Bins are 4 % wide, so that f(x), the exact density, at their middles is its mean to 1e-3.
     """
     edges = histogram.edges / unit
     middle, size = np.sqrt(edges[1:] * edges[:-1]), math.pi ** (d - 1) * np.diff(edges**d)
@@ -196,11 +181,8 @@ def histogram_error(histogram: Any, unit: float, x: FloatArray, f: FloatArray, d
 
 
 # -- problems: run time against error -------------------------------------------------------------
-
-
 def scaled(effort: Effort) -> Iterator[Work]:
     """F(c) of the scaling state against `ScalingSolution`."""
-    from kinetics import ScalingSolution, solve_scaled
 
     def of_grid(e: float, nodes: int) -> Any:
         found, ((v0,), _) = conservative(e, "gaussian", [LATE], nodes)
@@ -223,8 +205,6 @@ def scaled(effort: Effort) -> Iterator[Work]:
 
 def averages(effort: Effort, name: str, outputs: tuple[str, ...], horizon: str) -> Iterator[Work]:
     """Averages over time from both starts of the paper, against kept references."""
-    from kinetics import Scene, solve
-
     times = references.times(horizon)
     for e, start in ((e, start) for e in effort.restitutions for start in references.STARTS):
         exact = [references.kept(n, e, start, horizon) + (n == "a2") for n in outputs]
@@ -248,8 +228,6 @@ def cooling(effort: Effort) -> Iterator[Work]:
 
 def position(effort: Effort) -> Iterator[Work]:
     """<r^2>(t) and kurtosis(t), <r^2>(t) among hard disks, and G(R) at e = 0.6, t = 300."""
-    from kinetics import Scene, solve
-
     yield from averages(effort, "<r^2>(t)", ("msd",), "short")
     yield from averages(effort, "kurtosis(t)", ("kurtosis",), "short")
     disks = Scene(E, DENSITY, times=np.geomspace(1.0, 1e8, 100), outputs=("msd",),
@@ -277,8 +255,6 @@ def position(effort: Effort) -> Iterator[Work]:
 
 def in_field(effort: Effort) -> Iterator[Work]:
     """The steady state in a uniform field against digits of a program of its own, l = g = 1."""
-    from kinetics import solve_field
-
     steady = {"drift": 0.501926119920, "mean_square_speed": 1.702146383757,
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
     yield from sweep(
@@ -288,12 +264,8 @@ def in_field(effort: Effort) -> Iterator[Work]:
 
 
 # -- what skipping saves, and particles -----------------------------------------------------------
-
-
 def skipping(effort: Effort) -> Iterator[Work]:
     """Each output of a scene alone; "everything" comes first."""
-    from kinetics import Scene, solve
-
     times = np.geomspace(1.0, 1e4, 20)
     isotropic = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
     position = ("msd", "kurtosis", "diffusion_coefficient", "position_density")
@@ -313,8 +285,6 @@ MEDIA = 4  # configurations of a run
 
 def throughput(effort: Effort) -> Iterator[Work]:
     """Runs of one and of two threads at e = 0.9: of one collision, to place scatterers; long."""
-    import particles as p
-
     count, space = 10_000, 0.1 / math.pi  # per d^3: l = 10 d
     media: dict[str, Any] = {
         **{f"hard disks, {n:g} per d^2": p.HardDisks(n, count) for n in (0.005, DENSITY, 0.5)},
@@ -338,20 +308,13 @@ CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
     "skipping": skipping, "particles": throughput,
 }  # fmt: skip
 
+
 # -- run ------------------------------------------------------------------------------------------
-
-
 def run_bench(
     quick: bool = False, cases: Iterable[str] | None = None,
     progress: Callable[[str, int], None] = lambda case, total: None,
-) -> BenchReport:  # fmt: skip
-    """Measure everything, or the named cases (see `CASES`), one after another.
-
-    The linear algebra has one thread. progress(name of the case, number of cases) is called as each
-    of them starts. Raises InputError for a case that does not exist.
-    """
-    from threadpoolctl import threadpool_limits
-
+) -> "BenchReport":  # fmt: skip
+    """Measure everything, or the named cases; progress(name of a case, number of cases)."""
     names = tuple(CASES if cases is None else cases)
     for wrong in set(names) - set(CASES):
         raise InputError(f"cases: got {wrong!r}; known are {', '.join(CASES)}")
@@ -377,8 +340,6 @@ def machine() -> Row:
 
 
 # -- tables and figure ----------------------------------------------------------------------------
-
-
 # columns of the table of all rows, beside those that no table shows
 TEXTS = ["section", "problem", "method", "setting", "status", "note", "threads"]
 NUMBERS = ["value", "seconds", "error", "asked"]
@@ -386,12 +347,7 @@ NUMBERS = ["value", "seconds", "error", "asked"]
 
 @dataclass(frozen=True)
 class BenchReport:
-    """A whole benchmark: rows, names of the cases that were run, processor and versions, s in all.
-
-    A row has the keys section, problem ("question: variant"), method, setting, value, seconds
-    (median; low and high: quartiles; wall, warm_up: of the clock), repeats, error, asked, status
-    ("measured", "failed"), note, threads, extra.
-    """
+    """A whole benchmark: rows (see `measure`), the cases that were run, the machine, s in all."""
 
     records: list[Row]
     quick: bool
@@ -401,11 +357,8 @@ class BenchReport:
 
     def rows(self, section: str, status: str = MEASURED) -> Any:
         """The rows of a section, a DataFrame; the question is the problem without its variant."""
-        from pandas import DataFrame
-
-        frame = DataFrame(self.records, columns=[*TEXTS, *NUMBERS]).astype(
-            dict.fromkeys(NUMBERS, float)
-        )
+        frame = DataFrame(self.records, columns=[*TEXTS, *NUMBERS])
+        frame = frame.astype(dict.fromkeys(NUMBERS, float))
         frame = frame[(frame["status"] == status) & frame["section"].str.startswith(section)]
         return frame.assign(question=frame["problem"].str.split(": ").str[0])
 
@@ -426,10 +379,12 @@ class BenchReport:
             f"# Benchmark{' (quick)' * self.quick}\n\n{about}. {self.seconds:.0f} s in all. Times "
             "are medians over repeats, in s: of the processor, of two threads by the clock.\n"
         )
+        saved, by = self.rows("skipping"), "everything over it"
+        saved[by] = saved.groupby("problem")["seconds"].transform("first") / saved["seconds"]
         failed = self.rows("", FAILED)[["problem", "method", "setting", "value", "note"]]
         for title, frame in (
             ("Run time for an error (inf: not reached)", self._run_times()),
-            ("What skipping saves", self._skipping()),
+            ("What skipping saves", saved[["problem", "method", "seconds", "everything over it"]]),
             ("Particles, e = 0.9", self._particles()),
             ("Failed", failed),
         ):
@@ -448,15 +403,8 @@ class BenchReport:
         frame["error over asked"] = frame["error"] / frame["asked"]
         return table.join(frame.groupby(by[:2])["error over asked"].max()).reset_index()
 
-    def _skipping(self) -> Any:
-        frame = self.rows("skipping")
-        ratio = frame.groupby("problem")["seconds"].transform("first") / frame["seconds"]
-        return frame[["problem", "method", "seconds"]].assign(**{"everything over it": ratio})
-
     def _particles(self) -> Any:
         """Rates from the difference of the long run and that of one collision."""
-        from pandas import DataFrame
-
         frame = self.rows("particles").set_index(["problem", "threads"])
         placing, long = (frame[frame["method"] == part] for part in ("placing", "run"))
         rate = (long["value"] - placing["value"]) / (long["seconds"] - placing["seconds"])
@@ -468,8 +416,6 @@ class BenchReport:
         frame = self.rows("precision")
         if not len(frame):
             return None
-        from matplotlib.figure import Figure
-
         frame["error"] = frame["error"].clip(1e-16, 10.0)
         file, panels, legend = io.StringIO(), frame.groupby("question", sort=False), {}
         rows = math.ceil(len(panels) / 3)

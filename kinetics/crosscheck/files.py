@@ -17,16 +17,13 @@ from kinetics.results import write_whole
 def require_writable_folder(folder: Path) -> None:
     """Raise ValueError, naming the folder, unless files could be created in it. Leaves nothing.
 
-    Asked before long work starts. The folder itself may be new, then the one that it is to be made
-    in is tried, and nothing is created; but that one must exist.
+    Asked before long work starts. The folder may be new, then the one that it is to be made in is
+    tried; but that one must exist.
     """
-    existing = folder
-    if not folder.exists() and not folder.is_symlink():
-        existing = folder.parent
-        if not existing.exists() and not existing.is_symlink():
-            raise ValueError(_missing(folder, existing))
+    new = not folder.exists() and not folder.is_symlink()
+    _require_parent(folder, folder.parent if new else folder)
     try:
-        with tempfile.TemporaryFile(dir=existing):
+        with tempfile.TemporaryFile(dir=folder.parent if new else folder):
             pass
     except OSError as error:
         raise ValueError(
@@ -36,9 +33,8 @@ def require_writable_folder(folder: Path) -> None:
 
 
 def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None:
-    """Raise ValueError, naming the option, unless this file could be made in its folder.
-
-    Asked before long work starts. The folder must be there; endings: those that are allowed.
+    """Raise ValueError, naming the option, unless this file, with one of these endings, could be
+    made in its folder, which must be there.
     """
     if not file.name or (endings and file.suffix.lower() not in endings):
         what = f"end in {', '.join(endings)}" if endings else "be the name of a file"
@@ -46,25 +42,23 @@ def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None
     if file.exists() and not file.is_file():
         kind = "folder" if file.is_dir() else "device"
         raise ValueError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
-    if not file.parent.exists():
-        raise ValueError(_missing(file, file.parent))
+    _require_parent(file, file.parent)
     require_writable_folder(file.parent)
 
 
-def _missing(asked: Path, folder: Path) -> str:
-    return (
-        f"output {str(asked)!r} cannot be written: its folder does not exist; make it first: "
-        f"mkdir -p {folder}"
-    )
+def _require_parent(asked: Path, folder: Path) -> None:
+    if not folder.exists() and not folder.is_symlink():
+        raise ValueError(
+            f"output {str(asked)!r} cannot be written: its folder does not exist; make it first: "
+            f"mkdir -p {folder}"
+        )
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
-    """Write all files into the folder, or none of them; returns their paths.
+    """Write all files into the folder, or none of them; returns their paths, or ValueError.
 
-    Every file is complete on disk before the first takes its final name, so an interruption while
-    writing leaves what stood there before. Where a symbolic link stands, the file that it points to
-    is replaced, and the link stays. Missing folders are created, and removed again if nothing comes
-    of it. ValueError if the folder cannot be written.
+    Each is complete on disk before the first takes its final name. Links are followed. Missing
+    folders are created, and removed again if nothing comes of it.
     """
     created = [p for p in (folder, *folder.parents) if not p.exists()]
     try:
@@ -85,10 +79,7 @@ def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Pa
 
 
 def plain(value: Any) -> Any:
-    """The value with arrays as lists, NumPy's numbers as Python's, and None for non-finite ones.
-
-    Dataclasses become dictionaries of their fields.
-    """
+    """With arrays as lists, dataclasses as dictionaries, None for numbers that are not finite."""
     if is_dataclass(value):
         return plain(vars(value))
     if isinstance(value, Mapping):

@@ -1,13 +1,10 @@
 """The stability sweep: solvers and particles at their limits, a verdict for each case.
 
 A row of the table in `all_cases` is the name of a group, the work of its cases, and the values of
-each argument of the work; every choice of these values is a case. The work gives an `Outcome`: the
-error asked for, the error reached, against `digits` or `limits` known apart from the solver or
-against a `tighter` solution, and how well it keeps what every answer must keep (`invariants`,
-`of_particles`). The tests with random arguments, in tests/fuzz, ask for the same.
+each argument of the work; every choice of these is a case. The work gives an `Outcome`: the error
+asked for, the error reached, against `digits` or `limits` known apart from the solver or against a
+`tighter` solution, and what every answer must keep (`invariants`, `of_particles`).
 """
-
-from __future__ import annotations
 
 import math
 import time
@@ -16,10 +13,14 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
+import kinetics
+import particles
+from kinetics import Beam, Gaussian, Monoenergetic, SpeedSamples, SpeedTable
 from kinetics.collision import CollisionLaw
 from kinetics.crosscheck import references
 from kinetics.crosscheck.files import dumps, markdown_table
@@ -43,23 +44,20 @@ VERDICTS = {
 ACCEPTED = (HOLDS, CAREFUL, SAYS_SO)
 LONGEST = 60.0  # s of processor time that one case may take
 
+
 # -- a case and its verdict -----------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """What a run gave."""
 
     asked: float = math.inf  # where no error was asked for
     reached: float = math.nan  # where there is no reference; infinite for no finite answer
     converged: bool = True  # as the status claims
     known_to: float = 0.0  # the error of the reference itself
-    invariants: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    invariants: Mapping[str, tuple[float, float]] = {}
     note: str = ""
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(NamedTuple):
     """A case that has not been run."""
 
     group: str
@@ -83,10 +81,7 @@ def judge(outcome: Outcome, seconds: float) -> str:
 
 
 def attempt(case: Case) -> dict[str, Any]:
-    """Run one case; the row of it. Nothing that it does stops the sweep, except an interruption.
-
-    The invariant is the worst one; seconds are of processor time.
-    """
+    """The row of one case, with its worst invariant; only an interruption stops the sweep."""
     begin, outcome = time.process_time(), Outcome()
     try:
         with warnings.catch_warnings():
@@ -111,8 +106,6 @@ def attempt(case: Case) -> dict[str, Any]:
 
 
 # -- what every answer must keep ------------------------------------------------------------------
-
-
 def below(values: Any, least: float = 0.0) -> float:
     """How far the smallest value is below the least that is allowed; 0 if it is not."""
     return max(0.0, least - float(np.min(values, initial=math.inf)))
@@ -134,9 +127,11 @@ def invariants(found: Any) -> Violations:
     scene, values, times = found.scene, found.values, np.asarray(found.times)
     error = max(found.rtol, found.error_estimate)
     slack = 4.0 * error + 1e-12
-    infinite = {name: float(np.sum(~np.isfinite(array))) for name, array in values.items()}
-    kept: Violations = {f"{name} is finite": (n, 0.0) for name, n in infinite.items()}
-    if any(infinite.values()):
+    kept: Violations = {
+        f"{name} is finite": (float(np.sum(~np.isfinite(array))), 0.0)
+        for name, array in values.items()
+    }
+    if any(count for count, _ in kept.values()):
         return kept
 
     def keep(name: str, needs: str, violation: Callable[..., float], most: float = slack) -> None:
@@ -201,21 +196,15 @@ def of_particles(run: Any, first: Any = None) -> Violations:
 
 
 # -- starts, and references: the error of a Solution, whose start has this name ------------------
-
-
 @cache
 def closed_form(law: CollisionLaw) -> Any:
     """The scaling state, which shares nothing with the solvers."""
-    from kinetics import ScalingSolution
-
-    return ScalingSolution(**law.arguments)
+    return kinetics.ScalingSolution(**law.arguments)
 
 
 @cache
 def starts() -> dict[str, Any]:
     """Initial states by name, beside those that have one: of other units, directed, and rough."""
-    from kinetics import Beam, Gaussian, Monoenergetic, SpeedSamples, SpeedTable
-
     return {
         "gaussian of 1e-150": Gaussian(1e-150, 1e-150),
         "gaussian of 1e150": Gaussian(1e150, 1e150),
@@ -232,11 +221,7 @@ def starts() -> dict[str, Any]:
 
 
 def doubled(found: Any, start: str) -> float:
-    """Error of the distribution function of the conservative scheme against twice as many nodes,
-    and of its mass; the density is linear in ln v between nodes.
-    """
-    import kinetics
-
+    """Error of the conservative scheme's distribution, against twice the nodes, and of its mass."""
     finer = kinetics.solve(found.scene, found.rtol, "conservative", 2 * found.nodes)
     v0 = found.thermal_speed
     v = np.geomspace(1e-8 * v0[-1], 1e6 * v0[0], max(200_001, 400 * found.nodes + 1))
@@ -258,8 +243,8 @@ def tighter(found: Any, start: str) -> float:
 
 
 def limits(found: Any, start: str) -> float:
-    """The difference to a `tighter` solution, or the error of v0, a2 and the slope of <r^2> against
-    the scaling state, at the times at which the start is forgotten; the larger of both.
+    """The difference to a `tighter` solution, or, if larger, the error of v0, a2 and the slope of
+    <r^2> against the scaling state at the times at which the start is forgotten.
     """
     scene, times, v0 = found.scene, found.times, found.thermal_speed
     law, path = scene.law, scene.mean_free_path
@@ -282,17 +267,15 @@ def limits(found: Any, start: str) -> float:
 
 def again(found: Any, rtol: float) -> Any:
     """The scene of a Solution once more, to another rtol, with the thermal speed."""
-    import kinetics
-
-    outputs = dict.fromkeys(("thermal_speed", *found.scene.outputs))
-    return kinetics.solve(replace(found.scene, outputs=tuple(outputs)), rtol)
+    outputs = tuple(dict.fromkeys(("thermal_speed", *found.scene.outputs)))
+    return kinetics.solve(replace(found.scene, outputs=outputs), rtol)
 
 
 def apart(found: Any, finer: Any) -> float:
     """The largest error of a Solution, a finer one of the same scene taken as exact.
 
-    Averages relative to their size (a2 to 1 + a2, vectors to their lengths), densities relative to
-    their maximum, those of the speed below 1e-2 of the thermal speed as densities of ln v.
+    Averages relative to their size (vectors to their lengths), densities to their maximum, those of
+    the speed below 1e-2 of the thermal speed as densities of ln v.
     """
     v0, errors = finer.thermal_speed, []
     sizes = {
@@ -304,9 +287,9 @@ def apart(found: Any, finer: Any) -> float:
     }
     with np.errstate(all="ignore"):
         for name, values in found.values.items():
-            exact = finer.values[name]
-            change = np.abs(values - exact) / sizes.get(name, np.abs)(exact)
-            errors.append(np.where(np.abs(values - exact) < 1e-300, 0.0, change))
+            change, exact = np.abs(values - finer.values[name]), finer.values[name]
+            relative = change / sizes.get(name, np.abs)(exact)
+            errors.append(np.where(change < 1e-300, 0.0, relative))
     c, R = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)]), np.linspace(0.0, 8.0, 400)
     outputs, k = found.scene.outputs, np.array([1e-3, 0.1, 2.0])
     for i, unit in enumerate(v0):
@@ -314,19 +297,16 @@ def apart(found: Any, finer: Any) -> float:
             f, exact = (one.speed_density(unit * c)[i] for one in (found, finer))
             errors.append((f - exact) * np.minimum(1.0, c / 1e-2) / exact.max())
         if "position_density" in outputs and found.times[i] > 0.0:
-            f, exact = (one.scaled_position_density(R)[i] for one in (found, finer))
-            errors.append(f - exact)
+            errors.append(np.subtract(*(x.scaled_position_density(R)[i] for x in (found, finer))))
     if "intermediate_scattering" in outputs:
         for at in (None, 0.3):
-            F, exact = (one.intermediate_scattering(k, direction=at) for one in (found, finer))
-            errors.append(F - exact)
+            both = (one.intermediate_scattering(k, direction=at) for one in (found, finer))
+            errors.append(np.subtract(*both))
     return largest(*errors, 0.0)
 
 
 def steady_errors(found: Any) -> tuple[float, float]:
-    """Errors of a FieldState in two exact relations, infinite where a number is not finite:
-    <v^2 cos> = 1/lambda_1(1) and 2 <v_x> = lambda(2) <v^3>.
-    """
+    """Errors of a FieldState in <v^2 cos> = 1/lambda_1(1) and 2 <v_x> = lambda(2) <v^3>."""
     fixed = found.moment(2.0, 1) * float(found.law.harmonic_decay_rate(1.0, 1)) - 1.0
     energy = float(found.law.decay_rate(2.0)) * found.moment(3.0) / (2.0 * found.drift) - 1.0
     finite = math.isfinite(fixed + energy + found.mean_square_speed + found.mean_speed)
@@ -334,15 +314,11 @@ def steady_errors(found: Any) -> tuple[float, float]:
 
 
 # -- work of the cases ----------------------------------------------------------------------------
-
-
 def scene(
     reference: Callable[[Any, str], float], law: CollisionLaw, start: str, times: Any,
     outputs: tuple[str, ...], rtol: float, nodes: Any = None, method: Any = None, **sizes: Any,
 ) -> Outcome:  # fmt: skip
     """A scene over time against a reference."""
-    import kinetics
-
     state: Any = starts().get(start, start)
     asked = kinetics.Scene(law, initial=state, times=times, outputs=outputs, **sizes)
     try:
@@ -363,10 +339,8 @@ def scene(
 
 def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:
     """h, a2 and F, relative to itself, against closed forms; norm, <c^2> = 1 and sign of F."""
-    from kinetics import solve_scaled
-
     c, known = np.geomspace(0.05, 30.0, 400), closed_form(law)  # et = 0: slow nearer to 0
-    state, exact = solve_scaled(law, rtol, nodes), known.vdf(c)
+    state, exact = kinetics.solve_scaled(law, rtol, nodes), known.vdf(c)
     seen = exact > 1e-95 * exact[c > 0.3].max()  # the solver ends at 1e-100
     F = np.where(seen, state.reached_vdf(c), 0.0)  # 0 where few nodes do not reach
     h, a2 = state.cooling_rate / known.cooling_rate, (1.0 + state.a2) / (1.0 + known.a2)
@@ -381,9 +355,7 @@ def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:
 
 def steady(law: CollisionLaw, rtol: float) -> Outcome:
     """The steady state in a field against two exact relations."""
-    from kinetics import solve_field
-
-    found = solve_field(law, rtol=rtol)
+    found = kinetics.solve_field(law, rtol=rtol)
     kept = {"<v_x>^2 <= <v_x^2>": (above(found.drift / math.sqrt(found.mean_square_along)), 0.0)}
     done = found.status.name == "CONVERGED"
     return Outcome(rtol + 1e-12, largest(steady_errors(found)), done, invariants=kept)
@@ -391,8 +363,6 @@ def steady(law: CollisionLaw, rtol: float) -> Outcome:
 
 def fly(law: CollisionLaw, medium: str, tracers: int, most: int, times: Any = None) -> Outcome:
     """Many tracers, or many collisions of a few: speeds are as the losses make them."""
-    import particles
-
     kind, density = medium.split()
     size: Any = {"dimension": law.dimension} if kind == "BoltzmannGrad" else {"count": 2_000}
     run = particles.simulate(
@@ -419,10 +389,8 @@ def fly(law: CollisionLaw, medium: str, tracers: int, most: int, times: Any = No
 
 def grazing(e: float, gap: float) -> Outcome:
     """A tracer flies past one disk, its centre 1 + gap from the path: it hits if gap < 0."""
-    from particles import Positions, simulate
-
-    medium = Positions(np.array([[15.0, 11.0 + gap]]), box_side=20.0, start=(10.0, 10.0))
-    run = simulate(
+    medium = particles.Positions(np.array([[15.0, 11.0 + gap]]), box_side=20.0, start=(10.0, 10.0))
+    run = particles.simulate(
         medium, e, np.array([[1.0, 0.0]]), [4.0, 8.0, 1e3], media=1, tracers=1, workers=1,
         max_collisions=10_000, observables=("finals",),
     )  # fmt: skip
@@ -437,8 +405,6 @@ def grazing(e: float, gap: float) -> Outcome:
 
 
 # -- the table ------------------------------------------------------------------------------------
-
-
 def all_cases(quick: bool) -> list[Case]:
     """Every case of a sweep, not run: every choice of the values in each row of the table."""
     cases: list[Case] = []
@@ -535,14 +501,9 @@ def all_cases(quick: bool) -> list[Case]:
 
 
 # -- run and report -------------------------------------------------------------------------------
-
-
 @dataclass
 class StressReport:
-    """The cases of a sweep in the order in which they were run; s, and s of processor time.
-
-    not_run : how many more an interruption left out
-    """
+    """The cases of a sweep as they were run, how many were not; s, and s of processor time."""
 
     quick: bool
     not_run: int
@@ -565,16 +526,14 @@ class StressReport:
 
     def markdown(self, every_case: bool = False) -> str:
         """A row for each group; then the cases that are not accepted, or every case."""
-        from pandas import DataFrame, crosstab
-
         text = (
             f"# Stability sweep{' (quick)' * self.quick}\n\n{len(self.cases)} cases in "
             f"{self.seconds:.0f} s, {self.processor_seconds:.0f} s of processor time; "
             f"{len(self.rejected)} did not end as they must, {self.not_run} were not run.\n\n"
         )
         if self.cases:
-            frame = DataFrame(self.cases)
-            counts = crosstab(frame["group"], frame["verdict"], margins=True, margins_name="all")
+            frame = pd.DataFrame(self.cases)
+            counts = pd.crosstab(frame["group"], frame["verdict"], margins=True, margins_name="all")
             counts = counts.reindex(columns=["all", *VERDICTS], fill_value=0)
             counts["slowest [s]"] = frame.groupby("group")["seconds"].max()
             text += markdown_table(counts.reset_index()) + "\n"
@@ -584,7 +543,7 @@ class StressReport:
             ("Every case", self.cases if every_case else ()),
         ):
             if shown:
-                text += f"\n## {title}\n\n{markdown_table(DataFrame(shown))}"
+                text += f"\n## {title}\n\n{markdown_table(pd.DataFrame(shown))}"
         return text
 
 
@@ -593,18 +552,15 @@ def run_stress(
     progress: Callable[[str, int], None] = lambda group, total: None,
     interrupted: Callable[[StressReport], None] = lambda report: None,
 ) -> StressReport:  # fmt: skip
-    """Run the sweep, or the named groups of it.
+    """Run the sweep, or the named groups; progress(group, number of cases) before each case.
 
-    progress(name of the group, number of cases in all) is called before each case. After Ctrl-C or
-    SIGTERM interrupted(report of the cases that have been run) is called, and the exception goes
-    on. Raises InputError for a group that does not exist.
+    interrupted(report of what has been run) is called after Ctrl-C or SIGTERM, which goes on.
     """
     chosen = all_cases(quick)
     names = dict.fromkeys(case.group for case in chosen)
     for group in set(groups or ()) - set(names):
         raise InputError(f"groups: got {group!r}; known are {', '.join(map(repr, names))}")
-    if groups is not None:
-        chosen = [case for case in chosen if case.group in groups]
+    chosen = [case for case in chosen if groups is None or case.group in groups]
     report = StressReport(quick, len(chosen))
     begin, processor = time.perf_counter(), time.process_time()
     try:

@@ -2,16 +2,13 @@
 
 Three kinds of comparison have three kinds of verdict:
 
-- *statistical*: an estimate with a standard error against a theory without one. The error is a
-  jackknife over independent groups of tracers, so that the deviation in sigmas has Student's
-  distribution with one degree of freedom less than there are groups. A row that looks at several
-  times or bins takes the worst of them, so that its two-sided p-value is multiplied by the number
-  of looks (Bonferroni, which holds under any correlation between them). The thresholds look at the
-  Gaussian sigmas of that p-value. A report holds many rows: by chance alone about one row in 80 is
-  unclear, while the higher threshold keeps a wrong "differs" out of 99 in 100 reports of 150 rows;
+- *statistical*: an estimate against a theory. Its error is a jackknife over independent groups, so
+  that the deviation in sigmas has Student's distribution with one degree of freedom less than there
+  are groups. A row that looks at several times or bins takes the worst, its p-value multiplied by
+  the number of looks (Bonferroni). Thresholds are Gaussian sigmas of that p-value: by chance about
+  one row in 80 is unclear, and 99 in 100 reports of 150 rows have no wrong "differs";
 - *numerical*: a solver against a closed form, within the tolerance that was asked for;
-- *approximation*: a printed formula against the exact value. It claims no error of its own, so the
-  verdict only says how far off it is.
+- *approximation*: a printed formula against the exact value, which claims no error of its own.
 """
 
 import math
@@ -21,12 +18,10 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-AGREES_BELOW = 2.5
-"""Corrected sigmas below which data and theory agree (p > 0.012)."""
-DIFFERS_ABOVE = 4.0
-"""Corrected sigmas from which on data and theory differ (p < 6.4e-5)."""
+AGREES_BELOW = 2.5  # corrected sigmas below which data and theory agree (p > 0.012)
+DIFFERS_ABOVE = 4.0  # corrected sigmas from which on data and theory differ (p < 6.4e-5)
+# relative deviations below which a printed approximation is called close, and rough
 CLOSE_BELOW, ROUGH_BELOW = 0.02, 0.10
-"""Relative deviations below which a printed approximation is called close, and rough."""
 
 
 class Verdict(StrEnum):
@@ -60,8 +55,7 @@ MEANING: dict[Verdict, str] = {
 def worst(values: ArrayLike, errors: ArrayLike, theory: ArrayLike) -> tuple[int, float, int] | None:
     """The look of one row that deviates most: its index, its sigmas, and out of how many looks.
 
-    A look without a positive error (no sample has moved yet), a value or a theory is left out;
-    None where there is no other.
+    None where no look has a positive error, a value and a theory.
     """
     v, s, t = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (values, errors, theory)))
     usable = np.flatnonzero((s > 0) & np.isfinite(s) & np.isfinite(v) & np.isfinite(t))
@@ -112,8 +106,7 @@ def judge_approximation(deviation: float) -> Verdict:
 
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PLAIN = range(-4, 6)
-"""Powers of ten that are written out."""
+_PLAIN = range(-4, 6)  # powers of ten that are written out
 
 
 def numeral(value: float, form: str) -> str:

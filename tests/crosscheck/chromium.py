@@ -12,6 +12,7 @@ FLAGS = (
     "--disable-background-networking --disable-component-update --disable-dev-shm-usage "
     "--remote-debugging-pipe"
 )
+COMPLAINTS = ("Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown")
 
 
 @dataclass
@@ -46,14 +47,8 @@ class Browser:
         os.close(self._read)
         os.close(self._write)
 
-    def visit(
-        self, page: Path, width: int, questions: dict[str, str], dark: bool = False,
-        media: str = "screen",
-    ) -> Visit:  # fmt: skip
-        """Open a file at a width in pixels; `questions` are expressions of JavaScript.
-
-        media: "screen" or "print".
-        """
+    def visit(self, page: Path, width: int, questions: dict[str, str], dark: bool) -> Visit:
+        """Open a file at a width in pixels; `questions` are expressions of JavaScript."""
         seen, scheme = Visit(), "dark" if dark else "light"
         target = self._ask("Target.createTarget", url="about:blank")["targetId"]
         session = self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
@@ -61,8 +56,8 @@ class Browser:
             self._ask(f"{part}.enable", session)
         self._ask("Emulation.setDeviceMetricsOverride", session, width=width, height=900,
                   deviceScaleFactor=1, mobile=width < 500)  # fmt: skip
-        self._ask("Emulation.setEmulatedMedia", session, media=media,
-                  features=[{"name": "prefers-color-scheme", "value": scheme}])  # fmt: skip
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self._ask("Emulation.setEmulatedMedia", session, features=features)
         self._waiting.clear()
         self._ask("Page.navigate", session, url=page.resolve().as_uri())
         while not any(m.get("method") == "Page.loadEventFired" for m in self._waiting):
@@ -74,11 +69,7 @@ class Browser:
             method, params = message.get("method"), message.get("params", {})
             if method == "Network.requestWillBeSent":
                 seen.requests.append(params["request"]["url"])
-            elif method in (
-                "Log.entryAdded",
-                "Runtime.consoleAPICalled",
-                "Runtime.exceptionThrown",
-            ):
+            elif method in COMPLAINTS:
                 seen.complaints.append(json.dumps(params))
         self._waiting.clear()
         self._ask("Target.closeTarget", targetId=target)

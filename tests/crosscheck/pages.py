@@ -76,14 +76,13 @@ def check_alone(text: str, figures: int) -> Page:
 
 
 def check_in_browser(
-    browser: Any, path: Path, figures: int, width: int, dark: bool = False,
-    media: str = "screen", more: dict[str, str] | None = None,
-) -> dict[str, Any]:  # fmt: skip
+    browser: Any, path: Path, figures: int, width: int, dark: bool, more: dict[str, str]
+) -> dict[str, Any]:
     """Nothing is loaded or complained of, and only tables scroll sideways, in boxes of their own.
 
     Returns the answers to QUESTIONS and to `more`, expressions of JavaScript.
     """
-    seen = browser.visit(path, width, QUESTIONS | (more or {}), dark, media)
+    seen = browser.visit(path, width, QUESTIONS | more, dark)
     found: dict[str, Any] = seen.answers
     assert seen.complaints == []
     assert [r for r in seen.requests if not r.startswith("data:")] == [path.resolve().as_uri()]
@@ -96,5 +95,5 @@ def check_in_browser(
     assert min(found["paths"]) > 5
     assert min(found["maths"], default=20) > 10
     assert found["wide"] <= width
-    assert (found["background"] == "rgb(20, 23, 27)") is (dark and media == "screen")
+    assert (found["background"] == "rgb(20, 23, 27)") is dark
     return found

@@ -55,11 +55,8 @@ def test_the_first_call_is_no_time_and_quick_work_is_repeated(seconds: float, re
 
 def test_a_failure_is_a_row() -> None:
     row = Clock().measure(0.1, fails_at=3, least=4, most=4)
-    assert (row["status"], row["note"], row["seconds"]) == (
-        FAILED,
-        "ArithmeticError: lost it",
-        None,
-    )
+    expected = (FAILED, "ArithmeticError: lost it", None)
+    assert (row["status"], row["note"], row["seconds"]) == expected
 
 
 def test_errors_are_root_mean_squares_over_seeds_and_finite() -> None:
@@ -69,9 +66,6 @@ def test_errors_are_root_mean_squares_over_seeds_and_finite() -> None:
     assert measure(work, once)["error"] == pytest.approx(math.sqrt(np.mean(np.arange(1.0, 8) ** 2)))
     way = (SPECTRAL, "rtol", [0.0, np.nan], lambda x: np.array([x, 1.0]))
     assert [measure(work, once)["status"] for work in sweep("p", max, way)] == [MEASURED, FAILED]
-
-
-# -- methods that are only here -------------------------------------------------------------------
 
 
 @pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")
@@ -99,9 +93,6 @@ def test_the_error_of_a_histogram_is_what_was_put_in() -> None:
         histogram = SimpleNamespace(edges=edges * v0, probability=found)
         found = histogram_error(histogram, v0, x, exact.vdf(x), d=2)
         assert found == pytest.approx(error, abs=1e-3)
-
-
-# -- a case, and the tables -----------------------------------------------------------------------
 
 
 def test_every_method_and_question_is_among_the_cases() -> None:
@@ -155,16 +146,8 @@ def test_every_section_has_its_table_and_failures_are_listed() -> None:
         row_of("skipping", "scene", "a2", 1e-3),
         row_of("particles", "disks", "placing", 1.0, value=1e6),
         row_of("particles", "disks", "run", 2.0, value=43e6),
-        row_of(
-            "precision",
-            "r",
-            SPECTRAL,
-            1.0,
-            status=FAILED,
-            note="lost",
-            setting="nodes",
-            value=3,
-        ),
+        row_of("precision", "r", SPECTRAL, 1.0, setting="nodes", value=3)
+        | {"status": FAILED, "note": "lost"},
     ).markdown()
     assert text.count("\n## ") == 4
     for line in (

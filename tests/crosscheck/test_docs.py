@@ -55,17 +55,6 @@ def test_a_block_that_prints_something_else_is_noticed(tmp_path: Path) -> None:
             cells.run_page(page, tmp_path)
 
 
-def test_the_commands_of_the_readme_stand_alone_on_their_lines() -> None:
-    lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
-    assert "python -m pip install -e . && lorentz report" in lines
-    assert "python -m pip install -e '.[test]' && python -m pytest -n auto" in lines
-    assert (
-        "python -m pip install -e '.[docs]' && python -m sphinx -W examples/docs build/docs"
-        in lines
-    )
-    assert len(lines) <= 120
-
-
 def test_every_file_that_a_page_names_exists() -> None:
     for name in ("README.md", *(f"examples/docs/{page}" for page in PAGES)):
         text = (ROOT / name).read_text(encoding="utf-8")

@@ -9,12 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pandas import DataFrame
 
 from kinetics.crosscheck import files
 from kinetics.crosscheck.files import (
     dumps,
-    markdown_table,
     require_file,
     require_writable_folder,
     write_together,
@@ -117,10 +115,3 @@ def test_a_folder_without_permission_is_refused(tmp_path: Path) -> None:
 def test_json_has_no_numpy_and_no_nan() -> None:
     value = {"a": np.array([1.0, np.nan]), "b": (np.float64(2), np.int32(3)), 4: float("inf")}
     assert json.loads(dumps(value)) == {"a": [1.0, None], "b": [2.0, 3], "4": None}
-
-
-def test_a_markdown_table() -> None:
-    frame = DataFrame({"a": [1, 2], "b": ["|F|", ""], "c": [1.234e-5, 0.5]})
-    assert markdown_table(frame).splitlines() == [
-        "| a | b | c |", "| --- | --- | --- |", "| 1 | \\|F\\| | 1.2e-05 |", "| 2 |  | 0.5 |",
-    ]  # fmt: skip

@@ -5,16 +5,14 @@ import math
 import signal
 import warnings
 from collections.abc import Callable
-from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
-import mpmath as mp
 import numpy as np
 import pytest
 
 import kinetics
-from kinetics import Beam, CollisionLaw, InputError, Monoenergetic, ScalingSolution, Scene, solve
+from kinetics import Beam, InputError, Monoenergetic, Scene, solve
 from kinetics.crosscheck import stress
 from kinetics.crosscheck.stress import (
     ACCEPTED,
@@ -84,51 +82,6 @@ def test_the_worst_invariant_is_shown() -> None:
     assert (case["verdict"], case["invariant"]) == (BROKEN, "a")
 
 
-def scaling(law: CollisionLaw) -> tuple[float, float, float, float]:
-    """h, 1 + a2, kappa and d<r^2>/d ln t in l^2 of the scaling state; not elastic.
-
-    In 30 digits, so that no e is near a limit of doubles: integrals over the impact parameter y
-    from 0 to 1, s^2 = e^2 + (et^2 - e^2) y^2 and s cos(chi) = -e + (e + et) y^2, y uniform among
-    disks, y^2 among spheres; sums for samples. 1 + a2 = 6 d/(d+2) kappa lambda(1)/(lambda(2)
-    lambda(3)) in any dimension.
-    """
-    d, q = law.dimension, law.quadrature
-    with mp.workdps(30):
-        e, et = mp.mpf(law.restitution or 0.0), mp.mpf(float(law.tangential_restitution or 0.0))
-        edges = [0, *(mp.mpf(10) ** -k for k in range(12, 0, -1)), mp.mpf(1) / 2, 1]
-        terms = [] if law.restitution is not None else [
-            tuple(mp.mpf(float(x)) for x in row)
-            for row in zip(q.weight / q.weight.sum(), q.ratio, q.cosine, strict=True)
-        ]  # fmt: skip
-
-        def mean(f: Callable[[Any, Any], Any]) -> Any:
-            def at(y: Any) -> Any:
-                s = mp.sqrt(e**2 * (1 - y**2) + et**2 * y**2)
-                return f(s, (-e * (1 - y**2) + et * y**2) / s) * (1 if d == 2 else 2 * y)
-
-            return mp.fsum(w * f(s, c) for w, s, c in terms) if terms else mp.quad(at, edges)
-
-        one, two, three = (mean(partial(lambda p, s, _: 1 - s**p, p)) for p in (1, 2, 3))
-        kappa, turn = mean(lambda s, _: -mp.log(s)), mean(lambda _, c: 1 - c)
-        a2 = mp.mpf(6 * d) / (d + 2) * kappa * one / (two * three)
-        return tuple(map(float, (2 * mp.sqrt(kappa * one), a2, kappa, 2 / (kappa * turn))))  # type: ignore[return-value]
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        *(CollisionLaw(e) for e in (0.0, 1e-8, 0.3, 0.9, 0.999)), CollisionLaw(1e-10, dimension=3),
-        CollisionLaw(0.7, 0.8, 3), CollisionLaw(1.0, 0.8),
-        CollisionLaw.from_samples([0.2, 0.8], [0.9, 0.5], [-1.0, 0.5]),
-    ],
-    ids=str,
-)  # fmt: skip
-def test_integrals_over_the_impact_parameter_give_the_closed_forms(law: CollisionLaw) -> None:
-    known = ScalingSolution(**law.arguments)
-    expected = (known.cooling_rate, 1 + known.a2, law.mean_log_loss, known.diffusion_slope)
-    assert scaling(law) == pytest.approx(expected, rel=1e-12)
-
-
 @pytest.mark.parametrize("quick", [True, False])
 def test_cases_have_names_of_their_own(quick: bool) -> None:
     names = [(case.group, case.name) for case in all_cases(quick)]
@@ -141,11 +94,8 @@ def named(group: str, *parts: str) -> Case:
     return next(c for c in cases if all(part in c.name for part in parts))
 
 
-LOOSE = (
-    "conservative density",
-    "position density",
-    "over time in a field",
-)  # 1e-3 is asked, or more
+# 1e-3 is asked, or more
+LOOSE = ("conservative density", "position density", "over time in a field")
 DISKS, ROUGH = "=0.7),", "(restitution=0.7, tangential_restitution=0.8, dimension=3)"
 BEGIN = "start = gaussian"
 
@@ -226,13 +176,6 @@ def test_a_case_of_each_other_group(group: str, parts: tuple[str, ...]) -> None:
     assert attempt(named(group, *parts))["verdict"] in ACCEPTED
 
 
-def test_every_solver_medium_and_dimension_is_driven() -> None:
-    names = " ".join(f"{case.group}: {case.name}" for case in all_cases(True))
-    media = "Poisson", "HardDisks", "HardSpheres", "PoissonSpheres", "BoltzmannGrad"
-    solvers = "scaled eq", "cooling", "spectral", "conservative", "position", "scattering", "steady"
-    assert all(word in names for word in (*media, *solvers, "field", "grazing", "dimension=3"))
-
-
 @pytest.mark.slow
 def test_the_quick_sweep() -> None:
     assert run_stress(quick=True).rejected == []
@@ -268,9 +211,6 @@ def test_the_invariants_see_what_is_violated() -> None:
         "scene", "times", "rtol", "error_estimate", "moment")}, "values": values})  # fmt: skip
     violated = {name for name, (v, allowed) in invariants(bad).items() if v > allowed}
     assert {"thermal_speed does not grow", "msd does not fall", "kurtosis >= 1"} <= violated
-
-
-# -- the command ----------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -46,7 +46,6 @@ def test_true_theories_rarely_fail() -> None:
 @pytest.mark.parametrize(
     ("verdict", "expected"),
     [
-        (judge_sigmas(0.0), "agrees"),
         (judge_sigmas(math.nextafter(AGREES_BELOW, 0)), "agrees"),
         (judge_sigmas(AGREES_BELOW), "unclear"),
         (judge_sigmas(math.nextafter(DIFFERS_ABOVE, 0)), "unclear"),
@@ -57,7 +56,6 @@ def test_true_theories_rarely_fail() -> None:
         (judge_approximation(-0.019), "close"),
         (judge_approximation(0.03), "rough"),
         (judge_approximation(-0.2), "far"),
-        (judge_approximation(math.nan), "undefined"),
     ],
 )
 def test_verdicts_follow_the_thresholds(verdict: Verdict, expected: str) -> None:
@@ -75,12 +73,10 @@ def test_the_worst_look_is_found_and_unusable_ones_are_left_out() -> None:
     ("shown", "expected"),
     [
         (number(12.34567, 0.0123), "12.346 ± 0.012"),
-        (number(1234.5, 123.0), "1234 ± 123"),
         (number(None), "–"),
         (number(0.123456789), "0.123457"),
         (number(-0.173316), "−0.173316"),
         (number(2.2e7), "2.2·10⁷"),
-        (number(5177.61, digits=3), "5180"),
         (number(-1.5, 0.5, "+"), "−1.50 ± 0.50"),
         (numeral(1e-10, "g"), "10⁻¹⁰"),
         (numeral(2200, ".2g"), "2200"),

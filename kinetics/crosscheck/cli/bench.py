@@ -1,7 +1,5 @@
 """The commands `bench` and `stress`: measure, print the tables, and write them."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any

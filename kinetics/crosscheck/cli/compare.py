@@ -1,7 +1,5 @@
 """The command `lorentz compare`. What it needs is imported when it runs: --help stays quick."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +65,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--columns", default="", metavar="NAME=THEIRS,...",
         help="Names of columns in the files, as in time=t_sim,tracer=id.")
 @option("--type", help="Particles of this type (species) alone, where a file has several.")
-@option("-o", "--output", type=Output(""), metavar="PAGE.html",
+@option("-o", "--output", type=Output(".html", ".htm"), metavar="PAGE.html",
         help="Write the page here, and beside it a .json file with every number in it.")
 @option("--figures", multiple=True, type=Choice(["pdf", "png", "svg"]),
         help="Write each figure as a file beside the page; may be repeated. Needs --output.")
@@ -123,17 +121,24 @@ def _done(
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
-    from kinetics.crosscheck.compare import page
-    from kinetics.crosscheck.files import write_together
+    from kinetics.crosscheck.compare.page import render, tables
+    from kinetics.crosscheck.compare.result import drawn
+    from kinetics.crosscheck.files import require_file, write_together
 
-    if output is not None:
-        page.prepare(output, data)
+    for path in () if output is None else (output, output.with_suffix(".json")):
+        require_file("output", path)  # before anything is read
+        if any(path.resolve() == other.resolve() for other in data):
+            raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
     result = work(list(data), show_progress=True, **told)
-    written = []
+    text = result.to_json() if as_json else tables(result) + "\n"
     if output is not None:
-        written = write_together(output.parent, page.files_of(result, output, figures))
-    text = result.to_json() if as_json else page.tables(result) + "\n"
-    if written and not as_json:
-        text += f"wrote {', '.join(map(str, written))}\n"
+        numbers = output.with_suffix(".json").name
+        contents = {numbers: result.to_json(), output.name: render(result, numbers)}
+        contents |= {
+            f"{output.stem}-{name}.{kind}": drawn(result, [name], kind)
+            for kind in figures for name in result.figures
+        }  # fmt: skip
+        written = write_together(output.parent, contents)
+        text += "" if as_json else f"wrote {', '.join(map(str, written))}\n"
     click.echo(text, nl=False)
     return result

@@ -1,7 +1,5 @@
 """The command `derive`: re-derives the paper's equations with sympy."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Options that several commands have, and what all of them show on the terminal alike."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import option
 from click.core import ParameterSource
 
 MOST_NUMBERS = 100_000  # of one range
@@ -21,10 +20,7 @@ UNITS = (
 
 
 class Numbers(click.ParamType):
-    """Numbers and ranges of numbers, "0,1,10:1000:5": a tuple of floats, perhaps empty.
-
-    A range A:B:N is N numbers from A to B, each larger than the one before by the same factor.
-    """
+    """A tuple of numbers and ranges, "0,1,10:1000:5": A:B:N is N from A to B at equal ratios."""
 
     name = "numbers"
 
@@ -40,10 +36,7 @@ class Numbers(click.ParamType):
 
 
 class Output(click.Path):
-    """What is to be written: a folder, or a file with one of these endings ("": any).
-
-    Refused before any work where it cannot be, and where it is the empty text.
-    """
+    """A folder, or a file with one of these endings ("": any), that can be written: asked first."""
 
     def __init__(self, *endings: str) -> None:
         super().__init__(path_type=Path)
@@ -75,37 +68,31 @@ def _numbers(part: str) -> tuple[float, ...]:
     return (low, *(float(f"{x:.14g}") for x in inner), high)
 
 
-restitution_option = click.option(
-    "-e", "--restitution", type=float, default=0.7, help="Coefficient of restitution, 0 to 1."
-)
-tangential_option = click.option(
-    "--tangential-restitution", type=float, default=1.0,
-    help="What a collision leaves of the tangential velocity, 0 to 1.",
-)  # fmt: skip
-mass_option = click.option(
+# fmt: off
+restitution_option = option("-e", "--restitution", type=float, default=0.7,
+                            help="Coefficient of restitution, 0 to 1.")
+tangential_option = option("--tangential-restitution", type=float, default=1.0,
+                           help="What a collision leaves of the tangential velocity, 0 to 1.")
+mass_option = option(
     "--mass-ratio", type=float, default=math.inf,
     help="Mass of a scatterer over that of the tracer; by default scatterers are fixed. For dilute "
-    "smooth ones: with others, and among scatterers that have places, it is refused.",
-)  # fmt: skip
-density_option = click.option(
-    "--number-density", type=float, default=0.04, help="Scatterers per d^2; in space per d^3."
-)
-times_option = click.option(
+    "smooth ones: with others, and among scatterers that have places, it is refused.")
+dimension_option = option("--dimension", type=int, default=2,
+                          help="3: spheres; number densities are then in d^-3.")
+density_option = option("--number-density", type=float, default=0.04,
+                        help="Scatterers per d^2; in space per d^3.")
+times_option = option(
     "--times", type=Numbers(), default="1,3,10,30,100,300,1000",
     help="Output times in d/U, increasing, separated by commas; 1:1e6:50 is 50 of them from 1 to "
-    "1e6, at equal ratios.",
-)  # fmt: skip
-until_option = click.option(
+    "1e6, at equal ratios.")
+until_option = option(
     "-t", "--until", type=float,
-    help="Last time in d/U: in place of --times, 31 times up to it, 10 in a decade.",
-)  # fmt: skip
-seed_option = click.option("--seed", type=int, default=1, help="Seed of every random number.")
-workers_option = click.option(
-    "--workers", type=int, default=None, help="Threads. [default: one per processor]"
-)
-json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON document and nothing else."
-)
+    help="Last time in d/U: in place of --times, 31 times up to it, 10 in a decade.")
+seed_option = option("--seed", type=int, default=1, help="Seed of every random number.")
+workers_option = option("--workers", type=int, help="Threads. [default: one per processor]")
+json_option = option("--json", "as_json", is_flag=True,
+                     help="Print one JSON document and nothing else.")
+# fmt: on
 
 
 def names_in(text: str) -> tuple[str, ...]:
@@ -123,8 +110,8 @@ def given(names: Iterable[str]) -> list[str]:
 
 def refuse_given(names: Iterable[str], beside: str) -> None:
     """Raise click.UsageError if one of the parameters was given, which mean nothing `beside`."""
-    for option in given(names):
-        raise click.UsageError(f"{option}: not with {beside}")
+    for name in given(names):
+        raise click.UsageError(f"{name}: not with {beside}")
 
 
 def times_until(times: tuple[float, ...], until: float | None) -> tuple[float, ...]:
@@ -135,9 +122,6 @@ def times_until(times: tuple[float, ...], until: float | None) -> tuple[float, .
     if not 0.0 < until < math.inf:
         raise ValueError(f"until: got {until:g}; it must be a finite time above 0")
     return _numbers(f"{until / 1e3!r}:{until!r}:31")
-
-
-# -- on the terminal ------------------------------------------------------------------------------
 
 
 def print_json(document: Any) -> None:
@@ -156,33 +140,26 @@ def written(value: Any, digits: int = 6) -> str:
 
 
 def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
-    """A table of numbers, one column per head; what is too wide goes on in a table below.
-
-    Each of these begins with the first column. Heads are bold where the terminal has colours.
-    """
-    cells = []
+    """A table of numbers, one column per head; what is too wide goes on in a table below."""
+    blocks: list[list[list[str]]] = []
     for head, column in zip(heads, values, strict=True):
         texts = [head, *(written(float(x)) for x in column)]
-        wide = max(map(len, texts))
-        cells.append([text.rjust(wide) for text in texts])
-    blocks = [cells[:1]]
-    for texts in cells[1:]:
-        if sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
-            blocks.append(cells[:1])
+        texts = [text.rjust(max(map(len, texts))) for text in texts]
+        if not blocks:
+            blocks, first = [[]], texts
+        elif sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
+            blocks.append([first])
         blocks[-1].append(texts)
     lines = []
     for block in blocks:
-        first, *others = ("  ".join(row) for row in zip(*block, strict=True))
-        lines += [click.style(first, bold=True), *others]
+        top, *others = ("  ".join(row) for row in zip(*block, strict=True))
+        lines += [click.style(top, bold=True), *others]
     return "\n".join(lines)
 
 
 @contextmanager
 def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
-    """A function tell(name, total, done) for the beginning of each part of long work.
-
-    It moves a bar on standard error, by one part where ``done`` is not told, if that is a terminal.
-    """
+    """A function tell(name, total, done) for each part of long work: a bar, on a terminal."""
     if sys.stderr is None or not sys.stderr.isatty():
         yield lambda *_, **__: None
         return

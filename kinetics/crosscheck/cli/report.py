@@ -1,12 +1,11 @@
 """The command `report`. What it needs is imported when it runs: --help stays quick."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Any
 
 import click
+from click import option
 
 from kinetics.crosscheck.cli import options
 
@@ -15,52 +14,39 @@ from kinetics.crosscheck.cli import options
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
+# fmt: off
 @click.command(
     epilog=options.UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts."
 )
-@click.option(
-    "-o", "--output", type=options.Output(), default=Path("lorentz-report"),
-    help="Folder for report.html, report.json and its tables as CSV.",
-)  # fmt: skip
-@click.option("--quick", is_flag=True, help="A tenth of the samples.")
-@click.option(
-    "--field", "in_field", is_flag=True,
-    help="Tracers that fall in a uniform field, among disks and among spheres, instead: drift, "
-    "dispersion, approach to the steady state. Writes field.html and field.json. With --field "
-    "only -e, --dimension (for one of both), --rtol, --quick, --figures, --seed and --workers.",
-)  # fmt: skip
-@click.option(
-    "-e", "--restitution", "restitutions", type=float, multiple=True,
-    help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]",
-)  # fmt: skip
-@click.option(
-    "-t", "--until", "final_times", type=float, multiple=True,
-    help="Last time in d/U: once for all, or once per restitution. "
-    "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
-)  # fmt: skip
+@option("-o", "--output", type=options.Output(), default=Path("lorentz-report"),
+        help="Folder for report.html, report.json and its tables as CSV.")
+@option("--quick", is_flag=True, help="A tenth of the samples.")
+@option("--field", "in_field", is_flag=True,
+        help="Tracers that fall in a uniform field, among disks and among spheres, instead: drift, "
+        "dispersion, approach to the steady state. Writes field.html and field.json. With --field "
+        "only -e, --dimension (for one of both), --rtol, --quick, --figures, --seed and --workers.")
+@option("-e", "--restitution", "restitutions", type=float, multiple=True,
+        help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]")
+@option("-t", "--until", "final_times", type=float, multiple=True,
+        help="Last time in d/U: once for all, or once per restitution. "
+        "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]")
 @options.tangential_option
-@click.option(
-    "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
-)
+@options.dimension_option
 @options.density_option
-@click.option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
-@click.option("--media", type=int, default=100, help="Configurations of them.")
-@click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
-@click.option(
-    "--free-tracers", type=int, default=200_000, help="Tracers of each Boltzmann-Grad run."
-)
-@click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
-@click.option(
-    "--figures", multiple=True, type=click.Choice(("pdf", "png", "svg")),
-    help="Write each figure as a file beside the page; may be repeated.",
-)  # fmt: skip
+@option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
+@option("--media", type=int, default=100, help="Configurations of them.")
+@option("--tracers", type=int, default=100, help="Tracers in each configuration.")
+@option("--free-tracers", type=int, default=200_000, help="Tracers of each Boltzmann-Grad run.")
+@option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
+@option("--figures", multiple=True, type=click.Choice(("pdf", "png", "svg")),
+        help="Write each figure as a file beside the page; may be repeated.")
 @options.seed_option
 @options.workers_option
 @options.json_option
 def report(
     output: Path, quick: bool, in_field: bool, figures: tuple[str, ...], as_json: bool,
     **system: Any,
-) -> None:  # fmt: skip
+) -> None:
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
     Of spheres, or with a tangential restitution, without the paper's formulas, which are of smooth
@@ -69,6 +55,7 @@ def report(
     Writes report.html, which needs nothing beside it, report.json with every number in it, and its
     tables as CSV, and prints a verdict per comparison.
     """
+    # fmt: on
     from kinetics.crosscheck import report as work
     from kinetics.crosscheck.report.systems import Cooling, Falling
 

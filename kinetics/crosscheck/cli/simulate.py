@@ -1,7 +1,5 @@
 """The command `simulate`: follows particles and prints estimates with their errors."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterator
@@ -15,19 +13,13 @@ from kinetics.crosscheck.cli import options
 
 # name in the result -> head of its column
 ESTIMATES = {
-    "thermal_speed": "v0 [U]",
-    "a2": "a2",
-    "msd": "<r^2> [d^2]",
-    "kurtosis": "kurtosis",
+    "thermal_speed": "v0 [U]", "a2": "a2", "msd": "<r^2> [d^2]", "kurtosis": "kurtosis",
     "collisions": "collisions",
-}
+}  # fmt: skip
 IN_FIELD = {
-    "drift": "<v_x> [U]",
-    "thermal_speed": "v0 [U]",
-    "dispersion_parallel": "var x [d^2]",
-    "dispersion_perpendicular": "var y [d^2]",
-    "collisions": "collisions",
-}
+    "drift": "<v_x> [U]", "thermal_speed": "v0 [U]", "dispersion_parallel": "var x [d^2]",
+    "dispersion_perpendicular": "var y [d^2]", "collisions": "collisions",
+}  # fmt: skip
 ENDS = ("finished", "collision_cap", "trapped", "escaped")
 ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
 OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
@@ -117,13 +109,9 @@ def simulate(
     media = arguments["media"]
     with _saying_how_to_go_on(output, media), options.progress(media) as tell:
         run = particles.simulate(
-            scatterers,
-            times=times or None,
-            observables=names or None,
-            output=output,
-            progress=lambda done, total: tell("configurations", total, done),
-            **arguments,
-        )
+            scatterers, times=times or None, observables=names or None, output=output,
+            progress=lambda done, total: tell("configurations", total, done), **arguments,
+        )  # fmt: skip
     if picture is not None:
         write_picture(run, picture)
     if h5md is not None:
@@ -164,13 +152,11 @@ def make_medium(
 
 def write_picture(run: Any, path: Path) -> None:
     """Draw the paths of the first tracers of the first configuration."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     from kinetics.crosscheck.files import write_together
 
     figure = Figure(figsize=(6.4, 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
     run.plot_trajectories(min(_DRAWN, run.tracers), ax=figure.subplots())
     file = io.BytesIO()
     figure.savefig(file, format=path.suffix[1:].lower(), dpi=_DOTS_PER_INCH, bbox_inches="tight")
@@ -203,14 +189,12 @@ def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
     law = ["restitution", "tangential_restitution", "number_density", "field"]
     law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
     return {
-        "medium": kind,
-        **{name: getattr(run, name) for name in law},
-        "dimension": run.medium.dimension,
-        **{name: arguments[name] for name in ARGUMENTS},
+        "medium": kind, **{name: getattr(run, name) for name in law},
+        "dimension": run.medium.dimension, **{name: arguments[name] for name in ARGUMENTS},
         "statuses": {name: getattr(run.statuses, name) for name in ENDS},
         **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
         **{name: _value_and_error(getattr(run, name)) for name in estimates},
-    }
+    }  # fmt: skip
 
 
 def _text(run: Any) -> str:

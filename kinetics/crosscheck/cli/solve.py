@@ -1,15 +1,15 @@
 """The command `solve`: prints what the kinetic equation gives for a scene, or for one state."""
 
-from __future__ import annotations
-
 import math
 import os
 import textwrap
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
+from click import Choice, option
 
 from kinetics.crosscheck.cli import options
 from kinetics.errors import InputError
@@ -17,110 +17,88 @@ from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
 MEDIUM = ("scatterers", "density_order", "number_density")
+# outputs that are one number for each time -> heads of their columns
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
-"""Outputs that are one number for each time -> heads of their columns."""
+# those that are vectors or tensors, with --field -> heads of the parts that are printed
 TENSORS = {
     "mean_velocity": (("<v_x> [U]", (0,)),),
     "mean_displacement": (("<x> [d]", (0,)),),
     "velocity_tensor": (("<v_x^2> [U^2]", (0, 0)), ("<v_y^2> [U^2]", (1, 1))),
     "displacement_tensor": (("var(x) [d^2]", (0, 0)), ("var(y) [d^2]", (1, 1))),
 }
-"""Outputs that are vectors or tensors, with --field -> heads of the parts that are printed."""
+# points -> the density that is asked for at them, and the heads of its columns
 DENSITIES = {
     "speeds": ("speed_density", "f({} U)"),
     "scaled_radii": ("scaled_position_density", "G({})"),
     "wave_numbers": ("intermediate_scattering", "F({}/d)"),
 }
-"""Points -> the density that is asked for at them, and the heads of its columns."""
+# options that mean nothing where no scene is solved over time
 OVER_TIME = (
     "times", "until", "initial", "speed", "direction", "field", "outputs", "speeds", "radii",
     "collision_numbers", "wave_numbers",
 )  # fmt: skip
-"""Options that mean nothing where no scene is solved over time."""
-IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in (*HEADS, *TENSORS))
-"""Averages that are solved with --field."""
-BY_COLLISION = ("thermal_speed", "a2", "msd")
-"""Those that are printed by collision number as well."""
+IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in (*HEADS, *TENSORS))  # with --field
+BY_COLLISION = ("thermal_speed", "a2", "msd")  # those that are printed by collision number as well
 STATES = ("gaussian", "monoenergetic", "beam", "rest")
 SCALED = ("cooling_rate", "a2", "error_estimate", "nodes")
 STEADY = (
     "drift", "mean_square_speed", "mean_square_along", "mean_speed", "diffusion_parallel",
     "diffusion_perpendicular", "error_estimate", "message",
 )  # fmt: skip
-_LARGEST = 10_000_000
-"""Bytes of a table of speeds."""
+_LARGEST = 10_000_000  # bytes of a table of speeds
 ENDINGS = (".csv", ".parquet", ".nc", ".h5")
 
-_points = partial(click.option, type=options.Numbers(), default="")
+_points = partial(option, type=options.Numbers(), default="")
 
 
+# fmt: off
 @click.command(epilog=options.UNITS, short_help="Solve the kinetic equation.")
 @options.restitution_option
 @options.tangential_option
 @options.mass_option
-@click.option(
-    "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
-)
+@options.dimension_option
 @options.density_option
-@click.option(
-    "--initial", default="gaussian", metavar="NAME|FILE.csv",
-    help="Initial velocities: gaussian, monoenergetic, beam (all along one direction), with "
-    "--field also rest; or a .csv file of two columns, the speed in U and its density in 1/U.",
-)  # fmt: skip
-@click.option("--speed", type=float, default=1.0, help="Of monoenergetic or beam, in U.")
-@click.option(
-    "--direction", type=float, default=0.0, help="Of beam: its angle to the x axis, in radians."
-)
-@click.option(
-    "--scatterers", type=click.Choice(["dilute", "overlapping", "hard disks"]), default="dilute",
-    help="Dilute: the paper's equation; else with the correction for this density.",
-)  # fmt: skip
-@click.option(
-    "--density-order", type=click.Choice(["leading", "first", "second"]), default="second",
-    help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
-)  # fmt: skip
+@option("--initial", default="gaussian", metavar="NAME|FILE.csv",
+        help="Initial velocities: gaussian, monoenergetic, beam (all along one direction), with "
+        "--field also rest; or a .csv file of two columns, the speed in U and its density in 1/U.")
+@option("--speed", type=float, default=1.0, help="Of monoenergetic or beam, in U.")
+@option("--direction", type=float, default=0.0,
+        help="Of beam: its angle to the x axis, in radians.")
+@option("--scatterers", type=Choice(["dilute", "overlapping", "hard disks"]), default="dilute",
+        help="Dilute: the paper's equation; else with the correction for this density.")
+@option("--density-order", type=Choice(["leading", "first", "second"]), default="second",
+        help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.")
 @options.times_option
 @options.until_option
-@click.option(
-    "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
-)
-@click.option(
-    "--field", type=float, default=0.0,
-    help="A uniform acceleration along x, in U^2/d: averages, and f(v) with --speeds, with it.",
-)  # fmt: skip
-@click.option(
-    "--field-steady", is_flag=True,
-    help="Solve the steady state in a uniform field: drift and dispersion, in units of g and l.",
-)  # fmt: skip
-@_points(
-    "--field-units", metavar="G,D,RHO",
-    help="With --field-steady, also in your units: the acceleration, the diameter and the density "
-    "of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.",
-)  # fmt: skip
-@click.option(
-    "--outputs", default="thermal_speed,a2,msd",
-    help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
-    f"{', '.join(IN_FIELD)}.",
-)  # fmt: skip
+@option("--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c).")
+@option("--field", type=float, default=0.0,
+        help="A uniform acceleration along x, in U^2/d: averages, and f(v) with --speeds, with it.")
+@option("--field-steady", is_flag=True,
+        help="Solve the steady state in a uniform field: drift and dispersion, in units of g and "
+        "l.")
+@_points("--field-units", metavar="G,D,RHO",
+         help="With --field-steady, also in your units: the acceleration, the diameter and the "
+         "density of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.")
+@option("--outputs", default="thermal_speed,a2,msd",
+        help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
+        f"{', '.join(IN_FIELD)}.")
 @_points("--speeds", help="v in U at which to print f(v).")
 @_points("--radii", help="R at which to print G(R), commas.")
 @_points("--collision-numbers", help="N at which to print averages, commas.")
 @_points("--wave-numbers", help="k in 1/d at which to print F.")
-@click.option(
-    "--rtol", type=float, help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6."
-)
-@click.option(
-    "-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
-    help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF) or .h5 (for "
-    "kinetics.load).",
-)  # fmt: skip
+@option("--rtol", type=float,
+        help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6.")
+@option("-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
+        help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF) or .h5 "
+        "(for kinetics.load).")
 @options.json_option
 def solve(
     scaled: bool, field_steady: bool, field_units: tuple[float, ...], outputs: str,
     speeds: tuple[float, ...], radii: tuple[float, ...], wave_numbers: tuple[float, ...],
     rtol: float | None, output: Path | None, as_json: bool, until: float | None, **system: Any,
-) -> None:  # fmt: skip
+) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
+    # fmt: on
     mode = "--scaled" if scaled else "--field-steady" if field_steady else ""
     if mode:
         options.refuse_given((*OVER_TIME, *(("field_steady",) if scaled else MEDIUM)), mode)
@@ -174,26 +152,19 @@ def over_time(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)  # the status says it
         solution = solve_scene(scene, rtol=rtol)
-    found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, *MEDIUM) if name in system},
-        "initial": initial if isinstance(initial, str) else repr(scene.state),
-        **({"field": system["field"]} if system.get("field") else {}),
-        "rtol": rtol,
-        "status": solution.status.name.lower(),
-        "message": solution.message,
-        "times": solution.times,
-        **{name: getattr(solution, name) for name in names},
-    }
+    found: dict[str, Any] = {name: system[name] for name in (*LAW, *MEDIUM) if name in system}
+    found["initial"] = initial if isinstance(initial, str) else repr(scene.state)
+    if system.get("field"):
+        found["field"] = system["field"]
+    found |= {"rtol": rtol, "status": solution.status.name.lower(), "message": solution.message}
+    found |= {name: getattr(solution, name) for name in ("times", *names)}
     for (name, at), density in zip(asked.items(), densities, strict=True):
         found |= {name: at, density: getattr(solution, density)(at)}
     if system.get("field") and "speed_density" in found:
         found["uncollided"] = solution.uncollided
     if numbers := system.get("collision_numbers", ()):
-        after = solution.by_collision
-        found["by_collision"] = {
-            "collision_numbers": [int(n) for n in numbers],
-            **{name: getattr(after, name) for name in BY_COLLISION},
-        }
+        after = {name: getattr(solution.by_collision, name) for name in BY_COLLISION}
+        found["by_collision"] = {"collision_numbers": [int(n) for n in numbers], **after}
     return solution, found
 
 
@@ -214,26 +185,20 @@ def text_over_time(found: dict[str, Any]) -> str:
     return "\n".join([*lines, *textwrap.wrap(f"status: {found['message']}", options.WIDTH)])
 
 
-# -- one state, with no time in it ----------------------------------------------------------------
-
-
 def scaled_state(law: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]:
     """The scaling state: h, a2 and the moments <c> to <c^6>."""
     from kinetics import solve_scaled
 
     state = solve_scaled(**law, rtol=rtol)
-    figures = {name: getattr(state, name) for name in SCALED}
+    found = law | {name: getattr(state, name) for name in SCALED}
     moments = {f"{p}": state.moment(p) for p in range(1, 7)}
-    return state, law | figures | {"status": state.status.name.lower(), "moments": moments}
+    return state, found | {"status": state.status.name.lower(), "moments": moments}
 
 
 def steady_state(
     law: dict[str, Any], units: tuple[float, ...], rtol: float
 ) -> tuple[Any, dict[str, Any]]:
-    """The steady state in a field, in units of g and l, and in the user's own.
-
-    units : acceleration, diameter and number density, in any consistent units; or nothing
-    """
+    """The steady state in a field, in units of g and l, and in the user's own: g, d, rho0."""
     from dataclasses import asdict
 
     from kinetics import solve_field
@@ -260,14 +225,8 @@ def state_text(found: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-# -- files ----------------------------------------------------------------------------------------
-
-
 def initial_state(text: str, speed: float, direction: float) -> Any:
-    """What a Scene takes as `initial`; speed in U, direction in radians, of those that have one.
-
-    text : one of :data:`STATES`, or the path of a .csv file: speed in U, density in 1/U
-    """
+    """What a Scene takes as `initial`: one of `STATES`, or a .csv file of speeds."""
     from kinetics import Beam, Monoenergetic, SpeedTable
 
     if text not in STATES and not text.endswith(".csv"):
@@ -287,18 +246,16 @@ def initial_state(text: str, speed: float, direction: float) -> Any:
 def _two_columns(path: str) -> Any:
     """Two columns of numbers, below one line of names if there is one: (2, n)."""
     allowed = "it must be a CSV file of two columns, a speed and its density, of two rows at least"
+    allowed += f" and {_LARGEST:g} bytes at most"
     import numpy as np
 
-    try:
+    with suppress(OSError, ValueError, IndexError):  # a line of other columns, or no text
         if not os.path.isfile(path) or os.path.getsize(path) > _LARGEST:
-            raise InputError(f"initial: got {path!r}; {allowed}, and of at most {_LARGEST:g} bytes")
-        rows = np.genfromtxt(path, delimiter=",", encoding="utf-8")
-        rows = np.atleast_2d(rows)
+            raise ValueError
+        rows = np.atleast_2d(np.genfromtxt(path, delimiter=",", encoding="utf-8"))
         table = rows[int(np.isnan(rows[0]).any()) :]
         if table.shape[1] == 2 and len(table) > 1 and np.all(np.isfinite(table)):
             return table.T
-    except (OSError, ValueError, IndexError):
-        pass  # a line of other columns, or no text
     raise InputError(f"initial: got {path!r}; {allowed}")
 
 

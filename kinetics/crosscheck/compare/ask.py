@@ -8,33 +8,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from kinetics import Solution, SolverStatus
 from kinetics.crosscheck.compare import judge, theory
 from kinetics.crosscheck.compare.causes import AGREES_ABOVE, explained, start_in_words, wrong_unit
-from kinetics.crosscheck.compare.fit import (
-    LIMITS,
-    SECOND_MOMENTS,
-    Fit,
-    components_of,
-    fit,
-    media_of,
-)
+from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit, media_of
 from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.statistics import chance, errors, hotelling, spread_out
 from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import X2, Sample
+from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import Table
 from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
 from kinetics.errors import InputError
 from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
-
-if TYPE_CHECKING:
-    from kinetics import Solution
-    from particles import Ensemble
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
 SCATTERERS = ("dilute", "hard disks", "overlapping")
@@ -46,7 +36,7 @@ _OWN_START = "The theory starts from the data's own speeds: early densities' p-v
 
 
 def compare_data(
-    data: "str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Ensemble | Sample | Any",
+    data: str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Sample | Any,
     restitution: float | None = None, number_density: float | None = None, initial: str = "auto",
     positions: str = "auto", speed_unit: float | str = 1.0, diameter: float = 1.0,
     explain: bool = True, time_unit: float | None = None,
@@ -96,7 +86,11 @@ def compare_data(
             number_density = check_positive("number_density", number_density)
             number_density *= diameter**sample.law.dimension
     else:
-        sample = _sample_of(data)
+        from particles import Ensemble
+
+        if not isinstance(data, Ensemble | Sample):
+            refuse("data", data, "it must be a file, several files, columns or a run of simulate")
+        sample = data if isinstance(data, Sample) else from_ensemble(data)
     law, told, path = sample.law, sample.told, None
     if tangential_restitution is not None:
         checked = real_number("tangential_restitution", tangential_restitution, 0.0, 1.0)
@@ -164,10 +158,10 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
     tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
     parameters = _parameters(both, unit is not None)
-    names = {"restitution": "e", "number_density": "ρ₀"}
+    names = (("restitution", "e"), ("number_density", "ρ₀"))
     fitted = " and ".join(
-        f"{names[name]} = {number(p.value, p.error)}" for name, p in parameters.items()
-        if name in names and p.error is not None
+        f"{symbol} = {number(parameters[name].value, parameters[name].error)}"
+        for name, symbol in names if parameters[name].error is not None
     )  # fmt: skip
     start = start_in_words(point.start)
     return Comparison(
@@ -184,7 +178,7 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
 def _likeliest(fits: Sequence[Fit]) -> Fit:
     """The likeliest of the fits that agree with the data, or of all of them.
 
-    In its covariance is what the others would make of the numbers, by their likelihoods (Buckland,
+    Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
     Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
     agree = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE]
@@ -193,12 +187,8 @@ def _likeliest(fits: Sequence[Fit]) -> Fit:
     if not np.isfinite(best.criterion):
         return best
 
-    def at(one: Fit) -> Any:
-        values = ((name, one.value(name)[0]) for name in best.free)
-        return np.array([value if name in LIMITS else np.log(value) for name, value in values])
-
     weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
-    away = np.array([at(one) - at(best) for one in fits])
+    away = np.array([one.at - best.at for one in fits])
     more = (away.T * (weight / weight.sum())) @ away
     return replace(best, covariance=best.covariance + more)
 
@@ -207,14 +197,13 @@ def _medium_in_words(fits: Sequence[Fit], best: Fit) -> str:
     """Which medium was taken and why; empty where only one can be."""
     if len(fits) < 2 or best.chi_square is None:
         return ""
-
-    def of(one: Fit) -> str:
-        found, what = one.chi_square, one.point.scatterers
-        left = "" if found is None else f"{numeral(found.value, '.3g')}/{found.freedom}"
-        return f"{what.replace('overlapping', 'overlapping disks')} {left}"
-
-    others = ", ".join(of(one) for one in fits if one.point.scatterers != best.point.scatterers)
-    return f"The medium taken: {of(best)} (chi-square/degrees of freedom; {others})."
+    said = []
+    for one in sorted(fits, key=lambda one: one.point.scatterers != best.point.scatterers):
+        found, name = one.chi_square, one.point.scatterers
+        left = f"{numeral(found.value, '.3g')}/{found.freedom}" if found else ""
+        said.append(f"{name.replace('overlapping', 'overlapping disks')} {left}")
+    others = ", ".join(said[1:])
+    return f"The medium taken: {said[0]} (chi-square/degrees of freedom; {others})."
 
 
 def _sources(data: Any) -> list[Any] | None:
@@ -227,19 +216,6 @@ def _sources(data: Any) -> list[Any] | None:
     if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
         data = {name: data[name].to_numpy() for name in data.columns}
     return [Table(data)] if isinstance(data, Mapping) else None
-
-
-def _sample_of(data: Any) -> Sample:
-    """The sample of a run of `simulate`, lengths in d; InputError for anything else."""
-    if isinstance(data, Sample):
-        return data
-    from particles import Ensemble
-
-    if not isinstance(data, Ensemble):
-        refuse("data", data, "it must be a file, several files, columns or a run of simulate")
-    from kinetics.crosscheck.data.summaries import from_ensemble
-
-    return from_ensemble(data)
 
 
 def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
@@ -267,10 +243,8 @@ def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
     }
 
 
-def _densities(point: Point, sample: Sample) -> "dict[str, Solution]":
+def _densities(point: Point, sample: Sample) -> dict[str, Solution]:
     """The densities by name, that of the displacement at late times and from a named start."""
-    from kinetics import SolverStatus
-
     if sample.tabulated or not sample.law.smooth_disks or point.scatterers != "dilute":
         return {}
     later, found = sample.times[sample.times > 0], {}
@@ -287,16 +261,12 @@ def _densities(point: Point, sample: Sample) -> "dict[str, Solution]":
     return found
 
 
-# -- what was not told -----------------------------------------------------------------------------
-
-
 def _start(sample: Sample, initial: str) -> Any:
     field = sample.law.field
-    if one_of("initial", initial, ("auto", "gaussian", "monoenergetic", "data", "rest")) == "rest":
-        if not field:
-            refuse("initial", initial, "without a field nothing would move")
-        return initial
-    if initial in ("gaussian", "monoenergetic"):
+    one_of("initial", initial, ("auto", "gaussian", "monoenergetic", "data", "rest"))
+    if initial == "rest" and not field:
+        refuse("initial", initial, "without a field nothing would move")
+    if initial not in ("auto", "data"):
         return initial
     if sample.start is None:
         if initial == "data":
@@ -321,9 +291,7 @@ def _start(sample: Sample, initial: str) -> Any:
 
 
 def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
-    """The sample and its start. U is taken from the data where no unit was told, speeds at time 0
-    are of a named start, and those of U = 1 are far from them, by a fifth.
-    """
+    """The sample and its start; U from the data where none was told and another is a Gaussian's."""
     start = _start(sample, initial)
     if initial != "auto" or not isinstance(start, theory.SampledStart) or sample.units:
         return sample, start
@@ -341,9 +309,7 @@ def _fits(
     sample: Sample, restitution: float | None, path: float | None, start: Any,
     media: Sequence[str],
 ) -> list[Fit]:  # fmt: skip
-    """Restitution and l, whichever is None, by a fit in each medium; InputError where the data
-    cannot tell.
-    """
+    """Restitution and l, whichever is None, by a fit in each medium; or InputError."""
     words = {"restitution": "restitution", "path": "number_density"}
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
     wanted = " and ".join(words[name] for name in free)
@@ -377,11 +343,11 @@ def _fits(
         if near := fit(second, known, free, only, starts):
             at = {"restitution": near.point.restitution, "path": math.log(near.point.path)}
             starts = [[at[name] for name in free]]
-    found = []
-    for medium in media:
-        one = fit(expectation, known._replace(scatterers=medium), free, components, starts)
-        if one is not None and np.all(np.isfinite(one.covariance)):
-            found.append(one)
+    tried = (
+        fit(expectation, known._replace(scatterers=medium), free, components, starts)
+        for medium in media
+    )
+    found = [one for one in tried if one is not None and np.all(np.isfinite(one.covariance))]
     if not found:
         raise InputError(f"data: {wanted} could not be fitted; give it")
     return found

@@ -2,10 +2,9 @@
 
 A cause says which parameters of the theory (`theory.Point`) are other than what was told: set to a
 value, or free. Each is tried in every medium that the scatterers may be. It explains if what it
-leaves agrees (p > AGREES_ABOVE) and its value lies more than CLEARLY of its errors from what was
-told; those that explain are ranked by the likelihood that they leave (`Fit.criterion`), and only
-those near the best are said to. Units that do not belong together are looked for first: then
-nothing else is claimed.
+leaves agrees and its value lies CLEARLY from what was told; those that explain are ranked by the
+likelihood that they leave (`Fit.criterion`), and only those near the best are said to. Units that
+do not belong together are looked for first: then nothing else is claimed.
 """
 
 import math
@@ -15,14 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import (
-    LIMITS,
-    Fit,
-    choose_components,
-    components_of,
-    fit,
-    media_of,
-)
+from kinetics.crosscheck.compare.fit import LIMITS, Fit, choose, components_of, fit, media_of
 from kinetics.crosscheck.compare.judge import Both
 from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
@@ -30,21 +22,17 @@ from kinetics.crosscheck.compare.theory import OBSERVABLES, SPEED, Point, Sample
 from kinetics.crosscheck.data.sample import V2, N, Sample
 from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, Verdict, numeral
 
-AGREES_ABOVE = chance(AGREES_BELOW)
-"""p-value from which on what a cause leaves agrees."""
-CLEARLY = 3.0
-"""Errors by which a fitted value must differ from what was told."""
+AGREES_ABOVE = chance(AGREES_BELOW)  # p-value from which on what a cause leaves agrees
+CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
+# -2 ln likelihood from the best up to which a cause explains as well: then 20 times less likely
 NEAR_BEST = 6.0
-"""Distance from the best in -2 ln likelihood up to which a cause explains as well: at this distance
-it is exp(3) = 20 times less likely."""
+# of T^2 by one parameter, 4 sigma, and at least a tenth of it: less is no explanation
 _LEAST_GAIN = 16.0
-"""Of T^2 by one parameter, 4 sigma, and at least a tenth of it: less is no explanation."""
+# logarithms of the factors from which a unit or a free path is looked for
 _FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
-"""Logarithms of the factors from which a unit or a free path is looked for."""
+# of the smallest mean square, from which the variance of noise is looked for
 _SHARES = (0.02, 0.3, 0.9)
-"""Of the smallest mean square, from which the variance of noise is looked for."""
-_LATER = (0.3, -0.3, 3.0)
-"""Offsets of the clock that are tried, in the first time above 0."""
+_LATER = (0.3, -0.3, 3.0)  # offsets of the clock that are tried, in the first time above 0
 
 
 def start_in_words(start: Any) -> str:
@@ -56,30 +44,23 @@ def start_in_words(start: Any) -> str:
 def explained(
     both: Both, verdict: Verdict, unit: Explanation | None, media: Sequence[str]
 ) -> tuple[list[Explanation], str]:
-    """What explains a difference and is to be noted, the likeliest first, and in which medium; or
-    only a wrong unit.
-    """
-    medium = both.point.scatterers
-    if unit:
-        return [unit], medium
-    if (never := _never(both)) is not None:
-        return [never], medium
-    tried = () if both.sample.law.field else (_traps(both), _missing(both))
-    notes = [note for note in tried if note is not None]
-    found = []
+    """What explains a difference or is to be noted, the likeliest first, and in which medium."""
+    medium, field = both.point.scatterers, both.sample.law.field
+    if first := unit or _never(both):
+        return [first], medium
+    notes = [] if field else [note for note in (_traps(both), _missing(both)) if note]
+    tested = []
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
         tested = list(tested_causes(both, media))
         if tested and tested[0][0].outcome == "explains":
             medium = tested[0][1]
-        found = [item for item, _ in tested]
+    found = [*(item for item, _ in tested), *notes]
     # Python's sort keeps the order of those of one outcome: the likeliest stays first.
-    return sorted([*found, *notes], key=lambda item: [*OUTCOMES].index(item.outcome)), medium
+    return sorted(found, key=lambda item: [*OUTCOMES].index(item.outcome)), medium
 
 
 def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanation, str]]:
-    """Every cause in its best medium, the likeliest first; none where too few averages have a
-    spread.
-    """
+    """Every cause in its best medium, the likeliest first; none if too few averages have spread."""
     # Not time 0: there a cause in the start would leave nothing that could differ.
     usable, field = both.usable & (both.sample.times > 0), both.sample.law.field != 0
     if field:  # before most have collided a few tracers make the spread, as all others fall alike
@@ -88,17 +69,19 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
     before = hotelling(*both.flat(components[1]))
     if components[1].size < 2 or not components[0].size or before is None:
         return
-    tested = []
+
+    def rank(pair: tuple[Explanation, Fit]) -> tuple[bool, float]:  # what explains stands first
+        return pair[0].outcome != "explains", pair[1].criterion
+
+    tested: list[tuple[Explanation, Fit]] = []
     for cause in (one for one in CAUSES if one.in_field == field):
         found: list[Fit] = []
         for change in cause.changes(both, media):
             one = _fitted(both, cause, change, components, found[0].point if found else None)
             found += [one] if one else []
         judged = [(_judged(both, cause, one, before), one) for one in found]
-        # what explains stands before what does not, and the likelier first
-        judged.sort(key=lambda pair: (pair[0].outcome != "explains", pair[1].criterion))
-        tested += judged[: 1 if cause.free else None]
-    tested.sort(key=lambda pair: (pair[0].outcome != "explains", pair[1].criterion))
+        tested += sorted(judged, key=rank)[: 1 if cause.free else None]
+    tested.sort(key=rank)
     for item, one in tested:
         far = item.outcome == "explains" and one.criterion > tested[0][1].criterion + NEAR_BEST
         yield replace(item, outcome="in part") if far else item, one.point.scatterers
@@ -150,17 +133,14 @@ def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explan
     )  # fmt: skip
 
 
-# -- the causes and their sentences ----------------------------------------------------------------
-
+# the sentence and the headline of a cause, its value and its error as they are said
 Words = tuple[str, str, float | None, float | None]
-"""The sentence and the headline of a cause, its value and its error as they are said."""
 
 
 def among(scatterers: str) -> str:
     """The medium as the end of a sentence."""
-    return {"overlapping": "among overlapping disks"}.get(
-        scatterers, f"among {scatterers}"
-    ).replace("among dilute", "among dilute scatterers")
+    longer = {"dilute": "dilute scatterers", "overlapping": "overlapping disks"}
+    return f"among {longer.get(scatterers, scatterers)}"
 
 
 def _pm(value: float, error: float, form: str = ".5g", of_error: str = ".2g") -> str:
@@ -181,18 +161,17 @@ def _media(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def _other_media(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
-    """The media that were not looked at."""
     return _media(both, [m for m in media_of(both.sample, "every", both.point) if m not in media])
 
 
 def _other_starts(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
     """The data's own speeds at time 0, or the other named start."""
-    start, found = both.sample.start, list[dict[str, Any]]()
+    start, others = both.sample.start, list[Any]()
     if start is None:
-        found = [{"start": n} for n in ("gaussian", "monoenergetic") if n != both.point.start]
+        others = [name for name in ("gaussian", "monoenergetic") if name != both.point.start]
     elif not both.point.own_start:
-        found = [{"start": SampledStart(start)}]
-    return [change | medium for change in found for medium in _media(both, media)]
+        others = [SampledStart(start)]
+    return [{"start": one} | medium for one in others for medium in _media(both, media)]
 
 
 def _of_start(both: Both, found: Fit, value: Any, error: Any) -> Words:
@@ -264,7 +243,6 @@ class Cause(NamedTuple):
     """A cause: its words, the parameter that is fitted and where to begin, and what is set.
 
     changes : one dictionary for each variant; none where the cause does not apply
-    in_field : whether it is tried in a field, where others are not; or without one
     """
 
     name: str
@@ -298,8 +276,6 @@ CAUSES = (
 )  # fmt: skip
 """Everything that may explain a difference. A new cause is one row."""
 
-# -- units that do not belong together -------------------------------------------------------------
-
 _NO_OTHER = "No other cause is looked for."
 _PUT_RIGHT = f"put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
 
@@ -312,9 +288,8 @@ def _found(name: str, headline: str, text: str, value: float, error: Any = None)
 def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     """What is said where units do not belong together; None where they do, or cannot be known.
 
-    Tracers that have not collided are at r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds
-    never rise, so that larger ones than at a named start cannot be; smaller ones cannot be while
-    most tracers have not collided. A factor of two is asked for: less may be another start.
+    Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds twice as large as
+    at a named start cannot be, nor half as large while most tracers have not collided.
     """
     flights, field, unit = sample.flights, sample.law.field, sample.units.get("time", (1.0, ""))
     if not field and flights and abs(math.log(flights[0].ratio)) > 0.005:
@@ -345,23 +320,18 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     return _found("speed unit", headline, text, ratio)
 
 
-# -- notes -----------------------------------------------------------------------------------------
-
-
 def _traps(both: Both) -> Explanation | None:
-    """Tracers at the last time that are far slower than the theory's slowest, or at rest.
-
-    Eight times slower than the upper end of the lowest bin: a wrong restitution, density or start,
-    which shift all speeds a little, cannot put a tracer there. Five of them at least.
+    """Tracers at the last time, five at least, that are at rest or eight times slower than the
+    lowest bin: no wrong number, which shifts all speeds a little, puts a tracer there.
     """
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
     binned = both.sample.speeds
     for h in [h for h in both.histograms if h.name == SPEED and binned][-1:]:
         assert binned is not None
-        edges, density = binned.edges[h.index], both.densities[SPEED]
+        edges, density = binned.edges[h.place], both.densities[SPEED]
         cut = int(np.searchsorted(edges, h.edges[1] / 8))
         at = int(np.argmin(np.abs(density.times - h.time)))
-        count = int(binned.by_group[:, h.index, : cut + 1].sum())
+        count = int(binned.by_group[:, h.place, : cut + 1].sum())
         expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
         if count < 5 or count - expected < DIFFERS_ABOVE * math.sqrt(max(expected, count)):
             break
@@ -395,7 +365,7 @@ def _missing(both: Both) -> Explanation | None:
     if np.all(complete):
         return None
     whole, part = (
-        hotelling(*both.flat(choose_components(both.usable & times, sample.groups, 1)))
+        hotelling(*both.flat(choose(both.usable & times, sample.groups, 1)))
         for times in (complete, ~complete)
     )
     missing, outcome = most - int(samples[least]), "does not" if part else "noted"
@@ -406,6 +376,6 @@ def _missing(both: Both) -> Explanation | None:
     headline = f"{missing} tracers that are missing at later times"
     return Explanation(
         "missing tracers", outcome, text, part is not None, missing / most, None,
-        part.value if part else None, whole.value if whole else None,
-        whole.freedom if whole else None, whole.p_value if whole else None, headline,
+        part and part.value, whole and whole.value, whole and whole.freedom,
+        whole and whole.p_value, headline,
     )  # fmt: skip

@@ -3,8 +3,7 @@
 Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: where a few fast
 tracers raise a fourth moment they raise its variance too, so that weights from the same tracers
 would favour low values (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter
-the chi-square that is left, which is at the same point as the values and their errors. Where the
-theory has an error of its own, its covariance is added to that of the data everywhere.
+the chi-square that is left. An error of the theory adds its covariance to that of the data.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,8 +30,7 @@ LIMITS = {
 """Of parameters that are fitted as they are; others are positive, and their logarithms fitted."""
 LEAST_RESTITUTION, DENSEST = 0.2, 0.3
 """Restitution from which on, and number density up to which, there is a theory of dense media."""
-WIDEST = 12.0
-"""|ln| of the factor by which a positive parameter may differ from what was told."""
+WIDEST = 12.0  # |ln| of the factor by which a positive parameter may differ from what was told
 _STEP = 1e-4
 """Of a parameter, for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1."""
 
@@ -58,6 +56,12 @@ class Fit:
     chi_square: ChiSquare | None = None
     widening: float = 0.0
 
+    @property
+    def at(self) -> Array:
+        """The fitted parameters, or the logarithms of positive ones, (k,)."""
+        values = {name: getattr(self.point, name) for name in self.free}
+        return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
+
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
         k, value = self.free.index(name), float(getattr(self.point, name))
@@ -77,26 +81,21 @@ class Fit:
         return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
 
 
-def choose_components(usable: NDArray[np.bool_], groups: int, parameters: int) -> Indices:
-    """Which components (n_names, n_times) can be tested together: flat indices.
-
-    No more than the groups allow, evenly over time for each average.
-    """
+def choose(usable: NDArray[np.bool_], groups: int, parameters: int) -> Indices:
+    """Which components (n_names, n_times) can be tested together, evenly over time: flat."""
     most = max(statistics.most_freedom(groups), min(2 * parameters, groups - 2))
     rows = [(k, np.flatnonzero(row)) for k, row in enumerate(usable) if np.any(row)]
-    if not rows:
-        return np.empty(0, np.int64)
-    share = max(1, most // len(rows))
+    share = max(1, most // max(len(rows), 1))
     at = [k * usable.shape[1] + row[statistics.spread_out(row.size, share)] for k, row in rows]
-    return np.concatenate(at)[:most]
+    return np.concatenate([np.empty(0, np.int64), *at])[:most]
 
 
 def components_of(
     names: Sequence[str], usable: NDArray[np.bool_], groups: int, parameters: int
 ) -> tuple[Indices, Indices]:
-    """The averages that are fitted, and those that enter the chi-square, as `choose_components`."""
+    """The averages that are fitted, and those that enter the chi-square, as `choose`."""
     second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
-    fitted, tested = (choose_components(u, groups, parameters) for u in (second, usable))
+    fitted, tested = (choose(u, groups, parameters) for u in (second, usable))
     return fitted, tested
 
 
@@ -106,8 +105,7 @@ def fit(
 ) -> Fit | None:  # fmt: skip
     """Least squares from the best starts; None where nothing converges, or only at a limit.
 
-    told: the point whose parameters `free` are fitted, none or more. starts: of them, or of the
-    logarithms of those that are positive.
+    told: the point whose parameters `free` are fitted, none or more, from `starts` (see `Fit.at`).
     """
     groups, (chosen, tested) = expectation.sample.groups, components
     one_by_one = expectation.sample.tabulated
@@ -152,9 +150,8 @@ def fit(
             return None
         if (white := weights(best)) is None:
             return None
-    at = point(best)
+    at, names = point(best), expectation.names
     theory = expectation.theory(at)
-    names = expectation.names
     known = own_covariance(expectation, at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
@@ -191,8 +188,7 @@ def fit(
 def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:
     """The media that the scatterers may be; of dense ones there is a theory for smooth disks.
 
-    point: what was told of restitution and density. asked: "every" has overlapping disks too, which
-    differ from hard ones by a twentieth of the density: they must be told, or explain.
+    "every" has overlapping disks too, which differ from hard ones by a twentieth of the density.
     """
     if asked not in ("auto", "every"):
         return [asked]

@@ -1,12 +1,12 @@
 """Data and theory side by side, and the verdicts on them: rows, tests and the summary."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics import Solution
 from kinetics.crosscheck import words
 from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.fit import Fit
@@ -24,32 +24,27 @@ from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.words import Verdict, numeral
 from kinetics.errors import InputError
 
-if TYPE_CHECKING:
-    from kinetics import Solution
-
 Array = NDArray[np.float64]
 
+# standard error over value below which the data have no spread: a start with one speed
 NO_SPREAD = 1e-9
-"""Standard error over value below which the data have no spread: a start with one speed."""
+# samples that a bin must be expected to hold: their distribution is then nearly Gaussian
 LEAST_EXPECTED = 50
-"""Samples that a bin must be expected to hold: their distribution is then nearly Gaussian."""
+# share of the samples from which on a bin is not made wider, so that the body has a shape
 MOST_IN_A_BIN = 1 / 12
-"""Share of the samples from which on a bin is not made wider, so that the body has a shape."""
 _MOST_BINS = 40
-_AT_ZERO = ("drift", "thermal_speed", "a2")
-"""The averages that say something at time 0."""
+_AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
 
 
-@dataclass(frozen=True, eq=False)
-class Histogram:
-    """One density at one time, of this index in the sample, against the theory.
+class Histogram(NamedTuple):
+    """One density at one time, the sample's of this place, against the theory.
 
     edges (n + 1,), the first 0, the last infinite; shares of the samples with errors, theory (n,).
     """
 
     name: str
     time: float
-    index: int
+    place: int
     edges: Array
     share: Array
     error: Array
@@ -62,14 +57,13 @@ class Histogram:
 class Both:
     """A sample and its theory side by side: what rows, tests and causes are made of.
 
-    found : the fit to the same averages that the point's numbers come from
     theory, difference, error (n_names, n_times); replicates (G, n_names, n_times) of the difference
     known (p_all, p_all) : covariance of the theory's own error, None where it has none
     compared : where there is something to compare; usable : and where it has spread
     """
 
     def __init__(
-        self, expectation: Expectation, found: Fit, densities: "dict[str, Solution]"
+        self, expectation: Expectation, found: Fit, densities: dict[str, Solution]
     ) -> None:
         self.expectation, self.point, self.found = expectation, found.point, found
         self.sample, self.names, self.densities = expectation.sample, expectation.names, densities
@@ -89,12 +83,9 @@ class Both:
         if self.known is not None:
             own = np.diagonal(self.known).reshape(self.error.shape)
             self.error = np.sqrt(self.error**2 + own)
-        self.histograms = [
-            result
-            for name, density in densities.items()
-            for at in range(density.times.size)
-            if (result := _histogram(self.sample, density, name, at)) is not None
-        ]
+        every = [(name, at) for name, one in densities.items() for at in range(one.times.size)]
+        found_in = (_histogram(self.sample, densities[name], name, at) for name, at in every)
+        self.histograms = [one for one in found_in if one is not None]
 
     def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None, bool]:
         """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
@@ -110,10 +101,7 @@ def with_spread(error: Array, *values: Array) -> NDArray[np.bool_]:
         return np.asarray((error > NO_SPREAD * size) & np.isfinite(error))
 
 
-# -- histograms ------------------------------------------------------------------------------------
-
-
-def _histogram(sample: Sample, solution: "Solution", name: str, at: int) -> Histogram | None:
+def _histogram(sample: Sample, solution: Solution, name: str, at: int) -> Histogram | None:
     """A sample's histogram against a solution's density at its time of the index `at`."""
     binned = sample.speeds if name == SPEED else sample.displacements
     if binned is None:
@@ -165,9 +153,6 @@ def _merged(
     while len(starts) > most:  # where the tails alone are too many, every second edge goes
         starts = starts[::2]
     return np.array(starts)
-
-
-# -- rows and tests --------------------------------------------------------------------------------
 
 
 def rows_of(both: Both) -> Iterator[Row]:
@@ -239,9 +224,8 @@ def _over_times(both: Both, i: int) -> ChiSquare | None:
 
 
 def _of_single_times(both: Both, i: int) -> tuple[Verdict, float]:
-    """The verdict on the time of an average that differs most, of all times of all averages.
-
-    And the relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma.
+    """The verdict on the time of an average that differs most, of all times of all averages; and
+    the relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma.
     """
     usable, looks = both.usable[i], 2 * int(both.usable.sum())
     difference, error = both.difference[i, usable], both.error[i, usable]
@@ -265,10 +249,7 @@ def summary(
     both: Both, tests: Sequence[ComparisonTest], verdict: Verdict, best: Explanation | None,
     start: str, fitted: str, medium: str,
 ) -> str:  # fmt: skip
-    """What was fitted, the verdict in a sentence, what was compared, and the clearest difference.
-
-    fitted: the numbers that were looked for, empty where all was told; medium: which one was taken
-    """
+    """What was fitted, the verdict in a sentence, what was compared, the clearest difference."""
     within = [
         f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
         f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None

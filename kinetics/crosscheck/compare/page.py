@@ -1,17 +1,10 @@
 """A comparison as tables for the terminal, as figures, and as a page with its numbers as JSON."""
 
 import textwrap
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
-from kinetics.crosscheck.compare.draw import drawn
-from kinetics.crosscheck.compare.result import OUTCOMES, Comparison
-from kinetics.crosscheck.files import require_file
+from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, drawn
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
-from kinetics.errors import InputError
-
-WIDTH = 100  # columns of a terminal
 
 
 def test_cells(result: Comparison) -> list[list[str]]:
@@ -53,7 +46,7 @@ def tables(result: Comparison) -> str:
         return "\n".join("  ".join(cells).rstrip() for cells in padded)
 
     def wrapped(text: str) -> str:
-        return textwrap.fill(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+        return textwrap.fill(text, 100, subsequent_indent="  ", break_on_hyphens=False)
 
     shown = row_cells(result, every=False)
     hidden = len(result.numbers) + 1 - len(shown)
@@ -67,33 +60,15 @@ def tables(result: Comparison) -> str:
     return "\n\n".join(parts)
 
 
-def prepare(output: Path, data: Iterable[Path]) -> None:
-    """InputError, before anything is read, for an output that cannot be or that is of the data."""
-    for path, endings in ((output, (".html", ".htm")), (output.with_suffix(".json"), (".json",))):
-        require_file("output", path, endings)
-        if any(path.resolve() == other.resolve() for other in data):
-            raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
-
-
-def files_of(result: Comparison, output: Path, kinds: Sequence[str] = ()) -> dict[str, Any]:
-    """File names and contents: the page, the JSON beside it, and figures in these formats."""
-    numbers = output.with_suffix(".json").name
-    figures = {
-        f"{output.stem}-{name}.{kind}": drawn(result, [name], kind)
-        for kind in kinds for name in result.figures
-    }  # fmt: skip
-    return {numbers: result.to_json(), output.name: render(result, numbers), **figures}
-
-
 def render(result: Comparison, json_name: str) -> str:
     """The page, with nothing beside it. Every text of the comparison is escaped."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
+    loader, strict = PackageLoader("kinetics.crosscheck"), StrictUndefined
     made = Environment(
-        loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+        loader=loader, autoescape=True, undefined=strict, trim_blocks=True, lstrip_blocks=True
+    )
     svg = drawn(result, result.figures).decode() if result.figures else ""
     return made.get_template("comparison.html.j2").render(
         result=result, outcomes=OUTCOMES, scene=scene_of(result), tests=test_cells(result),

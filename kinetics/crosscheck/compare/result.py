@@ -1,10 +1,14 @@
 """Comparison: the result of comparing a sample with the kinetic equation, as a value."""
 
+import io
 import json
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+import pandas as pd
 
 from kinetics import __version__
 from kinetics.crosscheck.compare.theory import OBSERVABLES
@@ -12,10 +16,6 @@ from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
 from kinetics.errors import InputError, short
 from kinetics.results import Result
-
-if TYPE_CHECKING:
-    import pandas
-    import xarray
 
 SCHEMA = "inelastic-lorentz/comparison/1"
 OUTCOMES = {
@@ -26,6 +26,8 @@ OUTCOMES = {
     "noted": "noted",
 }
 """What an explanation comes to, in words; in the order in which they are shown."""
+_DECADES = 30.0  # largest over smallest value from which on an axis is logarithmic
+_REGIONS = {"68 %": 1.515, "95 %": 2.448}  # Radii that hold so much of a Gaussian of two numbers
 
 
 class Row(NamedTuple):
@@ -48,10 +50,9 @@ class Row(NamedTuple):
 class ComparisonTest:
     """All rows of an observable together (of a density: at one time) by one chi-square.
 
-    `groups` independent groups gave the covariance, None where it is known. `verdict` looks at the
-    p-value times the number of tests, as `sigmas` of a Gaussian, and, for an average, at the time
-    that differs most. `within` is the relative difference (of 1 + a2 for a2) that the data exclude
-    at every time, at 95 %; None for a density.
+    `groups` gave the covariance, None where it is known. `verdict` looks at the p-value times the
+    number of tests, as `sigmas`, and, for an average, at the time that differs most. `within` is
+    the relative difference (of 1 + a2) that the data exclude at every time, at 95 %.
     """
 
     observable: str
@@ -79,8 +80,8 @@ class Explanation:
     """Something that may explain a difference; chi-squares are of all averages.
 
     outcome: "explains" (the rest agrees, and no other cause is much likelier), "in part" (the
-    chi-square falls by 16 and by a tenth at least), "does not", "noted" (not tested) or "found" (an
-    effect that the data show by itself). `headline` is what the summary says of it.
+    chi-square falls by 16 and by a tenth), "does not", "noted" (not tested) or "found" (the data
+    show it by themselves). `headline` is what the summary says of it.
     """
 
     name: str
@@ -133,7 +134,7 @@ class Comparison(Result):
     covariance: tuple[tuple[float, ...], ...] = ()
 
     @property
-    def rows(self) -> "pandas.DataFrame":
+    def rows(self) -> Any:
         """Every number: a row for each observable and time (and bin of a density), as a new table.
 
         `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
@@ -142,24 +143,19 @@ class Comparison(Result):
         `corrected_sigmas`, which allow for the number of rows of the observable. Without spread in
         the data (all speeds equal) both are NaN.
         """
-        import pandas
-
-        frame = pandas.DataFrame(self.numbers, columns=Row._fields)
+        frame = pd.DataFrame(self.numbers, columns=Row._fields)
         frame["verdict"] = frame["verdict"].map(str)
         others = ("observable", "verdict", "samples")
         return frame.astype({name: float for name in Row._fields if name not in others})
 
-    def observable(self, name: str) -> "pandas.DataFrame":
+    def observable(self, name: str) -> Any:
         """The rows of one observable."""
         rows = self.rows
         return rows[rows["observable"] == name].reset_index(drop=True)
 
     def p_value(self, observable: str, time: float | None = None) -> float:
         """The p-value of an average, or of a density at a time; KeyError where there is none."""
-        for test in self.tests:
-            if test.observable == observable and test.time == time:
-                return test.p_value
-        raise KeyError(f"no test of {observable!r}" + ("" if time is None else f" at {time:g}"))
+        return {(test.observable, test.time): test.p_value for test in self.tests}[observable, time]
 
     @property
     def title(self) -> str:
@@ -169,8 +165,6 @@ class Comparison(Result):
     @property
     def figures(self) -> list[str]:
         """The names of the figures, which `plot` draws from the rows."""
-        from kinetics.crosscheck.compare.draw import figures_of
-
         return figures_of(self)
 
     def to_dict(self) -> dict[str, Any]:
@@ -184,11 +178,11 @@ class Comparison(Result):
         """The document as strict JSON."""
         return dumps(self.to_dict())
 
-    def to_dataframe(self, name: str | None = None, **points: Any) -> "pandas.DataFrame":
-        """The rows as a pandas DataFrame, or those of one observable."""
+    def to_dataframe(self, name: str | None = None, **points: Any) -> Any:
+        """The rows, or those of one observable."""
         return self.rows if name is None else self.observable(name)
 
-    def _dataset(self, only: Any = None, **points: Any) -> "xarray.Dataset":
+    def _dataset(self, only: Any = None, **points: Any) -> Any:
         """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
         made = self.rows.rename_axis("row").to_xarray()
         units = [OBSERVABLES[name].unit or "1" for name in self.rows["observable"]]
@@ -198,12 +192,7 @@ class Comparison(Result):
         return made.assign_attrs(**about, scene=scene, version=__version__)
 
     def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
-        """Draw one of `figures`, data beside theory, by the name of an observable, or "sigmas".
-
-        On ``ax`` or on new axes, which are returned. InputError for a name that is not there.
-        """
-        from kinetics.crosscheck.compare.draw import draw
-
+        """Draw one of `figures` on ``ax`` or on new axes, which are returned; or InputError."""
         figures = [figure.replace("-", "_") for figure in self.figures]
         if str(name).replace("-", "_") not in figures:
             known = ", ".join(figures) or "no figures"
@@ -242,3 +231,75 @@ class Comparison(Result):
         shown = [t for t in self.tests if t.time is None]
         words = "  {0.observable}: {0.chi_square:.4g}/{0.dof}, p = {0.p_value:.2g}, {0.verdict}"
         return "\n".join([*lines, *map(words.format, shown)])
+
+
+# -- the figures, drawn from the rows: data beside theory, and all deviations ----------------------
+def figures_of(result: Any) -> list[str]:
+    """Each observable, "sigmas", and "confidence", the region of e and l, if both were fitted."""
+    rows = result.rows[result.rows["time"] > 0]
+    bins = rows[rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)]
+    seen = {*rows[rows["low"].isna()]["observable"], *bins["observable"]}
+    found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
+    found += ["sigmas"] if len(rows[rows["low"].isna()]) else []
+    both = np.shape(result.covariance) == (2, 2) and result.parameters["restitution"].value
+    return found + (["confidence"] if both else [])
+
+
+def draw(result: Any, figure: str, ax: Any) -> None:
+    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
+    name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
+    bars = {"fmt": "o", "ms": 4, "lw": 1}
+    labels, log = ["time $t$ / (d/U)", ""], [True, False]
+    if name == "confidence":
+        title, log = "Restitution and mean free path together", [False, False]
+        labels = ["restitution $e$", "mean free path $l$ / d"]
+        e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
+        angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
+        x, y = root @ np.stack([np.cos(angle), np.sin(angle)])
+        for share, radius in _REGIONS.items():
+            ax.plot(e + radius * x, path * np.exp(radius * y), label=share)
+        ax.plot(e, path, "ko", ms=4, label="fitted")
+    elif name == "sigmas":
+        title, labels[1] = "Differences in standard errors", "difference / standard error"
+        ax.axhline(0.0, color="gray", lw=0.8)
+        averages = rows[rows["low"].isna()].dropna(subset="sigmas")
+        for one, mine in averages.groupby("observable", sort=False):
+            ax.errorbar(mine["time"], mine["sigmas"], 1.0, label=OBSERVABLES[one].symbol, **bars)
+    else:
+        seen, mine = OBSERVABLES[name], rows[rows["observable"] == name]
+        title, unit = seen.title, f" / {seen.unit}" if seen.unit else ""
+        labels[1] = seen.symbol + unit
+        if seen.measured is None:
+            labels, log = [seen.symbol + unit, f"density / (1/{seen.unit})"], [True, True]
+            bins = mine[(mine["low"] > 0) & mine["high"].notna() & (mine["value"] > 0)]
+            for k, (at, body) in enumerate(bins.groupby("time")):
+                middle, colour = np.sqrt(body["low"] * body["high"]), f"C{k}"
+                ax.plot(middle, body["theory"], color=colour)
+                mark = {"color": colour, "label": f"t = {at:.4g}", **bars}
+                ax.errorbar(middle, body["value"], body["error"], **mark)
+        else:
+            both = mine[["value", "theory"]].to_numpy()
+            log[1] = bool(both.min() > 0 and both.max() > _DECADES * both.min())
+            ax.plot(mine["time"], mine["theory"], label="kinetic equation")
+            shown = {"color": "black", "label": "data", **bars}
+            ax.errorbar(mine["time"], mine["value"], mine["error"], **shown)
+    ax.set(xlabel=labels[0], ylabel=labels[1])
+    for side, is_log in zip("xy", log, strict=True):
+        if is_log:
+            ax.set(**{f"{side}scale": "log"})
+    ax.set_title(title, fontsize="medium")
+    ax.legend(fontsize="small", frameon=False)
+
+
+def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
+    """Figures in two columns as one picture, in a format of matplotlib's."""
+    from matplotlib.figure import Figure
+
+    wide = min(2, len(names))
+    high = -(-len(names) // wide)
+    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
+    for k, name in enumerate(names, 1):
+        draw(result, name, figure.add_subplot(high, wide, k))
+    dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
+    figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
+    return buffer.getvalue()

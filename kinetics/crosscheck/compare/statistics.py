@@ -17,10 +17,10 @@ from scipy.special import betainc, gammaincc, gammainccinv
 
 Array = NDArray[np.float64]
 
+# groups behind each degree of freedom, or the covariance is too uncertain
 GROUPS_PER_FREEDOM = 4
-"""Groups that must stand behind each degree of freedom, or the covariance is too uncertain."""
+# of the correlation matrix, relative to the largest: below, two components are the same
 _SMALLEST_EIGENVALUE = 1e-9
-"""Of the correlation matrix, relative to the largest: below, two components are the same."""
 
 
 class ChiSquare(NamedTuple):
@@ -62,10 +62,8 @@ def chance(sigmas: float) -> float:
 
 
 def effective_groups(replicates: Array) -> Array:
-    """Groups that a variance from delete-one replicates (G, ...) is as good as: (...), G at most.
-
-    The relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
-    """
+    """Groups that a variance from delete-one replicates (G, ...) is as good as, G at most."""
+    # the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule)
     deviation = replicates - replicates.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         excess = np.mean(deviation**4, axis=0) / np.mean(deviation**2, axis=0) ** 2 - 3

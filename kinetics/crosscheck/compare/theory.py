@@ -3,32 +3,29 @@
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-if TYPE_CHECKING:
-    from kinetics import Solution
-
 Array = NDArray[np.float64]
 
+# asked of the solver for averages: far below any standard error; in a field it takes longer
 RTOL, FIELD_RTOL = 1e-7, 1e-5
-"""Asked of the solver for averages: far below any standard error; in a field it takes longer."""
 SPEED, DISPLACEMENT = "speed_density", "position_density"
 
 
 class Observable(NamedTuple):
     """How an observable is written (title, symbol, unit, in a text), and what it is made of.
 
-    measured : of the means m over tracers, the scales u of speed and d of displacement, and the
-        law; None for a density, whose symbol is that of its variable
+    measured : of the means m over tracers, the scales u and d, and the law; None for a density
     where : "field", "free" or "both", see `AVERAGES`
     output, component : of a Solution; the output has the observable's name, if not told
     """
@@ -79,9 +76,7 @@ class SampledStart(State):
 
     bins: StartBins
 
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Any:
         """One point per bin."""
         if m:
             return None
@@ -125,10 +120,8 @@ class Point(NamedTuple):
 
 def solved(
     point: Point, law: Law, times: Array, names: Sequence[str], rtol: float = 0.0
-) -> "Solution":
+) -> Solution:
     """The solution that has these observables, see `average_of`; rtol 0 is that of averages."""
-    from kinetics import Scene, solve
-
     scene = Scene(
         restitution=point.restitution, number_density=law.free_path(point.path),
         initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
@@ -141,10 +134,7 @@ def solved(
 
 
 def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:
-    """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times).
-
-    In units of U and d; the scales of speed and length (n_times,) are those of the sums.
-    """
+    """The averages (..., n_names, n_times), in U and d, of sums (..., n_times, 5) in scales."""
     with np.errstate(invalid="ignore", divide="ignore"):
         means = np.moveaxis(sums / sums[..., N, None], -1, 0)
         made: Any = (OBSERVABLES[name].measured for name in names)
@@ -152,9 +142,8 @@ def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: La
 
 
 class Expectation:
-    """What is measured and expected of a sample: of all of it, and with each group left out.
-
-    values (n_names, n_times) and replicates (G, n_names, n_times) are the sample's.
+    """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
+    with each group left out, and expected.
     """
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
@@ -173,12 +162,11 @@ class Expectation:
             late = np.where(self.sample.times > 0, point.time_offset, 0.0)
             times = np.maximum(self.sample.times * clock + late, 0.0)
             solution = solved(point, self.sample.law, times, self.names)
-            each = []
-            for name in self.names:
-                seen = OBSERVABLES[name]
-                place: Any = (..., *seen.component)
-                each.append(np.asarray(getattr(solution, seen.output or name))[place])
-            self._solved[key] = np.stack(each)
+            rows: Any = [(name, OBSERVABLES[name]) for name in self.names]
+            self._solved[key] = np.stack([
+                np.asarray(getattr(solution, row.output or name))[(..., *row.component)]
+                for name, row in rows
+            ])  # fmt: skip
         return self._measured(self._solved[key], point)
 
     def _measured(self, values: Array, point: Point) -> Array:
@@ -222,11 +210,8 @@ class Expectation:
 
 def stabilised(names: Sequence[str], theory: Array, difference: Array) -> Array:
     """Differences (..., n_names, n_times) of fourth moments, as those of x^-2 for x = 1 + a2 and
-    the kurtosis, over the slope of x^-2 at the theory.
-
-    The estimate of a fourth moment is skewed by its tail, and its error rises with it; that of x^-2
-    is not. Of 300 samples of 500 tracers 14 and 17 % were rejected at 5 % without this, 7 and 9 %
-    with it.
+    the kurtosis, over the slope of x^-2 at the theory: their estimates are skewed by the tail. Of
+    300 samples of 500 tracers 14 and 17 % were rejected at 5 % without this, 7 and 9 % with it.
     """
     found = difference.copy()
     for k, name in enumerate(names):
@@ -237,11 +222,8 @@ def stabilised(names: Sequence[str], theory: Array, difference: Array) -> Array:
     return found
 
 
-def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Array:
-    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,).
-
-    Of the speed (by Gauss-Legendre, finer where the start is rough) or of the displacement.
-    """
+def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array:
+    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,)."""
     every = np.concatenate([[0.0], edges])
     if name == DISPLACEMENT:
         shares = solution.position_fraction(every)[index]
@@ -258,26 +240,20 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
     return np.append(shares, max(1 - shares.sum(), 0.0))
 
 
-# -- the theory's own error, among scatterers at a finite density ----------------------------------
-
+# Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
+# 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
+# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density_error.py),
+# rounded up. Twice for v0 before and for a2 after, whose deviations have one sign.
 _OWN_ERROR: Mapping[str, tuple[float, float]] = {
     "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
 }  # fmt: skip
-"""Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
-1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
-n = .02, .04, .06 and .1, five e from 0.4 to 1 and both media
-(tests/kinetics/measurements/density_error.py), rounded up. Twice for v0 before and for a2 after,
-whose deviations have one sign."""
-_LATE = 30.0
-"""In l/U."""
-_REMEMBERED = np.log(10.0)
-"""In ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)."""
+_LATE = 30.0  # in l/U
+_REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
 
 
 def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Array | None:
-    """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages.
-
-    Different averages are taken to be independent. None for dilute scatterers.
+    """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages, which
+    are independent for different names. None for dilute scatterers.
     """
     if point.scatterers == "dilute":
         return None

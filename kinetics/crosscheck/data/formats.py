@@ -1,8 +1,8 @@
 """Files of particle data: a format is one function and one row of `FORMATS`, at the end.
 
-A function is given the path, its name for messages and what was asked (`tracks.Asked`); it returns
-what `tracks.from_columns` makes of columns, or the Sample of an Ensemble. Nothing in a file is
-executed, links into other files are not followed, and sizes are checked before memory is asked for.
+It is given the path, its name for messages and what was asked (`tracks.Asked`), and returns what
+`tracks.from_columns` makes of columns, or the Sample of an Ensemble. Nothing in a file is executed,
+links into other files are not followed, and sizes are checked before memory is asked for.
 """
 
 import csv
@@ -18,23 +18,19 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data import tracks as t
-from kinetics.crosscheck.data.sample import Sample
+from kinetics.crosscheck.data.sample import Sample, read_ensemble
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
 from kinetics.errors import InputError, short
 
 Read = Tracks | t.Averages | Sample
+# arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)
 FRAMES = ("times", "positions", "velocities")
-"""The names of arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)."""
+# bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
 _BLOCK, _LONGEST = 8 << 20, 1 << 20
-"""Bytes of a CSV file that are parsed at once, and of a line at most: memory stays small."""
 
 
 def read(source: Path | t.Table, asked: Asked) -> Read:
-    """Tracks, a table of averages or a Sample, from a file or from columns in memory.
-
-    InputError in one line for a file that is missing, damaged or of another format, without a
-    column, or with a value that is not a finite number.
-    """
+    """Tracks, a table of averages or a Sample, from a file or from columns; or InputError."""
     where = t.name_of(source)
     try:
         if isinstance(source, t.Table):
@@ -92,19 +88,18 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
         numbers = {names[k]: k for one, k in found.items() if one not in t.LABELS}
         read = arrow.ReadOptions(column_names=names, block_size=_BLOCK)
-        parse = arrow.ParseOptions(
-            delimiter=separator,
-            invalid_row_handler=lambda row: "error" if _says(row.text) else "skip",
-        )
+
+        def blank(row: Any) -> str:
+            return "error" if _says(row.text) else "skip"
+
+        parse = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank)
         for label in (pa.int64(), pa.string()):
             kinds = dict.fromkeys((names[k] for k in found.values()), label)
             kinds |= dict.fromkeys(numbers, pa.float64())
-            convert = arrow.ConvertOptions(
-                column_types=kinds, include_columns=list(kinds), null_values=[]
-            )
+            told = {"column_types": kinds, "include_columns": list(kinds), "null_values": []}
             file.seek(start)
             with suppress(pa.ArrowInvalid):
-                batches = []
+                batches, convert = [], arrow.ConvertOptions(**told)
                 for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
                     batches.append(batch)
                     require_memory(where, float(batch.nbytes * len(batches)))
@@ -114,10 +109,8 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                     return t.from_columns(where, names, columns, asked)
         file.seek(start)
         texts = ((line, raw.decode("utf-8", "replace").strip("\r\n")) for line, raw in lines)
-        split = (
-            (n, next(csv.reader([one], delimiter=separator))) for n, one in texts if _says(one)
-        )
-        _require_rows(where, split, names, numbers)
+        said = ((line, csv.reader([one], delimiter=separator)) for line, one in texts if _says(one))
+        _require_rows(where, ((line, next(cells)) for line, cells in said), names, numbers)
     bad(where, "no rows, or an unreadable text", "rows of numbers")
 
 
@@ -173,15 +166,11 @@ def _npz(path: Path, where: str, asked: Asked) -> Read:
 
 
 # -- HDF5 ------------------------------------------------------------------------------------------
-
-
 def _hdf5(path: Path, where: str, asked: Asked) -> Read:
     import h5py
 
     with h5py.File(path, "r") as file:
         if "plan" in file and "done" in file.attrs:
-            from kinetics.crosscheck.data.summaries import read_ensemble
-
             return read_ensemble(path)
         if _own(file, "h5md") and _own(file, "particles"):
             return _h5md(where, file["particles"], asked)
@@ -221,10 +210,8 @@ def _unit_of(dataset: Any) -> str:
 
 
 def _h5md(where: str, particles: Any, asked: Asked) -> Read:
-    """The only group of particles with positions and velocities; the layout is at nongnu.org.
-
-    Positions are unwrapped by the element `image` where it stands. An element `medium`
-    (n_tracers,), which this package writes, says the configuration of each tracer.
+    """The only group of particles with positions, unwrapped by `image` where it stands, and
+    velocities (nongnu.org/h5md); this package also writes `medium`, each tracer's configuration.
     """
     both = ("position", "velocity")
     groups = [particles[name] for name in particles if _own(particles, name)]
@@ -270,8 +257,6 @@ def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
 
 
 # -- frames of text --------------------------------------------------------------------------------
-
-
 class _Lines:
     """The lines of a text file, one after another; `where` names the file and the last line."""
 
@@ -303,10 +288,8 @@ class _Lines:
         return int(plain)
 
     def table(self, count: int, names: list[str], wanted: Sequence[str]) -> dict[str, Any]:
-        """Columns of the next `count` lines: (count,) each, numbers except the type.
-
-        InputError for a column that is missing or stands twice, and for a line that is missing,
-        blank, joined with another, or of other columns.
+        """Columns of the next `count` lines: (count,) each, numbers except the type; InputError
+        for a column that is missing or stands twice, and for a line of others.
         """
         for name in (name for name in wanted if names.count(name) != 1):
             bad(self.where, f"column {name!r} {names.count(name)} times", "once")
@@ -323,12 +306,12 @@ class _Lines:
         bad(self.where, f"the end of the file after {len(rows)} rows", f"{count} rows")
 
 
+# units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)
 _STYLES = {
     "real": ("angstrom", "angstrom/fs", "fs"), "metal": ("angstrom", "angstrom/ps", "ps"),
     "si": ("m", "m/s", "s"), "cgs": ("cm", "cm/s", "s"), "micro": ("um", "um/us", "us"),
     "nano": ("nm", "nm/ns", "ns"), "lj": ("", "", ""),
 }  # fmt: skip
-"""Units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)."""
 
 
 def _lammps(path: Path, where: str, asked: Asked) -> Read:
@@ -395,13 +378,12 @@ def _lammps_frame(
 
 
 _PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')
-_XYZ = {
+_XYZ = {  # properties that are read, and our names of their columns
     **dict.fromkeys(("pos", "positions", "position"), AXES),
     **dict.fromkeys(("vel", "velo", "velocity", "velocities", "v"), SPEEDS),
     **dict.fromkeys(("id", "ids", "particle", "tracer"), ("tracer",)),
     **dict.fromkeys(("species", "type"), ("type",)),
 }  # fmt: skip
-"""Properties that are read, and our names of their columns."""
 
 
 def _xyz(path: Path, where: str, asked: Asked) -> Read:
@@ -452,10 +434,10 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
     return t.of_frames(where, [columns], asked, box=None if free else boxes[0])
 
 
+# the ending of a file's name, and the function that reads it
 FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {
     ".csv": _csv, ".tsv": _csv, ".npz": _npz, ".parquet": _parquet,
     **dict.fromkeys((".h5", ".hdf5", ".h5md"), _hdf5),
     **dict.fromkeys((".dump", ".lammpstrj"), _lammps),
     **dict.fromkeys((".xyz", ".extxyz"), _xyz), ".gsd": _gsd,
 }  # fmt: skip
-"""The ending of a file's name, and the function that reads it."""

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.data import summaries
 from kinetics.crosscheck.data.formats import read
-from kinetics.crosscheck.data.sample import Law, Sample, reduced, size_of_vectors
+from kinetics.crosscheck.data.sample import Law, Sample, of_averages, reduced, size_of_vectors
 from kinetics.crosscheck.data.tracks import Asked, Averages, Table, Tracks, bad, joined, name_of
 from kinetics.crosscheck.data.tracks import unwrapped as _unwrapped
 from kinetics.crosscheck.data.units import are_own, conversion
@@ -22,13 +21,9 @@ def read_sample(
 ) -> Sample:
     """One sample from files or columns in memory (see `formats`), or from one file of an Ensemble.
 
-    told : what the user says about the data, the arguments of `tracks.Asked`; of an Ensemble file
-        all is known, and it is not looked at
-    show_progress : count the files that have been read, on a terminal
-
-    Several files are independent runs: a label in one is not the same label in another. With one
-    configuration, or without the column `medium`, standard errors are by tracer, and the sample's
-    warnings say so. InputError for what cannot be used.
+    told : arguments of `tracks.Asked`. Several files are independent runs: a label in one is not
+    the same label in another. With one configuration, or without the column `medium`, standard
+    errors are by tracer, and the sample's warnings say so. InputError for what cannot be used.
     """
     asked, names = Asked(**told), tuple(name_of(source) for source in sources)
     if not sources:
@@ -49,7 +44,7 @@ def read_sample(
     if isinstance(parts[0], Averages):
         if asked.with_field:
             bad("field", "a table of averages", "0 for it")
-        return _scaled(summaries.of_averages(parts[0], names, law), asked, parts[0].units)
+        return _scaled(of_averages(parts[0], names, law), asked, parts[0].units)
     tracks, warnings = _displacements(parts, names, asked)
     sample, more = _grouped(tracks, names, asked)
     # tracers of one flight share |r|/(|v| t) only at their own times
@@ -99,10 +94,7 @@ def _sizes(place: Any) -> list[float]:
 
 
 def _require_not_wrapped(where: str, place: Any, far: float) -> None:
-    """InputError where tracers move far, and yet none leaves the region of time 0.
-
-    Twenty should have left it, were positions not wrapped: that none has is no chance.
-    """
+    """InputError where none leaves the region of time 0, and twenty would, if not wrapped."""
     low, high = place[0].min(axis=0), place[0].max(axis=0)
     n, size = place.shape[1], float((high - low).min())
     # The farthest tracer is not quite at the edge of the region that they come from.
@@ -125,9 +117,8 @@ def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Samp
             else "There is one configuration: errors are by tracer, and do not hold what another "
             "configuration of scatterers would change."
         )
-        rows = tracks.tracer is None
-        label = np.arange(n) if rows else tracks.tracer
-        sample = reduced(tracks, label, names, "row" if rows else "tracer", asked.with_field)
+        label, by = (np.arange(n), "row") if tracks.tracer is None else (tracks.tracer, "tracer")
+        sample = reduced(tracks, label, names, by, asked.with_field)
     if sample.groups < 2:
         bad(", ".join(names), "one tracer" if n else "no tracer", "two tracers at least")
     if sample.grouping == "row":
@@ -159,18 +150,17 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
             bad("speed_unit", "'data'", "a number where <v²> at time 0 is beyond double precision")
         warnings += (f"U is {unit:.6g} of the data's unit, from <v²> at time 0.",)
     factor, time_unit = conversion(units), asked.time_unit
-    if time_unit is None and factor not in (None, 1.0):
-        time_unit = asked.diameter / unit * factor
+    if time_unit is None:
+        time_unit = asked.diameter / unit * (factor or 1.0)
+    sizes = {"speed": unit, "length": asked.diameter, "time": time_unit}
     if units and not (are_own(units) and asked.diameter == unit == 1.0):
         known = "" if factor else " Not all of these are known here, and nothing was converted."
-        taken = (asked.diameter, unit, time_unit or asked.diameter / unit)
-        d, u, t = (numeral(value, ".6g") for value in taken)
+        u, d, t = (numeral(value, ".6g") for value in sizes.values())
         warnings += (
             f"The file states {', '.join(f'{kind}s in {one}' for kind, one in units.items())}."
             f"{known} Taken were d = {d}, U = {u} and d/U = {t} in the data's units; other values "
             "are given by --length-unit, --speed-unit and --time-unit.",
         )
-    sizes = {"speed": unit, "length": asked.diameter, "time": time_unit or asked.diameter / unit}
     own = {k: (size, units.get(k, "")) for k, size in sizes.items()}
     if not units and all(size == 1.0 for size in sizes.values()):
         own = {}

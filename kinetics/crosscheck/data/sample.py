@@ -6,34 +6,38 @@ every standard error and every covariance is the spread over groups.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.tracks import Tracks
+from kinetics.crosscheck.data.tracks import MOST_TIMES, Averages, Tracks, bad, name_of
+from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
+# columns of the sums: samples, and powers of speed and displacement; in a field also the velocity
+# and the displacement along it, along +x, and the square of this
 N, V2, V4, R2, R4, VX, X, X2 = range(8)
-"""Columns of the sums: samples, and powers of speed and displacement. In a field also the velocity
-and the displacement along it, along +x, and the square of this."""
+# groups at most: primes, so that labels with a regular pattern spread over all of them; a standard
+# error from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-"""Groups at most: primes, so that labels with a regular pattern spread over all of them. The
-relative error of a standard error from G groups is 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins,
-which take most of the memory."""
+# bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
+# octave, their number: from a thousandth of the root mean square to 64 times it
 _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
-"""Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
-octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
+EXACT = 1e-6  # relative error of averages of a Solution, which have none beside them
+GROUPS = 1000  # groups that are made up: so many that errors are as good as exact
 
 
 class Flights(NamedTuple):
-    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
+    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that this share of all has.
 
-    share: of all tracers then. The ratio is 1 where units belong together, whatever the scatterers.
+    It is 1 where units belong together, whatever the scatterers.
     """
 
     time: float
@@ -41,24 +45,18 @@ class Flights(NamedTuple):
     share: float
 
 
-@dataclass(frozen=True, eq=False)
-class Binned:
-    """Counts in bins of speed or displacement, in U or d.
+class Binned(NamedTuple):
+    """Counts in bins of speed or displacement, in U or d, of groups that are not those of the sums.
 
-    edges (n_times, n_bins + 1); by_group (n, n_times, n_bins + 2), the first and last of what lies
-    outside, of independent groups, not those of the sums.
+    edges (n_times, n_bins + 1); by_group (n, n_times, n_bins + 2), with what lies outside.
     """
 
     edges: Array
     by_group: Counts
 
 
-@dataclass(frozen=True, eq=False)
-class StartBins:
-    """Speeds at time 0 in fine bins, of the tracers that move.
-
-    squares (n_bins,): mean v^2 in U^2; counts (n_bins,): tracers.
-    """
+class StartBins(NamedTuple):
+    """Speeds at time 0 in fine bins, of those that move: mean v^2 in U^2 and tracers, (n_bins,)."""
 
     squares: Array
     counts: Counts
@@ -95,15 +93,13 @@ class Sample:
     sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
         field, with v_x, x, x^2
     times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
-    speeds, displacements : counts in bins, None where unknown
-    start : the speeds at time 0, None without one
+    speeds, displacements, start : counts in bins, None where unknown
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
     flights : tracers that have flown straight, of the two times at which most of them have
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
-    told : "restitution", "number_density" (in d^-2), "initial" and "scatterers", as far as the data
-        say
+    told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
     units : "speed", "length" and "time": U, d and d/U in the data's unit, and its name
     """
 
@@ -141,24 +137,21 @@ class Sample:
         start, told = self.start, dict(self.told)
         if "number_density" in told:
             told["number_density"] *= length**self.law.dimension
-        seen = tuple(
-            Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
-            for one in self.flights
-        )
         speeds, displacements = (
-            one and replace(one, edges=one.edges / unit)
+            one and one._replace(edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
         )
+        flown = [
+            Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
+            for one in self.flights
+        ]
         return replace(
-            self, speeds=speeds, displacements=displacements, told=told,
-            law=replace(self.law, field=self.law.field * length / speed**2), flights=seen,
+            self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
+            law=replace(self.law, field=self.law.field * length / speed**2),
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
-            start=start and replace(start, squares=start.squares / speed**2),
+            start=start and start._replace(squares=start.squares / speed**2),
         )  # fmt: skip
-
-
-# -- from tracks to a sample -----------------------------------------------------------------------
 
 
 def size_of_vectors(vectors: Any) -> Any:
@@ -199,15 +192,11 @@ def reduced(
         if time == 0:
             start = _start_bins(v, scales[0, k])
     used = sums[..., N].sum(axis=1) > 0
-
     edges = scales[..., None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
-    speeds, displacements = (
-        Binned(e, by_group[by_group.any(axis=(1, 2))])
-        for e, by_group in zip(edges, counts, strict=True)
-    )
+    binned = [Binned(e, n[n.any(axis=(1, 2))]) for e, n in zip(edges, counts, strict=True)]
     seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
     return Sample(
-        names, tracks.times, sums[used], scales[0], scales[1], speeds, displacements, start,
+        names, tracks.times, sums[used], scales[0], scales[1], binned[0], binned[1], start,
         at_rest, grouping, flights=seen,
     )  # fmt: skip
 
@@ -238,10 +227,9 @@ def _start_bins(v: Any, unit: float) -> StartBins:
 
 
 def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
-    """The ratio |r|/(|v| t) that most tracers (n,) share; None where too few share one.
+    """The ratio |r|/(|v| t) that most tracers (n,) share within .2 %; None where too few share one.
 
-    They fly alike within .002 in its logarithm, as numbers may have few digits; twenty at least,
-    and 5 % of all: those that have collided put some 0.5 % into such a width.
+    Twenty at least, and 5 %: those that have collided put some 0.5 % into such a width.
     """
     moving = (distance > 0) & (speed > 0) & (time > 0)
     ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time or 1.0))
@@ -252,3 +240,136 @@ def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
     first = int(np.argmax(alike))
     middle = float(np.exp(np.median(ratio[first : first + count])))
     return Flights(float(time), middle, count / distance.size)
+
+
+# -- what is summed up already: tables of averages, and runs of the package's simulator ------------
+def of_averages(table: Averages, names: tuple[str, ...], law: Law) -> Sample:
+    """The sample of a table, in its own units; InputError for one that cannot be used.
+
+    Groups are made up: their mean is the average of the table, and their spread gives its standard
+    error. Errors of different averages and times are made independent, as they are not known.
+    """
+    where, columns = ", ".join(names), dict(table.columns)
+    order = np.argsort(columns["time"])
+    columns = {name: np.asarray(values, float)[order] for name, values in columns.items()}
+    times = columns.pop("time")
+    bare = [name for name in columns if f"error of {name}" not in columns and "error" not in name]
+    columns |= {f"error of {name}": EXACT * np.abs(columns[name]) for name in bare}
+    if times[0] < 0 or np.any(np.diff(times) <= 0) or times.size > MOST_TIMES:
+        bad(f"{where}: times", short(times), f"1 to {MOST_TIMES} different times, not negative")
+    for name, values in columns.items():
+        if name.startswith("error of ") and np.any(values < 0):
+            bad(where, f"an {name} of {np.nanmin(values):g}", "not negative")
+    sums, left_out = _sums(columns, law)
+    if not np.any(np.isfinite(sums[0, :, [V2, R2]])):
+        bad(where, "no average with a standard error above 0", "one at least")
+    warnings: tuple[str, ...] = (
+        "A table of averages does not say how errors at different times are correlated. The "
+        "p-value of an average is that of the time that differs most, times the number of times, "
+        "which holds for any correlation. Errors of fitted numbers are those for "
+        "the worst correlation.",
+    )
+    if left_out:
+        warnings += (
+            f"{' and '.join(left_out)} cannot be used without the second moment (v0 or msd) beside "
+            "it, and was left out.",
+        )
+    ones = np.ones(times.size)
+    return Sample(
+        names, times, sums, ones, ones, None, None, None, np.zeros(times.size, np.int64), "table",
+        law, warnings=warnings, tabulated=True,
+    )  # fmt: skip
+
+
+def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
+    """The sums of the made-up groups, (GROUPS, n_times, 5), and averages that cannot be used."""
+    (first, *_) = columns.values()
+    most = min(first.size * len(columns), GROUPS - 2)
+    free = np.random.default_rng(0).normal(size=(GROUPS, most + 1))
+    free[:, 0] = 1.0
+    axes, used = np.linalg.qr(free)[0][:, 1:], 0
+    sums, left_out = np.full((GROUPS, first.size, 5), np.nan), []
+    sums[..., N] = 1.0
+    relative: dict[int, Array] = {}  # deviations of the groups from second moments
+    for name, column, second, power in (
+        ("thermal_speed", V2, None, 2.0), ("mean_square_speed", V2, None, 1.0),
+        ("msd", R2, None, 1.0), ("a2", V4, V2, 1.0), ("kurtosis", R4, R2, 1.0),
+    ):  # fmt: skip
+        if name not in columns or column in relative:
+            continue
+        if second is not None and second not in relative:
+            left_out.append(name)
+            continue
+        value, error = columns[name], columns[f"error of {name}"]
+        good = np.isfinite(value) & (error > 0) & np.isfinite(error)
+        value = np.where(good & ((value > 0) | (name == "a2")), value, np.nan)
+        # of mean 0, and orthogonal for different averages and times
+        spread = axes[:, (used + np.arange(value.size)) % most]
+        spread = spread * np.where(good, error, np.nan) * np.sqrt(GROUPS * (GROUPS - 1))
+        used += value.size
+        if name == "a2":
+            value, spread = law.gaussian * (1 + value), law.gaussian * spread
+        if second is None:
+            relative[column] = power * spread / value
+            sums[..., column] = value**power * (1 + relative[column])
+        else:  # the ratio to the squared second moment has the spread that the table gives it
+            wanted = spread / value + 2 * relative[second]
+            sums[..., column] = value * sums[..., second].mean(axis=0) ** 2 * (1 + wanted)
+    return sums, left_out
+
+
+def read_ensemble(path: Path) -> Sample:
+    """The sample of a finished run in a file, lengths in d; InputError for a damaged one."""
+    from particles import Ensemble
+
+    try:
+        run = Ensemble.load(path)
+    except ValueError as error:
+        raise InputError(" ".join(str(error).split())) from None
+    return from_ensemble(run, name_of(Path(path.name)))
+
+
+def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
+    """The sums of a run, lengths in d; counts in bins too, where velocities and positions are kept.
+
+    InputError for a run without output times or with fewer than two groups.
+    """
+    from particles import BoltzmannGrad, HardDisks, Poisson
+
+    times, medium, plan = np.asarray(ensemble.times), ensemble.medium, ensemble.plan
+    if times.size == 0 or ensemble.moments.size == 0:
+        bad(name, "a run without output times", "made by simulate(..., times=...)")
+    if ensemble.mass_ratio < math.inf:
+        bad(name, f"mass_ratio = {ensemble.mass_ratio:g}", "fixed scatterers, mass_ratio = inf")
+    # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
+    free, stored = isinstance(medium, BoltzmannGrad), ensemble.arrays
+    if "raw/velocities" in stored and "raw/positions" in stored:
+        place, velocity = np.asarray(ensemble.positions), np.asarray(ensemble.velocities)
+        label = np.arange(place.shape[1]) // (1 if free else ensemble.tracers)
+        tracks, by = Tracks(times, place, velocity), "tracer" if free else "medium"
+        found = reduced(tracks, label, (name,), by, bool(ensemble.field))
+    else:  # from the sums that every run keeps: the averages alone
+        sums = np.asarray(ensemble.moments[:, :, : R4 + 1])
+        if ensemble.field:  # v_x, x and x^2 of the sums of a field
+            more = stored["field_sums"]
+            half = more.shape[2] // 2
+            more = more[:, :, [0, half, half + medium.dimension]]
+            sums = np.concatenate([sums, more], axis=2)
+        found = Sample(
+            (name,), times, sums, 1.0 / plan.scales(), np.full(times.size, medium.diameter),
+            None, None, None, np.asarray(ensemble.trapped), "medium",
+        )  # fmt: skip
+    if found.groups < 2:
+        bad(name, "one configuration", "two at least, for standard errors")
+    told: dict[str, Any] = {
+        "restitution": ensemble.restitution,
+        "number_density": ensemble.number_density,
+    }
+    if plan.rest or plan.velocities is None:
+        start = "monoenergetic" if plan.monoenergetic else "gaussian"
+        told["initial"] = "rest" if plan.rest else start
+    for kind, scatterers in ((HardDisks, "hard disks"), (Poisson, "overlapping")):
+        if isinstance(medium, kind):
+            told["scatterers"] = scatterers
+    law = Law(ensemble.tangential_restitution, medium.dimension, ensemble.field)
+    return replace(found, free=free, told=told, law=law).rescaled(1.0, medium.diameter)

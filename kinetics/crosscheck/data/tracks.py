@@ -8,17 +8,18 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
+import pandas as pd
 
 from kinetics.crosscheck.data.units import split_unit, stated
 from kinetics.errors import InputError, short
 from kinetics.validation import one_of, real_number, refuse
 
 AXES, SPEEDS = ("x", "y", "z"), ("vx", "vy", "vz")
-LABELS = ("tracer", "medium", "type")
-"""Columns that may be there: whole numbers or texts."""
+LABELS = ("tracer", "medium", "type")  # columns that may be there: whole numbers or texts
+# other names of columns, in lower case, which are looked for where the first is missing
 ALIASES = {
     "time": ("t", "times"),
     **{a: (f"{a}u", f"r_{a}", f"r{a}", f"pos_{a}", f"d{a}") for a in AXES},
@@ -27,20 +28,16 @@ ALIASES = {
     "medium": ("configuration", "config", "replica", "realisation", "realization", "sample"),
     "type": ("species", "element"),
 }
-"""Other names of columns, in lower case, which are looked for where the first is missing."""
+# averages that a table of averages may have, and other names of them
 AVERAGES = {
     "thermal_speed": ("v0", "v_0", "v0(t)"), "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
     "a2": ("a_2",), "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"), "kurtosis": (),
 }  # fmt: skip
-"""Averages that a table of averages may have, and other names of them."""
-_ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")
-"""Endings of the name of an average's standard error."""
+_ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")  # endings of names of errors
+# averages without errors that are read: as a Solution writes their heads
 SOLVED = {"thermal_speed": "thermal_speed [u]", "msd": "msd [d^2]"}
-"""Averages without errors that are read: as a Solution writes their heads."""
-MOST_TIMES = 400
-"""Different times that data may have: bounds the memory of what is reduced."""
-SAME_TIME = 1e-9
-"""Relative difference below which two times are one: above the rounding of 12 digits."""
+MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
+SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
 
 
 def bad(where: str, got: Any, must: str) -> NoReturn:
@@ -136,16 +133,14 @@ class Tracks:
     file: Any = 0
 
 
-@dataclass(frozen=True)
-class Averages:
+class Averages(NamedTuple):
     """A table of averages: "time", averages and, behind "error of ", their errors, (n,) each."""
 
     columns: Mapping[str, Any]
     units: Mapping[str, str]
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """Columns in memory that take the place of a file."""
 
     columns: Mapping[str, Any]
@@ -160,10 +155,8 @@ def name_of(source: Path | Table) -> str:
 
 
 def require_memory(where: str, declared: float, stored: float | None = None) -> None:
-    """InputError for arrays of more bytes than a third of what is free, or than a file can hold.
-
-    stored: bytes in the file, packed by deflate, which makes nothing smaller than by 1032.
-    """
+    """InputError for arrays of more bytes than a third of what is free, or than `stored` hold."""
+    # deflate makes nothing smaller than by 1032
     if stored is not None and declared > 1100 * stored + 1e6:
         bad(where, f"{stored:.2g} bytes that declare {declared:.2g}", "a whole file")
     free = 16e9  # on another system: what most machines have
@@ -172,9 +165,6 @@ def require_memory(where: str, declared: float, stored: float | None = None) -> 
         free = 1024.0 * float(found[1]) if found else free
     if 3 * declared > free:
         bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
-
-
-# -- columns: one row for each tracer at each time -------------------------------------------------
 
 
 def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, int]:
@@ -236,8 +226,8 @@ def from_columns(
             k = int(np.argmin(good))
             who = f"row {k}"
             if "tracer" in found:  # by its own label
-                label = np.asarray(columns[names[found["tracer"]]])[k]
-                who = f"tracer {label} at time {values['time'][k]:g}"
+                who = f"tracer {np.asarray(columns[names[found['tracer']]])[k]}"
+                who += f" at time {values['time'][k]:g}"
             bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
     if "x" not in values:
         return Averages(values, units)
@@ -258,8 +248,6 @@ def _column(where: str, name: str, values: Any) -> Any:
     if values.ndim != 1:
         bad(here, f"shape {values.shape}", "(n,)")
     if name in LABELS and values.dtype.kind in "OUST":
-        import pandas as pd
-
         codes, texts = pd.factorize(values.astype(str), sort=True)
         return texts[codes] if name == "type" else codes
     if values.dtype.kind not in "iuf" or values.dtype.itemsize > 8:
@@ -272,8 +260,6 @@ def _column(where: str, name: str, values: Any) -> Any:
 
 
 def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
-    import pandas as pd
-
     index, times = binned(where, c["time"], asked)
     keys: list[str] = [name for name in ("tracer", "medium") if name in c]
     if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
@@ -291,22 +277,18 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
 
     def spread_out(names: Sequence[str]) -> Any:
         out = np.full((times.size * n, len(names)), np.nan)
-        for k, name in enumerate(names):
-            out[cell, k] = c[name]
+        out[cell] = np.stack([c[name] for name in names], axis=-1)
         return out.reshape(times.size, n, -1)
 
-    labels: dict[str, Any] = {"tracer": None, "medium": None}
-    for name in (name for name in labels if name in c):
-        labels[name] = np.empty(n, np.int64)
-        labels[name][number] = c[name]
+    labels: Any = {name: np.empty(n, np.int64) for name in ("tracer", "medium") if name in c}
+    for name, values in labels.items():
+        values[number] = c[name]
     place, velocity = (spread_out([one for one in axes if one in c]) for axes in (AXES, SPEEDS))
     return Tracks(times, place, velocity, **labels)
 
 
 def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
     """The index of each row's time among the different ones, and these, at their means."""
-    import pandas as pd
-
     within = max(SAME_TIME, asked.bin_times or 0.0)
     found, different = pd.factorize(time, sort=True)
     if different[0] < 0:
@@ -323,13 +305,10 @@ def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
     return at, times if within <= SAME_TIME else np.bincount(at, time) / np.bincount(at)
 
 
-# -- frames ----------------------------------------------------------------------------------------
-
-
 def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
-    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d).
+    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
 
-    labels: (n,) or (T, n); without `tracer` the k-th of each frame is the same tracer.
+    Without `tracer` the k-th of each frame is the same tracer.
     """
     times, place, velocity = (np.asarray(one) for one in (times, place, velocity))
     shape = (*place.shape, 0, 0)[:2]
@@ -351,8 +330,6 @@ def of_frames(
     units: Mapping[str, str] | None = None, box: Any = None,
 ) -> Tracks:  # fmt: skip
     """Tracks of the columns of frames, by our names; units of x, vx and time."""
-    import pandas as pd
-
     if not frames:
         bad(where, "no frames", "a file of this format")
     rows = pd.concat([pd.DataFrame(frame) for frame in frames], join="inner", ignore_index=True)
@@ -367,12 +344,10 @@ def of_frames(
 def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
     """Continuous positions of tracers in a periodic box, and whether any had been wrapped.
 
-    Speeds never rise without a field, so that between two frames a tracer moves by |v| dt at most.
-    Where that is less than half the box, its way is the shortest one; else nothing is changed.
+    Where |v| dt is less than half the box, the shortest way is taken; else nothing is changed.
     """
     if tracks.box is None or tracks.tracer is None or tracks.times.size < 2:
         return tracks, False
-    import pandas as pd
 
     def filled(values: Any) -> Any:
         """With the last value known where a tracer is missing."""

@@ -1,7 +1,5 @@
-"""Units that files state beside their numbers: which are known, and what follows for d/U.
-
-Lengths, speeds and times may stand in units that do not belong together, as mm, m/s and s. Then
-d/U is not the diameter over U in numbers, and is converted.
+"""Units that files state beside their numbers: mm, m/s and s do not belong together, and d/U is
+then not the diameter over U in numbers, and is converted.
 """
 
 import re
@@ -10,17 +8,18 @@ from typing import Any
 
 from kinetics.errors import InputError, short
 
-LENGTHS = {
-    "km": 1e3, "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9,
-    "pm": 1e-12, "angstrom": 1e-10, "å": 1e-10,
+SIZES = {
+    "length": {
+        "km": 1e3, "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6,
+        "nm": 1e-9, "pm": 1e-12, "angstrom": 1e-10, "å": 1e-10,
+    },
+    "time": {
+        "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
+        "ns": 1e-9, "ps": 1e-12, "fs": 1e-15,
+    },
 }  # fmt: skip
-"""In metres."""
-TIMES = {
-    "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9,
-    "ps": 1e-12, "fs": 1e-15,
-}  # fmt: skip
-"""In seconds."""
-REDUCED = {"length": ("d",), "speed": ("u",), "time": ("d/u", "d u-1", "u-1 d")}
+"""In metres and in seconds."""
+OWN = {"length": ("d",), "speed": ("u",), "time": ("d/u", "d u-1", "u-1 d")}
 """The units of this package, in lower case."""
 KINDS = {
     "time": "time", **dict.fromkeys(("x", "y", "z", "msd"), "length"),
@@ -56,16 +55,16 @@ def size_of(kind: str, unit: str) -> float | None:
     """The size of a unit in metres, seconds or metres per second; None if it is not known."""
     plain = unit.strip().lower()
     if kind != "speed":
-        return (LENGTHS if kind == "length" else TIMES).get(plain)
-    found = _SPEED.fullmatch(plain)
-    length = LENGTHS.get(found[1]) if found else None
-    time = TIMES.get(found[2] or found[3]) if found else None
+        return SIZES[kind].get(plain)
+    if (found := _SPEED.fullmatch(plain)) is None:
+        return None
+    length, time = size_of("length", found[1]), size_of("time", found[2] or found[3])
     return None if length is None or time is None else length / time
 
 
 def are_own(units: Mapping[str, str]) -> bool:
     """Whether those that are stated are those of this package."""
-    return all(unit.strip().lower() in REDUCED[kind] for kind, unit in units.items())
+    return all(unit.strip().lower() in OWN[kind] for kind, unit in units.items())
 
 
 def conversion(units: Mapping[str, str]) -> float | None:

@@ -1,21 +1,16 @@
 """Reference values in high precision, for the tests and for the benchmark.
 
-`references.json` holds them; `load` and `kept` read it. This room imports nothing of the project.
-The formulas that made the file are in ``tests/references``; they share nothing with the solver.
-``python tests/references/make.py FILE`` makes the file again.
-
-The tables, by name and then by restitution as text:
+`references.json` holds them, by name and then by restitution as text; `load` and `kept` read it.
+The formulas that made it are in ``tests/references``, and share nothing with the solver;
+``python tests/references/make.py FILE`` makes it again. The tables:
 
 - "scaled_density": F(c) of the scaling state, lists c and F;
 - "evolution": averages of six starts at the times TIMES of ``cooling.py`` in d/U: "v^p" in U^p,
-  "collisions", "msd" in d^2;
-- "beam": <v^2 cos(m phi)> of a beam of speed U at the same times, by m;
+  "collisions", "msd" in d^2; "beam": <v^2 cos(m phi)> of a beam of speed U at these, by m;
 - "displacement": "square" and "fourth", <r^2>/l^2 and <r^4>/l^4 at the times "T" in l/U;
 - "speed_density": f(v, t) as pairs [v, f], by start and time, in units of l and U;
 - "benchmark": v0, a2, <r^2>, kurtosis by start, quantity and horizon, see `kept`.
 """
-
-from __future__ import annotations
 
 import json
 from functools import cache
@@ -27,18 +22,16 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-MEAN_FREE_PATH = 12.5
-"""l in d, of the paper's number density 0.04."""
-RESTITUTIONS = (0.0, 0.2, 0.5, 0.7, 0.95, 0.99)
-"""Those of the table "benchmark"."""
+MEAN_FREE_PATH = 12.5  # l in d, of the paper's number density 0.04
+RESTITUTIONS = (0.0, 0.2, 0.5, 0.7, 0.95, 0.99)  # those of the table "benchmark"
 STARTS = ("gaussian", "monoenergetic")
+# name: first and last time in d/U, and how many, log-spaced
 HORIZONS = {"short": (0.1, 1e2, 25), "long": (1.0, 1e8, 25)}
-"""Name: first and last time in d/U, and how many, log-spaced."""
 
 
 @cache
 def load() -> dict[str, Any]:
-    """Every table, by name; see the documentation of this package."""
+    """Every table, by name."""
     text = files(__package__).joinpath("references.json").read_text(encoding="utf-8")
     return dict(json.loads(text))
 

@@ -1,8 +1,8 @@
 """The report: the three methods on one system, compared number by number, as a page and as JSON.
 
-Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs the solver and the
-particles, `reduce.py` makes numbers of the runs, `rows.py` one table of all comparisons,
-`figures.py` the pictures, `story.py` the findings in words, `page.py` the HTML page.
+Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs the methods,
+`rows.py` makes one table of all comparisons, `figures.py` the pictures, `story.py` the findings in
+words, `page.py` the HTML page.
 """
 
 from collections.abc import Callable, Sequence
@@ -49,7 +49,7 @@ class Report:
             "algebra": self.checks,
             "tables": story.tables,
             "figures": [
-                {"name": x.name, "title": x.title, "caption": x.caption} for x in self.figures
+                {key: vars(x)[key] for key in ("name", "title", "caption")} for x in self.figures
             ],
         })  # fmt: skip
         return found
@@ -61,10 +61,7 @@ class Report:
         return page.text(self.document)
 
     def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
-        """Write the page, its JSON, its tables as CSV and figures in these formats, or nothing.
-
-        Returns their paths, the page first.
-        """
+        """Write the page, its JSON, its tables and figures in these formats, or nothing; paths."""
         import pandas as pd
 
         from kinetics.crosscheck.files import dumps, write_together
@@ -84,8 +81,7 @@ class Report:
 def make_report(system: Any, progress: Callable[[str], None] | None = None) -> Report:
     """Run the three methods on a system (of `systems.py`), and compare them.
 
-    progress is called with the name of each stage, `system.stages` times with that of writing.
-    ValueError for what cannot be simulated; RuntimeError if the derivations fail.
+    progress is called with each stage. ValueError for what cannot be simulated.
     """
     from kinetics.crosscheck.report import page
 

@@ -14,41 +14,53 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from numpy.typing import ArrayLike
 
 from kinetics import ScalingSolution, sonine
-from kinetics.crosscheck.report import reduce, runs
-from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.report import runs
 from kinetics.crosscheck.report.rows import PAPER_KURTOSIS
-from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, SONINE, Case, Results
+from kinetics.crosscheck.report.runs import (
+    EXACT,
+    FIT,
+    FREE,
+    KINETIC,
+    SOLVER,
+    SONINE,
+    Array,
+    Case,
+    Measured,
+    Results,
+)
 from kinetics.crosscheck.report.systems import SCATTERERS
 from kinetics.crosscheck.words import numeral
 
 INK, FAINT = "#16191d", "#dde1e6"
+# of the restitutions of a report, in their order (after Okabe and Ito, dark enough for text)
 COLOURS = ("#0072b2", "#c04f00", "#007a58", "#b3478f", "#876600", "#3c4bb0")
-"""Of the restitutions of a report, in their order (after Okabe and Ito, dark enough for text)."""
+# of what is no restitution: disks and spheres, observables, densities
 GROUPS = ("#8a1538", "#00707a", "#6b4a2b", "#5a6572")
-"""Of what is no restitution: disks and spheres, observables, densities."""
 VARIABLES = {INK: "var(--ink)", FAINT: "var(--faint)"}
 VARIABLES |= {colour: f"var(--series-{i})" for i, colour in enumerate(COLOURS)}
 VARIABLES |= {colour: f"var(--group-{i})" for i, colour in enumerate(GROUPS)}
 MARKERS = "os^DvP"
 STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
-"""The style sheet of every figure."""
-_DASHED, _DOTTED, _BOTH = (0, (4, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5))
 _DASHES: dict[str, Any] = {
-    **dict.fromkeys((SONINE, "paper, tail"), _DASHED),
-    **dict.fromkeys(("paper's integral", "limiting law"), _DOTTED),
-    **dict.fromkeys((FIT, "paper, peak", "Gaussian"), _BOTH),
+    **dict.fromkeys((SONINE, "paper, tail"), (0, (4, 2))),
+    **dict.fromkeys(("paper's integral", "limiting law"), (0, (1, 1.5))),
+    **dict.fromkeys((FIT, "paper, peak", "Gaussian"), (0, (6, 1.5, 1, 1.5))),
 }
 _WIDTH = 5.0  # inches, as are all lengths
 _TIME, _RESTITUTION, _FIELD_TIME = "time $t$  [d/U]", "restitution $e$", "time $t$  [√(l/g)]"
 _FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))  # e, ever closer to 1
 
-
-Made = tuple[Any, dict[str, str]]
-"""A figure of matplotlib, and the words that its caption leaves open."""
+Made = tuple[Any, dict[str, str]]  # a figure, and the words that its caption leaves open
 
 
 @dataclass(frozen=True)
@@ -62,8 +74,6 @@ class Drawn:
 
     def file(self, kind: str) -> bytes:
         """As a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
-        import matplotlib as mpl
-
         buffer = io.BytesIO()
         dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
         with mpl.rc_context(fname=STYLE):
@@ -81,11 +91,12 @@ class Drawn:
             text = text.replace(colour, variable)
         head, body = text.split(">", 1)
         head = re.sub(r'\s(width|height)="[^"]*"', "", head)  # the page gives the size
-        return (
-            f'{head} role="img" aria-labelledby="{prefix}title {prefix}desc">'
-            f'<title id="{prefix}title">{escape(self.title)}</title>'
-            f'<desc id="{prefix}desc">{escape(self.caption)}</desc>{body.strip()}'
+        words = "".join(
+            f'<{tag} id="{prefix}{tag}">{escape(said)}</{tag}>'
+            for tag, said in (("title", self.title), ("desc", self.caption))
         )
+        named = f'role="img" aria-labelledby="{prefix}title {prefix}desc"'
+        return f"{head} {named}>{words}{body.strip()}"
 
 
 class _Sheet:
@@ -95,9 +106,6 @@ class _Sheet:
         self, order: Sequence[float], heights: Sequence[float] = (2.9,), columns: int = 1,
         panels: bool = False,
     ) -> None:  # fmt: skip
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
         self.figure, self.order, self.columns = Figure(layout="constrained"), list(order), columns
         FigureCanvasAgg(self.figure)  # knows the other formats as well
         self.tall = sum(heights) + len(heights) * (0.35 if panels else 0.15)  # panels have titles
@@ -117,8 +125,7 @@ class _Sheet:
         return colours[k % len(colours)], MARKERS[k % len(MARKERS)]
 
     def _enter(self, source: str, stroke: dict[str, Any], key: Any, named: bool) -> None:
-        if source:
-            self._legend.setdefault(source, {"color": INK, **stroke})
+        self._legend.setdefault(source, {"color": INK, **stroke})
         if key is not None and named:
             colour, marker = self.style(key)
             label = key[0] if isinstance(key, tuple) else f"e = {key:g}"
@@ -127,10 +134,10 @@ class _Sheet:
     def line(
         self, ax: Any, source: str, x: ArrayLike, y: ArrayLike, key: Any = None, named: bool = True
     ) -> None:
-        """A line; thin and not in the legend for source "", its key there only if `named`."""
+        """A line; its key is in the legend only if `named`."""
         stroke = {"linestyle": _DASHES.get(source, "-")}
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        ax.plot(x, y, color=self.style(key)[0], **stroke, linewidth=1.5 if source else 0.8)
+        ax.plot(x, y, color=self.style(key)[0], **stroke, linewidth=1.5)
         self._enter(source, stroke, key, named)
 
     def points(
@@ -158,9 +165,6 @@ class _Sheet:
 
     def done(self, x: str, *y: str) -> Any:
         """Labels (one of y for each row, or for all), ticks and the legend; the figure."""
-        from matplotlib.lines import Line2D
-        from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
-
         lines, many = math.ceil(len(self._legend) / 3), len(self.axes) > 1
         self.figure.set_size_inches(_WIDTH, self.tall + 0.5 + 0.2 * lines)
         for k, ax in enumerate(self.axes):
@@ -172,22 +176,21 @@ class _Sheet:
             for side in (ax.xaxis, ax.yaxis):
                 if side.get_scale() != "log":
                     prune = "both" if self.columns > 1 else None
-                    steps = [1, 2, 2.5, 5, 10]
-                    side.set_major_locator(MaxNLocator(4 if many else 6, prune=prune, steps=steps))
+                    side.set_major_locator(
+                        MaxNLocator(4 if many else 6, prune=prune, steps=[1, 2, 2.5, 5, 10])
+                    )
                     continue
                 low, top = side.get_view_interval()
                 subs = (1.0,) if top > 30 * low else (1.0, 2.0, 5.0)
                 side.set_major_locator(LogLocator(subs=subs, numticks=5 if many else 7))
                 side.set_minor_locator(NullLocator())
-                side.set_major_formatter(
-                    (lambda x, _: numeral(x, ".0e")) if top > 30 * low else "{x:g}"
-                )
-        if self._legend:
-            self.figure.legend(
-                handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
-                labels=list(self._legend), loc="outside upper left", ncols=3,
-                handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
-            )  # fmt: skip
+                powers = subs == (1.0,)
+                side.set_major_formatter((lambda x, _: numeral(x, ".0e")) if powers else "{x:g}")
+        self.figure.legend(
+            handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
+            labels=list(self._legend), loc="outside upper left", ncols=3,
+            handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
+        )  # fmt: skip
         return self.figure
 
 
@@ -196,15 +199,12 @@ def figures(results: Results) -> list[Drawn]:
 
     The docstring of each has its title and its caption, in which "{words}" are filled.
     """
-    import matplotlib as mpl
-
-    more, cools = results.more, bool(results.cooling)
+    chosen: list[Callable[[Results], Made]] = [msd, position, kurtosis]
     if results.system.in_field:
-        chosen: list[Callable[[Results], Made]] = [drift, dispersion]
-        chosen += [from_rest] if more["approach"] else []
-    else:
-        chosen = [cooling_rate, msd, vdf] if cools else [msd]
-        chosen += [position, kurtosis]
+        chosen = [drift, dispersion]
+        chosen += [from_rest] if results.more["approach"] else []
+    elif results.cooling:
+        chosen = [cooling_rate, msd, vdf, position, kurtosis]
     chosen += [picture] if "disks" in results.system.scatterers else []
     drawn = []
     with mpl.rc_context(fname=STYLE):
@@ -227,9 +227,6 @@ def _panels(results: Results, cases: Sequence[Case]) -> tuple[_Sheet, list[tuple
         colour = sheet.style(case.restitution)[0]
         ax.set_title(f"e = {case.restitution:g}", loc="left", color=colour, fontsize=10.5, pad=3)
     return sheet, list(zip(cases, sheet.axes, strict=False))
-
-
-# -- a gas that cools ------------------------------------------------------------------------------
 
 
 @cache
@@ -300,13 +297,13 @@ def vdf(results: Results) -> Made:
     """
     sheet, panels = _panels(results, results.cooling)
     hard, near, reason = f"hard {results.system.scatterers}", [], ""
-    c, at = np.linspace(0.01, 2.5, 120), reduce.middles(reduce.SPEED_EDGES)
+    c, at = np.linspace(0.01, 2.5, 120), runs.SPEEDS
     for case, ax in panels:
         e, inside = case.restitution, at < c[-1]
-        sheet.line(ax, KINETIC, c, reduce.last_vdf(case.solved.kinetic)(c), e, named=False)
+        sheet.line(ax, KINETIC, c, runs.last_vdf(case.solved.kinetic)(c), e, named=False)
         for source, found in case.measured.items():
             sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
-        sheet.line(ax, "Gaussian", c, reduce.gaussian_vdf(c, case.dimension))
+        sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, case.dimension))
         first, equation = case.measured[hard]["scaled_vdf"], case.theory[KINETIC]["scaled_vdf"]
         near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
     most, error, expected, e = max(near)
@@ -326,7 +323,7 @@ def position(results: Results) -> Made:
     constants (peak η = 0.75, tail η = 0.25, γ = 7.39); they are of smooth disks.
     """
     sheet, panels = _panels(results, results.cases)
-    r, at = np.linspace(0.04, 6.0, 120), reduce.middles(reduce.POSITION_EDGES)
+    r, at = np.linspace(0.04, 6.0, 120), runs.DISTANCES
     for case, ax in panels:
         e, d = case.restitution, case.dimension
         ax.set(yscale="log", ylim=(1e-5, 3.0))
@@ -339,8 +336,8 @@ def position(results: Results) -> Made:
             sheet.line(ax, "paper, tail", r[r > 1], sonine.position_tail(r[r > 1]))
             sheet.line(ax, "paper's integral", r, sonine.position_integral(r))
         else:  # as of c: a density in the plane or in space
-            surface = d * reduce.ball(d) * r ** (d - 1)
-            sheet.line(ax, "Gaussian", r, surface * reduce.gaussian_vdf(r, d))
+            surface = d * runs.ball(d) * r ** (d - 1)
+            sheet.line(ax, "Gaussian", r, surface * runs.gaussian_vdf(r, d))
     return sheet.done("scaled distance $R$", "$G(R)$"), {}
 
 
@@ -370,10 +367,6 @@ def picture(results: Results) -> Made:
     Tracers among hard disks, {said}, coloured by their speed, from the open circle to the dots.
     Shaded: where no centre of a tracer can be.
     """
-    import matplotlib as mpl
-    from matplotlib.colors import ListedColormap
-    from matplotlib.figure import Figure
-
     run, said = runs.picture(results.system)
     figure = Figure(figsize=(_WIDTH, 0.85 * _WIDTH), layout="constrained")
     ax = figure.add_subplot()
@@ -388,14 +381,13 @@ def picture(results: Results) -> Made:
 
 
 # -- tracers in a field ----------------------------------------------------------------------------
-
-
 def _steady(results: Results, dimension: int, name: str) -> tuple[Array, Measured, Array]:
     """Restitutions, what particles say, and what the solver says."""
     cases = [c for c in results.cases if c.dimension == dimension and "drift" in c.theory[SOLVER]]
-    measured = Measured.joined(case.measured[FREE][name] for case in cases)
-    solved = np.array([case.theory[SOLVER][name] for case in cases])
-    return np.array([case.restitution for case in cases]), measured, solved
+    found = [c.measured[FREE][name] for c in cases]
+    measured = Measured(*(np.array([getattr(x, k) for x in found]) for k in ("value", "error")))
+    e, solved = np.array([(c.restitution, c.theory[SOLVER][name]) for c in cases]).T
+    return e, measured, solved
 
 
 def drift(results: Results) -> Made:

@@ -31,15 +31,11 @@ _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", 
 """Labels of the paper that are words or symbols too: they are labels only after "eq."."""
 
 
-# -- the algebra, and the paper's equations by their numbers ---------------------------------------
-
-
 @contextmanager
 def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
     """Derive the formulas of the report in a process of its own; gives a function that waits.
 
-    The process ends with the context. RuntimeError with its last line if it fails; a report in a
-    field has no formulas.
+    It ends with the context; RuntimeError with its last line if it fails. None are of a field.
     """
     if system.in_field:
         yield list
@@ -91,24 +87,17 @@ def with_numbers(text: Any) -> Any:
         return [with_numbers(each) for each in text]
     numbers = kept()["numbers"]
     every = sorted(numbers, key=len, reverse=True)
-    end = r"(?![\w#]|\.\d)"
-    for start, known in (
-        (r"\b(?:eq\. |label )", every),
-        (r"(?<![\w:])", [label for label in every if label not in _WORDS]),
-    ):
-        pattern = rf"{start}({'|'.join(map(re.escape, known))}){end}"
+    sure = [label for label in every if label not in _WORDS]
+    for start, known in ((r"\b(?:eq\. |label )", every), (r"(?<![\w:])", sure)):
+        pattern = rf"{start}({'|'.join(map(re.escape, known))})(?![\w#]|\.\d)"
         text = re.sub(pattern, lambda match: f"eq. ({numbers[match[1]]})", text)
     return text
 
 
-# -- words of the page -----------------------------------------------------------------------------
-
-
 def head(system: Any) -> dict[str, str]:
     """The "title" of the page, what its "symbols" mean, and in which "units" all numbers stand."""
-    spheres = not system.in_field and system.dimension == 3
     words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
-    if spheres:
+    if not system.in_field and system.dimension == 3:
         words = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
     found = kept()["head"]["field" if system.in_field else "cooling"]
     texts = (text.format(**words) for text in found)
@@ -130,9 +119,6 @@ def deviation(row: Mapping[str, Any]) -> str:
     return number(100 * value, error, "+") + " %"
 
 
-# -- the page --------------------------------------------------------------------------------------
-
-
 def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> str:
     """The page. Every text of the document is escaped."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -140,10 +126,8 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
 
     # Formulas are of this package's own printer, figures are matplotlib's with escaped texts:
     # nothing of a user's goes in unescaped.
-    made = Environment(
-        loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True,
-    )  # fmt: skip
+    loader = PackageLoader("kinetics.crosscheck")
+    made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     made.filters |= {"numeral": numeral, "number": number, "cited": with_numbers}
     settings = document["settings"]
     in_field, dimension = "dimensions" in settings, settings.get("dimension", 2)
@@ -154,66 +138,59 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
         return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))
 
     return made.get_template("report.html.j2").render(
-        doc=document,
+        doc=document, chance=chance, formula=Markup, deviation=deviation, in_field=in_field,
         figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
         strip=[equation("collision" if papers_law or in_field else "rule"), equation("lorentz")],
         equations=[equation(name) for name in below],
-        summary=_summary(document),
-        tables=_tables(document),
-        chance=chance,
-        formula=Markup,
-        deviation=deviation,
-        in_field=in_field,
-    )
+        summary=_summary(document), tables=_tables(document),
+    )  # fmt: skip
 
 
 def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Restitutions, and for each quantity its name and a cell for each of them."""
     rows: list[dict[str, Any]] = document["tables"]["summary"]
     lines: dict[str, dict[float, str]] = {}
-    restitutions = sorted({row["restitution"] for row in rows})
     for row in rows:
-        percent = row["quantity"].endswith("%")
-        plain = numeral(row["value"], "+.1f") if percent else number(row["value"], digits=4)
-        shown = (
-            number(row["value"], row["error"], "+" if percent else "") if row["error"] else plain
-        )
+        sign, shown = "+" if row["quantity"].endswith("%") else "", number(row["value"], digits=4)
+        if row["error"]:
+            shown = number(row["value"], row["error"], sign)
+        elif sign:
+            shown = numeral(row["value"], "+.1f")
         lines.setdefault(row["quantity"], {})[row["restitution"]] = shown
-    head = [f"e = {e:g}" for e in restitutions]
-    return head, [[q, *(c.get(e, "–") for e in restitutions)] for q, c in lines.items()]
+    every = sorted({row["restitution"] for row in rows})
+    return [f"e = {e:g}" for e in every], [
+        [quantity, *(cells.get(e, "–") for e in every)] for quantity, cells in lines.items()
+    ]
 
 
 def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The folded tables: id, title, note, head and lines; a line of one cell is a heading."""
     rows, every = document["rows"], sorted({row["restitution"] for row in document["rows"]})
-    verdicts: list[list[Any]] = []
+    titles, verdicts, detail = kept()["observables"], list[list[Any]](), list[list[Any]]()
     for (observable, system), whos in matrix(rows).items():
-        verdicts.append([f"{kept()['observables'][observable][0]}, {system}"])
+        verdicts.append([f"{titles[observable][0]}, {system}"])
         verdicts += [[w, *(cells.get(e, "–") for e in every)] for w, cells in whos.items()]
-    detail: list[list[Any]] = []
     for row in rows:
-        heading = [f"{kept()['observables'][row['observable']][0]}, {row['system']}"]
+        heading = [f"{titles[row['observable']][0]}, {row['system']}"]
         if heading not in detail:
             detail.append(heading)
-        at = [
-            f"{name} = {numeral(row[key], '.3g')}"
-            for key, name in (("distance", "R"), ("time", "t"), ("c", "c"))
-            if row[key] is not None
-        ][:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
+        names = (("distance", "R"), ("time", "t"), ("c", "c"))
+        at = [f"{name} = {numeral(row[key], '.3g')}" for key, name in names if row[key] is not None]
+        at = at[:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
         sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
         detail.append([
             f"e = {row['restitution']:g}", f"{row['source']} / {row['against']}", ", ".join(at),
             number(row["value"], row["error"]), number(row["theory"]),
             *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
         ])  # fmt: skip
-    detail_head = ["e", "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
-    found = [
-        ("verdicts", "Verdicts", "Who against whom: relative differences ± one standard error.",
-         ["who / against whom", *(f"e = {e:g}" for e in every)], verdicts),
-        ("rows", "Every comparison", document["units"], detail_head, detail),
+    head = ["e", "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
+    note = "Who against whom: relative differences ± one standard error."
+    return [
+        {"id": "verdicts", "title": "Verdicts", "note": note, "lines": verdicts,
+         "head": ["who / against whom", *(f"e = {e:g}" for e in every)]},
+        {"id": "rows", "title": "Every comparison", "note": document["units"], "lines": detail,
+         "head": head},
     ]  # fmt: skip
-    names = ("id", "title", "note", "head", "lines")
-    return [dict(zip(names, table, strict=True)) for table in found]
 
 
 def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], dict[str, dict[Any, Any]]]:
@@ -224,8 +201,6 @@ def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], dict[str,
         whos.setdefault(f"{row['source']} / {row['against']}", {})[row["restitution"]] = row
     return found
 
-
-# -- the terminal ----------------------------------------------------------------------------------
 
 _MARK = {Verdict.DIFFERS: "!", Verdict.UNCLEAR: "?", Verdict.NOT_TESTED: "-"}
 _MARK |= dict.fromkeys((Verdict.CLOSE, Verdict.ROUGH, Verdict.FAR), "~")
@@ -240,18 +215,12 @@ def text(document: Mapping[str, Any]) -> str:
     """Every comparison with its deviation in per cent, in columns for each restitution."""
     import pandas as pd
 
-    lines = {
-        (
-            kept()["observables"][observable][1],
-            system,
-            " / ".join(_SHORT.get(n, n) for n in names),
-        ): {
-            f"e = {e:g}": f"{_MARK.get(row['verdict'], ' ')} {deviation(row).removesuffix(' %')}"
-            for e, row in cells.items()
-        }
-        for (observable, system), whos in matrix(document["rows"]).items()
-        for names, cells in ((who.split(" / "), cells) for who, cells in whos.items())
-    }
+    lines: dict[Any, dict[str, str]] = {}
+    for row in document["rows"]:
+        who = " / ".join(_SHORT.get(row[name], row[name]) for name in ("source", "against"))
+        shown = f"{_MARK.get(row['verdict'], ' ')} {deviation(row).removesuffix(' %')}"
+        key = kept()["observables"][row["observable"]][1], row["system"], who
+        lines.setdefault(key, {})[f"e = {row['restitution']:g}"] = shown
     table = pd.DataFrame.from_dict(lines, orient="index").fillna("")
     legend = (
         "Differences in %. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."

@@ -1,43 +1,30 @@
 """Every comparison of a report as one table: who says what against whom, and the verdict on it.
 
-One row looks at one number, or at several times or bins, of which it shows the worst. The columns
-are named in `COLUMNS`; the thresholds of the verdicts stand in `kinetics.crosscheck.words`.
+A row looks at one number, or at several times or bins, of which it shows the worst: see `COLUMNS`.
 """
 
 import json
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from kinetics import sonine
-from kinetics.crosscheck.report import reduce, runs
-from kinetics.crosscheck.report.reduce import Array, Measured
-from kinetics.crosscheck.report.runs import Case, Results
+from kinetics.crosscheck import words
+from kinetics.crosscheck.report import runs
+from kinetics.crosscheck.report.runs import Array, Case, Measured, Results
 from kinetics.crosscheck.report.systems import Cooling
-from kinetics.crosscheck.words import (
-    Verdict,
-    corrected_sigmas,
-    judge_approximation,
-    judge_numerical,
-    judge_sigmas,
-    numeral,
-    worst,
-)
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
-
-_FILE = files("kinetics.crosscheck") / "templates" / "report.json"
+from kinetics.crosscheck.words import Verdict, numeral
 
 
 @cache
 def kept() -> dict[str, Any]:
     """Words and formulas of the page: "observables", "equations", "numbers", "mathml"."""
-    found: dict[str, Any] = json.loads(_FILE.read_text(encoding="utf-8"))
+    file = files("kinetics.crosscheck") / "templates" / "report.json"
+    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
     return found
 
 
@@ -54,8 +41,7 @@ COLUMNS = (
 have a meaning. `deviation` is relative to the theory, for a2 to 1 + a2 = <c^4>/2 (a2 itself passes
 through 0). `within` is the relative difference that would have been seen at 95 % at every time or
 bin."""
-PAPER_KURTOSIS = 4.0
-"""<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta."""
+PAPER_KURTOSIS = 4.0  # <R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta
 POSITION_FORMS = (
     ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
     ("paper, tail", sonine.position_tail, 2.0, 4.0, "eq. (58), η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
@@ -64,23 +50,19 @@ POSITION_FORMS = (
 """Source, the printed G(R), and the R between which it is held against the equation."""
 
 
-def comparisons(results: Results) -> "DataFrame":
+def comparisons(results: Results) -> Any:
     """The table of all rows of a report, with `COLUMNS`, in the order of `OBSERVABLES`."""
-    import pandas as pd
-
-    rows: list[dict[str, Any]] = []
+    rows, compare = [], _of_cooling if isinstance(results.system, Cooling) else _of_field
     for case in results.cases:
         of = {"system": case.system, "dimension": case.dimension, "restitution": case.restitution}
-        compare = _of_cooling if isinstance(results.system, Cooling) else _of_field
-        found = compare(case, results.system)
-        rows += [{**of, **row} for row in found]
+        rows += [of | row for row in compare(case, results.system)]
     table = pd.DataFrame(rows, columns=list(COLUMNS))
     order = list(OBSERVABLES)
     table = table.sort_values("observable", key=lambda x: x.map(order.index), kind="stable")
     return table.astype({"groups": "Int64", "looks": "int64"}).reset_index(drop=True)
 
 
-def counts(table: "DataFrame") -> dict[str, int]:
+def counts(table: Any) -> dict[str, int]:
     """How many rows have each verdict, those that occur."""
     found = table["verdict"].value_counts()
     return {v.value: int(found[v.value]) for v in Verdict if v.value in found}
@@ -99,14 +81,18 @@ def _row(
            "value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1,
            "note": ""}  # fmt: skip
     if kind == "approximation":
-        row["verdict"] = judge_approximation(deviation).value
+        row["verdict"] = words.judge_approximation(deviation).value
     return row | more
 
 
-def _numerical(observable: str, value: float, theory: float, tolerance: float) -> dict[str, Any]:
-    """The solver's value against the closed form."""
+def _numerical(
+    observable: str, value: float, theory: float, tolerance: float, scale: float | None = None
+) -> dict[str, Any]:
+    """The solver's value against the closed form; scale: what the deviation is relative to."""
     row = _row(observable, "numerical", runs.SOLVER, runs.EXACT, value, theory)
-    verdict = judge_numerical(row["deviation"], tolerance)
+    if scale is not None:
+        row["deviation"] = (value - theory) / scale
+    verdict = words.judge_numerical(row["deviation"], tolerance)
     return row | {"verdict": verdict.value, "note": f"asked for {numeral(tolerance, 'g')}"}
 
 
@@ -114,23 +100,22 @@ def estimated(
     observable: str, who: tuple[str, str], measured: Measured, theory: Any, groups: int,
     place: tuple[str, Array] | None = None, note: str = "",
 ) -> list[dict[str, Any]]:  # fmt: skip
-    """The row of an estimate at one or several places: the worst. NaN is left out.
+    """The row of an estimate, the worst of its places; none where nothing has an error.
 
-    who: source and against; groups: independent ones behind the errors; place: "time", "c" or
-    "distance" and its values. Empty where nothing has an error to compare with.
+    who: source and against; place: "time", "c" or "distance" and its values. NaN is left out.
     """
     value, error, expected = np.broadcast_arrays(
         *(np.atleast_1d(a) for a in (measured.value, measured.error, theory))
     )
-    found = worst(value, error, expected)
+    found = words.worst(value, error, expected)
     if found is None:
         return []
     k, sigmas, looks = found
-    corrected = corrected_sigmas(sigmas, groups, looks)
+    corrected = words.corrected_sigmas(sigmas, groups, looks)
     usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
     # 1.96 standard errors: a Gaussian's two-sided 95 %
     seen = (np.abs(value - expected) + 1.96 * error) / scale_of(observable, expected)
-    within, verdict = float(np.max(seen[usable])), judge_sigmas(corrected)
+    within, verdict = float(np.max(seen[usable])), words.judge_sigmas(corrected)
     if verdict is Verdict.AGREES and within > 0.1:  # a tenth would not have been seen
         verdict = Verdict.NOT_TESTED
     where: dict[str, Any] = {} if place is None else {place[0]: float(place[1][k])}
@@ -151,7 +136,7 @@ def _measured(
     found = case.measured[source][observable]
     if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
         found = Measured(found.value, case.differences.get(observable, found.error))
-    place, groups = case.places.get(observable), case.groups(source)
+    place, groups = case.places.get(observable), case.runs[source].media
     return estimated(observable, (source, said or against), found, expected, groups, place, note)
 
 
@@ -213,7 +198,7 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield from particles(name)
     for run, note in ((free, ""), (hard, "finite density")):
         share = theory[runs.KINETIC]["position"]
-        filled = _filled(share, case.samples(run), np.diff(reduce.POSITION_EDGES))
+        filled = _filled(share, case.samples(run), np.diff(runs.POSITION_EDGES))
         yield from _measured(case, "position", run, runs.KINETIC, note, filled)
     if not paper:
         return
@@ -249,33 +234,30 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
 
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     """F(c): the solver against the closed form, relative to its peak; particles in bins."""
-    c, solved = reduce.middles(reduce.SPEED_EDGES), case.solved
+    c, solved = runs.SPEEDS, case.solved
     # the solver gives 0 where F is below its reach
     exact, solver = np.asarray(solved.exact.vdf(c)), np.asarray(solved.scaled.reached_vdf(c))
     k = int(np.argmax(np.abs(solver - exact)))
-    row = _numerical("scaled_vdf", float(solver[k]), float(exact[k]), system.rtol)
-    deviation = float((solver[k] - exact[k]) / np.max(exact))
-    row |= {"deviation": deviation, "verdict": judge_numerical(deviation, system.rtol).value}
-    yield row | {
-        "c": float(c[k]), "looks": len(c),
-        "note": f"worst bin centre, relative to the peak; {row['note']}",
-    }  # fmt: skip
+    most = float(np.max(exact))
+    row = _numerical("scaled_vdf", float(solver[k]), float(exact[k]), system.rtol, most)
+    note = f"worst bin centre, relative to the peak; {row['note']}"
+    yield row | {"c": float(c[k]), "looks": len(c), "note": note}
     kinetic = case.theory[runs.KINETIC]["scaled_vdf"]
-    final = reduce.bin_average(solved.scaled.reached_vdf, case.dimension)
+    final = runs.bin_average(solved.scaled.reached_vdf, case.dimension)
     change = float(np.max(np.abs(kinetic - final)) / np.max(final))
     note = (
-        f"mean over a bin of c at the last time, bins of {reduce.LEAST_EXPECTED} samples or more; "
+        f"mean over a bin of c at the last time, bins of {runs.LEAST_EXPECTED} samples or more; "
         f"still to change by {change:.1%} of the peak"
     )
     for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
         expected = case.theory[against]["scaled_vdf"]
-        filled = _filled(expected, case.samples(run), reduce.bin_measure(case.dimension))
+        filled = _filled(expected, case.samples(run), runs.bin_measure(case.dimension))
         yield from _measured(case, "scaled_vdf", run, against, note, filled)
 
 
 def _filled(density: Array, samples: int, measure: Array) -> Array:
     """The density in those bins in which it expects enough samples, NaN in others."""
-    return np.where(samples * density * measure >= reduce.LEAST_EXPECTED, density, np.nan)
+    return np.where(samples * density * measure >= runs.LEAST_EXPECTED, density, np.nan)
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
@@ -286,27 +268,26 @@ def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
     return r[known], density[known]
 
 
-def records(table: "DataFrame") -> list[dict[str, Any]]:
+def records(table: Any) -> list[dict[str, Any]]:
     """The rows as dictionaries; None where a column has no value."""
     found = table.astype(object).where(table.notna(), None).to_dict("records")
     return [{str(key): value for key, value in row.items()} for row in found]
 
 
-def points(results: Results) -> "DataFrame":
+def points(results: Results) -> Any:
     """Everything measured and every theory at its times and bins, one number in a row."""
-    import pandas as pd
-
     found = []
     for case in results.cases:
-        sources: dict[str, dict[str, Any]] = {name: {k: (m.value, m.error) for k, m in each.items()}
-                   for name, each in case.measured.items()}  # fmt: skip
-        sources |= {name: {k: (v, np.nan) for k, v in x.items()} for name, x in case.theory.items()}
-        for source, numbers in sources.items():
-            for name, (value, error) in numbers.items():
-                place, at = case.places.get(name, ("", np.nan))
-                if np.shape(value) in ((), np.shape(at)):  # else shares over time and density
-                    columns = {"at": place, "x": at, "value": value, "error": error}
-                    first = {"system": case.system, "restitution": case.restitution}
-                    first |= {"source": source, "observable": name}
-                    found.append(pd.DataFrame({**first, **columns}, index=range(np.size(at))))
+        said = {
+            (source, name): (getattr(x, "value", x), getattr(x, "error", np.nan))
+            for source, numbers in [*case.measured.items(), *case.theory.items()]
+            for name, x in numbers.items()
+        }
+        for (source, name), (value, error) in said.items():
+            place, at = case.places.get(name, ("", np.nan))
+            if np.shape(value) in ((), np.shape(at)):  # else shares over time and density
+                columns = {"at": place, "x": at, "value": value, "error": error}
+                first = {"system": case.system, "restitution": case.restitution}
+                first |= {"source": source, "observable": name}
+                found.append(pd.DataFrame({**first, **columns}, index=range(np.size(at))))
     return pd.concat(found, ignore_index=True)

@@ -1,49 +1,74 @@
 """Runs the solver and the particles on every system, and reduces what they give to `Case` values.
 
-A `Case` is all that is compared at one restitution: numbers of the particles by who measured them,
-and of the theory by who says so, under the same names of observables. Rows, figures and the
-findings read nothing else, whatever the system.
+Rows, figures and the findings read nothing else, whatever the system.
 """
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from kinetics import ScalingSolution, Scene, Solution, solve, solve_field, solve_scaled, sonine
 from kinetics.collision import CollisionLaw, law_in_medium
 from kinetics.collision.medium import HIGHEST_DENSITY
-from kinetics.crosscheck.report import reduce
-from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.compare.statistics import errors as jackknife_error
 from kinetics.crosscheck.report.systems import SCATTERERS, Cooling, Falling, System
 from kinetics.crosscheck.report.systems import half_cross_section as half_section
 from kinetics.errors import ToleranceWarning
+from kinetics.numerics.gauss import panels_between
 from kinetics.validation import refuse
 from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, simulate
 
 KINETIC, RESCALED = "kinetic equation", "kinetic equation, measured l"
 EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
 FREE, LIMIT = "Boltzmann-Grad", "limit e → 1"
+# what the theory of a finite density knows, each with what the one before it has
 PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
-"""What the theory of a finite density knows, each with what the one before it has."""
-
-OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
-"""Observables of a gas that cools that have a value at each time."""
-LATEST = 1e9
-"""Last time in d/U of the equation alone."""
+OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")  # without a field, at each time
+LATEST = 1e9  # last time in d/U of the equation alone
+# of the approach to the steady state in a field, in sqrt(l/g)
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
-"""Of the approach to the steady state in a field, in sqrt(l/g)."""
+# bins of c = v/v0 for F(c), and of R = r/sqrt(<r^2>) for G(R)
+SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
+POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
+SPEEDS, DISTANCES = ((edges[1:] + edges[:-1]) / 2 for edges in (SPEED_EDGES, POSITION_EDGES))
+LEAST_EXPECTED = 50  # samples in a bin before its jackknife error is trusted
 
 Tell = Callable[[str], None]
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Case:
+class Measured:
+    """An estimate with its standard error, of the same shape; NaN where nothing was measured."""
+
+    value: Array
+    error: Array
+
+    @staticmethod
+    def of(estimate: Any) -> "Measured":
+        """Of anything that has both."""
+        return Measured(np.asarray(estimate.value), np.asarray(estimate.error))
+
+    @property
+    def last(self) -> "Measured":
+        """The last one, of shape ()."""
+        return Measured(*(np.asarray(np.ravel(x)[-1]) for x in (self.value, self.error)))
+
+    def __truediv__(self, scale: float | Array) -> "Measured":
+        return Measured(np.asarray(self.value / scale), np.asarray(self.error / scale))
+
+    def __getitem__(self, where: Any) -> "Measured":
+        return Measured(np.asarray(self.value[where]), np.asarray(self.error[where]))
+
+
+class Case(NamedTuple):
     """What every method gives at one restitution.
 
     measured : by source and observable, estimates with their errors
@@ -61,8 +86,8 @@ class Case:
     measured: dict[str, dict[str, Measured]]
     theory: dict[str, dict[str, Any]]
     runs: dict[str, Ensemble]
-    places: dict[str, tuple[str, Array]] = field(default_factory=dict)
-    differences: dict[str, Array] = field(default_factory=dict)
+    places: Mapping[str, tuple[str, Array]] = {}
+    differences: Mapping[str, Array] = {}
     solved: Any = None
 
     @property
@@ -70,17 +95,12 @@ class Case:
         """Whether there is a scaling state: the law is not elastic."""
         return getattr(self.solved, "exact", None) is not None
 
-    def groups(self, source: str) -> int:
-        """How many independent groups of tracers are behind the errors of a source."""
-        return self.runs[source].media
-
     def samples(self, source: str) -> int:
         """How many tracers a source has."""
         return self.runs[source].media * self.runs[source].tracers
 
 
-@dataclass(frozen=True)
-class Results:
+class Results(NamedTuple):
     """Everything that was run: the cases, and what varies another parameter, by name."""
 
     system: System
@@ -93,20 +113,83 @@ class Results:
         return [case for case in self.cases if case.cools]
 
 
-def gather(system: System, tell: Tell) -> Results:
-    """Run everything that a report of the system needs; ValueError for what cannot be simulated."""
-    return _in_field(system, tell) if isinstance(system, Falling) else _cooling(system, tell)
+# -- numbers of one run or solution ----------------------------------------------------------------
+def contact_value(number_density: float, dimension: int = 2) -> float:
+    """The pair correlation at contact, g(d), by which the mean free path is divided.
+
+    Of hard disks: D. Henderson, Mol. Phys. 30, 971 (1975); number_density in d^-2. Of hard spheres:
+    N. F. Carnahan and K. E. Starling, J. Chem. Phys. 51, 635 (1969); in d^-3.
+    """
+    x = math.pi * number_density / (2 * dimension)  # their share of the plane, or of space
+    return (1 - x / 2) / (1 - x) ** 3 if dimension == 3 else (1 - 7 * x / 16) / (1 - x) ** 2
+
+
+def rates(
+    times: Array, averages: Mapping[str, Array], early: int, half_rate: float
+) -> dict[str, Array]:
+    """h from 1/v0, and d<r^2>/d ln t, between index `early` and the last time; half_rate 1/2l."""
+    (first, last), (r1, r2) = (averages[n][[early, -1]] for n in ("thermal_speed", "msd"))
+    slope = (1 / last - 1 / first) / (times[-1] - times[early])
+    spread = (r2 - r1) / np.log(times[-1] / times[early])
+    return {"cooling_rate": np.asarray(slope / half_rate), "msd_slope": np.asarray(spread)}
+
+
+def ball(dimension: int) -> float:
+    """Area of the unit circle, or volume of the unit sphere."""
+    return math.pi if dimension == 2 else 4 * math.pi / 3
+
+
+def gaussian_vdf(c: ArrayLike, dimension: int) -> Array:
+    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
+    if dimension == 2:
+        return sonine.vdf(c, 0.0)
+    return np.asarray((1.5 / math.pi) ** 1.5 * np.exp(-1.5 * np.square(c)))
+
+
+def bin_measure(dimension: int) -> Array:
+    """Area, or volume, of each bin of c."""
+    return np.asarray(ball(dimension) * np.diff(SPEED_EDGES**dimension))
+
+
+def last_vdf(solution: Solution) -> Callable[[Array], Array]:
+    """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
+    v0, law = float(solution.thermal_speed[-1]), solution.scene.law
+    surface, power = law.unit_surface, law.dimension - 1
+    return lambda c: v0 * solution.speed_density(c * v0)[-1] / (surface * c**power)
+
+
+def bin_average(vdf: Callable[[Array], ArrayLike], dimension: int) -> Array:
+    """F(c) averaged over the area, or volume, of each bin of c, by 8 Gauss points in each."""
+    c, weight = panels_between(SPEED_EDGES, 8)
+    shares = dimension * c ** (dimension - 1) * np.asarray(vdf(c)) * weight
+    return np.asarray(shares.reshape(-1, 8).sum(axis=1) / np.diff(SPEED_EDGES**dimension))
+
+
+def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
+    """Density of samples (n_groups, n_in_group) over their own root mean square, per bin.
+
+    edges (n_bins + 1,) of the scaled variable; measure (n_bins,): length or area of each bin.
+    """
+    every, by_group = np.sort(samples, axis=None), np.sort(samples, axis=1)
+
+    def density(left_out: Array) -> Array:
+        n = every.size - left_out.size
+        at = edges * np.sqrt((np.sum(every**2) - np.sum(left_out**2)) / n)
+        inside = np.diff(np.searchsorted(every, at) - np.searchsorted(left_out, at))
+        return np.asarray(inside / n / measure)
+
+    replicates = np.array([density(group) for group in by_group])
+    return Measured(density(every[:0]), jackknife_error(replicates))
 
 
 # -- a gas that cools ------------------------------------------------------------------------------
-
-
-def _cooling(system: Cooling, tell: Tell) -> Results:
+def gather(system: System, tell: Tell) -> Results:
+    """Run everything that a report of the system needs; ValueError for what cannot be simulated."""
+    if isinstance(system, Falling):
+        return _in_field(system, tell)
     with ThreadPoolExecutor(1) as beside:  # the solver works while tracers are followed
-        cases = [
-            cooling_case(system, e, last, tell, beside)
-            for e, last in zip(system.restitutions, system.final_times, strict=True)
-        ]
+        ends = zip(system.restitutions, system.final_times, strict=True)
+        cases = [cooling_case(system, e, last, tell, beside) for e, last in ends]
     return Results(system, cases, {})
 
 
@@ -118,36 +201,42 @@ def cooling_case(
     times = np.geomspace(min(1.0, last / 10), last, system.n_times)
     early = int(np.searchsorted(times, last / 10))
     seed, hard = system.seed + 2 * system.restitutions.index(e), f"hard {system.scatterers}"
+    free_media = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
     dense: Medium = HardDisks(system.number_density, system.count)
     if d == 3:
         dense = HardSpheres(system.number_density, count=system.count)
+
+    def followed(medium: Medium, seed: int, media: int, tracers: int) -> Ensemble:
+        return simulate(
+            medium, restitution=e, times=times, seed=seed, workers=system.workers, media=media,
+            tracers=tracers, observables=("finals",),
+            tangential_restitution=system.tangential_restitution,
+        )  # fmt: skip
+
     tell(f"e = {e:g}: {hard}")
     solving = beside.submit(_solutions, law, times, system)
-    packed = _followed(dense, e, times, seed + 1, system, system.media, system.tracers)
+    packed = followed(dense, seed + 1, system.media, system.tracers)
     path = float(packed.mean_free_path.value)
     if not np.isfinite(path):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")
     tell(f"e = {e:g}: {FREE} particles")
     groups = min(100, system.free_tracers // 2)  # independent ones, for the jackknife
-    dilute = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
-    free = _followed(dilute, e, times, seed, system, groups, system.free_tracers // groups)
+    free = followed(free_media, seed, groups, system.free_tracers // groups)
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
     thinner = 1 / (2 * path) / half_section(d)
     found.rescaled = _solved(law, thinner, times, (*OVER_TIME, "speed_density"), system.rtol)
     found.early = early
     measured, differences = _reduced(packed, early, half_rate, found.rescaled)
-    position = found.position
-    edges = reduce.POSITION_EDGES
+    position, edges = found.position, POSITION_EDGES
     shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
     theory: dict[str, dict[str, Any]] = {
         name: _over_time(solution, early, half_rate)
-        | {"scaled_vdf": reduce.bin_average(reduce.last_vdf(solution), d)}
+        | {"scaled_vdf": bin_average(last_vdf(solution), d)}
         for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
     }
     theory[KINETIC] |= {"free_path": 0.5 / half_rate, "position": shares / np.diff(edges)}
-    contact = reduce.contact_value(system.number_density, d)
-    theory["contact"] = {"free_path": 0.5 / half_rate / contact}
+    theory["contact"] = {"free_path": 0.5 / half_rate / contact_value(system.number_density, d)}
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
         names = ("cooling_rate", "a2")
@@ -156,22 +245,11 @@ def cooling_case(
     if system.is_papers_law:
         theory |= _printed(e, times, system.number_density)
     places = {name: ("time", times) for name in OVER_TIME}
-    places["scaled_vdf"] = "c", reduce.middles(reduce.SPEED_EDGES)
-    places["position"] = "distance", reduce.middles(reduce.POSITION_EDGES)
+    places |= {"scaled_vdf": ("c", SPEEDS), "position": ("distance", DISTANCES)}
     return Case(
         system.scatterers if system.is_smooth else f"rough {system.scatterers}", e, d, times,
         {FREE: _reduced(free, early, half_rate)[0], hard: measured}, theory,
         {FREE: free, hard: packed}, places, differences, found,
-    )  # fmt: skip
-
-
-def _followed(
-    medium: Medium, e: float, times: Array, seed: int, system: Cooling, media: int, tracers: int
-) -> Ensemble:
-    return simulate(
-        medium, restitution=e, times=times, seed=seed, workers=system.workers, media=media,
-        tracers=tracers, observables=("finals",),
-        tangential_restitution=system.tangential_restitution,
     )  # fmt: skip
 
 
@@ -198,15 +276,25 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     found.late = _solved(law, density, late, (*OVER_TIME, "diffusion_coefficient"), rtol)
     place = ("msd", "position_density")
     found.position = _solved(law, density, times[-1:], place, system.position_rtol)
-    if system.is_papers_law and density <= HIGHEST_DENSITY:
-        outputs, medium = ("thermal_speed", "a2", "msd"), {"scatterers": "hard disks"}
-        found.dense = _solved(law, density, times, outputs, rtol, **medium)
-        if found.exact is not None:
-            ends = np.array([LATEST / 10, LATEST])
-            far = _solved(law, density, ends, outputs, rtol, **medium)
-            found.dense_slope = reduce.msd_slope_between(ends, far.msd, 0)
-        found.levels = _levels(law, times, system)
+    if not system.is_papers_law or density > HIGHEST_DENSITY:
+        return found
+    outputs, medium = ("thermal_speed", "a2", "msd"), {"scatterers": "hard disks"}
+    found.dense = _solved(law, density, times, outputs, rtol, **medium)
+    if found.exact is not None:
+        ends = np.array([LATEST / 10, LATEST])
+        found.dense_slope = _slope(ends, _solved(law, density, ends, outputs, rtol, **medium).msd)
+    # <r^2> at the last time, in d^2, by what is known of hard disks
+    leading = law_in_medium(law, "hard disks", density, 1.0, "leading")
+    thinner = 0.5 / leading.mean_free_path(density, 1.0)
+    found.levels[PATH] = _solved(law, thinner, times[-1:], ("msd",), rtol).msd[-1]
+    for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
+        one = _solved(law, density, times[-1:], ("msd",), rtol, density_order=order, **medium)
+        found.levels[name] = one.msd[-1]
     return found
+
+
+def _slope(times: Array, msd: Array) -> float:
+    return float((msd[-1] - msd[0]) / np.log(times[-1] / times[0]))
 
 
 def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
@@ -219,27 +307,15 @@ def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]
     for source, msd in ((FIT, sonine.msd_random_walk), (SONINE, sonine.msd_sonine)):
         found[source]["msd"] = msd(times, e, density)
         if e < 1:
-            slope = reduce.msd_slope_between(late, msd(late, e, density), 0)
-            found[source]["msd_slope"] = slope
+            found[source]["msd_slope"] = _slope(late, msd(late, e, density))
     return found
 
 
 def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
     """Averages over time of a solution or a run, and the rates of its last decade."""
-    values = (getattr(source, name) for name in OVER_TIME)
-    averages = {
-        name: np.asarray(getattr(value, "value", value))
-        for name, value in zip(OVER_TIME, values, strict=True)
-    }
-    return averages | _rates(source.times, averages, early, half_rate)
-
-
-def _rates(
-    times: Array, averages: dict[str, Array], early: int, half_rate: float
-) -> dict[str, Array]:
-    rate = reduce.cooling_rate_between(times, averages["thermal_speed"], early, half_rate)
-    slope = reduce.msd_slope_between(times, averages["msd"], early)
-    return {"cooling_rate": np.asarray(rate), "msd_slope": np.asarray(slope)}
+    values = {name: getattr(source, name) for name in OVER_TIME}
+    averages = {name: np.asarray(getattr(x, "value", x)) for name, x in values.items()}
+    return averages | rates(source.times, averages, early, half_rate)
 
 
 def _reduced(
@@ -247,32 +323,32 @@ def _reduced(
 ) -> tuple[dict[str, Measured], dict[str, Array]]:
     """All that is measured, and the errors of data minus theory with the run's own free path l.
 
-    Both change when a configuration is left out: the theory by its derivative in ln l, which
-    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> is l^2 times a function of t/l.
+    Both change when a configuration is left out: the theory by its derivative in ln l, as v0 and a2
+    depend on t/l alone, and <r^2> is l^2 times a function of t/l.
     """
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
     log_speed, _, *place = np.moveaxis(by_group, -1, 0)
     place.pop(2)  # collisions
-    speeds = np.exp(log_speed)
+    speeds, distances = np.exp(log_speed), np.hypot(*place[:2])
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
-    distances = np.hypot(*place[:2])
     for third in place[2:]:
         distances = np.hypot(distances, third)
     parts = _without_each(run)
     replicates = [_over_time(part, early, half_rate) for part in parts]
     found = _over_time(run, early, half_rate)
-    errors = {
-        name: reduce.jackknife_error(np.array([values[name] for values in replicates]))
-        for name in ("cooling_rate", "msd_slope")
-    }
-    bins = np.diff(reduce.POSITION_EDGES)
+
+    def errors(rows: list[dict[str, Array]], *names: str) -> dict[str, Array]:
+        return {n: jackknife_error(np.array([row[n] for row in rows])) for n in names}
+
+    of_rates = errors(replicates, "cooling_rate", "msd_slope")
+    bins = np.diff(POSITION_EDGES)
     measured = {
         **{name: Measured.of(getattr(run, name)) for name in OVER_TIME},
-        **{name: Measured(found[name], error) for name, error in errors.items()},
+        **{name: Measured(found[name], error) for name, error in of_rates.items()},
         "free_path": Measured.of(run.mean_free_path),
-        "scaled_vdf": reduce.scaled_density(speeds, reduce.SPEED_EDGES, reduce.bin_measure(d)),
-        "position": reduce.scaled_density(distances, reduce.POSITION_EDGES, bins),
+        "scaled_vdf": scaled_density(speeds, SPEED_EDGES, bin_measure(d)),
+        "position": scaled_density(distances, POSITION_EDGES, bins),
         "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
     }
     if rescaled is None:
@@ -286,21 +362,17 @@ def _reduced(
     for part, values in zip(parts, replicates, strict=True):
         moved = np.log(float(part.mean_free_path.value)) - log_path
         expected = {name: value + moved * per_log_path[name] for name, value in theory.items()}
-        expected |= _rates(run.times, expected, early, half_rate)
+        expected |= rates(run.times, expected, early, half_rate)
         apart.append({name: values[name] - expected[name] for name in values})
-    names = apart[0]
-    return measured, {n: reduce.jackknife_error(np.array([row[n] for row in apart])) for n in names}
+    return measured, errors(apart, *apart[0])
 
 
 def _without_each(run: Ensemble) -> list[Ensemble]:
-    """The ensemble without one of its configurations, for each of them.
-
-    Its averages are made of sums over configurations.
-    """
+    """The ensemble without one of its configurations, of whose sums its averages are made."""
     sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
-    totals = {name: array.sum(axis=0) for name, array in sums.items()}
+    rest = {name: array.sum(axis=0) - array for name, array in sums.items()}
     return [
-        replace(run, arrays={**run.arrays, **{n: (totals[n] - sums[n][k])[None] for n in sums}})
+        replace(run, arrays={**run.arrays, **{n: rest[n][k][None] for n in sums}})
         for k in range(run.media)
     ]
 
@@ -323,21 +395,7 @@ def picture(system: Any) -> tuple[Ensemble, str]:
     return run, f"e = {e:g}, until {until:g} d/U or 20 bounces"
 
 
-def _levels(law: CollisionLaw, times: Array, system: Cooling) -> dict[str, float]:
-    """<r^2> at the last time, in d^2, of the equation of hard disks by what is known of them."""
-    density, found = system.number_density, {}
-    medium = law_in_medium(law, "hard disks", density, 1.0, "leading")
-    thinner = 0.5 / medium.mean_free_path(density, 1.0)
-    found[PATH] = _solved(law, thinner, times[-1:], ("msd",), system.rtol).msd[-1]
-    for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
-        more = {"scatterers": "hard disks", "density_order": order}
-        found[name] = _solved(law, density, times[-1:], ("msd",), system.rtol, **more).msd[-1]
-    return found
-
-
 # -- tracers in a uniform field --------------------------------------------------------------------
-
-
 def _in_field(system: Falling, tell: Tell) -> Results:
     cases: list[Case] = []
     more: dict[str, Any] = {"lines": {}, "approach": []}
@@ -372,11 +430,7 @@ def _fallen(state: Any, times: Array, system: Falling, *observables: str) -> Ens
 
 
 def _steady(restitution: float, dimension: int, system: Falling) -> Case:
-    """Solve, follow particles until they have forgotten their start, and average from there on.
-
-    What should be 1 by an exact relation is formed before the error is taken, since both of its
-    sides come from the same tracers.
-    """
+    """Solve, follow particles until they have forgotten their start, and average from there on."""
     state = solve_field(restitution, dimension, rtol=system.rtol)
     # d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively: after
     # ten such times e^-10 of the start is left, as far as the energy remembers it
@@ -388,36 +442,39 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     r = run.positions.reshape(n, run.media, run.tracers, d)[[0, -1]]
     speed, along = np.linalg.norm(v, axis=-1), v[..., 0]
 
-    def mean(x: Array) -> Array:
-        return np.asarray(x.mean(axis=(0, 2)))  # of each group, over times and tracers
-
     s = {
-        "v_z": mean(along), "v": mean(speed), "v^2": mean(speed**2), "v^3": mean(speed**3),
-        "v^4": mean(speed**4), "v_z^2": mean(along**2), "v v_z": mean(speed * along),
-        "cos": mean(along / speed),
+        "v_z": along, "v": speed, "v^2": speed**2, "v^3": speed**3, "v^4": speed**4,
+        "v_z^2": along**2, "v v_z": speed * along, "cos": along / speed,
     }  # fmt: skip
     for k in (0, 1):
-        s[f"z{k}"] = mean(r[k : k + 1, ..., 0])
-        s[f"zz{k}"] = mean(r[k : k + 1, ..., 0] ** 2)
-        s[f"xx{k}"] = mean((r[k : k + 1, ..., 1:] ** 2).mean(axis=-1))
+        z = r[k : k + 1, ..., 0]
+        s |= {f"z{k}": z, f"zz{k}": z**2, f"xx{k}": (r[k : k + 1, ..., 1:] ** 2).mean(axis=-1)}
+    s = {name: x.mean(axis=(0, 2)) for name, x in s.items()}  # of each group
     elapsed = float(run.times[-1] - run.times[0])
     loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
-    quantities: dict[str, Callable[[dict[str, Array]], Array]] = {
-        "drift": lambda s: (s["z1"] - s["z0"]) / elapsed,
-        "mean_square_speed": lambda s: s["v^2"],
-        "mean_square_along": lambda s: s["v_z^2"],
-        "mean_speed": lambda s: s["v"],
-        "diffusion_parallel": lambda s: (
-            (s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2) / (2 * elapsed)
-        ),
-        "diffusion_perpendicular": lambda s: (s["xx1"] - s["xx0"]) / (2 * elapsed),
-        "momentum": lambda s: s["v v_z"],
-        "energy": lambda s: loss[2] * s["v^3"] / (2 * s["v_z"]),
-        "cube": lambda s: loss[3] * s["v^4"] / (3 * s["v v_z"]),
-        "direction": lambda s: s["cos"] / (loss[1] * s["v^2"]),
+
+    def quantities(s: dict[str, Array]) -> dict[str, Array]:
+        along = s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2
+        return {
+            "drift": (s["z1"] - s["z0"]) / elapsed,
+            "mean_square_speed": s["v^2"],
+            "mean_square_along": s["v_z^2"],
+            "mean_speed": s["v"],
+            "diffusion_parallel": along / (2 * elapsed),
+            "diffusion_perpendicular": (s["xx1"] - s["xx0"]) / (2 * elapsed),
+            "momentum": s["v v_z"],
+            "energy": loss[2] * s["v^3"] / (2 * s["v_z"]),
+            "cube": loss[3] * s["v^4"] / (3 * s["v v_z"]),
+            "direction": s["cos"] / (loss[1] * s["v^2"]),
+        }
+
+    # both sides of a relation come from the same tracers: their ratio is formed first
+    without = quantities({n: (x.sum() - x) / (run.media - 1) for n, x in s.items()})
+    measured = {
+        name: Measured(value, jackknife_error(without[name]))
+        for name, value in quantities({n: x.mean() for n, x in s.items()}).items()
     }
-    measured = {name: reduce.jackknifed(s, of) for name, of in quantities.items()}
-    averages = {name: float(getattr(state, name)) for name in tuple(quantities)[:6]}
+    averages = {name: float(getattr(state, name)) for name in [*measured][:6]}
     solved, exact = exact_relations(state)
     theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
     name = f"{SCATTERERS[d]} in a field"
@@ -425,10 +482,8 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
 
 
 def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """Both sides of each relation between averages that holds exactly: solver, and closed form.
-
-    They are moments of the equation for v v_z, v^2, v^3, v, ln v and 1/v, of which the rate of
-    change vanishes. That of 1/v has no finite side at e = 0.
+    """Both sides of each exact relation between averages, solver and closed form: moments of the
+    equation for v v_z, v^2, v^3, v, ln v and 1/v, which do not change.
     """
     law, moment, e = state.law, state.moment, float(state.restitution)
     loss = {p: float(law.decay_rate(float(p))) for p in (-1, 1, 2, 3) if p > law.lowest_power}
@@ -449,10 +504,9 @@ def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
 def near_elastic(restitution: Any, dimension: int) -> dict[str, Any]:
     """The limiting laws as collisions become elastic, in sqrt(g l) and sqrt(g l^3).
 
-    With eps = 1 - e^2 the speeds are then distributed as exp(-a v^4) and grow as eps^(-1/4). The
-    energy that the field gives, g u, is what the collisions take: u = lambda(2) <v^3>/2. Across the
-    field a tracer diffuses as without a field, with the mean speed; along it the fluctuations of
-    the energy take part, no closed form is known, and the number is the solver's as e -> 1.
+    With eps = 1 - e^2 speeds are distributed as exp(-a v^4) and grow as eps^(-1/4); u = lambda(2)
+    <v^3>/2. Across the field a tracer diffuses as without one, with the mean speed; along it no
+    closed form is known, and the number is the solver's as e -> 1.
     """
     fall, loss, turn, along = {
         2: (2 / 9, 2 / 3, 4 / 3, 0.176205),

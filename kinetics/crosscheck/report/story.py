@@ -4,47 +4,46 @@ A number that belongs to one restitution stands in a table, beside its e; each f
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from kinetics.crosscheck.report import runs
 from kinetics.crosscheck.report.figures import exact_rates
-from kinetics.crosscheck.report.reduce import Measured
 from kinetics.crosscheck.report.rows import OBSERVABLES, kept
-from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, Case, Results
+from kinetics.crosscheck.report.runs import (
+    EXACT,
+    FIT,
+    FREE,
+    KINETIC,
+    SOLVER,
+    Case,
+    Measured,
+    Results,
+)
 from kinetics.crosscheck.report.systems import SCATTERERS
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
 HOLDS, FAILS = "holds", "does not hold"
-SHARE = 0.99
-"""Share of its limit at which d<r^2>/d ln t counts as reached."""
-CLOSE = 0.01
-"""The drift is reached when the mean velocity stays as close to it as this, relative to it."""
-
+SHARE = 0.99  # share of its limit at which d<r^2>/d ln t counts as reached
+CLOSE = 0.01  # the drift is reached when the mean velocity stays as close to it, relative to it
 Record = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Story:
-    """What a reader should know: findings first, then the paper's claims, then tables of numbers.
-
-    tables : by name, tidy records; those of "summary" have quantity, restitution, value and error
+class Story(NamedTuple):
+    """Findings first, the paper's claims, tables of tidy records: "summary" has quantity,
+    restitution, value and error.
     """
 
     compared: str
     findings: list[str]
     line: str
-    claims: list[dict[str, str]] = field(default_factory=list)
-    tables: dict[str, list[Record]] = field(default_factory=dict)
+    claims: Sequence[dict[str, str]] = ()
+    tables: Mapping[str, list[Record]] = {}
 
 
-def tell(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:
+def tell(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     """The story of any report; `checks` are the rows of the algebra."""
     return (_falling if results.system.in_field else _cooling)(results, table, checks)
 
@@ -68,7 +67,7 @@ def off(values: Sequence[float]) -> str:
     return f"{span(percents, '+' + form)} % from"
 
 
-def agreement(table: "DataFrame") -> str:
+def agreement(table: Any) -> str:
     """In how many comparisons that could have shown a difference particles and solver show none."""
     strict = table[(table.kind == "statistical") & (table.source == FREE)]
     tested = strict[strict.verdict != Verdict.NOT_TESTED]
@@ -87,7 +86,7 @@ def agreement(table: "DataFrame") -> str:
     return text + "."
 
 
-def chance(table: "DataFrame") -> str:
+def chance(table: Any) -> str:
     """What the verdicts allow for, and what they expect by chance."""
     rows = int((table.kind == "statistical").sum())
     expected = numeral(rows * math.erfc(AGREES_BELOW / math.sqrt(2)), ".2g")
@@ -99,10 +98,7 @@ def chance(table: "DataFrame") -> str:
     )
 
 
-# -- a gas that cools ------------------------------------------------------------------------------
-
-
-def _cooling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:
+def _cooling(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     system: Any = results.system
     of, cases, paper = system.scatterers, results.cooling, system.is_papers_law
     rough = "" if system.is_smooth else f", e_t = {system.tangential_restitution:g},"
@@ -225,9 +221,7 @@ def _claims(cases: Sequence[Case]) -> list[dict[str, str]]:
 
 
 # -- tracers in a field ----------------------------------------------------------------------------
-
-
-def _falling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:
+def _falling(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     lines = results.more["lines"]
 
     def each(of: Callable[[int, Any], str]) -> str:
@@ -265,17 +259,14 @@ def _falling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
         ), key=lambda row: row["quantity"],
     )  # fmt: skip
     if results.more["approach"]:
-        overshoots, reached = zip(*map(_overshoot, results.more["approach"]), strict=True)
+        overshoots, reached = [], []
+        for case in results.more["approach"]:
+            over = case.theory[SOLVER]["drift_from_rest"] / case.solved.drift
+            away = [-1, *np.flatnonzero(abs(over - 1) > CLOSE)][-1]
+            overshoots.append(100 * float(np.max(over) - 1))
+            reached.append(float(case.times[min(away + 1, over.size - 1)]) if away >= 0 else 0.0)
         findings.append(
             f"From rest the mean velocity first exceeds the drift, by {span(overshoots, '.0f')} %, "
             f"and is within {100 * CLOSE:g} % of it from t = {span(reached, '.2g')} √(l/g) on."
         )
     return Story(compared, findings, f"Finding: {findings[1]}", tables={"summary": summary})
-
-
-def _overshoot(case: Case) -> tuple[float, float]:
-    """By how many per cent the mean velocity exceeds the drift, and when it is close to it."""
-    ratio = case.theory[SOLVER]["drift_from_rest"] / case.solved.drift
-    away = np.flatnonzero(abs(ratio - 1) > CLOSE)
-    reached = float(case.times[min(away[-1] + 1, len(ratio) - 1)]) if away.size else 0.0
-    return 100 * float(np.max(ratio) - 1), reached

@@ -1,8 +1,7 @@
 """What a report compares: smooth disks as in the paper, any other law, spheres, or a field.
 
-`Cooling` is a gas that is left alone, `Falling` one in a uniform field. Both are values with the
-same few members, so that everything after this file takes either. InputError for what cannot be
-used.
+`Cooling` is a gas that is left alone, `Falling` one in a uniform field: values with the same few
+members, so that everything after this file takes either. InputError for what cannot be used.
 """
 
 import math
@@ -11,19 +10,12 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.validation import (
-    check_positive,
-    check_restitution,
-    check_rtol,
-    refuse,
-    whole_number,
-)  # fmt: skip
+from kinetics.validation import check_positive, check_restitution, check_rtol, refuse, whole_number
 
 SCATTERERS = {2: "disks", 3: "spheres"}
 PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of its figures 5 and 6)."""
-OTHER_FINAL_TIME = 1000.0
-"""Final time in d/U of a restitution that the paper does not have."""
+OTHER_FINAL_TIME = 1000.0  # final time in d/U of a restitution that the paper does not have
 FIELD_RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
 _LINE = (*(k / 20 for k in range(19)), 0.925, 0.95, 0.97, 0.98, 0.99, 0.995, 0.999)
 _QUICK_LINE = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.8, 0.9, 0.95, 0.975, 0.99, 0.995, 0.999)
@@ -34,7 +26,7 @@ def half_cross_section(dimension: int) -> float:
     return 1.0 if dimension == 2 else math.pi / 2
 
 
-@dataclass(frozen=True)
+@dataclass
 class _System:
     restitutions: tuple[float, ...] = ()
     rtol: float = 1e-10  # asked of the solver
@@ -45,18 +37,13 @@ class _System:
     name: ClassVar[str] = "report"  # of its files
     in_field: ClassVar[bool] = False
 
-    def _set(self, **values: Any) -> None:
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
-
     def _checked(self, default: tuple[float, ...]) -> tuple[float, ...]:
         """The restitutions, or the default; checks the counts and tolerances too."""
         found = tuple(check_restitution(e) for e in self.restitutions or default)
         if len(set(found)) != len(found):
             refuse("restitutions", found, "each may stand only once")
         for name, low in {**self._least, "seed": 0}.items():
-            most = 2**31 if name == "free_tracers" else 2**63
-            whole_number(name, getattr(self, name), low, most)
+            whole_number(name, getattr(self, name), low, 2**31 if name == "free_tracers" else 2**63)
         if self.workers is not None:
             whole_number("workers", self.workers, 1, 2**31)
         for name in ("rtol", "position_rtol", "time_rtol"):
@@ -64,13 +51,12 @@ class _System:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass
 class Cooling(_System):
     """Tracers that are left alone from a Gaussian start, and lose speed at every bounce.
 
-    Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2, or d^-3
-    in space. Empty restitutions stand for the paper's, empty final times for the paper's or
-    `OTHER_FINAL_TIME`; a single final time is that of all restitutions.
+    Times in d/U, densities in d^-2, or d^-3 in space. Empty restitutions are the paper's, empty
+    final times the paper's or `OTHER_FINAL_TIME`; a single final time is that of all restitutions.
     """
 
     final_times: tuple[float, ...] = ()
@@ -81,7 +67,7 @@ class Cooling(_System):
     free_tracers: int = 200_000  # of the Boltzmann-Grad run, which has no configurations
     n_times: int = 24
     position_rtol: float = 1e-6  # asked of G(R), which costs most and is only drawn
-    tangential_restitution: float = 1.0
+    tangential_restitution: Any = 1.0
     dimension: int = 2  # 3: spheres
 
     _least: ClassVar[Mapping[str, int]] = {
@@ -89,7 +75,7 @@ class Cooling(_System):
     }  # fmt: skip
 
     def __post_init__(self) -> None:
-        found = self._checked(tuple(PAPER_FINAL_TIME))
+        self.restitutions = found = self._checked(tuple(PAPER_FINAL_TIME))
         default = tuple(PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in found)
         times = tuple(check_positive("until", t) for t in self.final_times or default)
         times = times * len(found) if len(times) == 1 else times
@@ -97,8 +83,8 @@ class Cooling(_System):
             refuse("until", len(times), f"there must be one for each of {len(found)} restitutions")
         check_positive("number_density", self.number_density)
         law = law_of(found[0], self.tangential_restitution, self.dimension)
-        self._set(restitutions=found, final_times=times, dimension=law.dimension)
-        self._set(tangential_restitution=law.tangential_restitution)
+        self.final_times, self.dimension = times, law.dimension
+        self.tangential_restitution = law.tangential_restitution
 
     def law(self, restitution: float) -> CollisionLaw:
         """The collision law of one restitution."""
@@ -138,12 +124,11 @@ class Cooling(_System):
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass
 class Falling(_System):
     """Tracers that fall from rest in a uniform field among smooth disks, and among spheres.
 
-    The mean free path l and the acceleration g are the units, so that speeds are in sqrt(g l) and
-    times in sqrt(l/g). Restitutions are below 1; empty for `FIELD_RESTITUTIONS`.
+    Speeds are in sqrt(g l), times in sqrt(l/g). Restitutions below 1; none: `FIELD_RESTITUTIONS`.
     """
 
     rtol: float = 1e-8
@@ -163,16 +148,15 @@ class Falling(_System):
     }  # fmt: skip
 
     def __post_init__(self) -> None:
-        found = tuple(sorted(self._checked(FIELD_RESTITUTIONS)))
+        self.restitutions = found = tuple(sorted(self._checked(FIELD_RESTITUTIONS)))
         if found[-1] == 1.0:
             allowed = "each must be below 1: elastic tracers reach no steady state in a field"
             refuse("restitutions", found, allowed)
         for dimension in self.dimensions:
             CollisionLaw(0.5, 1.0, dimension)
-        ends = tuple(dict.fromkeys((found[0], found[-1])))
-        followed = (0.5, 0.9) if found == FIELD_RESTITUTIONS else ends
-        approach = followed if self.approach is None else self.approach
-        self._set(restitutions=found, approach=approach)
+        if self.approach is None:
+            ends = tuple(dict.fromkeys((found[0], found[-1])))
+            self.approach = (0.5, 0.9) if found == FIELD_RESTITUTIONS else ends
 
     @property
     def scatterers(self) -> str:

@@ -1,5 +1,6 @@
 """One small run whose truth is known, and the files that hold it."""
 
+import gzip
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,8 +56,6 @@ def write_csv(path: Path, run: Run) -> None:
 
 
 def write_gz(path: Path, run: Run) -> None:
-    import gzip
-
     path.write_bytes(gzip.compress(text_of(columns_of(run)).encode()))
 
 
@@ -72,14 +71,6 @@ def write_parquet(path: Path, run: Run) -> None:
     from pyarrow import parquet
 
     parquet.write_table(pa.table(columns_of(run)), path)
-
-
-def write_columns(path: Path, run: Run) -> None:
-    np.savez_compressed(path, **columns_of(run))
-
-
-def write_frames(path: Path, run: Run) -> None:
-    np.savez(path, times=TIMES, positions=run[0], velocities=run[1])
 
 
 def write_hdf5(path: Path, run: Run) -> None:
@@ -156,8 +147,10 @@ FORMATS: dict[str, Callable[[Path, Run], None]] = {
     "run.csv.gz": write_gz,
     "labels.tsv": write_labels,
     "run.parquet": write_parquet,
-    "columns.npz": write_columns,
-    "frames.npz": write_frames,
+    "columns.npz": lambda path, run: np.savez_compressed(path, **columns_of(run)),
+    "frames.npz": lambda path, run: np.savez(
+        path, times=TIMES, positions=run[0], velocities=run[1]
+    ),
     "run.h5": write_hdf5,
     "run.h5md": write_h5md,
     "image.h5": lambda path, run: write_h5md(path, run, image=True),

@@ -77,14 +77,8 @@ def test_columns_in_memory_are_read_as_files(run: Run) -> None:
 
 def test_numbers_of_a_csv_come_back_to_the_last_bit(tmp_path: Path) -> None:
     v = np.random.default_rng(2).normal(size=(2, 500)) * 10.0 ** np.arange(-250, 250)
-    data = {
-        "time": np.ones(500),
-        "x": v[0],
-        "y": v[1],
-        "vx": v[0],
-        "vy": v[1],
-        "tracer": np.arange(500),
-    }
+    data = {"time": np.ones(500), "x": v[0], "y": v[1], "vx": v[0], "vy": v[1]}
+    data["tracer"] = np.arange(500)
     (tmp_path / "a.csv").write_text(text_of(data))
     from kinetics.crosscheck.data.formats import read
     from kinetics.crosscheck.data.tracks import Asked
@@ -201,12 +195,8 @@ def test_a_table_of_averages_has_its_values_and_errors() -> None:
     from kinetics.crosscheck.compare.theory import AVERAGES, Expectation
 
     table = {"t": [1.0, 10.0], "v0 [U]": [1.2, 0.9], "v0_error [U]": [0.01, 0.02]}
-    table |= {
-        "a2": [0.1, 0.2],
-        "a2_err": [0.03, 0.01],
-        "<r^2>": [2.0, 90.0],
-        "<r^2>_se": [0.1, 3.0],
-    }
+    table |= {"a2": [0.1, 0.2], "a2_err": [0.03, 0.01]}
+    table |= {"<r^2>": [2.0, 90.0], "<r^2>_se": [0.1, 3.0]}
     table |= {"kurtosis": [2.1, 2.2], "kurtosis_sem": [0.1, np.nan]}
     found = Expectation(read_sample([Table(table)]), AVERAGES)
     np.testing.assert_allclose(found.values[0], [1.2, 0.9], rtol=1e-4)

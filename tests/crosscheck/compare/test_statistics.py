@@ -57,8 +57,7 @@ def test_hotelling_is_the_f_distribution(groups: Any, shift: float) -> None:
 def test_a_component_that_is_the_same_as_another_costs_no_freedom(groups: Any) -> None:
     twice = np.concatenate([groups, groups[:, :1] + groups[:, 1:2]], axis=1)
     one, two = (hotelling(g.mean(axis=0), left_out(g)) for g in (groups, twice))
-    assert one is not None
-    assert two is not None
+    assert one and two  # noqa: PT018
     assert (two.freedom, two.statistic) == (3, pytest.approx(one.statistic))
 
 
@@ -89,8 +88,7 @@ def test_an_error_of_the_theory_is_added_and_counted() -> None:
     data = np.random.default_rng(2).normal(size=(400, 3))
     known, difference = np.diag([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])
     plain, wide = (hotelling(difference, left_out(data), c) for c in (None, known))
-    assert plain is not None
-    assert wide is not None
+    assert plain and wide  # noqa: PT018
     assert plain.statistic == pytest.approx(400, rel=0.2)
     assert wide.statistic == pytest.approx(1 / (0.5 + 1 / 400), rel=0.01)
     assert log_widening(left_out(data), known) == pytest.approx(np.log(1 + 0.5 * 400), rel=0.03)

@@ -43,9 +43,6 @@ def test_stored_scaled_densities_are_made_again() -> None:
                 assert made[name][0] == pytest.approx(stored[name][k], rel=1e-14, abs=0.0)
 
 
-# -- the benchmark's table -------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("start", references.STARTS)
 @pytest.mark.parametrize("e", [0.0, 0.7])
 def test_the_benchmarks_values_are_the_power_series(e: float, start: str) -> None:
@@ -65,9 +62,6 @@ def test_the_benchmarks_values_are_the_power_series(e: float, start: str) -> Non
         assert stored == pytest.approx(float(value), rel=1e-15, abs=0.0)
 
 
-# -- the table of the displacement -----------------------------------------------------------------
-
-
 def test_early_displacements_are_made_again() -> None:
     assert DISPLACEMENT["T"] == displacement.TIMES
     with mp.workdps(40):
@@ -77,9 +71,6 @@ def test_early_displacements_are_made_again() -> None:
                 pair = [float(x) for x in early(DISPLACEMENT["T"][k])]
                 row = DISPLACEMENT[e]["monoenergetic"]
                 assert pair == pytest.approx([row["square"][k], row["fourth"][k]], rel=1e-15)
-
-
-# -- the file --------------------------------------------------------------------------------------
 
 
 def test_the_script_writes_what_the_loader_reads(monkeypatch: Any, tmp_path: Any) -> None:

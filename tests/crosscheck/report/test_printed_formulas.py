@@ -70,9 +70,6 @@ def test_the_peak_form_is_normalised() -> None:
     assert quad(lambda r: float(sonine.position_peak(r)), 0, 20)[0] == pytest.approx(1)
 
 
-# -- the same formulas as the algebra holds them --------------------------------------------------
-
-
 BETA, L, TIME = sp.Rational(1, 20), sp.Rational(27, 2), sp.Integer(400)
 WALK = {sy.alpha: sp.Rational(5, 7), sy.beta: BETA, sy.l: L}
 START = 7 / 5  # 1/alpha
