@@ -12,13 +12,17 @@ import numpy as np
 from particles.cells import Cells, cell_at
 from particles.compiled import inlined
 from particles.events import (
+    Varying,
     bounce_in_space,
     contact,
     contact_in_space,
     is_collapsing,
+    law_at,
     scatter,
+    square_of_approach,
     touch,
 )
+from particles.kernel.lane import note_impact
 from particles.kernel.pockets import end_of_bounces
 from particles.search import SLOTS, strike
 
@@ -130,31 +134,36 @@ def enter(lane: Any, shape: tuple[int, ...], di: int, dj: int, dk: int) -> None:
 
 @inlined
 def collide(
-    lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float]
-) -> tuple[float, bool]:
+    lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float],
+    varying: Varying | None, endless: tuple[float, float],
+) -> tuple[float, bool]:  # fmt: skip
     """Bounce off the scatterer met after this path; the next flight begins there.
 
-    law: restitution and tangential restitution. Return the ratio of the speeds after and before,
-    and whether the tracer is trapped from now on. In space `end_bounces` sees to the bounces that
-    never end.
+    law: restitution and tangential restitution, unless they are varying; endless: those of bounces
+    that never end. Return the ratio of the speeds after and before, and whether the tracer is
+    trapped from now on. In space `end_bounces` sees to the bounces that never end.
     """
     cx, cy, cz = lane.struck_x, lane.struck_y, lane.struck_z
     ux, uy = lane.ux, lane.uy
     if len(shape) == 2:
         impact = (cx - lane.x) * uy - (cy - lane.y) * ux
         x, y = touch(cx, cy, ux, uy, impact)
+        note_impact(lane, varying, (1.0 - impact) * (1.0 + impact))
+        law = law_at(varying, law, lane.impact)
         ux, uy, ratio = scatter(ux, uy, impact, law[0], law[1])
         nx, ny = x - cx, y - cy
         trapped = ratio == 0.0
         if path < SHORT and not trapped:
             before = lane.normal_x, lane.normal_y
-            trapped = is_collapsing(before, (nx, ny), (ux, uy), law[0], law[1])
+            trapped = is_collapsing(before, (nx, ny), (ux, uy), endless[0], endless[1])
         lane.normal_x, lane.normal_y = nx, ny
         lane.x, lane.y, lane.ux, lane.uy = x, y, ux, uy
     else:
-        normal, u, ratio = bounce_in_space(
-            (cx - lane.x, cy - lane.y, cz - lane.z), (ux, uy, lane.uz), law[0], law[1]
-        )
+        offset, u = (cx - lane.x, cy - lane.y, cz - lane.z), (ux, uy, lane.uz)
+        if varying is not None:
+            note_impact(lane, varying, square_of_approach(offset, u))
+        law = law_at(varying, law, lane.impact)
+        normal, u, ratio = bounce_in_space(offset, u, law[0], law[1])
         trapped = ratio == 0.0
         lane.x, lane.y, lane.z = cx + normal[0], cy + normal[1], cz + normal[2]
         lane.ux, lane.uy, lane.uz = u
