@@ -8,12 +8,14 @@ for a restitution of the impact speed and for sticking. Three things happen to t
   q <= max(v.n, 0) + w max(s, 0), they are some of two kinds of candidates: of rate v/l, with an
   impact parameter at random as among fixed scatterers and s normal; and of rate w sqrt(pi/2)/l, in
   space 2 w sqrt(2/pi)/l, with any normal and s > 0 of density s exp(-s^2/2). A candidate of either
-  kind is a collision with the probability q/(max(v.n, 0) + w max(s, 0)). This is exact; from 84 %
-  of the candidates on are collisions.
+  kind is a collision with the probability q/(max(v.n, 0) + w max(s, 0)). This is exact, and at
+  least 67 % of the candidates are collisions.
 - The field. Until v can have grown by the field times a short time, the candidates of a bound of
   the rate are drawn, and kept with the probability (rate at that time)/bound: exact too.
 - Noise and drag: the exact Ornstein-Uhlenbeck process over half a step, flight and collisions over
-  a step, the process over half a step. Two halves that meet are one. A step ends at every output.
+  a step, the process over half a step. With the kicks K1 and K2 of the halves the place at the end
+  has h K1 of K1; (h/2)(K1 + K2) + (h/sqrt(12))(K1 - K2) instead, to first order in gamma h, gives
+  it the moments that it has without a collision. A step ends at every output.
 """
 
 from math import copysign, exp, expm1, log, pi, sqrt
@@ -45,6 +47,7 @@ from particles.kernel.records import (
 from particles.streams import bits, in_disk, uniform
 
 _OF_BATH = sqrt(pi / 2.0), 2.0 * sqrt(2.0 / pi)  # rates of the second kind, over w/l
+_LATE = 0.5 - 1.0 / sqrt(12.0)
 
 
 class Drive(NamedTuple):
@@ -84,17 +87,38 @@ def _normal_pair(lane: Any) -> tuple[float, float]:
 
 
 @inlined
-def _stir(lane: Any, drive: Drive, lasts: float, solid: bool) -> None:
-    """Apply noise and drag for so long."""
-    keep, size = 1.0, sqrt(2.0 * drive.heating * lasts)
+def _kick(lane: Any, drive: Drive, solid: bool) -> tuple[float, float, float]:
+    """Apply noise and drag for half a step; return the noise."""
+    half, keep = 0.5 * lane.span, 1.0
+    size = sqrt(2.0 * drive.heating * half)
     if drive.drag > 0.0:
-        keep = exp(-drive.drag * lasts)
-        size = sqrt(-drive.heating * expm1(-2.0 * drive.drag * lasts) / drive.drag)
+        keep = exp(-drive.drag * half)
+        size = sqrt(-drive.heating * expm1(-2.0 * drive.drag * half) / drive.drag)
     a, b = _normal_pair(lane)
-    lane.vx, lane.vy = keep * lane.vx + size * a, keep * lane.vy + size * b
+    x, y, z = size * a, size * b, 0.0
     if solid:
         a, b = _normal_pair(lane)
-        lane.vz = keep * lane.vz + size * a
+        z = size * a
+    lane.vx, lane.vy, lane.vz = keep * lane.vx + x, keep * lane.vy + y, keep * lane.vz + z
+    return x, y, z
+
+
+@inlined
+def _begin_step(lane: Any, drive: Drive, lasts: float, solid: bool) -> None:
+    """Begin a step, which is not longer than so long."""
+    lane.span = lane.left = min(drive.step, lasts)
+    lane.kick_x, lane.kick_y, lane.kick_z = _kick(lane, drive, solid)
+
+
+@inlined
+def _end_step(lane: Any, drive: Drive, solid: bool) -> None:
+    """End a step; the place receives what the noise within it would have made of the flight."""
+    x, y, z = _kick(lane, drive, solid)
+    size, before = _LATE * lane.span, 1.0 + 0.5 * drive.drag * lane.span
+    lane.flight_x += size * (x - before * lane.kick_x)
+    lane.flight_y += size * (y - before * lane.kick_y)
+    lane.flight_z += size * (z - before * lane.kick_z)
+    lane.span = 0.0
 
 
 @inlined
@@ -160,7 +184,7 @@ def _start(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
     launch(lane, start, times, tracer)
     open_flights(lane, start)
     lane.vx, lane.vy, lane.vz = lane.start_vx, lane.start_vy, lane.start_vz
-    lane.step = lane.owed = lane.since = 0.0
+    lane.left = lane.span = lane.since = 0.0
     lane.draws = 0
     lane.clock = -log(_unit(lane))
 
@@ -193,10 +217,9 @@ def follow_driven(
         while a < active:
             lane = lanes[a]
             status = RUNNING
+            if lane.span > 0.0 and (lane.left <= 0.0 or lane.time >= lane.next_output):
+                _end_step(lane, drive, solid)
             while lane.output < times.size and lane.time >= lane.next_output:
-                if lane.owed > 0.0:
-                    _stir(lane, drive, lane.owed, solid)
-                    lane.owed = lane.step = 0.0
                 if queued[0] == QUEUE:
                     enter_queue(records)
                 queue_falling(lane, queue[queued[0]], times, field)
@@ -204,12 +227,10 @@ def follow_driven(
             if lane.output == times.size and times.size > 0:
                 status = columns.FINISHED
             lasts = lane.next_output - lane.time
-            if noisy and lane.step <= 0.0 and status == RUNNING:
-                lane.step = min(drive.step, lasts)
-                _stir(lane, drive, lane.owed + 0.5 * lane.step, solid)
-                lane.owed = 0.5 * lane.step
             if noisy:
-                lasts = min(lasts, lane.step)
+                if lane.span == 0.0 and status == RUNNING:
+                    _begin_step(lane, drive, lasts, solid)
+                lasts = min(lasts, lane.left)
             along, across2 = towards * lane.vx, lane.vy * lane.vy + lane.vz * lane.vz
             speed = sqrt(lane.vx * lane.vx + across2)
             rate = (speed + from_bath) / mean_path
@@ -232,7 +253,7 @@ def follow_driven(
                 lane.flight_z += lane.vz * lasts
                 lane.vx += field * lasts
                 if noisy:
-                    lane.step -= lasts
+                    lane.left -= lasts
                 if lane.time + lasts >= lane.next_output or lasts == lane.next_output - lane.time:
                     lane.time = lane.next_output
                 else:

@@ -85,7 +85,8 @@ DRIVEN_LANE = record_type(
         np.float64: (
             "vx", "vy", "vz",
             "clock",                    # of an exponential variable of mean 1, what is left
-            "step", "owed",             # time left of a step; noise that is still to be applied
+            "span", "left",             # a step of the noise, 0 between two; what is left of it
+            "kick_x", "kick_y", "kick_z",  # the noise at its begin
             "since",                    # path travelled until the last collision
             "nx", "ny", "nz",           # normal of a collision
             *_FLOATS,
