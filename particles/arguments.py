@@ -24,7 +24,7 @@ from particles.media import (
     Positions,
     dilute_mean_path,
 )
-from particles.outputs import OBSERVABLES
+from particles.outputs import DRIVES, OBSERVABLES
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
 IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field may be in
@@ -32,7 +32,7 @@ IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field 
 # number; and of field times diameter, in U^2.
 FIELDS = (1e-100, 1e100)
 DEEPEST = 1e100  # in d
-DRIVES = (1e-30, 1e30)  # of what drives tracers, in its unit: the fourth power is a number
+STRONGEST = 1e30  # of what drives tracers, in its unit: fourth powers of speeds are numbers
 LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
@@ -67,19 +67,19 @@ def make_plan(
         refuse("media", media, f"must be {medium.sets}, the sets of positions given")
     field = _check_field(field, medium)
     mass_ratio = _check_mass_ratio(mass_ratio, medium, tangential)
-    driven = {"bath_speed": bath_speed, "heating": heating, "drag": drag}
-    driven["capture_speed"] = capture_speed
-    driven = {name: _check_drive(name, value, medium) for name, value in driven.items()}
-    if driven["bath_speed"] and tangential != 1.0:
+    drives = zip(DRIVES, (bath_speed, heating, drag, capture_speed), strict=True)
+    driven = {name: _check_drive(name, value, medium) for name, value in drives}
+    if bath_speed and tangential != 1.0:
         refuse("bath_speed", bath_speed, "must be 0 unless tangential_restitution is 1")
-    if driven["capture_speed"] and (driven["bath_speed"] or mass_ratio < inf):
+    if capture_speed and (bath_speed or mass_ratio < inf):
         refuse("capture_speed", capture_speed, "must be 0 unless scatterers are fixed")
     if field and not isinstance(medium, BoltzmannGrad):
         if not isinstance(restitution, float):
-            allowed = "with a field must be a number for all media but BoltzmannGrad"
-            refuse("restitution", restitution, allowed)
+            refuse("restitution", restitution, "among scatterers in a field must be a number")
         if capture_speed:
-            refuse("capture_speed", capture_speed, "with a field needs BoltzmannGrad")
+            refuse("capture_speed", capture_speed, "must be 0 among scatterers in a field")
+    if drag and times is None and not (field or bath_speed or heating):
+        refuse("times", times, "drag alone stops a tracer; give output times")
     seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
     most = whole["max_collisions"]
     if most is None and times is None:
@@ -92,7 +92,7 @@ def make_plan(
         velocities=_check_initial(
             initial,
             (media, tracers, medium.dimension),
-            may_rest=max(abs(field), driven["bath_speed"], driven["heating"]) > 0.0,
+            may_rest=max(abs(field), bath_speed, heating) > 0.0,
         ),
         times=_check_times(times),
         media=media,
@@ -158,10 +158,7 @@ def _check_mass_ratio(mass_ratio: Any, medium: Medium, tangential: float) -> flo
 
 
 def _check_drive(name: str, value: Any, medium: Medium) -> float:
-    allowed = f"must be 0 or a number from {DRIVES[0]:g} to {DRIVES[1]:g}"
-    number = check_number(name, value, 0.0, DRIVES[1], allowed)
-    if 0.0 < number < DRIVES[0]:
-        refuse(name, value, allowed)
+    number = check_number(name, value, 0.0, STRONGEST, f"must be a number from 0 to {STRONGEST:g}")
     if number and name != "capture_speed" and not isinstance(medium, BoltzmannGrad):
         refuse(name, value, f"must be 0 for {type(medium).__name__}; it needs BoltzmannGrad")
     return number

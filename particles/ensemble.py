@@ -117,9 +117,8 @@ class Ensemble(FieldEstimates, Result):
     tracers = _of_plan("tracers", "Number of tracers in each configuration.")
 
     def __repr__(self) -> str:
-        law, times = f"restitution {self.restitution}", "no output times"
-        if isinstance(self.restitution, float):
-            law = f"restitution {self.restitution:g}"
+        e, times = self.restitution, "no output times"
+        law = f"restitution {e:g}" if isinstance(e, float) else f"restitution {e}"
         if self.tangential_restitution != 1.0:
             law += f", tangential restitution {self.tangential_restitution:g}"
         if self.mass_ratio < inf:

@@ -232,17 +232,6 @@ def bounce_in_space(
     return normal, (vx * unit, vy * unit, vz * unit), ratio
 
 
-@inlined
-def square_of_approach(
-    offset: tuple[float, float, float], direction: tuple[float, float, float]
-) -> float:
-    """Return the square of the normal component of a unit direction, as in `bounce_in_space`."""
-    (dx, dy, dz), (ux, uy, uz) = offset, direction
-    along = dx * ux + dy * uy + dz * uz
-    px, py, pz = dx - along * ux, dy - along * uy, dz - along * uz
-    return max(1.0 - (px * px + py * py + pz * pz), 0.0)
-
-
 @njit(error_model="numpy")
 def is_collapsing(
     before: tuple[float, float],

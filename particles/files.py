@@ -214,12 +214,8 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
             group[f"{name}/time"] = plan.times / unit
             group[f"{name}/time"].attrs["unit"] = "d U-1"
         group["id"], group["medium"] = np.arange(count), np.arange(count) // plan.tracers
-        if isinstance(plan.restitution, float):
-            file["parameters/restitution"] = plan.restitution
-        else:
-            speeds = np.geomspace(1e-6, 1e3, 901)
-            file["parameters/impact_speed"] = speeds
-            file["parameters/restitution"] = plan.restitution(speeds)
+        law = plan.restitution  # as text where it depends on the impact speed
+        file["parameters/restitution"] = law if isinstance(law, float) else repr(law)
         for name in (name for name in DRIVES if getattr(plan, name)):
             file[f"parameters/{name}"] = getattr(plan, name)
         if plan.mass_ratio < inf:

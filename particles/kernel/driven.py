@@ -27,13 +27,7 @@ from particles.compiled import inlined, kernel
 from particles.events import Varying, restitution_at
 from particles.kernel import columns
 from particles.kernel.follow_falling import note_passage
-from particles.kernel.lane import (
-    AT_REST,
-    RUNNING,
-    Start,
-    launch,
-    open_flights,
-)
+from particles.kernel.lane import AT_REST, RUNNING, Start, launch, open_flights
 from particles.kernel.parabola import length_of
 from particles.kernel.records import (
     QUEUE,
@@ -44,7 +38,7 @@ from particles.kernel.records import (
     note_trap,
     queue_falling,
 )
-from particles.streams import bits, in_disk, uniform
+from particles.streams import bits, in_disk, to_unit
 
 _OF_BATH = sqrt(pi / 2.0), 2.0 * sqrt(2.0 / pi)  # rates of the second kind, over w/l
 _LATE = 0.5 - 1.0 / sqrt(12.0)
@@ -73,8 +67,7 @@ def _word(lane: Any) -> Any:
 
 @inlined
 def _unit(lane: Any) -> float:
-    lane.draws += 1
-    return uniform(lane.stream, lane.gamma, lane.draws)
+    return to_unit(_word(lane))
 
 
 @inlined
@@ -101,13 +94,6 @@ def _kick(lane: Any, drive: Drive, solid: bool) -> tuple[float, float, float]:
         z = size * a
     lane.vx, lane.vy, lane.vz = keep * lane.vx + x, keep * lane.vy + y, keep * lane.vz + z
     return x, y, z
-
-
-@inlined
-def _begin_step(lane: Any, drive: Drive, lasts: float, solid: bool) -> None:
-    """Begin a step, which is not longer than so long."""
-    lane.span = lane.left = min(drive.step, lasts)
-    lane.kick_x, lane.kick_y, lane.kick_z = _kick(lane, drive, solid)
 
 
 @inlined
@@ -229,7 +215,8 @@ def follow_driven(
             lasts = lane.next_output - lane.time
             if noisy:
                 if lane.span == 0.0 and status == RUNNING:
-                    _begin_step(lane, drive, lasts, solid)
+                    lane.span = lane.left = min(drive.step, lasts)
+                    lane.kick_x, lane.kick_y, lane.kick_z = _kick(lane, drive, solid)
                 lasts = min(lasts, lane.left)
             along, across2 = towards * lane.vx, lane.vy * lane.vy + lane.vz * lane.vz
             speed = sqrt(lane.vx * lane.vx + across2)

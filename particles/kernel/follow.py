@@ -15,6 +15,7 @@ from particles.compiled import kernel
 from particles.events import Varying
 from particles.kernel import columns, steps
 from particles.kernel.lane import (
+    AT_REST,
     RUNNING,
     Start,
     advance,
@@ -121,7 +122,9 @@ def follow(
                 if varying is not None:
                     captured = lane.impact < varying.capture
                 if trapped or captured:
-                    status = columns.CAPTURED if captured else columns.TRAPPED
+                    status = columns.TRAPPED
+                    if captured:
+                        status, lane.slowness = columns.CAPTURED, 1.0 / AT_REST
                     note_trap(lane, traps[caught], start.first, records)
                     caught += 1
                 else:

@@ -83,13 +83,10 @@ FALLING_LANE = record_type(
 DRIVEN_LANE = record_type(
     {
         np.float64: (
-            "vx", "vy", "vz",
-            "clock",                    # of an exponential variable of mean 1, what is left
+            "vx", "vy", "vz", "nx", "ny", "nz",  # and the normal of a collision
+            "clock", "since",           # left of an exponential variable; path at last collision
             "span", "left",             # a step of the noise, 0 between two; what is left of it
-            "kick_x", "kick_y", "kick_z",  # the noise at its begin
-            "since",                    # path travelled until the last collision
-            "nx", "ny", "nz",           # normal of a collision
-            *_FLOATS,
+            "kick_x", "kick_y", "kick_z", *_FLOATS,  # the noise at its begin
         ),
         np.int64: ("draws", *_INTS),    # random numbers used
         np.uint64: _STREAM,
@@ -145,10 +142,10 @@ def open_flights(lane: Any, start: Start) -> None:
 
 
 @inlined
-def note_impact(lane: Any, varying: Varying | None, square: float) -> None:
-    """Note the impact speed, if it matters; square: of its share in the speed."""
+def note_impact(lane: Any, varying: Varying | None, share: float) -> None:
+    """Note the impact speed, if it matters; share: of it in the speed."""
     if varying is not None:
-        lane.impact = sqrt(square) * lane.unit / lane.slowness
+        lane.impact = share * lane.unit / lane.slowness
 
 
 @inlined
@@ -159,12 +156,12 @@ def collide_at_random(lane: Any, draw: int, start: Start, varying: Varying | Non
     """
     if start.dimension == 2:
         impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
-        note_impact(lane, varying, (1.0 - impact) * (1.0 + impact))
+        note_impact(lane, varying, sqrt((1.0 - impact) * (1.0 + impact)))
         restitution, tangential = law_at(varying, start.law, lane.impact)
         lane.ux, lane.uy, ratio = scatter(lane.ux, lane.uy, impact, restitution, tangential)
     else:
         a, b = in_disk(bits(lane.stream, lane.gamma, draw))
-        note_impact(lane, varying, 1.0 - (a * a + b * b))
+        note_impact(lane, varying, sqrt(1.0 - (a * a + b * b)))
         restitution, tangential = law_at(varying, start.law, lane.impact)
         (lane.ux, lane.uy, lane.uz), ratio = scatter_in_space(
             (lane.ux, lane.uy, lane.uz), (a, b), restitution, tangential

@@ -19,7 +19,6 @@ from particles.events import (
     is_collapsing,
     law_at,
     scatter,
-    square_of_approach,
     touch,
 )
 from particles.kernel.lane import note_impact
@@ -145,11 +144,15 @@ def collide(
     """
     cx, cy, cz = lane.struck_x, lane.struck_y, lane.struck_z
     ux, uy = lane.ux, lane.uy
+    if varying is not None:
+        ahead = (cx - lane.x) * ux + (cy - lane.y) * uy - path
+        if len(shape) == 3:
+            ahead += (cz - lane.z) * lane.uz
+        note_impact(lane, varying, max(ahead, 0.0))
+        law = law_at(varying, law, lane.impact)
     if len(shape) == 2:
         impact = (cx - lane.x) * uy - (cy - lane.y) * ux
         x, y = touch(cx, cy, ux, uy, impact)
-        note_impact(lane, varying, (1.0 - impact) * (1.0 + impact))
-        law = law_at(varying, law, lane.impact)
         ux, uy, ratio = scatter(ux, uy, impact, law[0], law[1])
         nx, ny = x - cx, y - cy
         trapped = ratio == 0.0
@@ -159,11 +162,9 @@ def collide(
         lane.normal_x, lane.normal_y = nx, ny
         lane.x, lane.y, lane.ux, lane.uy = x, y, ux, uy
     else:
-        offset, u = (cx - lane.x, cy - lane.y, cz - lane.z), (ux, uy, lane.uz)
-        if varying is not None:
-            note_impact(lane, varying, square_of_approach(offset, u))
-        law = law_at(varying, law, lane.impact)
-        normal, u, ratio = bounce_in_space(offset, u, law[0], law[1])
+        normal, u, ratio = bounce_in_space(
+            (cx - lane.x, cy - lane.y, cz - lane.z), (ux, uy, lane.uz), law[0], law[1]
+        )
         trapped = ratio == 0.0
         lane.x, lane.y, lane.z = cx + normal[0], cy + normal[1], cz + normal[2]
         lane.ux, lane.uy, lane.uz = u

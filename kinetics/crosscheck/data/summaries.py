@@ -149,6 +149,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
         found = _from_sums(ensemble, name, times)
     if ensemble.mass_ratio < math.inf:
         bad(name, f"mass_ratio = {ensemble.mass_ratio:g}", "fixed scatterers, mass_ratio = inf")
+    if ensemble.plan.driven or ensemble.plan.varies:
+        bad(name, "a driven run, or one whose restitution varies", "fixed scatterers, one e")
     if found.groups < 2:
         bad(name, "one configuration", "two at least, for standard errors")
     plan = ensemble.plan
