@@ -93,8 +93,7 @@ class Plan(Value):
 
         The one across the normal by et. Along it the impulse turns the velocity relative to the
         scatterer round, times the restitution; of the change M/(m + M) is the tracer's, so e may
-        be negative: the tracer then follows the scatterer. Of a restitution that depends on the
-        impact speed e is that of the slowest ones; `table` has it at all.
+        be negative: the tracer then follows the scatterer. Where it varies, e of slow impacts.
         """
         return float(self.table()[1][0]), self.tangential_restitution
 

@@ -53,9 +53,7 @@ def restitution_at(varying: Varying, speed: float) -> float:
 
 
 @inlined
-def law_at(
-    varying: Varying | None, law: tuple[float, float], speed: float
-) -> tuple[float, float]:  # fmt: skip
+def law_at(varying: Varying | None, law: tuple[float, float], speed: float) -> tuple[float, float]:
     """Return restitution and tangential restitution at an impact speed."""
     if varying is None:
         return law

@@ -10,8 +10,7 @@ in the diameter d, times in d/U:
     field_sums (done, n_times, 10)  in a field, whose s is 1, sums over tracers: v_x, v_y, v_x^2,
                                     v_x v_y, v_y^2, and the same of the place; in space (.., 18)
     statuses (5,)                   finished, collision cap, trapped, escaped, captured
-    traps (n, 5)                    configuration, tracer, time, x, y (and z) of trapped and
-                                    captured tracers
+    traps (n, 5)                    configuration, tracer, time, x, y (and z): trapped or captured
     histograms/<name>/sums (3, n_times, bins + 2)   sums over configurations of the counts c,
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2

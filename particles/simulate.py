@@ -88,9 +88,9 @@ def simulate(
         are met once each, unless they have a bath_speed: the restitution is that of the relative
         velocity.
     bath_speed: standard deviation of each component of a scatterer's velocity in U. heating: D in
-        U^3/d, of white noise <dv_i dv_j> = 2 D delta_ij dt; drag: gamma in U/d, of dv = -gamma v
-        dt. All for BoltzmannGrad only, where they and a field may act together; `kernel.driven` has
-        them exactly but for noise and drag, whose steps leave errors below 1e-4 of averages.
+        U^3/d of white noise, <dv_i dv_j> = 2 D delta_ij dt. drag: gamma in U/d, of dv = -gamma v
+        dt. For BoltzmannGrad; there they and a field may act together. All is exact but noise and
+        drag, whose steps leave errors below 1e-4 of averages (`particles.kernel.driven`).
     capture_speed: in U; a tracer that strikes a fixed scatterer with a smaller normal velocity
         sticks: it stays there at rest, and in the averages (Statuses.captured).
     output: file that the run is saved to (layout: particles.files), whole or not at all, again and

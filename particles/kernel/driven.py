@@ -241,10 +241,7 @@ def follow_driven(
                 lane.vx += field * lasts
                 if noisy:
                     lane.left -= lasts
-                if lane.time + lasts >= lane.next_output or lasts == lane.next_output - lane.time:
-                    lane.time = lane.next_output
-                else:
-                    lane.time += lasts
+                lane.time = min(lane.time + lasts, lane.next_output)
             if meets:
                 if strength > 0.0:
                     speed = sqrt(lane.vx * lane.vx + across2)
