@@ -73,11 +73,11 @@ def make_plan(
         refuse("bath_speed", bath_speed, "must be 0 unless tangential_restitution is 1")
     if capture_speed and (bath_speed or mass_ratio < inf):
         refuse("capture_speed", capture_speed, "must be 0 unless scatterers are fixed")
-    if field and not isinstance(medium, BoltzmannGrad):
-        if not isinstance(restitution, float):
-            refuse("restitution", restitution, "among scatterers in a field must be a number")
-        if capture_speed:
-            refuse("capture_speed", capture_speed, "must be 0 among scatterers in a field")
+    among = field and not isinstance(medium, BoltzmannGrad)
+    if among and not isinstance(restitution, float):
+        refuse("restitution", restitution, "must be a number among scatterers in a field")
+    if among and capture_speed:
+        refuse("capture_speed", capture_speed, "must be 0 among scatterers in a field")
     if drag and times is None and not (field or bath_speed or heating):
         refuse("times", times, "drag alone stops a tracer; give output times")
     seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)

@@ -25,9 +25,8 @@ NEVER = 1e300
 class Varying(NamedTuple):
     """A restitution that depends on the impact speed, and sticking (`particles.impact`).
 
-    values (n,): e at the nodes of `impact.compiled`, from the speed 2^lowest on; n = 1: constant.
-    capture: impact speed below which a tracer sticks. slowest: the e that decides whether bounces
-    in a corner go on for ever; of tracers that stick, 1, since none do.
+    values (n,): e at the nodes of `impact.compiled` from 2^lowest on; n = 1: constant. capture:
+    impact speed below which a tracer sticks. slowest: e of bounces that never end, or 1.
     """
 
     lowest: int

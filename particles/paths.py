@@ -3,8 +3,8 @@
 A run keeps sums, not paths. A path is found again by following the same tracers, among the same
 scatterers and with the same random numbers, up to 1, 2, 3 ... collisions: each such run ends at the
 place of a collision, to the same bits as the run itself. In a field, where paths are curved, the
-places at many times are taken instead. So they are with noise or drag, whose steps end at every
-output time: such a path is another one of the same kind.
+places at many times are taken instead, as with noise and drag: driven in these ways, a tracer whose
+outputs are at other times has another path of the same kind.
 """
 
 from dataclasses import dataclass, replace

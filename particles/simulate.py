@@ -56,16 +56,15 @@ def simulate(
     restitution, tangential_restitution: at a collision the component of the velocity along the
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
         [0, 1], not both 0. A restitution that depends on the impact speed (in U, of the normal
-        component): `Viscoelastic(b)`, a function of an array of speeds, which is taken at speeds
-        from 9e-13 to 1e6, or (speeds, values), straight between the speeds and constant outside.
-        How closely: `particles.impact`. In a field it is there for BoltzmannGrad only.
+        component): `Viscoelastic(b)`, a function of an array of speeds, asked from 9e-13 to 1e6, or
+        (speeds, values), straight between the speeds and constant outside (how closely:
+        `particles.impact`). In a field it is there for BoltzmannGrad only.
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
-        U; the dimension is that of the medium. In a field also "rest", as in a bath and with
-        heating: among disks the first
-        tracer of a configuration then starts at the centre, where all tracers that move do, and
-        every other one at a random free place of the box. If `Positions` give another start than
-        the centre, all of them start there, and from rest they have one path: take tracers=1.
+        U; the dimension is that of the medium. In a field, a bath or heated also "rest": among
+        disks the first tracer of a configuration then starts at the centre, where all tracers that
+        move do, and every other one at a random free place of the box. If `Positions` give another
+        start than the centre, all start there, and from rest they have one path: take tracers=1.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.

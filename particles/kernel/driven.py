@@ -47,8 +47,7 @@ _LATE = 0.5 - 1.0 / sqrt(12.0)
 class Drive(NamedTuple):
     """What drives the tracers; lengths in d, times in d/U.
 
-    bath: standard deviation w of a component of a scatterer's velocity. heating, drag: D and gamma.
-    step: of time between two halves of noise, inf without noise and drag.
+    bath: w. heating, drag: D, gamma. step: of the noise and drag; inf without them.
     """
 
     mean_path: float

@@ -86,7 +86,7 @@ DRIVEN_LANE = record_type(
             "vx", "vy", "vz", "nx", "ny", "nz",  # and the normal of a collision
             "clock", "since",           # left of an exponential variable; path at last collision
             "span", "left",             # a step of the noise, 0 between two; what is left of it
-            "kick_x", "kick_y", "kick_z", *_FLOATS,  # the noise at its begin
+            "kick_x", "kick_y", "kick_z", *_FLOATS,  # the noise at its beginning
         ),
         np.int64: ("draws", *_INTS),    # random numbers used
         np.uint64: _STREAM,
