@@ -1,12 +1,12 @@
 """Event-driven simulation: tracers among fixed scatterers, followed from collision to collision.
 
 Imports nothing else of the project. Begin reading with `simulate`. Files, each of which imports
-only those before it: `events` (one collision; the collision law stands there alone), `streams`
-(random numbers), `checks`, `outputs`, `results` (values, datasets, plots), `media` (what may be
-asked for), `compiled` and `search`, `cells` and `placement` (where the scatterers stand), `kernel`
-(the event loops), `configuration` (one configuration and its tracers), `arguments` (what is
-refused), `estimators`, `field`, `ensemble` (the result), `files`, `paths` (of a few tracers, and
-their picture), `simulate`.
+only those before it: `checks`, `outputs`, `results` (values, datasets, plots), `media` (what may be
+asked for), `impact` (a restitution of the impact speed), `compiled`, `events` (one collision; the
+collision law stands there alone), `streams` (random numbers), `search`, `cells` and `placement`
+(where the scatterers stand), `kernel` (the event loops), `configuration` (one configuration and its
+tracers), `arguments` (what is refused), `estimators`, `field`, `ensemble` (the result), `files`,
+`paths` (of a few tracers, and their picture), `simulate`.
 """
 
 from importlib import import_module
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from particles.ensemble import Ensemble, Statuses, load
     from particles.estimators import Estimate, Histogram
+    from particles.impact import Viscoelastic
     from particles.media import (
         BoltzmannGrad,
         HardDisks,
@@ -40,6 +41,7 @@ __all__ = [
     "PoissonSpheres",
     "Positions",
     "Statuses",
+    "Viscoelastic",
     "load",
     "simulate",
 ]
@@ -50,7 +52,7 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         return import_module("particles.results").package_version()
     if name in __all__:
-        for file in ("outputs", "media", "estimators", "ensemble", "simulate"):
+        for file in ("outputs", "media", "impact", "estimators", "ensemble", "simulate"):
             module = import_module(f"particles.{file}")
             if hasattr(module, name):
                 # Also replaces the module `simulate`, whose import has set this name.

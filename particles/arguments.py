@@ -13,6 +13,7 @@ import numpy as np
 from particles.cells import box_bytes
 from particles.checks import check_number, check_whole, real_array, refuse, short
 from particles.configuration import Plan, speeds
+from particles.impact import check_restitution, compiled
 from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, TOTALS
 from particles.media import (
     MEDIA,
@@ -23,7 +24,7 @@ from particles.media import (
     Positions,
     dilute_mean_path,
 )
-from particles.outputs import OBSERVABLES
+from particles.outputs import DRIVES, OBSERVABLES
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
 IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field may be in
@@ -31,6 +32,7 @@ IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field 
 # number; and of field times diameter, in U^2.
 FIELDS = (1e-100, 1e100)
 DEEPEST = 1e100  # in d
+STRONGEST = 1e30  # of what drives tracers, in its unit: fourth powers of speeds are numbers
 LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
@@ -41,9 +43,10 @@ _COPIES = 3
 
 
 def make_plan(
-    medium: Medium, restitution: float, initial: Any, times: Any,
+    medium: Medium, restitution: Any, initial: Any, times: Any,
     observables: Iterable[str] | None, tangential_restitution: float = 1.0, field: float = 0.0,
-    depth: float | None = None, mass_ratio: float = inf, **whole: int | None,
+    depth: float | None = None, mass_ratio: float = inf, bath_speed: float = 0.0,
+    heating: float = 0.0, drag: float = 0.0, capture_speed: float = 0.0, **whole: int | None,
 ) -> Plan:  # fmt: skip
     """Check every argument of `simulate` and return what is to be run.
 
@@ -52,27 +55,44 @@ def make_plan(
     if not isinstance(medium, Medium):
         names = [kind.__name__ for kind in MEDIA]
         refuse("medium", medium, f"must be {', '.join(names[:-1])} or {names[-1]}")
-    kept = {"restitution": restitution, "tangential_restitution": tangential_restitution}
-    for name, value in kept.items():
-        kept[name] = check_number(name, value, 0.0, 1.0, "must be a number from 0 to 1")
-    if max(kept.values()) < SMALLEST_SPEED:
+    restitution = check_restitution(restitution)
+    tangential = check_number(
+        "tangential_restitution", tangential_restitution, 0.0, 1.0, "must be a number from 0 to 1"
+    )
+    if max(compiled(restitution)[1].min(), tangential) < SMALLEST_SPEED:
         allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
         refuse("tangential_restitution", tangential_restitution, allowed)
     media, tracers = (check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         refuse("media", media, f"must be {medium.sets}, the sets of positions given")
     field = _check_field(field, medium)
-    mass_ratio = _check_mass_ratio(mass_ratio, medium, kept["tangential_restitution"])
+    mass_ratio = _check_mass_ratio(mass_ratio, medium, tangential)
+    drives = zip(DRIVES, (bath_speed, heating, drag, capture_speed), strict=True)
+    driven = {name: _check_drive(name, value, medium) for name, value in drives}
+    if bath_speed and tangential != 1.0:
+        refuse("bath_speed", bath_speed, "must be 0 unless tangential_restitution is 1")
+    if capture_speed and (bath_speed or mass_ratio < inf):
+        refuse("capture_speed", capture_speed, "must be 0 unless scatterers are fixed")
+    among = field and not isinstance(medium, BoltzmannGrad)
+    if among and not isinstance(restitution, float):
+        refuse("restitution", restitution, "must be a number among scatterers in a field")
+    if among and capture_speed:
+        refuse("capture_speed", capture_speed, "must be 0 among scatterers in a field")
+    if drag and times is None and not (field or bath_speed or heating):
+        refuse("times", times, "drag alone stops a tracer; give output times")
     seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
     most = whole["max_collisions"]
     if most is None and times is None:
         refuse("times", times, "give output times, or max_collisions, or both")
     return Plan(
         medium=medium,
-        **kept,
+        restitution=restitution,
+        tangential_restitution=tangential,
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
         velocities=_check_initial(
-            initial, (media, tracers, medium.dimension), may_rest=field != 0.0
+            initial,
+            (media, tracers, medium.dimension),
+            may_rest=max(abs(field), bath_speed, heating) > 0.0,
         ),
         times=_check_times(times),
         media=media,
@@ -84,6 +104,7 @@ def make_plan(
         rest=isinstance(initial, str) and initial == "rest",
         depth=_check_depth(depth, field),
         mass_ratio=mass_ratio,
+        **driven,
     )
 
 
@@ -136,6 +157,13 @@ def _check_mass_ratio(mass_ratio: Any, medium: Medium, tangential: float) -> flo
     return value
 
 
+def _check_drive(name: str, value: Any, medium: Medium) -> float:
+    number = check_number(name, value, 0.0, STRONGEST, f"must be a number from 0 to {STRONGEST:g}")
+    if number and name != "capture_speed" and not isinstance(medium, BoltzmannGrad):
+        refuse(name, value, f"must be 0 for {type(medium).__name__}; it needs BoltzmannGrad")
+    return number
+
+
 def _check_depth(depth: Any, field: float) -> float | None:
     if depth is None:
         return None
@@ -152,9 +180,10 @@ def _check_initial(
     """Return velocities that are given, or None; shape: media, tracers, dimension."""
     if isinstance(initial, str):
         if initial == "rest" and not may_rest:
-            refuse("initial", initial, "needs a field; without one a tracer stays at rest")
+            allowed = "needs a field; without one a tracer stays at rest, but for a bath or heating"
+            refuse("initial", initial, allowed)
         if initial not in ("gaussian", "monoenergetic", "rest"):
-            names = "'gaussian', 'monoenergetic', 'rest' (in a field)"
+            names = "'gaussian', 'monoenergetic', 'rest' (in a field, a bath or heated)"
             refuse("initial", initial, f"must be {names} or velocities")
         return None
     velocities = real_array("initial", initial, "must be a name or an array of real velocities")

@@ -27,7 +27,7 @@ from particles.kernel.columns import (
     SPEED4,
     TRAVELLED,
 )
-from particles.outputs import IN_FIELD, OF_A_DEPTH, RAW, SCALARS
+from particles.outputs import DRIVES, IN_FIELD, OF_A_DEPTH, RAW, SCALARS
 from particles.results import Result, Value, frozen
 
 if TYPE_CHECKING:
@@ -46,10 +46,11 @@ class Statuses(Value):
     collision at e = 0. In a field (kernel.sliding) at rest in a corner of two disks that opens
     against the field; with a tangential restitution below 1, where it would slide along a disk; and
     at rest on the very top of a disk. escaped: flew 1e6 mean free paths without a collision.
-    trap_times (trapped,) in d/U: when it was declared. With tangential restitution 1 the collisions
-    end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
-    trap_places (trapped, dimension) relative to the tracer's start, in d; trap_tracers
-    (trapped, 2): configuration and tracer.
+    captured: struck a scatterer with a normal velocity below capture_speed, and stick to it.
+    trap_times (trapped + captured,) in d/U: when it was declared. With tangential restitution 1 the
+    collisions end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
+    trap_places (.., dimension) relative to the tracer's start, in d; trap_tracers
+    (.., 2): configuration and tracer. With a capture_speed bounces that never end do not occur.
     """
 
     finished: int
@@ -59,6 +60,7 @@ class Statuses(Value):
     trap_times: np.ndarray = field(repr=False)
     trap_places: np.ndarray = field(repr=False)
     trap_tracers: np.ndarray = field(repr=False)
+    captured: int = 0
 
     @property
     def note(self) -> str:
@@ -88,8 +90,8 @@ class Ensemble(FieldEstimates, Result):
     Tracers that reached the collision cap or escaped before an output time are left out of every
     estimate at that time: what is left is biased towards slow tracers. `samples` says how many
     entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
-    caught (`trapped` says how many, at each time). What there is in a field only, such as `drift`,
-    is in `particles.field`.
+    caught, as do captured ones (`trapped` says how many, at each time). What there is in a field
+    only, such as `drift`, is in `particles.field`.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
     names that particles.files gives them in a file.
@@ -99,11 +101,15 @@ class Ensemble(FieldEstimates, Result):
     arrays: Mapping[str, np.ndarray]
 
     medium = _of_plan("medium", "The medium asked for.")
-    restitution = _of_plan("restitution", "The coefficient of restitution.")
+    restitution = _of_plan("restitution", "The coefficient of restitution, or its law.")
     tangential_restitution = _of_plan(
         "tangential_restitution", "What a collision leaves of the tangential velocity, a fraction."
     )
     mass_ratio = _of_plan("mass_ratio", "Mass of a scatterer over that of the tracer; often inf.")
+    bath_speed = _of_plan("bath_speed", "Of a component of a scatterer's velocity, in U.")
+    heating = _of_plan("heating", "D of the noise <dv_i dv_j> = 2 D delta_ij dt, in U^3/d.")
+    drag = _of_plan("drag", "gamma of the drag dv = -gamma v dt, in U/d.")
+    capture_speed = _of_plan("capture_speed", "Impact speed below which tracers stick, in U.")
     field = _of_plan("field", "The acceleration along +x in U^2/d.")
     number_density = _of_plan("medium.number_density", "Scatterers per unit area, or volume.")
     times = _of_plan("times", "Output times in d/U, (n_times,).")
@@ -111,13 +117,16 @@ class Ensemble(FieldEstimates, Result):
     tracers = _of_plan("tracers", "Number of tracers in each configuration.")
 
     def __repr__(self) -> str:
-        law, times = f"restitution {self.restitution:g}", "no output times"
+        e, times = self.restitution, "no output times"
+        law = f"restitution {e:g}" if isinstance(e, float) else f"restitution {e}"
         if self.tangential_restitution != 1.0:
             law += f", tangential restitution {self.tangential_restitution:g}"
         if self.mass_ratio < inf:
             law += f", mass ratio {self.mass_ratio:g}"
         if self.field:
             law += f", field {self.field:g} U^2/d"
+        for name in (n for n in DRIVES if getattr(self, n)):
+            law += f", {name.replace('_', ' ')} {getattr(self, name):g} {DRIVES[name]}"
         if n := self.times.size:
             times = f"{n} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
         note = self.statuses.note
@@ -136,7 +145,8 @@ class Ensemble(FieldEstimates, Result):
         """Names of the estimates, histograms and raw data that this ensemble has."""
         others = (n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables)
         passages = ("passage_times", *OF_A_DEPTH) if self.plan.depth is not None else ()
-        return (*SCALARS, *(IN_FIELD if self.field else ()), *passages, *others)
+        sticking = ("trapped_fraction",) if self.capture_speed else ()
+        return (*SCALARS, *(IN_FIELD if self.field else sticking), *passages, *others)
 
     @property
     def moments(self) -> np.ndarray:
@@ -147,7 +157,7 @@ class Ensemble(FieldEstimates, Result):
     def statuses(self) -> Statuses:
         """How the tracers ended."""
         traps = self.arrays["traps"]
-        finished, cap, trapped, escaped = (int(n) for n in self.arrays["statuses"])
+        finished, cap, trapped, escaped, captured = (int(n) for n in self.arrays["statuses"])
         return Statuses(
             finished,
             cap,
@@ -156,6 +166,7 @@ class Ensemble(FieldEstimates, Result):
             trap_times=traps[:, 2] * self._unit,
             trap_places=traps[:, 3:] * self._unit,
             trap_tracers=traps[:, :2].astype(np.int64),
+            captured=captured,
         )
 
     @property
@@ -175,7 +186,7 @@ class Ensemble(FieldEstimates, Result):
 
     @cached_property
     def trapped(self) -> np.ndarray:
-        """Tracers among the samples at rest in a corner at each time, (n_times,)."""
+        """Tracers among the samples at rest, in a corner or captured, at each time, (n_times,)."""
         return frozen(self.moments[:, :, CAUGHT].sum(axis=0).astype(np.int64))
 
     @cached_property

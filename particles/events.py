@@ -6,15 +6,57 @@ a unit direction and, apart from them, an inverse speed. This is the rescaling o
 section 2 with the speed kept.
 """
 
-from math import asin, atan2, copysign, pi, sqrt
+from math import asin, atan2, copysign, frexp, pi, sqrt
+from typing import NamedTuple
 
+import numpy as np
 from numba import njit
+
+from particles.compiled import inlined
+from particles.impact import PER_OCTAVE
 
 # A contact whose normal velocity is below this fraction of the speed does not count as a collision.
 # Otherwise a tracer that slides off a scatterer (restitution 0) could meet it again by rounding.
 # Only grazing contacts that would enter the scatterer by less than 1e-18 d are left out.
 GRAZING = 1e-9
 NEVER = 1e300
+
+
+class Varying(NamedTuple):
+    """A restitution that depends on the impact speed, and sticking (`particles.impact`).
+
+    values (n,): e at the nodes of `impact.compiled` from 2^lowest on; n = 1: constant. capture:
+    impact speed below which a tracer sticks. slowest: e of bounces that never end, or 1.
+    """
+
+    lowest: int
+    values: np.ndarray
+    capture: float
+    slowest: float
+
+
+@inlined
+def restitution_at(varying: Varying, speed: float) -> float:
+    """Return the restitution at an impact speed."""
+    values, last = varying.values, varying.values.size - 1
+    if last == 0 or not speed > 0.0:
+        return float(values[0])
+    fraction, exponent = frexp(speed)
+    place = (2.0 * fraction - 1.0 + (exponent - 1 - varying.lowest)) * PER_OCTAVE
+    if place <= 0.0:
+        return float(values[0])
+    if place >= last:
+        return float(values[last])
+    node = int(place)
+    return float(values[node] + (place - node) * (values[node + 1] - values[node]))
+
+
+@inlined
+def law_at(varying: Varying | None, law: tuple[float, float], speed: float) -> tuple[float, float]:
+    """Return restitution and tangential restitution at an impact speed."""
+    if varying is None:
+        return law
+    return restitution_at(varying, speed), law[1]
 
 
 @njit(inline="always", error_model="numpy")

@@ -39,8 +39,8 @@ class FieldEstimates:
 
     @cached_property
     def trapped_fraction(self) -> Estimate:
-        """Share of the tracers that are trapped by each time, (n_times,)."""
-        return self._estimate("trapped_fraction", lambda m, _: m[:, CAUGHT] / m[:, SAMPLES])
+        """Share of the tracers that are trapped or captured by each time, (n_times,)."""
+        return jackknife(self.arrays["moments"], lambda m: m[:, CAUGHT] / m[:, SAMPLES])
 
     @cached_property
     def mean_velocity(self) -> Estimate:

@@ -9,8 +9,8 @@ in the diameter d, times in d/U:
     path_sums (done, 2)             path and collisions
     field_sums (done, n_times, 10)  in a field, whose s is 1, sums over tracers: v_x, v_y, v_x^2,
                                     v_x v_y, v_y^2, and the same of the place; in space (.., 18)
-    statuses (4,)                   finished, collision cap, trapped, escaped
-    traps (n, 5)                    configuration, tracer, time, x, y (and z) of trapped tracers
+    statuses (5,)                   finished, collision cap, trapped, escaped, captured
+    traps (n, 5)                    configuration, tracer, time, x, y (and z): trapped or captured
     histograms/<name>/sums (3, n_times, bins + 2)   sums over configurations of the counts c,
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
@@ -36,10 +36,14 @@ import numpy as np
 
 from particles.checks import check_path, short
 from particles.configuration import Arrays, Plan, Totals
+from particles.impact import Tabulated, Viscoelastic
+from particles.kernel.columns import STATUSES
 from particles.media import MEDIA
+from particles.outputs import DRIVES
 from particles.results import package_version
 
-FORMAT = "inelastic-lorentz particles 6"
+FORMAT = "inelastic-lorentz particles 7"
+EARLIER = "inelastic-lorentz particles 6"  # without what drives tracers, and (4,) statuses
 SHARE = 0.02  # of the time between two writings of the whole file that one of them may take
 
 
@@ -71,13 +75,14 @@ def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
     try:
         with h5py.File(name, "r") as file:
             found, done = file.attrs["format"].decode(), int(file.attrs["done"])
-            if found == FORMAT:
+            if found in (FORMAT, EARLIER):
                 file.visititems(collect)
+                arrays["statuses"] = np.resize([*arrays["statuses"], 0], STATUSES)
                 plan = _understood(arrays.pop("plan").tobytes())
     except Exception as error:  # of nearly any class; h5py's own words are long
         what = "is damaged, or no saved simulation"
         raise ValueError(f"{name}: {what} ({type(error).__name__})") from None
-    if found != FORMAT:
+    if found not in (FORMAT, EARLIER):
         raise ValueError(f"{name}: holds {short(found)}; this version reads {FORMAT!r}")
     return plan, arrays, done
 
@@ -101,8 +106,12 @@ def _understood(text: bytes) -> Plan:
     """Return the plan that `_text` was given."""
     found = json.loads(text)
     kinds = {medium.__name__: medium for medium in MEDIA}
-    medium, given = found["medium"], found["velocities"]
+    medium, given, law = found["medium"], found["velocities"], found["restitution"]
+    if isinstance(law, dict):
+        table = law.pop("kind") == "Tabulated"
+        law = Tabulated(*map(np.array, law.values())) if table else Viscoelastic(**law)
     return Plan(**found | {
+        "restitution": law,
         "medium": kinds[medium.pop("kind")](**medium),
         "times": np.array(found["times"], float),
         "velocities": None if given is None else np.array(given, float),
@@ -204,7 +213,10 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
             group[f"{name}/time"] = plan.times / unit
             group[f"{name}/time"].attrs["unit"] = "d U-1"
         group["id"], group["medium"] = np.arange(count), np.arange(count) // plan.tracers
-        file["parameters/restitution"] = plan.restitution
+        law = plan.restitution  # as text where it depends on the impact speed
+        file["parameters/restitution"] = law if isinstance(law, float) else repr(law)
+        for name in (name for name in DRIVES if getattr(plan, name)):
+            file[f"parameters/{name}"] = getattr(plan, name)
         if plan.mass_ratio < inf:
             file["parameters/mass_ratio"] = plan.mass_ratio
     write_whole(path, image.getvalue())

@@ -15,7 +15,7 @@ SCALARS = {
 IN_FIELD = {
     "drift": ("U", "<v_x>"),
     "drift_of_moving": ("U", "<v_x> of the tracers that are not trapped"),
-    "trapped_fraction": ("1", "share of the tracers that are trapped"),
+    "trapped_fraction": ("1", "share of the tracers that are trapped or captured"),
     "mean_velocity": ("U", "<v>"),
     "velocity_tensor": ("U^2", "<v_i v_j>"),
     "mean_displacement": ("d", "<r>"),
@@ -29,6 +29,8 @@ OF_A_DEPTH = {
     "mean_passage_time": ("d/U", "mean time of the first passage of the depth"),
 }
 """Estimates of a run in a field with a depth, which has `passage_times` too."""
+DRIVES = {"bath_speed": "U", "heating": "U^3/d", "drag": "U/d", "capture_speed": "U"}
+"""What drives tracers, and what stops them: argument of `simulate` -> unit."""
 ESTIMATES = SCALARS | IN_FIELD | OF_A_DEPTH
 VARIABLES = {
     "speed_histogram": ("v", "U", "speed |v|"),

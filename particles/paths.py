@@ -3,7 +3,8 @@
 A run keeps sums, not paths. A path is found again by following the same tracers, among the same
 scatterers and with the same random numbers, up to 1, 2, 3 ... collisions: each such run ends at the
 place of a collision, to the same bits as the run itself. In a field, where paths are curved, the
-places at many times are taken instead.
+places at many times are taken instead, as with noise and drag: driven in these ways, a tracer whose
+outputs are at other times has another path of the same kind.
 """
 
 from dataclasses import dataclass, replace
@@ -73,11 +74,11 @@ def trajectories(
         until = check_positive("until", until)
     elif plan.times.size:
         until = float(plan.times[-1])
-    if until == 0.0 or (until is None and plan.field):
+    if until == 0.0 or (until is None and (plan.field or plan.stirred)):
         refuse("until", until, "must be a time above 0, given where the run has no output times")
     velocities = None if plan.velocities is None else plan.velocities[..., :tracers, :]
     plan = replace(plan, tracers=tracers, depth=None, velocities=velocities)
-    if plan.field:
+    if plan.field or plan.stirred:
         return _curves(plan, configuration, until or 0.0)
     return _flights(plan, configuration, until, min(collisions, plan.max_collisions or collisions))
 

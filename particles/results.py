@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from particles.checks import refuse
-from particles.outputs import ESTIMATES, VARIABLES
+from particles.outputs import DRIVES, ESTIMATES, VARIABLES
 
 if TYPE_CHECKING:
     import pandas
@@ -176,11 +176,15 @@ class Result(Value):
         arguments = ["restitution", "tangential_restitution", "field", "media", "tracers",
                      "max_collisions", "seed"]  # fmt: skip
         arguments += ["mass_ratio"] if isfinite(plan.mass_ratio) else []  # JSON has no infinity
+        arguments += [n for n in DRIVES if getattr(plan, n)]
         medium = " ".join(repr(plan.medium).split())
-        ends = ("finished", "collision_cap", "trapped", "escaped")
+        ends = ["finished", "collision_cap", "trapped", "escaped"]
+        ends += ["captured"] if plan.capture_speed else []
         about = {
             "status": ", ".join(f"{getattr(self.statuses, name)} {name}" for name in ends),
-            "scene": json.dumps({"medium": medium} | {n: getattr(plan, n) for n in arguments}),
+            "scene": json.dumps(
+                {"medium": medium} | {n: getattr(plan, n) for n in arguments}, default=repr
+            ),
             "version": package_version(),
         }
         return xarray.Dataset(found, axes, about).copy(deep=True)

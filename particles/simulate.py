@@ -8,7 +8,7 @@ from itertools import islice
 from math import inf
 from os import PathLike
 from queue import SimpleQueue
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from particles.media import Medium
 
 def simulate(
     medium: Medium,
-    restitution: float,
+    restitution: float | Callable[..., Any] | tuple[Any, Any],
     initial: Literal["gaussian", "monoenergetic", "rest"] | np.ndarray = "gaussian",
     times: Sequence[float] | np.ndarray | None = None,
     media: int = 100,
@@ -44,6 +44,10 @@ def simulate(
     field: float = 0.0,
     depth: float | None = None,
     mass_ratio: float = inf,
+    bath_speed: float = 0.0,
+    heating: float = 0.0,
+    drag: float = 0.0,
+    capture_speed: float = 0.0,
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
@@ -51,13 +55,16 @@ def simulate(
         HardSpheres, PoissonSpheres or BoltzmannGrad(dimension=3) in space.
     restitution, tangential_restitution: at a collision the component of the velocity along the
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
-        [0, 1], not both 0.
+        [0, 1], not both 0. A restitution that depends on the impact speed (in U, of the normal
+        component): `Viscoelastic(b)`, a function of an array of speeds, asked from 9e-13 to 1e6, or
+        (speeds, values), straight between the speeds and constant outside (how closely:
+        `particles.impact`). In a field it is there for BoltzmannGrad only.
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
-        U; the dimension is that of the medium. In a field also "rest": among disks the first
-        tracer of a configuration then starts at the centre, where all tracers that move do, and
-        every other one at a random free place of the box. If `Positions` give another start than
-        the centre, all of them start there, and from rest they have one path: take tracers=1.
+        U; the dimension is that of the medium. In a field, a bath or heated also "rest": among
+        disks the first tracer of a configuration then starts at the centre, where all tracers that
+        move do, and every other one at a random free place of the box. If `Positions` give another
+        start than the centre, all start there, and from rest they have one path: take tracers=1.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.
@@ -77,7 +84,14 @@ def simulate(
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
     mass_ratio: mass of a scatterer over that of the tracer, 1e-6 or more; inf: they are fixed. A
         finite one, for BoltzmannGrad and tangential_restitution 1, is of scatterers at rest that
-        are met once each: the restitution is that of the relative velocity.
+        are met once each, unless they have a bath_speed: the restitution is that of the relative
+        velocity.
+    bath_speed: standard deviation of each component of a scatterer's velocity in U. heating: D in
+        U^3/d of white noise, <dv_i dv_j> = 2 D delta_ij dt. drag: gamma in U/d, of dv = -gamma v
+        dt. For BoltzmannGrad; there they and a field may act together. All is exact but noise and
+        drag, whose steps leave errors below 1e-4 of averages (`particles.kernel.driven`).
+    capture_speed: in U; a tracer that strikes a fixed scatterer with a smaller normal velocity
+        sticks: it stays there at rest, and in the averages (Statuses.captured).
     output: file that the run is saved to (layout: particles.files), whole or not at all, again and
         again; the run may be killed at any moment. The file must not exist unless resume is True;
         then the run goes on from it, to the same bits as one that was never stopped.
@@ -89,7 +103,7 @@ def simulate(
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
         medium, restitution, initial, times, observables, tangential_restitution, field, depth,
-        mass_ratio, **whole,
+        mass_ratio, bath_speed, heating, drag, capture_speed, **whole,
     )  # fmt: skip
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):

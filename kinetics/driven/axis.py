@@ -59,7 +59,8 @@ class SpeedAxis:
         """All points on [0, 1], rising, and their barycentric weights."""
         count = 2 * self.size if self.smooth else self.size
         angle = (np.arange(count) + 0.5) * math.pi / count
-        return 0.5 * (1.0 - np.cos(angle)), (-1.0) ** np.arange(count) * np.sin(angle)
+        weights = (-1.0) ** np.arange(count) * np.sin(angle)
+        return np.asarray(0.5 * (1.0 - np.cos(angle))), np.asarray(weights)
 
     @cached_property
     def _place(self) -> FloatArray:

@@ -4,12 +4,12 @@ They are the layout of saved files too (`particles.files`): append, do not renum
 """
 
 # How a tracer ended: indices into the counts of statuses.
-FINISHED, COLLISION_CAP, TRAPPED, ESCAPED = range(4)
-STATUSES = 4
+FINISHED, COLLISION_CAP, TRAPPED, ESCAPED, CAPTURED = range(5)
+STATUSES = 5
 
 # Moments, (n_times, MOMENTS): sums over tracers at one output time of 1, v^2, v^4, r^2, r^4, the
-# collisions so far, v(t).v(0), and 1 for a tracer that is trapped. Velocities are multiplied by
-# `Records.scales` first.
+# collisions so far, v(t).v(0), and 1 for a tracer that is trapped or captured. Velocities are
+# multiplied by `Records.scales` first.
 SAMPLES, SPEED2, SPEED4, R2, R4, COLLISIONS, CORRELATION, CAUGHT = range(8)
 MOMENTS = 8
 
@@ -27,8 +27,8 @@ TOTALS = 2
 LN_SPEED, LN_TIME, FINAL_X, FINAL_Y, FINAL_COLLISIONS, FINAL_Z = range(6)
 FINALS = {2: 5, 3: 6}
 
-# A trapped tracer, (TRAPS[dimension],): its number, and the time and the place at which it was
-# caught. A medium without scatterers has no traps, and the columns of the plane.
+# A trapped or captured tracer, (TRAPS[dimension],): its number, and the time and the place at which
+# it was caught. A medium without scatterers has the columns of the plane unless tracers stick.
 TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y, TRAP_Z = range(5)
 TRAPS = {2: 4, 3: 5}
 

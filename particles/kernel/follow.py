@@ -12,8 +12,10 @@ import numpy as np
 
 from particles.cells import Cells
 from particles.compiled import kernel
+from particles.events import Varying
 from particles.kernel import columns, steps
 from particles.kernel.lane import (
+    AT_REST,
     RUNNING,
     Start,
     advance,
@@ -38,22 +40,25 @@ from particles.streams import uniform
 
 @kernel
 def follow(
-    start: Start, cells: Cells | None, mean_path: float, limit: float, traps: np.ndarray,
-    lanes: np.ndarray, records: Records,
+    start: Start, cells: Cells | None, varying: Varying | None, mean_path: float, limit: float,
+    traps: np.ndarray, lanes: np.ndarray, records: Records,
 ) -> int:  # fmt: skip
     """Follow tracers through the scatterers of one configuration, adding to the records.
 
     cells: None for free paths that are exponential, of this mean in d, and impact parameters that
-    are random; the compiler knows that, and leaves out what is said of the other kind. limit: the
-    longest flight in d among scatterers before a tracer counts as escaped. traps
-    (n, TRAPS[dimension]): receives the trapped tracers; their number is returned. lanes: of LANE,
-    as many as shall be under way at the same time.
+    are random; the compiler knows that, and leaves out what is said of the other kind. varying:
+    None where the law of the start holds at every speed, and nothing sticks. limit: the longest
+    flight in d among scatterers before a tracer counts as escaped. traps (n, TRAPS[dimension]):
+    receives the trapped and captured tracers; their number is returned. lanes: of LANE, as many as
+    shall be under way at the same time.
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
     queue, queued = records.queue, records.queued
     last_time = times[times.size - 1] if times.size else np.inf
-    law = start.law
+    law = endless = start.law
+    if varying is not None:
+        endless = varying.slowest, law[1]
     if cells is not None:
         slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
         side, shape = cells.side, cells.shape
@@ -103,16 +108,23 @@ def follow(
                 trapped = False
                 if cells is None:
                     advance(lane, path)
-                    lane.slowness /= collide_at_random(lane, 2 * lane.collisions + 1, start)
+                    lane.slowness /= collide_at_random(
+                        lane, 2 * lane.collisions + 1, start, varying
+                    )
                     lane.collisions += 1
                 else:
-                    ratio, trapped = steps.collide(lane, path, side, shape, law)
+                    ratio, trapped = steps.collide(lane, path, side, shape, law, varying, endless)
                     lane.slowness /= ratio
                     if path < steps.SHORT and not trapped:
-                        ratio, trapped = steps.end_bounces(lane, path, cells, law)
+                        ratio, trapped = steps.end_bounces(lane, path, cells, endless)
                         lane.slowness /= ratio
-                if trapped:
+                captured = False
+                if varying is not None:
+                    captured = lane.impact < varying.capture
+                if trapped or captured:
                     status = columns.TRAPPED
+                    if captured:
+                        status, lane.slowness = columns.CAPTURED, 1.0 / AT_REST
                     note_trap(lane, traps[caught], start.first, records)
                     caught += 1
                 else:

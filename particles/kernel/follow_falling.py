@@ -42,7 +42,7 @@ from particles.streams import uniform
 
 
 @inlined
-def _note_passage(
+def note_passage(
     lane: Any, along: float, x: float, lasts: float, field: float, records: Records
 ) -> None:
     """Note when x first has the value depth, if it comes to it on this piece of the parabola.
@@ -93,7 +93,7 @@ def _collide_freely(lane: Any, start: Start) -> None:
     """Collide without scatterers, with an impact parameter at random."""
     speed = sqrt(lane.vx * lane.vx + lane.vy * lane.vy + lane.vz * lane.vz)
     lane.ux, lane.uy, lane.uz = lane.vx / speed, lane.vy / speed, lane.vz / speed
-    speed *= collide_at_random(lane, 2 * lane.collisions + 1, start)
+    speed *= collide_at_random(lane, 2 * lane.collisions + 1, start, None)
     lane.vx, lane.vy, lane.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz
     lane.collisions += 1
 
@@ -167,7 +167,7 @@ def follow_falling(
                 status = columns.FINISHED
                 lasts = max(last_time - lane.time, 0.0)
             if records.passages.size:
-                _note_passage(lane, along, x, lasts, field, records)
+                note_passage(lane, along, x, lasts, field, records)
             if cells is None:
                 if status == columns.FINISHED:
                     # Of no time at all the length would be 0/0 at rest.

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from particles.compiled import inlined
-from particles.events import scatter, scatter_in_space
+from particles.events import Varying, law_at, scatter, scatter_in_space
 from particles.streams import FLIGHTS, START, bits, in_disk, open_stream, uniform
 
 # Tracers that one thread follows in turns; only the speed depends on it: 4 to 64 were measured.
@@ -48,6 +48,7 @@ _FLOATS = (
     "move_x", "move_y", "move_z",       # from the centre of this cell to that of the next
     "contact",                          # path to the next contact in this cell
     "struck_x", "struck_y", "struck_z",  # the scatterer met there, from the cell's centre
+    "impact",                           # normal speed of the last collision, where e depends on it
 )  # fmt: skip
 _INTS = (
     "collisions", "output",             # how many there have been, of collisions and of outputs
@@ -75,6 +76,19 @@ FALLING_LANE = record_type(
             "from_i", "from_j",         # the cell where the path began, from the middle one
             *_INTS,
         ),
+        np.uint64: _STREAM,
+    }
+)  # fmt: skip
+# Of tracers that are driven (`kernel.driven`): their velocity at the place where a flight began.
+DRIVEN_LANE = record_type(
+    {
+        np.float64: (
+            "vx", "vy", "vz", "nx", "ny", "nz",  # and the normal of a collision
+            "clock", "since",           # left of an exponential variable; path at last collision
+            "span", "left",             # a step of the noise, 0 between two; what is left of it
+            "kick_x", "kick_y", "kick_z", *_FLOATS,  # the noise at its beginning
+        ),
+        np.int64: ("draws", *_INTS),    # random numbers used
         np.uint64: _STREAM,
     }
 )  # fmt: skip
@@ -128,20 +142,30 @@ def open_flights(lane: Any, start: Start) -> None:
 
 
 @inlined
-def collide_at_random(lane: Any, draw: int, start: Start) -> float:
+def note_impact(lane: Any, varying: Varying | None, share: float) -> None:
+    """Note the impact speed, if it matters; share: of it in the speed."""
+    if varying is not None:
+        lane.impact = share * lane.unit / lane.slowness
+
+
+@inlined
+def collide_at_random(lane: Any, draw: int, start: Start, varying: Varying | None) -> float:
     """Collide with an impact parameter from this draw; return the ratio of the speeds.
 
     It is uniform on the line, or in the disk, across the direction; never 0, so the ratio is not 0.
     """
-    restitution, tangential = start.law
     if start.dimension == 2:
         impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
+        note_impact(lane, varying, sqrt((1.0 - impact) * (1.0 + impact)))
+        restitution, tangential = law_at(varying, start.law, lane.impact)
         lane.ux, lane.uy, ratio = scatter(lane.ux, lane.uy, impact, restitution, tangential)
     else:
+        a, b = in_disk(bits(lane.stream, lane.gamma, draw))
+        note_impact(lane, varying, sqrt(1.0 - (a * a + b * b)))
+        restitution, tangential = law_at(varying, start.law, lane.impact)
         (lane.ux, lane.uy, lane.uz), ratio = scatter_in_space(
-            (lane.ux, lane.uy, lane.uz), in_disk(bits(lane.stream, lane.gamma, draw)),
-            restitution, tangential,
-        )  # fmt: skip
+            (lane.ux, lane.uy, lane.uz), (a, b), restitution, tangential
+        )
     return ratio
 
 

@@ -12,13 +12,16 @@ import numpy as np
 from particles.cells import Cells, cell_at
 from particles.compiled import inlined
 from particles.events import (
+    Varying,
     bounce_in_space,
     contact,
     contact_in_space,
     is_collapsing,
+    law_at,
     scatter,
     touch,
 )
+from particles.kernel.lane import note_impact
 from particles.kernel.pockets import end_of_bounces
 from particles.search import SLOTS, strike
 
@@ -130,16 +133,23 @@ def enter(lane: Any, shape: tuple[int, ...], di: int, dj: int, dk: int) -> None:
 
 @inlined
 def collide(
-    lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float]
-) -> tuple[float, bool]:
+    lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float],
+    varying: Varying | None, endless: tuple[float, float],
+) -> tuple[float, bool]:  # fmt: skip
     """Bounce off the scatterer met after this path; the next flight begins there.
 
-    law: restitution and tangential restitution. Return the ratio of the speeds after and before,
-    and whether the tracer is trapped from now on. In space `end_bounces` sees to the bounces that
-    never end.
+    law: restitution and tangential restitution, unless they are varying; endless: those of bounces
+    that never end. Return the ratio of the speeds after and before, and whether the tracer is
+    trapped from now on. In space `end_bounces` sees to the bounces that never end.
     """
     cx, cy, cz = lane.struck_x, lane.struck_y, lane.struck_z
     ux, uy = lane.ux, lane.uy
+    if varying is not None:
+        ahead = (cx - lane.x) * ux + (cy - lane.y) * uy - path
+        if len(shape) == 3:
+            ahead += (cz - lane.z) * lane.uz
+        note_impact(lane, varying, max(ahead, 0.0))
+        law = law_at(varying, law, lane.impact)
     if len(shape) == 2:
         impact = (cx - lane.x) * uy - (cy - lane.y) * ux
         x, y = touch(cx, cy, ux, uy, impact)
@@ -148,7 +158,7 @@ def collide(
         trapped = ratio == 0.0
         if path < SHORT and not trapped:
             before = lane.normal_x, lane.normal_y
-            trapped = is_collapsing(before, (nx, ny), (ux, uy), law[0], law[1])
+            trapped = is_collapsing(before, (nx, ny), (ux, uy), endless[0], endless[1])
         lane.normal_x, lane.normal_y = nx, ny
         lane.x, lane.y, lane.ux, lane.uy = x, y, ux, uy
     else:

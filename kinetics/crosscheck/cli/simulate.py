@@ -20,7 +20,8 @@ IN_FIELD = {
     "drift": "<v_x> [U]", "thermal_speed": "v0 [U]", "dispersion_parallel": "var x [d^2]",
     "dispersion_perpendicular": "var y [d^2]", "collisions": "collisions",
 }  # fmt: skip
-ENDS = ("finished", "collision_cap", "trapped", "escaped")
+ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
+DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
 OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
 PICTURES = (".png", ".svg", ".pdf")
@@ -56,11 +57,23 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
 @click.option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
 @click.option(
     "--initial", type=click.Choice(["gaussian", "monoenergetic", "rest"]), default="gaussian",
-    help="Initial velocities: Gaussian, all of speed U, or none (in a field).",
+    help="Initial velocities: Gaussian, all of speed U, or none (in a field, bath or noise).",
 )  # fmt: skip
 @click.option(
     "--field", type=float, default=0.0,
     help="Uniform acceleration along +x in U^2/d; not among spheres.",
+)  # fmt: skip
+@click.option(
+    "--bath-speed", type=float, default=0.0,
+    help="Scatterers move: standard deviation of a component of their velocity in U. This, heating "
+    "and drag are for --medium boltzmann-grad.",
+)  # fmt: skip
+@click.option("--heating", type=float, default=0.0, help="White noise 2 D dt, D in U^3/d.")
+@click.option("--drag", type=float, default=0.0, help="Rate of the drag -DRAG v, in U/d.")
+@click.option("--capture-speed", type=float, default=0.0, help="Slower impacts stick [U].")
+@click.option(
+    "--viscoelastic", type=float, metavar="B",
+    help="In place of -e: viscoelastic spheres, B in U^(-1/10), of lower restitution when faster.",
 )  # fmt: skip
 @click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @options.times_option
@@ -87,7 +100,8 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
 @options.json_option
 def simulate(
     until: float | None, picture: Path | None, number_density: float, times: tuple[float, ...],
-    observables: str, output: Path | None, as_json: bool, **arguments: Any,
+    observables: str, output: Path | None, as_json: bool, viscoelastic: float | None,
+    **arguments: Any,
 ) -> None:  # fmt: skip
     """Follow particles from collision to collision; every estimate with its standard error.
 
@@ -97,6 +111,9 @@ def simulate(
 
     times = options.times_until(times, until)
     names = options.names_in(observables)
+    if viscoelastic is not None:
+        options.refuse_given(["restitution"], "--viscoelastic")
+        arguments["restitution"] = particles.Viscoelastic(viscoelastic)
     h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     if h5md is not None:
         if arguments["resume"]:
@@ -186,15 +203,24 @@ def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
         estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
     if run.plan.depth is not None:
         estimates += ["passed", "mean_passage_time"]
-    law = ["restitution", "tangential_restitution", "number_density", "field"]
+    if run.plan.capture_speed and not run.field:
+        estimates.append("trapped_fraction")
+    law = ["tangential_restitution", "number_density", "field"]
+    law += [name for name in DRIVES if getattr(run, name)]
     law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
     return {
-        "medium": kind, **{name: getattr(run, name) for name in law},
-        "dimension": run.medium.dimension, **{name: arguments[name] for name in ARGUMENTS},
+        "medium": kind, **_restitution(run.restitution),
+        **{name: getattr(run, name) for name in law}, "dimension": run.medium.dimension,
+        **{name: arguments[name] for name in ARGUMENTS},
         "statuses": {name: getattr(run.statuses, name) for name in ENDS},
         **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
         **{name: _value_and_error(getattr(run, name)) for name in estimates},
     }  # fmt: skip
+
+
+def _restitution(law: Any) -> dict[str, Any]:
+    number = isinstance(law, float)
+    return {"restitution": law} if number else {"restitution": None, "viscoelastic": law.b}
 
 
 def _text(run: Any) -> str:
@@ -215,7 +241,8 @@ def _text(run: Any) -> str:
     lines.append(line("mean free path", run.mean_free_path, "d"))
     if run.plan.depth is not None and run.times.size:
         lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))
-    ends = (f"{getattr(run.statuses, name)} {name}" for name in ENDS)
+    names = [name for name in ENDS if name != "captured" or run.capture_speed]
+    ends = (f"{getattr(run.statuses, name)} {name}" for name in names)
     return "\n".join([*lines, f"tracers: {', '.join(ends)}"])
 
 

@@ -341,6 +341,8 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
         bad(name, "a run without output times", "made by simulate(..., times=...)")
     if ensemble.mass_ratio < math.inf:
         bad(name, f"mass_ratio = {ensemble.mass_ratio:g}", "fixed scatterers, mass_ratio = inf")
+    if ensemble.plan.driven or ensemble.plan.varies:
+        bad(name, "a driven run, or one whose restitution varies", "fixed scatterers, one e")
     # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
     free, stored = isinstance(medium, BoltzmannGrad), ensemble.arrays
     if "raw/velocities" in stored and "raw/positions" in stored:
