@@ -1,0 +1,43 @@
+"""The page: its tables, its script and its style in one HTML file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from kinetics import __version__
+from kinetics.crosscheck.explore import tables
+from kinetics.crosscheck.files import plain
+
+TRACERS = 200
+
+
+def render(tell: Callable[..., None] = lambda *_: None) -> str:
+    """The page, which needs nothing beside it. tell : is called with each part that is begun."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    made = tables.all_tables(tell)
+    tell("errors of the tables")
+    speeds, weights = tables.starts()
+    data: dict[str, Any] = {
+        "tables": {name: table.as_json() for name, table in made.items()},
+        "speeds": speeds, "weights": weights, "widths": tables.WIDTHS,
+        "densities": tables.DENSITIES, "highestInField": tables.HIGHEST_IN_FIELD,
+    }  # fmt: skip
+    shown = {name: _written(error) for name, error in tables.errors(made).items()}
+    environment = Environment(
+        loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    return environment.get_template("explorer.html.j2").render(
+        data=Markup(json.dumps(plain(data), allow_nan=False, separators=(",", ":"))),
+        errors=shown, version=__version__, tracers=TRACERS, densities=tables.DENSITIES,
+    )  # fmt: skip
+
+
+def _written(x: float) -> str:
+    """An error, rounded up to one digit: 3·10⁻⁵."""
+    mantissa, exponent = f"{1.05 * x:.0e}".split("e")
+    return f"{mantissa}·10{str(int(exponent)).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
