@@ -24,11 +24,13 @@ def explore(output: Path) -> None:
     Sliders set restitution, density and a field; a table of data that is dropped on the page is
     drawn over the curves. The solver makes the tables of the curves, which takes some seconds.
     """
-    from kinetics.crosscheck.explore import page
+    from kinetics.crosscheck.explore import page, tables
     from kinetics.crosscheck.files import write_together
 
     with options.progress(5) as tell:
-        made = page.render(tell)
-    write_together(output.parent, {output.name: made})
-    size = len(made.encode()) / 1000
+        made = tables.all_tables(tell)
+        tell("errors of the tables")
+        text = page.render(made)
+    write_together(output.parent, {output.name: text})
+    size = len(text.encode()) / 1000
     click.echo(f"wrote {output} ({size:.0f} kB): open it in a browser")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 from kinetics import __version__
@@ -13,18 +12,17 @@ from kinetics.crosscheck.files import plain
 TRACERS = 200
 
 
-def render(tell: Callable[..., None] = lambda *_: None) -> str:
-    """The page, which needs nothing beside it. tell : is called with each part that is begun."""
+def render(made: tables.Tables) -> str:
+    """The page of these tables, which needs nothing beside it; it says how far they are off."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
-    made = tables.all_tables(tell)
-    tell("errors of the tables")
     speeds, weights = tables.starts()
     data: dict[str, Any] = {
         "tables": {name: table.as_json() for name, table in made.items()},
         "speeds": speeds, "weights": weights, "widths": tables.WIDTHS,
         "densities": tables.DENSITIES, "highestInField": tables.HIGHEST_IN_FIELD,
+        "unit": tables.UNIT,
     }  # fmt: skip
     shown = {name: _written(error) for name, error in tables.errors(made).items()}
     environment = Environment(
@@ -40,4 +38,5 @@ def render(tell: Callable[..., None] = lambda *_: None) -> str:
 def _written(x: float) -> str:
     """An error, rounded up to one digit: 3·10⁻⁵."""
     mantissa, exponent = f"{1.05 * x:.0e}".split("e")
-    return f"{mantissa}·10{str(int(exponent)).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+    raised = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return f"{mantissa}·10{str(int(exponent)).translate(raised)}"

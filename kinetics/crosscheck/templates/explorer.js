@@ -5,7 +5,7 @@
 const DATA = JSON.parse(document.getElementById("tables").textContent);
 const byId = (name) => document.getElementById(name);
 const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
-const SOLVED = ["dilute", "hard disks"];
+const SOLVED = ["dilute", "hard disks"], SHOWN = { dilute: "dilute disks", "hard disks": "hard disks" };
 
 // -- curves from the tables: as kinetics/crosscheck/explore/tables.py reads them ------------------
 
@@ -30,19 +30,19 @@ function lookUp(name, e, y) {
   const [, nodes, ...rest] = t.shape;
   let size = rest.reduce((a, b) => a * b, 1), ends = t.ends;
   const weights = chebyshev(x, t.breaks[panel], t.breaks[panel + 1], nodes);
-  let c = contracted(t.c, panel * nodes * size, weights, size, nodes);
+  let c = contracted(t.coefficients, panel * nodes * size, weights, size, nodes);
   if (y !== undefined) {
     size /= rest[0];
     c = contracted(c, 0, chebyshev(y, ...ends[0], rest[0]), size, rest[0]);
     ends = ends.slice(1);
   }
-  if (!ends.length) return c[0] * t.unit;
+  if (!ends.length) return c[0] * DATA.unit;
   const [low, high] = ends[0];
   return (s) => {
     const u = clamp((2 * s - low - high) / (high - low), -1, 1);
     let a = 0, b = 0;
     for (let k = c.length - 1; k > 0; k--) [a, b] = [2 * u * a - b + c[k], a];
-    return (u * a - b + c[0]) * t.unit;
+    return (u * a - b + c[0]) * DATA.unit;
   };
 }
 
@@ -315,7 +315,8 @@ function written(x, digits = 3) {
     const k = Math.floor(Math.log10(Math.abs(x)) + 1e-9);
     return `${(x / 10 ** k).toPrecision(digits)}·${power(k)}`;
   }
-  return x.toPrecision(digits).replace("-", "−");
+  const text = x.toPrecision(digits);
+  return (text.includes("e") ? String(Number(text)) : text).replace("-", "−");
 }
 
 function ticksOf({ log, low, high }, room) {
@@ -445,14 +446,12 @@ function averagesOf(text) {
   const summed = ["v0", "v2", "msd"].some(has), tracks = has("x") && has("y");
   if (!has("time") || !(summed || tracks))
     throw new Error(`columns are ${heads.join(", ")}; needed are t and v0 or msd, or t, x and y (vx, vy)`);
-  const rows = lines.slice(1).map(cut).map((cells) => (name) => has(name) ? Number(cells[at[name]] || NaN) : NaN);
-  const label = lines.slice(1).map(cut).map((cells) => ["medium", "tracer"].map((k) => has(k) ? cells[at[k]] : "").join("/"));
   const times = new Map();
-  rows.forEach((row, k) => {
-    const t = row("time");
-    if (!Number.isFinite(t) || t < 0) throw new Error(`row ${k + 2}: the time must be a number, not negative`);
+  lines.slice(1).forEach((line, k) => {
+    const cells = cut(line), row = (name) => has(name) ? Number(cells[at[name]] || NaN) : NaN, t = row("time");
+    if (!(t >= 0 && t < Infinity)) throw new Error(`row ${k + 2}: the time must be a number, not negative`);
     if (!times.has(t)) times.set(t, []);
-    times.get(t).push([row, label[k]]);
+    times.get(t).push([row, ["medium", "tracer"].map((name) => cells[at[name]]).join("/")]);
   });
   const start = new Map(); // positions at time 0, of each tracer or of the k-th row
   (times.get(0) || []).forEach(([row, name], k) => start.set(has("tracer") ? name : k, [row("x"), row("y")]));
@@ -527,9 +526,10 @@ function change(values, again = true) {
   state.curves = Object.fromEntries(SOLVED.map((medium) => [medium, curvesOf(e, n, medium)]));
   state.steady = g > 0 ? inField(e) : null;
   for (const name of Object.keys(INPUTS)) byId(name).value = state[name];
+  byId("pace-shown").textContent = `× ${2 ** Number(byId("pace").value)}`;
   byId("e-shown").textContent = e.toFixed(3).replace(/0$/, "");
-  byId("n-shown").textContent = `${written(n)} d⁻²`;
-  byId("g-shown").textContent = `${written(g, 2)} U²/d`;
+  byId("n-shown").textContent = `${number(n)} d⁻²`;
+  byId("g-shown").textContent = `${number(g)} U²/d`;
   for (const medium of SOLVED) {
     const radio = byId("medium-" + medium.replace(" ", "-"));
     radio.checked = state.medium === medium;
@@ -539,8 +539,9 @@ function change(values, again = true) {
   if (state.data) fitData();
   writeAddress();
   showNumbers();
-  showCode();
+  byId("code").textContent = codeOf(state);
   drawPlots();
+  drawDisks();
 }
 
 function restart() {
@@ -550,7 +551,7 @@ function restart() {
 }
 
 function showNumbers() {
-  const { e, n, curves, medium } = state, law = lawOf(e), mass = (1 + e) / (1 - e);
+  const { e, n, g, curves, steady } = state, law = lawOf(e), mass = (1 + e) / (1 - e);
   byId("mass").innerHTML = e === 1
     ? "fixed scatterers, elastic: M/m = ∞"
     : `as elastic bounces from scatterers at rest of mass M/m = <b>${written(mass)}</b>: neutrons, A = ${written(mass)}; ions, m/M = ${written(1 / mass)}`;
@@ -560,25 +561,28 @@ function showNumbers() {
     ["d⟨r²⟩/d ln t", "at late times, in d²", written(curves[SOLVED[0]].slope, 4), written(curves[SOLVED[1]].slope, 4)],
     ["l", "1/(2dρ₀), in d", written(1 / (2 * n), 4), ""],
   ];
+  const speed = Math.sqrt(g / (2 * n)); // sqrt(g l)
+  if (steady) rows.splice(0, 3,
+    ["⟨vₓ⟩", "steady drift, in U", written(steady.drift * speed, 4), ""],
+    ["D∥", "along the field, in dU", written((steady.parallel * speed) / (2 * n), 4), ""],
+    ["D⊥", "across it, in dU", written((steady.perpendicular * speed) / (2 * n), 4), ""]);
   byId("numbers").innerHTML = rows.map(([name, words, ...values]) =>
     `<tr><th scope="row">${name} <span>${words}</span></th>${values.map((v) => `<td>${v}</td>`).join("")}</tr>`).join("");
 }
 
 // The Scene of the sliders.
 function codeOf({ e, n, g, medium }) {
-  const times = "np.geomspace(0.1, 1e4, 51)";
   const more = g > 0 ? `field=${number(g)}` : `scatterers="${medium}"`;
   const outputs = g > 0 ? '"mean_velocity", "displacement_tensor"' : '"thermal_speed", "msd"';
   return [
     "import numpy as np", `from kinetics import Scene, solve${g > 0 ? ", solve_field" : ""}`, "",
-    `scene = Scene(restitution=${number(e)}, number_density=${number(n)}, ${more},`,
-    `              times=${times}, outputs=(${outputs}))`,
-    "solution = solve(scene)  # lengths in d, speeds in U",
+    "scene = Scene(", `    restitution=${number(e)}, number_density=${number(n)},`, `    ${more},`,
+    "    times=np.geomspace(0.1, 1e4, 51),", `    outputs=(${outputs}),`, ")",
+    "solution = solve(scene)  # in d and U",
     "print(solution.to_dataframe())",
-    ...(g > 0 && state.steady ? [`steady = solve_field(${number(e)}).in_units(${number(g)}, 1.0, ${number(n)})`, "print(steady.drift)"] : []),
+    ...(state.steady ? [`steady = solve_field(${number(e)})`, `print(steady.in_units(${number(g)}, 1.0, ${number(n)}).drift)`] : []),
   ].join("\n");
 }
-function showCode() { byId("code").textContent = codeOf(state); }
 
 async function copyCode() {
   const text = byId("code").textContent;
@@ -619,11 +623,11 @@ const overE = (medium) => (e) => {
   return medium === SOLVED[0] ? lawOf(e).h / (1 - e) : lookUp("hard H", e, Math.sqrt(state.n));
 };
 
-function averagePlot(name, axis, title, words) {
+function averagePlot(name, axis, log, title, words) {
   const x = overTime(), curves = both(name);
   const values = curves.flatMap(({ f }) => samples(f, x)).concat(rowsOf(name).map(({ y }) => y));
   return {
-    x, curves, title, words, y: { log: true, ...rangeOf(values, true), name: axis },
+    x, curves, title, words, y: log ? { log, ...rangeOf(values, true), name: axis } : { low: 0, high: 1.05 * Math.max(...values.filter(Number.isFinite)), name: axis },
     points: () => [...measured(name)(), ...rowsOf(name)], pointed: pointAt,
     said: (t) => `${SOLVED.map((m) => `${m} ${written(state.curves[m][name](t))}`).join(", ")}`,
   };
@@ -634,8 +638,8 @@ function plotsOfCooling() {
   const rates = [...SOLVED].flatMap((m) => samples(overE(m), { low: 0, high: 0.99 }));
   const ring = e === 1;
   return {
-    first: averagePlot("v0", "v₀ in U", "Thermal speed v₀(t)", "v₀ = √⟨v²⟩. At late times Haff’s law, v₀ = 2l/(ht)."),
-    second: averagePlot("msd", "⟨r²⟩ in d²", "Mean square displacement ⟨r²⟩(t)", "Ballistic, then growing like ln t without a bound (like t for e = 1)."),
+    first: averagePlot("v0", "v₀ in U", true, "Thermal speed v₀(t)", "v₀ = √⟨v²⟩. At late times Haff’s law, v₀ = 2l/(ht)."),
+    second: averagePlot("msd", "⟨r²⟩ in d²", e > 0.97, "Mean square displacement ⟨r²⟩(t)", "It grows like ln t without a bound (like t for e = 1)."),
     third: {
       x: { low: 0, high: 3, name: "c = v/v₀" }, y: { log: true, low: 3e-4, high: 8, name: "F(c)" },
       title: "Scaled velocity distribution F(c)",
@@ -669,7 +673,7 @@ function plotsInField() {
   const marker = (...names) => () => (steady ? names.map((name) => ({ x: e, y: steady[name], kind: "marker" })) : []);
   return {
     first: {
-      x, y: { low: -0.25 * most, high: most, name: "⟨vₓ⟩ in U" }, title: "Mean velocity along the field",
+      x, y: { low: -0.4 * most, high: most, name: "⟨vₓ⟩ in U" }, title: "Mean velocity along the field",
       words: steady ? "Line: the exact steady drift among dilute disks. Points: own tracers, among hard disks." : none,
       curves: line(steady ? steady.drift * speed : 0), points: measured("vx"), pointed: pointAt,
       said: () => (steady ? `steady drift ${written(steady.drift * speed)} U` : ""),
@@ -808,7 +812,7 @@ function fitData() {
   const { e, deviation } = (state.fit = fitted(state.data, state.n, state.medium));
   byId("fit").hidden = !Number.isFinite(deviation);
   say(Number.isFinite(deviation)
-    ? `${state.data.length} times. Nearest among ${state.medium} scatterers at this density: e = ${e.toFixed(3)}, off by ${(100 * deviation).toPrecision(2)} % (rms). For errors and causes: lorentz compare ${state.file}`
+    ? `${state.data.length} times. Nearest among ${SHOWN[state.medium]} of this density: e = ${e.toFixed(3)}, off by ${(100 * deviation).toPrecision(2)} % (rms). For errors and causes: lorentz compare ${state.file}`
     : "No time above 0 with an average above 0.");
 }
 
@@ -825,11 +829,11 @@ function begin() {
   for (const name of ["first", "second", "third", "fourth"]) plots[name] = new Plot(name);
   for (const name of Object.keys(INPUTS))
     byId(name).addEventListener("input", (event) => change({ [name]: Number(event.target.value) }));
+  byId("pace").addEventListener("input", () => change({}, false));
   for (const medium of SOLVED)
     byId("medium-" + medium.replace(" ", "-")).addEventListener("change", () => change({ medium }, false));
-  const again = () => { restart(); drawPlots(); drawDisks(); };
   const step = () => { play(false); gas.step(); drawDisks(); drawPlots(); };
-  const actions = { play: () => play(!state.playing), step, restart: again, copy: copyCode,
+  const actions = { play: () => play(!state.playing), step, restart: () => change({}), copy: copyCode,
     fit: () => change({ e: Number(state.fit.e.toFixed(3)) }) };
   for (const [name, action] of Object.entries(actions)) byId(name).addEventListener("click", action);
   const keys = { " ": "play", s: "step", r: "restart" };
@@ -843,12 +847,11 @@ function begin() {
   byId("file").addEventListener("change", (event) => take(event.target.files[0]));
   addEventListener("dragover", (event) => event.preventDefault());
   addEventListener("drop", (event) => { event.preventDefault(); take(event.dataTransfer.files[0]); });
-  addEventListener("hashchange", () => { readAddress(); change({}); drawDisks(); });
+  addEventListener("hashchange", () => { readAddress(); change({}); });
   addEventListener("resize", () => { drawPlots(); drawDisks(); });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawDisks);
   readAddress();
   change({});
-  drawDisks();
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
 
