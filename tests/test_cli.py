@@ -90,6 +90,8 @@ BAD_INPUT = [
     ("simulate --medium hard-spheres --field 1", "field 1"),
     ("simulate --initial rest", "initial rest"),
     ("simulate --count 1000000000000", "memory"),
+    ("explore -o a.txt", "output .html"),
+    ("explore -o no/such/a.html", "no/such"),
     ("derive --only nonsense", "nonsense"),
     ("bench --case nonsense", "nonsense"),
     ("bench -o no/such/folder", "no/such"),

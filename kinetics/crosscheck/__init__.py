@@ -2,7 +2,7 @@
 
 Only this room and `kinetics.cli` may import all of `kinetics`, `particles`, `derivations`; none
 of them imports it. Begin with `words.py`, which says how a comparison can come out, then with
-the room of a command: `report`, `compare` (of particle data, read in `data`), `bench`, `stress`.
+the room of a command: `report`, `explore`, `compare` (of particle data, read in `data`), `bench`, `stress`.
 """
 
 from typing import TYPE_CHECKING, Any

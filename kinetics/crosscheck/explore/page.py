@@ -8,6 +8,7 @@ from typing import Any
 from kinetics import __version__
 from kinetics.crosscheck.explore import tables
 from kinetics.crosscheck.files import plain
+from kinetics.crosscheck.words import numeral
 
 TRACERS = 200
 
@@ -24,19 +25,12 @@ def render(made: tables.Tables) -> str:
         "densities": tables.DENSITIES, "highestInField": tables.HIGHEST_IN_FIELD,
         "unit": tables.UNIT,
     }  # fmt: skip
-    shown = {name: _written(error) for name, error in tables.errors(made).items()}
+    errors = {name: numeral(error, ".2g") for name, error in tables.errors(made).items()}
     environment = Environment(
         loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     return environment.get_template("explorer.html.j2").render(
         data=Markup(json.dumps(plain(data), allow_nan=False, separators=(",", ":"))),
-        errors=shown, version=__version__, tracers=TRACERS, densities=tables.DENSITIES,
+        errors=errors, version=__version__, tracers=TRACERS, densities=tables.DENSITIES,
     )  # fmt: skip
-
-
-def _written(x: float) -> str:
-    """An error, rounded up to one digit: 3·10⁻⁵."""
-    mantissa, exponent = f"{1.05 * x:.0e}".split("e")
-    raised = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-    return f"{mantissa}·10{str(int(exponent)).translate(raised)}"

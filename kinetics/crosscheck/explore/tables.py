@@ -166,7 +166,7 @@ def solved(e: float, n: float | None, t: Array) -> Array:
 def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     """Every table of the page, by name. tell : is called with what is begun."""
     one, breaks = (0.0, 1.0), (0.0, 0.2, 1.0)
-    log_t, root_n = (*_OF_TIMES, 48), (*_OF_DENSITIES, 6)
+    log_t, root_n, small_n = (*_OF_TIMES, 48), (*_OF_DENSITIES, 6), (*_OF_DENSITIES, 5)
     xi, hard_xi = (*WIDTHS[DILUTE], 40), (*WIDTHS[HARD], 32)
     tell("dilute scatterers")
     found = tables(("v0", "msd"), lambda e, s: _over_factors(e, None, s), one, 24, log_t)
@@ -175,7 +175,7 @@ def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     found |= tables(("hard H", "hard A"), _at_each(_limits), breaks, 16, root_n)
     found |= tables(("hard v0", "hard msd"), _at_each(_over_factors), breaks, 16, root_n, log_t)
     tell("hard disks: F(c)")
-    found |= tables(("hard ln F",), _at_each(_log_density), breaks, 16, root_n, hard_xi)
+    found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, small_n, hard_xi)
     tell("steady state in a field")
     names = ("drift", "parallel", "perpendicular")
     return found | tables(names, _in_field, (0.0, HIGHEST_IN_FIELD), 20)
