@@ -236,9 +236,10 @@ class Gas {
 
   fall(i, dt) { // the same in a field along x, in short parabolas
     const g = this.g;
-    for (let left = dt, guard = 0; left > 1e-12 * dt && guard < 20000; guard++) {
+    const most = this.hits[i] + 1e5; // of collisions in this time
+    for (let left = dt; left > 1e-12 * dt && !this.stuck[i]; this.stuck[i] = this.hits[i] > most ? 1 : 0) {
       const v = this.speed(i), vx = this.vx[i], vy = this.vy[i];
-      const h = Math.min(left, 0.1 / (v + Math.sqrt(0.1 * g)));
+      const h = Math.min(left, 0.1 / (v + Math.sqrt(g)));
       const met = (time) => {
         const dx = (vx + 0.5 * g * time) * time, x = this.x[i] + dx, y = this.y[i] + vy * time;
         return this.near(x, y).find((j) => {
@@ -257,11 +258,14 @@ class Gas {
       this.shift(i, (vx + 0.5 * g * time) * time, vy * time);
       this.vx[i] += g * time;
       left -= time;
-      if (slides) { // it rests on the disk: no normal speed, and back to its surface
-        const [dx, dy, square] = this.away(disk, this.x[i], this.y[i]), r = Math.sqrt(square);
-        if (r < 1) this.shift(i, dx / r - dx, dy / r - dy);
-        if (dx * this.vx[i] + dy * this.vy[i] < 0) this.bounce(i, disk, this.e < 1 ? 0 : 1);
-      } else if (disk !== undefined) this.bounce(i, disk);
+      if (!slides && disk !== undefined) this.bounce(i, disk);
+      for (let k = 0; slides && k < 4; k++) // on one disk or two: no normal speed, and out of them
+        for (const j of this.near(this.x[i], this.y[i])) {
+          const [dx, dy, square] = this.away(j, this.x[i], this.y[i]), r = Math.sqrt(square);
+          if (r >= 1) continue;
+          this.shift(i, dx / r - dx, dy / r - dy);
+          if (dx * this.vx[i] + dy * this.vy[i] < 0) this.bounce(i, j, this.e < 1 ? 0 : 1);
+        }
     }
     if (i === 0) this.mark();
   }
