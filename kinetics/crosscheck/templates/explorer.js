@@ -502,7 +502,7 @@ function fitted(data, n, medium) {
 // -- the page: its state, which the address holds -------------------------------------------------
 
 const INPUTS = { e: [0.7, 0, 1], n: [0.04, ...DATA.densities], g: [0, 0, 0.1] };
-const LAST = 1e6; // the time at which the particles end
+const LAST = 1e5; // the time at which the particles end
 const state = { medium: SOLVED[0], playing: false, data: null, fit: null, curves: {} };
 let gas = null, seed = 1;
 
@@ -530,7 +530,9 @@ function change(values, again = true) {
   state.curves = Object.fromEntries(SOLVED.map((medium) => [medium, curvesOf(e, n, medium)]));
   state.steady = g > 0 ? inField(e) : null;
   for (const name of Object.keys(INPUTS)) byId(name).value = state[name];
-  byId("pace-shown").textContent = `× ${2 ** Number(byId("pace").value)}`;
+  const pace = `× ${2 ** Number(byId("pace").value)}`;
+  byId("pace-shown").textContent = pace;
+  byId("pace").setAttribute("aria-valuetext", pace);
   byId("e-shown").textContent = e.toFixed(3).replace(/0$/, "");
   byId("n-shown").textContent = `${number(n)} d⁻²`;
   byId("g-shown").textContent = `${number(g)} U²/d`;
@@ -611,9 +613,9 @@ const measured = (name) => () => gas.records.map(({ t, [name]: [y, error] }) => 
 const rowsOf = (name) => (state.data || []).map((row) => ({ x: row.t, y: row[name], kind: "data" }));
 const moveE = (e, pressed) => { if (pressed) change({ e: Math.round(clamp(e, 0, 1) * 100) / 100 }); };
 const overTime = () => {
-  const last = Math.max(1e4, ...(state.data || []).map((row) => row.t));
+  const last = Math.max(LAST, ...(state.data || []).map((row) => row.t));
   const low = Math.min(0.1, ...(state.data || []).map((row) => row.t).filter((t) => t > 0));
-  return { log: true, low: Math.max(low, 1e-3), high: Math.min(last, LAST), name: "time t in d/U" };
+  return { log: true, low: Math.max(low, 1e-3), high: Math.min(last, 1e7), name: "time t in d/U" };
 };
 // two curves, the medium that is chosen drawn last and bold
 const both = (what) => [...SOLVED].sort((a) => (a === state.medium ? 1 : -1)).map((medium) => ({
