@@ -26,7 +26,9 @@ ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
 GRACE = 1.0
 """Seconds that a command has after a signal to remove what is half written and say what is saved:
 half of the two within which it promises to end."""
-COMMANDS = ("report", "solve", "simulate", "compare", "fit", "derive", "bench", "stress")
+COMMANDS = (
+    "report", "solve", "simulate", "compare", "fit", "explore", "derive", "bench", "stress",
+)  # fmt: skip
 
 
 class _Commands(click.Group):

@@ -84,6 +84,8 @@ BAD_INPUT = [
     ("solve --mass-ratio nan", "mass_ratio nan"),
     ("solve --mass-ratio 2 --scatterers overlapping", "mass_ratio 2.0 scatterers"),
     ("solve --mass-ratio 2 --tangential-restitution .5 --scaled", "mass_ratio 2.0"),
+    ("explore -o a.txt", "output .html"),
+    ("explore -o no/such/a.html", "no/such"),
     ("derive --only nonsense", "nonsense"),
     ("bench --case nonsense", "nonsense"),
     ("stress --group nonsense", "groups nonsense"),

@@ -21,6 +21,7 @@ extensions = [
     "cells",
     "derivation",
     "docstrings",
+    "explorer",
     "formulas",
     "outputs",
 ]
@@ -30,6 +31,7 @@ myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "inelastic-lorentz"
 html_static_path = ["_static"]
+html_extra_path = ["generated/explorer.html"]  # which the extension of this name makes
 html_css_files = ["pages.css"]
 html_math_renderer = "mathml"
 html_show_sourcelink = False

@@ -1,8 +1,8 @@
 """The cross-check: compares the three methods, and anybody's data, and writes the reports.
 
 Only this room and `kinetics.cli` may import all of `kinetics`, `particles`, `derivations`; none
-of them imports it. Begin with `words.py`, which says how a comparison can come out, then with
-the room of a command: `report`, `compare` (of particle data, read in `data`), `bench`, `stress`.
+of them imports it. Begin with `words.py`, which says how a comparison can come out, then with the
+room of a command: `report`, `explore`, `compare` (data, read in `data`), `bench`, `stress`.
 """
 
 from typing import TYPE_CHECKING, Any

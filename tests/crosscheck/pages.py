@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 FORBIDDEN = {"script", "link", "iframe", "img", "object", "embed", "base"}
-VOID = {"meta", "br", "use", "path"}
+VOID = {"meta", "br", "use", "path", "input"}
 QUESTIONS = {
     "open": "[...document.querySelectorAll('details')].map(d => d.open = true).length",
     "boxes": "[...document.querySelectorAll('figure svg')].map(s => {"

@@ -1,0 +1,36 @@
+"""The command `explore`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from kinetics.crosscheck.cli import options
+
+
+@click.command(
+    epilog="Example: lorentz explore -o explorer.html, then open the file in a browser. "
+    + options.UNITS,
+    short_help="Make a page to play with: one HTML file.",
+)
+@click.option(
+    "-o", "--output", type=options.Output(".html"), default=Path("explorer.html"),
+    help="The page; it needs no network, and nothing beside it.",
+)  # fmt: skip
+def explore(output: Path) -> None:
+    """Make one HTML file with a tracer among disks and the exact curves over it.
+
+    Sliders set restitution, density and a field; a table of data that is dropped on the page is
+    drawn over the curves. The solver makes the tables of the curves, which takes some seconds.
+    """
+    from kinetics.crosscheck.explore import page, tables
+    from kinetics.crosscheck.files import write_together
+
+    with options.progress(5) as tell:
+        made = tables.all_tables(tell)
+        tell("errors of the tables")
+        text = page.render(made)
+    write_together(output.parent, {output.name: text})
+    size = len(text.encode()) / 1000
+    click.echo(f"wrote {output} ({size:.0f} kB): open it in a browser")

@@ -1,0 +1,36 @@
+"""The page: its tables, its script and its style in one HTML file."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from kinetics import __version__
+from kinetics.crosscheck.explore import tables
+from kinetics.crosscheck.files import plain
+from kinetics.crosscheck.words import numeral
+
+TRACERS = 200
+
+
+def render(made: tables.Tables) -> str:
+    """The page of these tables, which needs nothing beside it; it says how far they are off."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    speeds, weights = tables.starts()
+    data: dict[str, Any] = {
+        "tables": {name: table.as_json() for name, table in made.items()},
+        "speeds": speeds, "weights": weights, "widths": tables.WIDTHS,
+        "densities": tables.DENSITIES, "highestInField": tables.HIGHEST_IN_FIELD,
+        "unit": tables.UNIT,
+    }  # fmt: skip
+    errors = {name: numeral(error, ".2g") for name, error in tables.errors(made).items()}
+    environment = Environment(
+        loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    return environment.get_template("explorer.html.j2").render(
+        data=Markup(json.dumps(plain(data), allow_nan=False, separators=(",", ":"))),
+        errors=errors, version=__version__, tracers=TRACERS, densities=tables.DENSITIES,
+    )  # fmt: skip

@@ -1,0 +1,260 @@
+r"""Tables from which the page draws its curves, as Chebyshev coefficients.
+
+Lengths are in l = 1/(2 d rho_0), times in l/U. With H the cooling rate of v0 -> 2/(H t) and A such
+that d<r^2>/d ln t -> 4/(H A), the tables hold v0 and <r^2> over those of tracers that keep to the
+mean, averaged over the Gaussian start (`factors`): each has the speed v/(1 + H v t/2), and with the
+length of its path, X = (2/H) ln(1 + H v t/2), the mean square displacement
+2 (A X - 1 + exp(-A X))/A^2. For short times these are ballistic, for long ones they have the law of
+Haff and the slope; and for e -> 1 among dilute scatterers they are exact: what is left is smooth,
+1 + O(1 - e), and no time scale of 1/(1 - e) has to be resolved.
+
+e enters through x, e = x^2 (3 - 2 x), which is dense at both ends: terms such as e^2 ln e are
+resolved. The density n = rho_0 d^2 of hard disks enters through its square root, and their tables
+have a break at e = 0.2, below which the constants of their theory are held.
+
+Of F(c) the logarithm of the density of ln(c)/w is kept, w = sqrt((1 - e^2)/5): for e -> 1 that of a
+Gaussian of width 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebpts1, chebvander
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled
+
+Array = NDArray[np.float64]
+Tables = dict[str, "Table"]
+
+DILUTE, HARD = "dilute", "hard disks"
+UNIT = 1e-6  # of coefficients
+TIMES = (1e-3, 1e6)
+"""In l/U: before, v0 and <r^2> are the factors; after, nothing is drawn."""
+DENSITIES = (0.005, 0.1)
+"""n of hard disks: up to where their theory was compared with simulations."""
+HIGHEST_IN_FIELD = 0.99
+"""e above which no steady state in a field is kept: elastic tracers have none."""
+WIDTHS = {DILUTE: (-6.0, 6.0), HARD: (-3.0, 5.0)}
+"""Of ln(c)/w, between which F(c) is kept. Below, that of hard disks may be negative."""
+_OF_TIMES = (math.log(TIMES[0]), math.log(TIMES[1]))
+_OF_DENSITIES = (math.sqrt(DENSITIES[0]), math.sqrt(DENSITIES[1]))
+
+
+@dataclass(frozen=True)
+class Table:
+    """A function of x(e) and perhaps other variables, each on its own range.
+
+    breaks : ends of the panels of x, rising; ends : those of each further variable;
+    coefficients : multiples of `UNIT`, shape (n_panels, n_e, ...), in which the page has them
+    """
+
+    breaks: tuple[float, ...]
+    ends: tuple[tuple[float, float], ...]
+    coefficients: NDArray[np.int64]
+
+    def at(self, e: float, *points: ArrayLike) -> Array:
+        """Values at e and, along an axis for each, at points of the further variables."""
+        x = place_of(e)
+        panel = min(int(np.searchsorted(self.breaks[1:], x)), len(self.breaks) - 2)
+        found = UNIT * self.coefficients[panel]
+        first = (x, self.breaks[panel : panel + 2])
+        axes: list[Any] = [first, *zip(points, self.ends, strict=True)]
+        for place, (low, high) in axes:  # the first axis goes, its points come last
+            scaled = (2.0 * np.atleast_1d(place) - low - high) / (high - low)
+            found = np.tensordot(found, chebvander(scaled, len(found) - 1), (0, 1))
+        return np.asarray(found[0])
+
+    def as_json(self) -> dict[str, Any]:
+        """For the page; coefficients in the order of memory."""
+        c = self.coefficients
+        return {**vars(self), "coefficients": c.ravel(), "shape": c.shape}
+
+
+def place_of(e: float) -> float:
+    """x in [0, 1], of e = x^2 (3 - 2 x)."""
+    return 0.5 - math.sin(math.asin(1.0 - 2.0 * e) / 3.0)
+
+
+def tables(
+    names: Sequence[str], function: Callable[..., Any], breaks: Sequence[float], nodes: int,
+    *axes: tuple[float, float, int],
+) -> Tables:  # fmt: skip
+    """The tables of function(e, *grids), which gives shape (len(names), ...).
+
+    breaks : of e; nodes : of e in each panel; axes : ends and number of nodes of the others
+    """
+    places = tuple(place_of(e) for e in breaks)
+    grids = [_on(low, high, n) for low, high, n in axes]
+    panels = []
+    for low, high in pairwise(places):
+        x = _on(low, high, nodes)
+        values = np.array([function(e, *grids) for e in x * x * (3.0 - 2.0 * x)])
+        for _ in axes:  # from the last axis to the third: each goes behind that of the names
+            values = np.moveaxis(np.tensordot(_transform(values.shape[-1]), values, (1, -1)), 0, 2)
+        panels.append(np.tensordot(_transform(nodes), values, 1))
+    found = np.rint(np.array(panels) / UNIT).astype(np.int64)
+    ends = tuple(axis[:2] for axis in axes)
+    return {name: Table(places, ends, found[:, :, k]) for k, name in enumerate(names)}
+
+
+def _on(low: float, high: float, n: int) -> Array:
+    return np.asarray(low + (high - low) * (0.5 + 0.5 * chebpts1(n)))
+
+
+@cache
+def _transform(n: int) -> Array:
+    """The matrix from values at Chebyshev's n points to coefficients."""
+    return np.asarray(np.linalg.inv(chebvander(chebpts1(n), n - 1)))
+
+
+# -- what is divided out ---------------------------------------------------------------------------
+
+
+@cache
+def starts() -> tuple[Array, Array]:
+    """Speeds of the Gaussian start, in U, and their weights."""
+    x, weight = np.polynomial.legendre.leggauss(24)
+    v = 3.25 * (x + 1.0)
+    weight = weight * v * np.exp(-0.5 * v * v)
+    return v, weight / weight.sum()
+
+
+def factors(h: float, a: float, t: ArrayLike) -> Array:
+    """v0 in U and <r^2> in l^2 of tracers that keep to the mean, shape (2, n_times)."""
+    v, weight = starts()
+    way = v * np.atleast_1d(np.asarray(t, float))[:, None]
+    loss = 0.5 * h * way
+    path = a * way * np.where(loss > 1e-9, np.log1p(loss) / np.maximum(loss, 1e-9), 1.0)
+    short = path * path * (1.0 - path / 3.0 + path * path / 12.0)
+    spread = np.where(path > 1e-3, 2.0 * (path + np.expm1(-path)), short) / a**2
+    return np.array([np.sqrt((v / (1.0 + loss)) ** 2 @ weight), spread @ weight])
+
+
+def rates(e: float, n: float | None) -> tuple[float, float]:
+    """H and A, dilute (n is None) or among hard disks, in l = 1/(2 d rho_0)."""
+    if e == 1.0:
+        return 0.0, rates(1.0 - 1e-7, n)[1]
+    state = ScalingSolution(e, scatterers=DILUTE if n is None else HARD, number_density=n)
+    path = 1.0 if n is None else 2.0 * n * state.law.mean_free_path(n, 1.0)
+    return (h := state.cooling_rate / path), 4.0 / (h * state.diffusion_slope * path**2)
+
+
+def solved(e: float, n: float | None, t: Array) -> Array:
+    """v0 in U and <r^2> in l^2 of the solver, shape (2, n_times), t in l/U in any order."""
+    density, medium = (0.5, DILUTE) if n is None else (n, HARD)
+    order = np.argsort(t)
+    scene = Scene(
+        restitution=e, number_density=density, times=t[order] / (2.0 * density), scatterers=medium,
+        outputs=("thermal_speed", "msd"),
+    )  # fmt: skip
+    solution, found = solve(scene, rtol=1e-7), np.empty((2, t.size))
+    found[:, order] = solution.thermal_speed, solution.msd * (2.0 * density) ** 2
+    return found
+
+
+# -- the tables of the page ------------------------------------------------------------------------
+
+
+def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
+    """Every table of the page, by name. tell : is called with what is begun."""
+    one, breaks = (0.0, 1.0), (0.0, 0.2, 1.0)
+    log_t, root_n, small_n = (*_OF_TIMES, 48), (*_OF_DENSITIES, 6), (*_OF_DENSITIES, 5)
+    xi, hard_xi = (*WIDTHS[DILUTE], 40), (*WIDTHS[HARD], 32)
+    tell("dilute scatterers")
+    found = tables(("v0", "msd"), lambda e, s: _over_factors(e, None, s), one, 24, log_t)
+    found |= tables(("ln F",), lambda e, s: _log_density(e, None, s), one, 40, xi)
+    tell("hard disks: v0, <r^2>")
+    found |= tables(("hard H", "hard A"), _at_each(_limits), breaks, 16, root_n)
+    found |= tables(("hard v0", "hard msd"), _at_each(_over_factors), breaks, 16, root_n, log_t)
+    tell("hard disks: F(c)")
+    found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, small_n, hard_xi)
+    tell("steady state in a field")
+    names = ("drift", "parallel", "perpendicular")
+    return found | tables(names, _in_field, (0.0, HIGHEST_IN_FIELD), 20)
+
+
+def _at_each(function: Callable[..., Any]) -> Callable[..., Array]:
+    """function(e, n, ...) at each of several roots of n, along a second axis."""
+
+    def each(e: float, root_n: Array, *rest: Array) -> Array:
+        return np.stack([function(e, n, *rest) for n in (root_n**2).tolist()], axis=1)
+
+    return each
+
+
+def _over_factors(e: float, n: float | None, log_t: Array) -> Array:
+    t = np.exp(log_t)
+    return np.asarray(solved(e, n, t) / factors(*rates(e, n), t))
+
+
+def _limits(e: float, n: float) -> Array:
+    """H/(1 - e), which has a limit for e -> 1, and A."""
+    return np.array(rates(e, n)) / [1.0 - e, 1.0]
+
+
+def scaled_density(e: float, n: float | None, xi: Array) -> Array:
+    """The density of xi = ln(c)/w in the scaling state, of integral 1."""
+    width = math.sqrt((1.0 - e * e) / 5.0)
+    c = np.exp(width * xi)
+    medium = DILUTE if n is None else HARD
+    state = solve_scaled(e, rtol=1e-7, scatterers=medium, number_density=n)
+    return np.asarray(2.0 * math.pi * width * c * c * state.vdf(c))
+
+
+def _log_density(e: float, n: float | None, xi: Array) -> Array:
+    return np.log(np.maximum(scaled_density(e, n, xi), 1e-280))[None]
+
+
+def _in_field(e: float) -> Array:
+    """Drift and both diffusion coefficients, l = g = 1, without their powers of 1 - e."""
+    state, power = solve_field(e, rtol=1e-6), (1.0 - e) ** 0.25
+    found = state.drift / power**2, state.diffusion_parallel, state.diffusion_perpendicular
+    return power * np.array(found)
+
+
+# -- what the page reads from them, and how far it is off ------------------------------------------
+
+
+def read_averages(made: Tables, e: float, n: float | None, t: Array) -> Array:
+    """v0 in U and <r^2> in l^2 from the tables, as the page has them, shape (2, n_times)."""
+    log_t = np.log(t)
+    if n is None:
+        return np.array([made[k].at(e, log_t) for k in ("v0", "msd")]) * factors(*rates(e, n), t)
+    root = math.sqrt(n)
+    h, a = (float(made[k].at(e, root)[0]) for k in ("hard H", "hard A"))
+    both = np.array([made[k].at(e, root, log_t)[0] for k in ("hard v0", "hard msd")])
+    return both * factors(h * (1.0 - e), a, t)
+
+
+def errors(made: Tables, seed: int = 1, points: int = 24) -> dict[str, float]:
+    """The largest relative differences from the solver at random points.
+
+    Of F(c) those of the density of ln(c)/w over its largest value.
+    """
+    rng = np.random.default_rng(seed)
+    off = dict.fromkeys((DILUTE, HARD, "F(c)", "F(c), hard disks", "field"), 0.0)
+
+    def note(name: str, difference: Array) -> None:
+        off[name] = max(off[name], float(np.abs(difference).max()))
+
+    for e in rng.uniform(0.0, 1.0, points).tolist():
+        t, n = np.exp(rng.uniform(*_OF_TIMES, 20)), float(rng.uniform(*_OF_DENSITIES) ** 2)
+        note(DILUTE, read_averages(made, e, None, t) / solved(e, None, t) - 1.0)
+        note(HARD, read_averages(made, e, n, t) / solved(e, n, t) - 1.0)
+        xi = np.linspace(*WIDTHS[HARD], 41)
+        exact, read = scaled_density(e, None, xi), made["ln F"].at(e, xi)
+        note("F(c)", (np.exp(read) - exact) / exact.max())
+        exact, read = scaled_density(e, n, xi), made["hard ln F"].at(e, math.sqrt(n), xi)[0]
+        note("F(c), hard disks", (np.exp(read) - exact) / exact.max())
+    for e in rng.uniform(0.0, HIGHEST_IN_FIELD, points // 4).tolist():
+        read = np.array([made[k].at(e) for k in ("drift", "parallel", "perpendicular")])
+        note("field", read / _in_field(e) - 1.0)
+    return off

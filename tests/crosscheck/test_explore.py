@@ -1,0 +1,150 @@
+"""The page of `lorentz explore`: its tables against the solver, in Python and in Chromium."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pages import Page
+
+from kinetics import ScalingSolution, Scene, solve, solve_field
+from kinetics.crosscheck.explore import page, tables
+
+OUTPUTS = ("thermal_speed", "msd")
+RNG = np.random.default_rng(35)
+PLACES = [(RNG.uniform(), math.exp(RNG.uniform(-4, 12))) for _ in range(50)]
+PLACES += [(e, t) for e in (0.0, 0.01, 0.99, 0.999, 1.0) for t in (0.1, 30.0, 1e5)]
+
+
+def averages(e: float, t: Any, n: float = 0.04, scatterers: str = "dilute") -> Any:
+    """v0 and <r^2> of the solver, in U and d^2."""
+    scene = Scene(e, n, times=np.ravel(t), scatterers=scatterers, outputs=OUTPUTS)
+    return np.array([getattr(solve(scene, rtol=1e-7), name) for name in OUTPUTS])
+
+
+@pytest.fixture(scope="module")
+def made() -> tables.Tables:
+    return tables.all_tables()
+
+
+@pytest.fixture(scope="module")
+def file(made: tables.Tables, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("explore") / "explorer.html"
+    path.write_text(page.render(made), encoding="utf-8")
+    return path
+
+
+def test_what_is_read_is_what_the_solver_finds(made: tables.Tables) -> None:
+    for e, t in PLACES:
+        read = tables.read_averages(made, e, None, np.array([t * 0.08])) * [[1.0], [12.5**2]]
+        assert read == pytest.approx(averages(e, t), rel=2e-4), (e, t)
+    times = np.geomspace(0.1, 1e5, 8)
+    for e, n in RNG.uniform((0.0, tables.DENSITIES[0]), (1.0, tables.DENSITIES[1]), (8, 2)):
+        read = tables.read_averages(made, e, n, 2 * n * times) * [[1.0], [(2 * n) ** -2]]
+        assert read == pytest.approx(averages(e, times, n, "hard disks"), rel=5e-4), (e, n)
+    for e in (0.01, 0.37, 0.8, 0.98):
+        width = math.sqrt((1 - e * e) / 5)
+        c = np.exp(width * np.linspace(-4, 5, 7))
+        read = np.exp(made["ln F"].at(e, np.log(c) / width)) / (2 * np.pi * width * c * c)
+        assert read == pytest.approx(ScalingSolution(e).vdf(c), rel=3e-4)
+        read = made["perpendicular"].at(e) / (1 - e) ** 0.25
+        assert read == pytest.approx(solve_field(e).diffusion_perpendicular, rel=1e-4)
+
+
+def test_the_error_that_the_page_states_is_found(made: tables.Tables) -> None:
+    off = tables.errors(made, seed=2, points=8)
+    limits = {"dilute": 2e-4, "hard disks": 5e-4, "F(c)": 2e-4, "F(c), hard disks": 5e-3}
+    assert all(0 < off[name] < limit for name, limit in limits.items()), off
+    worse = replace(made["v0"], coefficients=made["v0"].coefficients + 50)
+    assert tables.errors(made | {"v0": worse}, seed=2, points=8)["dilute"] > 2 * off["dilute"]
+
+
+def test_the_page_needs_nothing_beside_it(file: Path) -> None:
+    found = Page(text := file.read_text(encoding="utf-8"))
+    assert len(text.encode()) < 400_000
+    assert found.references == []
+    assert not re.search(r"https?:|@import|url\(\"|fetch\(|<img|<link", text)
+    assert {"e", "n", "g", "pace"} <= {a.get("for") for tag, a in found.elements if tag == "label"}
+
+
+def ask(browser: Any, file: Path, width: int = 1400, dark: bool = False, **more: str) -> Any:
+    """What the page answers; nothing is complained of, and nothing else is loaded."""
+    seen = browser.visit(file, width, more, dark)
+    assert seen.complaints == []
+    assert seen.requests == [file.resolve().as_uri()]
+    return seen.answers
+
+
+def test_the_numbers_of_the_page_are_those_of_the_solver(browser: Any, file: Path) -> None:
+    read = "explorer.curvesOf(e, .04, 'dilute').averages(t)"
+    found = ask(
+        browser, file, at=f"{json.dumps(PLACES)}.map(([e, t]) => {read})",
+        laws="[0, .01, .5, .9, .99].map(e => [e, explorer.lawOf(e).h, explorer.lawOf(e).a2])",
+        hard="explorer.curvesOf(.63, .07, 'hard disks').averages(500)",
+        shape="explorer.curvesOf(.63, .07, 'dilute').F(.8)", drift="explorer.inField(.4).drift",
+    )  # fmt: skip
+    for (e, t), pair in zip(PLACES, found["at"], strict=True):
+        assert pair == pytest.approx(averages(e, t).ravel(), rel=2e-4), (e, t)
+    for e, h, a2 in found["laws"]:
+        exact = ScalingSolution(e)
+        assert (h, a2) == pytest.approx((exact.cooling_rate, exact.a2), rel=1e-9)
+    assert found["hard"] == pytest.approx(averages(0.63, 500, 0.07, "hard disks").ravel(), rel=5e-4)
+    assert found["shape"] == pytest.approx(ScalingSolution(0.63).vdf(0.8), rel=2e-4)
+    assert found["drift"] == pytest.approx(solve_field(0.4).drift, rel=1e-4)
+
+
+def test_the_particles_of_the_page(browser: Any, file: Path) -> None:
+    """Elastic ones keep their speeds; others have the averages of the equation."""
+    start = "(() => {const g = new explorer.Gas({%s, seed: 5, count: 201}), b = [...g.vx.keys()]"
+    kept = f"{start % 'e: 1, n: .04'}.map(i => g.speed(i)); g.advance(300); "
+    kept += "return [Math.max(...b.map((v, i) => Math.abs(g.speed(i) / v - 1))), g.hits[3]]})()"
+    last = "g.advance(2000); return g.records.slice(-8).map(r => [r.t, r.v0, r.msd, r.vx])})()"
+    cool, fall = f"{start % 'e: .7, n: .02'}; {last}", f"{start % 'e: .5, n: .01, g: .05'}; {last}"
+    found = ask(browser, file, kept=kept, cool=cool, fall=fall)
+    assert found["kept"][0] < 1e-11 < 5 < found["kept"][1]  # change, collisions
+    t, *own = found["cool"][-1][:3]
+    value, error = np.array(own).T
+    assert np.all(abs(value - averages(0.7, t, 0.02, "hard disks").ravel()) < 4.5 * error)
+    drift = solve_field(0.5).in_units(0.05, 1.0, 0.01).drift
+    assert np.mean([row[3][0] for row in found["fall"]]) == pytest.approx(drift, rel=0.15)
+
+
+def test_data_address_and_python(browser: Any, file: Path) -> None:
+    t = np.geomspace(1, 1e3, 9)
+    rows = np.array([t, *averages(0.437, t, 0.03)]).T
+    lines = ["time [d/U],thermal_speed [U],msd [d^2]", *(",".join(map(str, row)) for row in rows)]
+    text = json.dumps("\n".join(lines))
+    tracks = json.dumps("t,tracer,x,y\n0,a,1,1\n0,b,5,5\n2,a,1,3\n2,b,9,5\n")
+    found = ask(
+        browser, file, fit=f"explorer.fitted(explorer.averagesOf({text}), .03, 'dilute').e",
+        msd=f"explorer.averagesOf({tracks})[1].msd",
+        refused="(() => {try {explorer.averagesOf('a,b\\n1,2')} catch (e) {return e.message}})()",
+        told="location.hash = '#e=0.25&n=0.02&medium=hard-disks'", wait="explorer.play(false)",
+        state="[explorer.state.e, explorer.state.n, explorer.state.medium]",
+        python="document.getElementById('code').textContent.split('solution')[0]",
+        changed="(explorer.change({e: .5, g: .02}), location.hash)",
+    )  # fmt: skip
+    assert found["fit"] == pytest.approx(0.437, abs=1e-3)
+    assert found["msd"] == pytest.approx((4 + 16) / 2)
+    assert "needed are t" in found["refused"]
+    assert found["state"] == [0.25, 0.02, "hard disks"]
+    assert found["changed"] == "#e=0.5&n=0.02&g=0.02&medium=dilute"
+    names: dict[str, Any] = {}
+    exec(found["python"], names)
+    told = {"scatterers": "hard disks", "times": np.geomspace(0.1, 1e4, 51), "outputs": OUTPUTS}
+    assert names["scene"] == Scene(0.25, 0.02, **told)
+
+
+@pytest.mark.parametrize(("width", "dark"), [(390, True), (1400, False)])
+def test_the_page_fits_its_width(browser: Any, file: Path, width: int, dark: bool) -> None:
+    box, curves = "getBoundingClientRect()", "document.querySelectorAll('figure path.curve').length"
+    outside = f"(t, a = t.{box}, b = t.ownerSVGElement.{box}) => a.x < b.x || a.right > b.right"
+    texts = f"[...document.querySelectorAll('figure svg text')].filter(t => ({outside})(t)).length"
+    wide = "document.documentElement.scrollWidth"
+    found = ask(browser, file, width, dark, wide=wide, curves=curves, texts=texts)
+    assert found["wide"] <= width
+    assert (found["curves"], found["texts"]) == (10, 0)
