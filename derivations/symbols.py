@@ -234,7 +234,7 @@ lethargy = _positive("xi_E", "mean loss of ln E in a collision, 2 kappa", latex=
 
 # --- what drives a tracer, beyond the paper
 bath = _positive("w_V", "standard deviation of a component of a scatterer's velocity")
-hot = _positive("tau_v", "the same of the tracer in its steady state in a bath")
+hot = _positive("tau_v", "standard deviation of a component of the tracer's velocity, in a bath")
 bath_rate = _function("nu_w", "rate of collisions of a tracer of this speed in a bath, in 1/l")
 bath_pull = _function("B_w", "mean of |v - V| (v - V).v over the velocities V of the bath")
 collided = _function("L_c", "change of the average of a function of v by collisions, per unit time")
