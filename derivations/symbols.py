@@ -232,6 +232,19 @@ effective = _real("e_eff", "that of a fixed scatterer with the same effect", lat
 least_share = _positive("a_E", "least share of its energy that is left to the tracer", latex="a")
 lethargy = _positive("xi_E", "mean loss of ln E in a collision, 2 kappa", latex=r"\xi")
 
+# --- what drives a tracer, beyond the paper
+bath = _positive("w_V", "standard deviation of a component of a scatterer's velocity")
+hot = _positive("tau_v", "standard deviation of a component of the tracer's velocity, in a bath")
+bath_rate = _function("nu_w", "rate of collisions of a tracer of this speed in a bath, in 1/l")
+bath_pull = _function("B_w", "mean of |v - V| (v - V).v over the velocities V of the bath")
+collided = _function("L_c", "change of the average of a function of v by collisions, per unit time")
+heat = _positive("D_v", "strength of white noise: <dv_i dv_j> = 2 D_v delta_ij dt")
+drag = _positive("gamma_v", "rate of a drag, dv/dt = -gamma_v v")
+diffusivity = _positive("D_r", "diffusion coefficient of the tracer")
+mobility = _positive("mu", "drift over a weak field")
+capture = _positive("v_c", "normal impact speed below which a tracer sticks")
+depth = _positive("Z_c", "distance along the field in which the share that moves falls by e")
+
 
 def meaning(name: str) -> str:
     """What the symbol or function of this name stands for; KeyError if it is not in the table."""

@@ -2,8 +2,8 @@
 
 One file for a section of the paper; for what the paper does not have ``scaling_state`` (its
 collision law), ``any_law`` (tangential restitution, space), ``any_dimension`` (moments and
-displacement), ``mass_ratio``, ``finite_density`` and ``uniform_field``. ``record`` holds what a
-derivation leaves.
+displacement), ``mass_ratio``, ``finite_density``, ``uniform_field`` and ``driven``. ``record``
+holds what a derivation leaves.
 
 May import: ``symbols``, ``formal``, ``premises``; never ``printed``, so that nothing printed can
 be taken for derived. Begin reading with ``record``, then ``sonine``.
@@ -14,6 +14,7 @@ from . import (  # noqa: F401  (they register their derivations)
     any_law,
     cooling,
     diffusion,
+    driven,
     finite_density,
     kinetic_equation,
     mass_ratio,

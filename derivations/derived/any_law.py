@@ -235,10 +235,10 @@ def _space_cooling() -> Derived:
 
 def _loss_at_e_zero(dimension: int) -> sp.Expr:
     """lambda(p) of smooth scatterers at e = 0, where s = |y|."""
-    return sp.factor(1 - sp.integrate(s.y**s.p * _speed_at_e_zero(dimension), (s.y, 0, 1)))
+    return sp.factor(1 - sp.integrate(s.y**s.p * speed_at_e_zero(dimension), (s.y, 0, 1)))
 
 
-def _speed_at_e_zero(dimension: int) -> sp.Expr:
+def speed_at_e_zero(dimension: int) -> sp.Expr:
     """The density of s = |y| at e = 0."""
     must(_polynomials()[0].subs({s.e: 0, s.et: 1}) == s.y**2, "s is not |y|")
     return impact_density(dimension) * (2 if dimension == 2 else 1)  # both signs of y
@@ -270,7 +270,7 @@ def e_zero_residual(dimension: int) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]
     with the rate of collisions u (l = 1).
     """
     u, shape = sp.Symbol("u", positive=True), e_zero_solution(dimension)
-    after = _speed_at_e_zero(dimension).subs(s.y, s.c / u) / u
+    after = speed_at_e_zero(dimension).subs(s.y, s.c / u) / u
     arriving = _shell(u, dimension) * shape.subs(s.c, u) * u * after
     gain = sp.integrate(arriving, (u, s.c, sp.oo)) / _shell(s.c, dimension)
     third = sp.integrate(_shell(s.c, dimension) * s.c**3 * shape, (s.c, 0, sp.oo))

@@ -116,7 +116,7 @@ def _exact() -> Derived:
     )
 
 
-def _average(dimension: int, weight: sp.Expr) -> sp.Expr:
+def over_impact(dimension: int, weight: sp.Expr) -> sp.Expr:
     """The average over a collision of a polynomial in y."""
     low = -1 if dimension == 2 else 0
     return sp.integrate(sp.expand(weight) * impact_density(dimension), (s.y, low, 1))
@@ -147,7 +147,7 @@ def _inverse_ratio(dimension: int) -> sp.Expr:
 def _closed() -> Derived:
     rows = []
     for dimension in (2, 3):
-        rate = 1 - _average(dimension, _smooth(dimension)[1])
+        rate = 1 - over_impact(dimension, _smooth(dimension)[1])
         rows.append(eq(Avg(s.v**2 * _COS), sp.factor(1 / rate)))
         rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
     return result(sp.Tuple(*rows))
@@ -157,9 +157,9 @@ def _closed() -> Derived:
 def _near_elastic(dimension: int) -> tuple[sp.Expr, sp.Expr]:
     """(kappa, lambda_1(0)) to leading order in 1 - e^2."""
     square, along = _smooth(dimension)
-    lost = sp.factor(_average(dimension, 1 - square) / 2)  # -ln s = (1 - s^2)/2 + ...
+    lost = sp.factor(over_impact(dimension, 1 - square) / 2)  # -ln s = (1 - s^2)/2 + ...
     kappa = lost.subs(s.e, sp.sqrt(1 - s.deficit))
-    return sp.simplify(kappa), 1 - _average(dimension, along.subs(s.e, 1))
+    return sp.simplify(kappa), 1 - over_impact(dimension, along.subs(s.e, 1))
 
 
 @cache

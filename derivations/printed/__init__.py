@@ -84,6 +84,7 @@ _BEYOND = {
         ("Beyond the paper: scatterers with a mass", beyond.MASS_RATIO),
         ("Beyond the paper: finite density", beyond_media.FINITE_DENSITY),
         ("Beyond the paper: a uniform field", beyond_media.UNIFORM_FIELD),
+        ("Beyond the paper: what drives a tracer", beyond_media.DRIVEN),
     )
     for label, (title, *stated) in table.items()
 }

@@ -1,6 +1,6 @@
-"""Results beyond the paper as they are stated: scatterers met again, and a uniform field.
+"""Results beyond the paper as they are stated: scatterers met again, a field, what drives a tracer.
 
-In the field speeds are in sqrt(g l) and times in sqrt(l/g).
+In the field speeds are in sqrt(g l) and times in sqrt(l/g). Driven tracers: lengths in l.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from .. import symbols as s
-from ..formal import Avg, eq
+from ..formal import Avg, Partial, eq
 
 Q = sp.Rational
 _half = Q(1, 2)
@@ -109,4 +109,46 @@ UNIFORM_FIELD: dict[str, tuple[Any, ...]] = {
         eq(Avg(_v**3), Q(9, 4) * (s.t - Avg(_v * _cos))),
         eq(s.f0(_v), sp.exp(-_v**3 / (3 * s.t)) / s.t),
         eq(Avg(_v**3), 3 * (s.t - Avg(_v * _cos)))),
+}  # fmt: skip
+
+_kick = 1 + s.effective
+_rate, _pull = s.bath_rate(_v), s.bath_pull(_v)
+
+
+def _of_bath(share: sp.Expr, dimension: int) -> tuple[sp.Eq, sp.Eq]:
+    """What a bath does to v and v^2; share: E[cos^2] of the angle to the normal."""
+    gained = _kick * s.bath**2 * _rate * (dimension + 1) - (1 - s.effective) * _pull
+    return (
+        eq(s.collided(s.bv), -share * (_kick * _pull / _v**2 * s.bv)),
+        eq(s.collided(_v**2), share * (_kick * gained)),
+    )
+
+
+DRIVEN: dict[str, tuple[Any, ...]] = {
+    "beyond:bath-temperature": ("bath: the steady Maxwellian of the tracer, with its mass ratio if "
+        "it were elastic",
+        eq(s.hot**2, s.bath**2 * _kick / (1 - s.effective)),
+        eq(s.masses, _kick / (1 - s.effective)),
+        eq(s.hot**2 / s.bath**2, (1 + s.relative) * s.masses / (2 + (1 - s.relative) * s.masses))),
+    "beyond:bath-moments": ("bath: what collisions do to v and to v^2, in the plane, in space",
+        *_of_bath(Q(2, 3), 2),
+        *_of_bath(_half, 3)),
+    "beyond:bath-from-rest": ("bath: growth of <v^2> of a tracer at rest, in the plane, in space",
+        eq(s.collided(_v**2), _kick**2 * s.bath**3 * sp.sqrt(2 * sp.pi)),
+        eq(s.collided(_v**2), 4 * _kick**2 * s.bath**3 * sp.sqrt(2 / sp.pi))),
+    "beyond:bath-einstein": ("bath: Einstein's relation of a weak field",
+        eq(s.mobility, s.diffusivity / s.hot**2)),
+    "beyond:heated-moments": ("noise and drag: moments over time; steady ones in steps of three, "
+        "and the energy",
+        eq(Partial(Avg(_v**s.p), s.t), s.p * (s.p + s.dim - 2) * s.heat * Avg(_v**(s.p - 2))
+            - s.p * s.drag * Avg(_v**s.p) - s.lam(s.p) * Avg(_v**(s.p + 1))),
+        eq(s.lam(s.p + 2) * Avg(_v**(s.p + 3)), (s.p + 2) * (s.p + s.dim) * s.heat * Avg(_v**s.p)),
+        eq(s.lam(2) * Avg(_v**3) + 2 * s.drag * Avg(_v**2), 2 * s.dim * s.heat)),
+    "beyond:heated-e-zero": ("noise and drag at e = 0, in the plane and in space: f over a "
+        "factor, D_v = 1, without drag and at gamma_v = 1",
+        eq(s.f0(_v), sp.airyai(_v)),
+        eq(s.f0(_v), (_v + 2) * sp.exp(-_v - _v**2 / 2))),
+    "beyond:stick-depth": ("rare sticking in a field: depth of capture, in the plane, in space",
+        eq(s.depth, 2 * s.drift / (s.capture**2 * Avg(1 / _v))),
+        eq(s.depth, s.drift / (s.capture**2 * Avg(1 / _v)))),
 }  # fmt: skip

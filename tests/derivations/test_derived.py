@@ -10,6 +10,7 @@ import sympy as sp
 from derivations import symbols as sy
 from derivations.derived import any_dimension, any_law, finite_density, position, scaling_state
 from derivations.derived import values as quadrature
+from derivations.derived.driven import bath_rates
 from derivations.derived.uniform_field import field_row
 from derivations.formal import Second
 from derivations.printed import ROWS, printed_equation
@@ -17,6 +18,9 @@ from derivations.symbols import R, e, eta, p
 from kinetics import CollisionLaw, ScalingSolution
 from kinetics import sonine as printed_numbers
 from kinetics.collision import law_in_medium
+from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.generator import Generator, Resolution
+from kinetics.driven.system import System
 from kinetics.moments.backward import Observable, quartic_displacement
 
 RANDOM = np.random.default_rng(20240607)
@@ -360,3 +364,29 @@ def test_constants_of_the_nearly_elastic_limit() -> None:
     at = {sy.deficit: 1}
     values = [float(sp.N(x.rhs.subs(at))) for x in formula if x.lhs != sy.f0(sy.v)]
     assert values == pytest.approx([0.52666478, 0.37760980, 0.63452714, 0.41337540], abs=5e-9)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_a_bath_does_is_what_the_generator_of_the_solver_does(dimension: int) -> None:
+    e_star, w = 0.3, 0.8
+    axis = SpeedAxis(16.0, w, 30, 1.0, True)  # far above the speeds at which it is tested
+    one = Generator(System(e_star, dimension, bath_speed=w), axis, Resolution(30, 40, 1, 1e-12))
+    # rate and pull by quadrature over g = v - V: its length, and its cosine to v
+    g, weight = (part[:, None] for part in np.polynomial.legendre.leggauss(80))
+    g = 6.0 * (g + 1.0)
+    weight = 6.0 * weight * g ** (dimension - 1)
+    if dimension == 2:
+        cosine, share = np.cos((np.arange(80) + 0.5) * math.pi / 80), np.full(80, math.pi / 40)
+    else:
+        cosine, share = np.polynomial.legendre.leggauss(80)
+        share = 2.0 * math.pi * share
+    along, square = bath_rates(dimension)
+    for i in (0, 5, 10, 15):
+        v = axis.speeds[i]
+        there = np.exp(-(v * v + g * g - 2.0 * v * g * cosine) / (2.0 * w * w)) * weight * share
+        there /= (2.0 * math.pi * w * w) ** (dimension / 2)
+        at = {sy.bath_rate(sy.v): (there * g).sum(), sy.bath_pull(sy.v): v * (
+            there * g * g * cosine).sum(), sy.v: v, sy.bath: w, sy.effective: e_star}  # fmt: skip
+        found = one.matrices[0, i] @ axis.speeds**2, one.matrices[1, i] @ axis.speeds
+        assert found[0] == pytest.approx(float(square.subs(at)), rel=1e-9)
+        assert found[1] == pytest.approx(float((sy.v * along).subs(at)), rel=1e-9)

@@ -1,0 +1,233 @@
+"""Tracers in a bath, in noise with a drag, and tracers that stick; beyond the paper.
+
+Lengths in l. A bath: the velocities V of the scatterers are Gaussian, w_V in each component. Only
+the part q of v - V along the normal counts: a collision takes (1 + e*) q from the tracer's velocity
+along it, e* being the restitution of ``mass_ratio``.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy as sp
+
+from .. import symbols as s
+from ..formal import Avg, Partial, eq
+from .any_law import impact_density, speed_at_e_zero
+from .mass_ratio import effective_restitution
+from .record import Derived, derives, must, result, zero
+from .uniform_field import over_impact
+
+# -- a bath ---------------------------------------------------------------------------------------
+
+
+@cache
+def tracer_temperature() -> sp.Expr:
+    """tau^2 with which every collision and its reverse are equally frequent."""
+    v, q = sp.symbols("v_n q", real=True)
+    after = v - (1 + s.effective) * q
+    scatterer = v - q
+    reverse = q + after  # its normal is turned round: q = V - v' again
+    weight = (v**2 - after**2) / s.hot**2 + (scatterer**2 - reverse**2) / s.bath**2
+    roots = [
+        sp.solve(part, s.hot**2)
+        for part in sp.Poly(sp.expand(weight), v, q).coeffs()
+        if part.has(s.hot)
+    ]
+    must(roots[0] == roots[1] and len(roots) == 2, "no Gaussian is in detailed balance")
+    return sp.factor(roots[0][0])
+
+
+@derives("beyond:bath-temperature")
+def _temperature() -> Derived:
+    # an elastic collision of the masses 1 and A takes 2 A/(1 + A) q from the tracer
+    elastic = (1 + effective_restitution()).subs(s.relative, 1)
+    (mass,) = sp.solve(elastic - 1 - s.effective, s.masses)
+    zero(tracer_temperature() - s.bath**2 * mass, "equipartition gives another temperature")
+    ratio = sp.factor((tracer_temperature() / s.bath**2).subs(s.effective, effective_restitution()))
+    return result(
+        sp.Tuple(
+            eq(s.hot**2, tracer_temperature()),
+            eq(s.masses, sp.factor(mass)),
+            eq(s.hot**2 / s.bath**2, ratio),
+        ),
+        "the rate q exp(-V_n^2/2 w^2), V_n = v_n - q, times exp(-v_n^2/2 tau^2) is that of the "
+        "reverse, which has the same q",
+        "second route: the elastic tracer with the same e* has the temperature of the scatterers",
+        note="alpha and A give e*: the last formula, after Martin and Piasecki. Below e* = 1 the "
+        "steady state is this Maxwellian, with any mass and inelasticity.",
+    )
+
+
+@cache
+def cubed_relative_speed(dimension: int) -> sp.Expr:
+    """<|g|^3> over the bath, g = v - V, in its rate nu and B = <|g| g.v>.
+
+    |g|^3 = |g| g.(v - V), and V exp(-V^2/2 w^2) is -w^2 times a gradient: by parts it is the
+    divergence of |g| g by V.
+    """
+    g = sp.symbols(f"g:{dimension}", real=True)
+    size = sp.sqrt(sum(part**2 for part in g))
+    divergence = -sum(sp.diff(size * part, part) for part in g)  # by V = v - g
+    by_rate = sp.simplify(divergence / size)
+    return s.bath_pull(s.v) - s.bath**2 * by_rate * s.bath_rate(s.v)
+
+
+@cache
+def bath_rates(dimension: int) -> tuple[sp.Expr, sp.Expr]:
+    """L v over v, and L v^2, by collisions; with l = 1 at the rate |g|, g = v - V.
+
+    The mean of (g.n) n over the normals of one collision is c g, and that of (g.n)^2 is c g^2.
+    """
+    share = over_impact(dimension, 1 - s.y**2)  # c = E[cos^2 theta]
+    kick = 1 + s.effective
+    along = kick * s.bath_pull(s.v) / s.v**2 * -share  # of <|g| g>, its part along v
+    square = kick**2 * cubed_relative_speed(dimension) - 2 * kick * s.bath_pull(s.v)
+    gained = sp.collect(sp.cancel(square / kick).expand(), s.bath_pull(s.v))
+    return along, kick * share * gained
+
+
+@derives("beyond:bath-moments")
+def _moments() -> Derived:
+    rows = []
+    for dimension in (2, 3):
+        along, square = bath_rates(dimension)
+        rows += [eq(s.collided(s.bv), s.bv * along), eq(s.collided(s.v**2), square)]
+        still = {s.bath_rate(s.v): s.v, s.bath_pull(s.v): s.v**3, s.bath: 0}
+        loss = over_impact(dimension, (1 - s.effective**2) * (1 - s.y**2))
+        zero(square.subs(still) + loss * s.v**3, "at rest the bath is not fixed scatterers")
+    return result(
+        sp.Tuple(*rows),
+        "v' = v - (1 + e*) (g.n) n, v'^2 - v^2 = (1 + e*)^2 (g.n)^2 - 2 (1 + e*) (g.n) (v.n)",
+        ("<|g|^3> by parts, in the plane", cubed_relative_speed(2)),
+        note="In a field g these give two relations of the steady state: <L v_z> = -g and "
+        "<L v^2> = -2 g u. They test the solver, which does not use them.",
+    )
+
+
+@derives("beyond:bath-from-rest")
+def _from_rest() -> Derived:
+    rows = []
+    for dimension in (2, 3):
+        gauss = sp.exp(-(s.v**2) / (2 * s.bath**2)) * s.v ** (dimension - 1)
+        norm, first = (sp.integrate(s.v**k * gauss, (s.v, 0, sp.oo)) for k in (0, 1))
+        at_rest = {s.bath_rate(s.v): sp.simplify(first / norm), s.bath_pull(s.v): 0}
+        square = bath_rates(dimension)[1].subs(at_rest)
+        rows.append(eq(s.collided(s.v**2), square))
+    return result(sp.Tuple(*rows), "v = 0: the rate is <|V|>, and B is 0")
+
+
+@derives("beyond:bath-einstein")
+def _einstein() -> Derived:
+    v_z, solved = sp.Symbol("v_z", real=True), sp.Function("H")
+    steady = sp.exp(-(v_z**2) / (2 * s.hot**2))
+    # f = steady (1 + g phi): the field adds -d steady/dv_z, and the balance makes L (phi steady)
+    # steady L phi, so that L phi = -v_z/tau^2, where L H = -v_z
+    driven = sp.cancel(-sp.diff(steady, v_z) / steady)
+    response = sp.cancel(driven / v_z) * solved(v_z)
+    integral = Avg(v_z * solved(v_z))  # D, the time integral of <v_z(0) v_z(t)>
+    found = sp.cancel(v_z * response / (v_z * solved(v_z))) * integral
+    return result(
+        eq(s.mobility, found.subs(integral, s.diffusivity)),
+        ("the field on the Maxwellian, -d f/dv_z over f", driven),
+        "detailed balance: the response is H/tau^2, L H = -v_z, and D = <v_z H>",
+        note="For every e* below 1. White noise and fixed scatterers are not in detailed balance: "
+        "there D/(mu tau^2) is not 1.",
+    )
+
+
+# -- noise and drag -------------------------------------------------------------------------------
+
+
+@cache
+def heated_moment() -> sp.Expr:
+    """d<v^p>/dt, from the generator of noise and drag on v^p; its boundary at v = 0 vanishes."""
+    power = s.v**s.p
+    radial = sp.diff(power, s.v, 2) + (s.dim - 1) / s.v * sp.diff(power, s.v)
+    spread = sp.factor(sp.simplify(radial / s.v ** (s.p - 2)))
+    slowed = sp.simplify(s.v * sp.diff(power, s.v) / power)
+    return (
+        s.heat * spread * Avg(s.v ** (s.p - 2))
+        - s.drag * slowed * Avg(power)
+        - s.lam(s.p) * Avg(s.v ** (s.p + 1))
+    )
+
+
+@derives("beyond:heated-moments")
+def _heated_moments() -> Derived:
+    one = {Avg(sp.Integer(1)): 1}
+    steady = heated_moment().subs(s.drag, 0).subs(s.p, s.p + 2)
+    high = Avg(s.v ** (s.p + 3))
+    energy = heated_moment().subs(s.p, 2).subs(one)
+    return result(
+        sp.Tuple(
+            eq(Partial(Avg(s.v**s.p), s.t), heated_moment()),
+            eq(s.lam(s.p + 2) * high, steady + s.lam(s.p + 2) * high),
+            eq(s.lam(2) * Avg(s.v**3) + 2 * s.drag * Avg(s.v**2),
+               energy + s.lam(2) * Avg(s.v**3) + 2 * s.drag * Avg(s.v**2)),
+        ),
+        "the Laplacian of v^p is p (p + D - 2) v^(p-2)",
+        note="<v^0> = 1 gives <v^3>, <v^6>, ... in closed form, in the plane and in space.",
+    )  # fmt: skip
+
+
+@cache
+def plastic_residual(dimension: int, shape: sp.Expr, drag: int) -> sp.Expr:
+    """The kinetic equation at e = 0 and D_v = 1 with an equation for f'' and the gain by parts.
+
+    A tracer of speed u leaves with u |y|: the gain is (D - 1)/v times the integral of u f over
+    u > v. Where f'' = v f - gamma (v f)', that integral is -(f' + gamma v f).
+    """
+    slope = sp.diff(shape, s.v)
+    above = -(slope + drag * s.v * shape)
+    zero(sp.diff(above, s.v) + s.v * shape, "f'' is another")
+    must(sp.limit(above, s.v, sp.oo) == 0, "f does not fall")
+    u = sp.Symbol("u", positive=True)
+    density = speed_at_e_zero(dimension).subs(s.y, s.v / u) / u  # of the speed afterwards
+    factor = sp.cancel((u / s.v) ** (dimension - 1) * u * density / u)
+    must(not factor.has(u), "the gain is no integral of u f")
+    spread = sp.diff(slope, s.v) + (dimension - 1) / s.v * slope
+    slowed = drag * (dimension * shape + s.v * slope)
+    return spread + slowed + factor * above - s.v * shape
+
+
+@derives("beyond:heated-e-zero")
+def _plastic() -> Derived:
+    unknown = sp.Function("unknown")
+    first, second = sp.symbols("C1 C2")
+    airy = sp.dsolve(sp.diff(unknown(s.v), s.v, 2) - s.v * unknown(s.v), unknown(s.v)).rhs
+    must(sp.limit(airy.coeff(second), s.v, sp.oo) == sp.oo, "both solutions fall")
+    airy = airy.subs({first: 1, second: 0})
+    a, b = sp.symbols("a b", positive=True)
+    form = (s.v + a) * sp.exp(-b * s.v - s.v**2 / 2)
+    left = sp.diff(form, s.v, 2) + sp.diff(s.v * form, s.v) - s.v * form
+    polynomial = sp.Poly(sp.cancel(sp.expand(left / sp.exp(-b * s.v - s.v**2 / 2))), s.v)
+    (found,) = sp.solve(polynomial.coeffs(), (a, b), dict=True)
+    for dimension in (2, 3):
+        for shape, drag in ((airy, 0), (form.subs(found), 1)):
+            zero(plastic_residual(dimension, shape, drag), "the kinetic equation is not fulfilled")
+    return result(
+        sp.Tuple(eq(s.f0(s.v), airy), eq(s.f0(s.v), form.subs(found))),
+        "gain: (D - 1)/v times the integral of u f(u) over u > v",
+        "D_v f'' + gamma (v f)' = v f makes that integral -(f' + gamma v f), in any dimension",
+        note="With other drags f is a parabolic cylinder function.",
+    )
+
+
+# -- sticking -------------------------------------------------------------------------------------
+
+
+@derives("beyond:stick-depth")
+def _depth() -> Derived:
+    rows, ratio = [], sp.Symbol("ratio", positive=True)  # v_c/v
+    for dimension in (2, 3):
+        beyond = sp.sqrt(1 - ratio**2)  # the |y| above which v_n = v sqrt(1 - y^2) is below v_c
+        low = -beyond if dimension == 2 else 0
+        chance = 1 - sp.integrate(impact_density(dimension), (s.y, low, beyond))
+        lowest = sp.series(chance, ratio, 0, 4).removeO() / ratio**2
+        rows.append(eq(s.depth, s.drift / (sp.simplify(lowest) * s.capture**2 * Avg(1 / s.v))))
+    return result(
+        sp.Tuple(*rows),
+        "captures per unit time: the mean of v times the chance, to the lowest order in v_c",
+        note="Means and drift are those of the steady state without sticking.",
+    )
