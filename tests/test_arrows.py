@@ -34,9 +34,11 @@ ROOMS: dict[str, set[str]] = {
     "densities": BASE | {"states", "scaling", "moments"},
     "position": BASE | {"states", "moments"},
     "field": BASE | {"states", "status"},
+    "driven": BASE | {"states", "status", "field"},
     "outputs": {"moments"},
-    "scene": BASE | {"states", "outputs"},
-    "answer": BASE | {"moments", "densities", "position", "field", "outputs", "scene", "status"},
+    "scene": BASE | {"states", "outputs", "driven"},
+    "answer": BASE
+    | {"moments", "densities", "position", "field", "driven", "outputs", "scene", "status"},
     "solution": BASE | VELOCITY | QUESTION | {"position", "field"},
     "solver": BASE | VELOCITY | QUESTION | {"position", "solution"},
 }
