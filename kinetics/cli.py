@@ -27,7 +27,8 @@ GRACE = 1.0
 """Seconds that a command has after a signal to remove what is half written and say what is saved:
 half of the two within which it promises to end."""
 COMMANDS = (
-    "report", "solve", "simulate", "compare", "fit", "explore", "derive", "bench", "stress",
+    "report", "solve", "simulate", "merge", "compare", "fit", "explore", "derive", "bench",
+    "stress",
 )  # fmt: skip
 
 
@@ -39,7 +40,8 @@ class _Commands(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in COMMANDS and cmd_name not in self.commands:
-            home = {"stress": "bench", "fit": "compare"}.get(cmd_name, cmd_name)
+            homes = {"stress": "bench", "fit": "compare", "merge": "simulate"}
+            home = homes.get(cmd_name, cmd_name)
             module = import_module(f"kinetics.crosscheck.cli.{home}")
             self.add_command(getattr(module, cmd_name))
         return self.commands.get(cmd_name)

@@ -177,6 +177,7 @@ class Result(Value):
                      "max_collisions", "seed"]  # fmt: skip
         arguments += ["mass_ratio"] if isfinite(plan.mass_ratio) else []  # JSON has no infinity
         arguments += [n for n in DRIVES if getattr(plan, n)]
+        arguments += ["part"] if plan.part else []
         medium = " ".join(repr(plan.medium).split())
         ends = ["finished", "collision_cap", "trapped", "escaped"]
         ends += ["captured"] if plan.capture_speed else []
