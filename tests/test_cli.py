@@ -81,6 +81,10 @@ BAD_INPUT = [
     ("simulate --count 1000000000000", "memory"),
     ("simulate --mass-ratio 2 --times 1", "mass_ratio HardDisks"),
     ("simulate --mass-ratio 0 --times 1 --medium boltzmann-grad", "mass_ratio 0.0"),
+    ("simulate --part 3", "part 3 K/N"),
+    ("simulate --part 0/3 --times 1", "part (0, 3)"),
+    ("merge -o a.h5", "HDF5"),
+    ("merge no.h5 -o a.h5", "no.h5"),
     ("solve --mass-ratio nan", "mass_ratio nan"),
     ("solve --mass-ratio 2 --scatterers overlapping", "mass_ratio 2.0 scatterers"),
     ("solve --mass-ratio 2 --tangential-restitution .5 --scaled", "mass_ratio 2.0"),
@@ -286,6 +290,21 @@ def test_the_file_of_a_run_holds_what_python_gives(lorentz: Any) -> None:
     lorentz.refused(*arguments, "--resume", "--seed", "6")
     assert Path("run.h5").read_bytes() == before
     assert f"{expected.msd.value[1]:.6g}" in lorentz(*arguments, "--resume")
+
+
+def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
+    whole = lorentz.json(*TINY, "-o", "whole.h5")
+    for k in "12":
+        found = lorentz.json(*TINY, "--part", f"{k}/2", "-o", f"{k}.h5")
+        assert (found["part"], found["samples"]) == ([int(k), 2], [3, 3])
+    assert "configuration 1 of 0 to 1 is missing" in lorentz.refused("merge", "1.h5", "-o", "a.h5")
+    assert lorentz.json("merge", "[12].h5", "-o", "a.h5") == whole
+    assert Path("a.h5").read_bytes() == Path("whole.h5").read_bytes()
+    assert "exists" in lorentz.refused("merge", "1.h5", "2.h5", "-o", "a.h5")
+    given = simulate(BoltzmannGrad(0.04), lambda v: 0.5 + 0 * v, [[1.0, 0.0]], [1.0], 2, 1)
+    given.save("b.h5")
+    document = lorentz.json("merge", "b.h5", "-o", "c.h5")
+    assert (document["initial"], document["restitution"], document["viscoelastic"]) == (None,) * 3
 
 
 @pytest.mark.parametrize(
