@@ -52,7 +52,24 @@ def _print_version(context: click.Context, option: click.Parameter, asked: bool)
         from kinetics import __version__
 
         click.echo(f"lorentz, version {__version__}")
+        if line := other_owners():
+            _say(line)
         context.exit()
+
+
+def other_owners() -> str:
+    """One line if other distributions have packages of our names, which pip does not notice."""
+    from importlib.metadata import packages_distributions
+
+    owners = packages_distributions()
+    names = ("kinetics", "particles", "derivations")
+    for name, others in ((name, {*owners.get(name, ())} - {"inelastic-lorentz"}) for name in names):
+        if others:
+            return (
+                f"the package {name!r} is also of {', '.join(sorted(others))}, which pip "
+                "mixes with this one; install inelastic-lorentz in a fresh environment (python -m venv)"
+            )
+    return ""
 
 
 @click.group(
@@ -122,6 +139,10 @@ def _run(arguments: list[str]) -> int:
         return _complain(f"{where}{error.strerror or error}")
     except ValueError as error:
         return _complain(str(error))
+    except (ImportError, AttributeError):
+        if line := other_owners():
+            return _complain(line)
+        raise
 
 
 def _complain(message: str) -> int:

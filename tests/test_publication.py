@@ -1,6 +1,7 @@
 """What a release needs: one version, honest metadata, and nothing that one system alone has."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -55,6 +56,35 @@ def test_the_workflow_runs_every_python_and_system_of_the_classifiers() -> None:
     assert all(
         systems[c.split(" :: ")[-1]] in text for c in PROJECT["classifiers"] if "Operat" in c
     )
+
+
+def test_another_package_of_the_same_name_is_named_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "particles").mkdir()
+    (tmp_path / "particles" / "__init__.py").write_text("")
+    (tmp_path / "quarks-1.0.dist-info").mkdir()
+    for name, text in {
+        "METADATA": "Metadata-Version: 2.1\nName: quarks\nVersion: 1.0\n",
+        "RECORD": "particles/__init__.py,,\n",
+        "top_level.txt": "particles\n",
+    }.items():
+        (tmp_path / "quarks-1.0.dist-info" / name).write_text(text)
+    run = "import sys; from kinetics.cli import main; sys.exit(main())"
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
+    for arguments, status, out in (
+        (["simulate", "--media", "2", "--times", "1"], 2, ""),
+        (["--version"], 0, "lorentz, version"),
+        (["solve", "--times", "1"], 0, "t [d/U]"),  # needs no particles, and says nothing
+    ):
+        done = subprocess.run(
+            [sys.executable, "-c", run, *arguments], env=environment, cwd=tmp_path,
+            capture_output=True, text=True,
+        )  # fmt: skip
+        assert (done.returncode, out in done.stdout) == (status, True), done.stderr
+        if arguments[0] == "solve":
+            assert done.stderr == ""
+        else:
+            assert done.stderr.startswith("lorentz: the package 'particles' is also of quarks")
+            assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has these names not to begin with")
