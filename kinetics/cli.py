@@ -65,9 +65,9 @@ def other_owners() -> str:
     names = ("kinetics", "particles", "derivations")
     for name, others in ((name, {*owners.get(name, ())} - {"inelastic-lorentz"}) for name in names):
         if others:
+            whose = ", ".join(sorted(others))
             return (
-                f"the package {name!r} is also of {', '.join(sorted(others))}, which pip "
-                "mixes with this one; install inelastic-lorentz in a fresh environment (python -m venv)"
+                f"the package {name!r} is also of {whose}; use a fresh environment (python -m venv)"
             )
     return ""
 

@@ -91,6 +91,8 @@ BAD_INPUT = [
     ("explore -o a.txt", "output .html"),
     ("explore -o no/such/a.html", "no/such"),
     ("derive --only nonsense", "nonsense"),
+    ("derive --search nonsense", "search nonsense"),
+    ("derive --list --only B15", "only list"),
     ("bench --case nonsense", "nonsense"),
     ("stress --group nonsense", "groups nonsense"),
     ("stress --quick extra", "extra"),
@@ -366,6 +368,18 @@ def test_scatterers_that_a_collision_sets_in_motion(lorentz: Any) -> None:
     assert "mass_ratio" not in lorentz.json("solve", "--times", "1", "--mass-ratio", "inf")
     assert lorentz.json(*TINY, *LIGHT)["mass_ratio"] == 0.5
     assert "mass_ratio" not in lorentz.json(*TINY)
+
+
+def test_derive_finds_equations_by_number_and_word(lorentz: Any) -> None:
+    assert lorentz("derive", "--only", "B15") == lorentz("derive", "--only", "sonine9")
+    listed = lorentz("derive", "--list").splitlines()
+    assert next(line.split()[:2] for line in listed if "sonine9" in line) == ["B15", "sonine9"]
+    found = lorentz.json("derive", "--search", "Mean Square")["equations"]
+    assert {"number": "22", "label": "msd"}.items() <= found[0].items()
+    assert len(listed) > 150 > len(found)
+    numbers = [row["number"] for row in lorentz.json("derive", "--list")["equations"]]
+    numbers = [number for number in numbers if number]
+    assert len(set(numbers)) == len(numbers) == 124
 
 
 def test_derive_prints_one_equation_with_its_steps(lorentz: Any) -> None:
