@@ -264,6 +264,14 @@ def test_files_that_hold_the_whole_result(lorentz: Any) -> None:
     assert sorted(os.listdir()) == ["A.H5", "a.nc"]
 
 
+@pytest.mark.parametrize("arguments", [(*SOLVE, "--speeds", "0.1,1"), ("solve", "--scaled")])
+def test_a_picture_of_a_solution(lorentz: Any, arguments: tuple[str, ...]) -> None:
+    plain = lorentz(*arguments)
+    for name in ("a.png", "a.svg"):
+        assert lorentz(*arguments, "-o", name) == plain
+        assert Path(name).stat().st_size > 5_000
+
+
 def test_a_picture_of_a_run(lorentz: Any) -> None:
     arguments = ("simulate", "--media", "2", "--count", "400", "--tracers", "3", "--until", "50")
     plain = lorentz(*arguments)
