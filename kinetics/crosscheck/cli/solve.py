@@ -91,8 +91,8 @@ _points = partial(option, type=options.Numbers(), default="")
 @option("--rtol", type=float,
         help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6.")
 @option("-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
-        help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF), .h5 (for "
-        "kinetics.load), or a picture of all of it, .png, .svg or .pdf.")
+        help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF), .h5 "
+        "(for kinetics.load), or a picture of all of it, .png, .svg or .pdf.")
 @options.json_option
 def solve(
     scaled: bool, field_steady: bool, field_units: tuple[float, ...], outputs: str,
