@@ -216,7 +216,8 @@ class Result(Value):
 
         groups: dict[str, list[xarray.DataArray]] = {}
         for one in self._made(None, points).data_vars.values():
-            if 1 <= len(_axes(one)) <= 2 and "front" not in one.dims:
+            empty = one.name == "uncollided" and not one.values.any()  # of most starts
+            if 1 <= len(_axes(one)) <= 2 and "front" not in one.dims and not empty:
                 base = str(one.name).removesuffix("_real").removesuffix("_imag")
                 groups.setdefault(base, []).append(one)
         width = min(3, max(1, len(groups)))

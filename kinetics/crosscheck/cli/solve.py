@@ -274,7 +274,7 @@ def write_result(result: Any, path: Path, points: dict[str, Any]) -> None:
     elif ending in PICTURES:
         from matplotlib import pyplot
 
-        result.plot_all(**points)
+        result.plot_all()  # at points of its own, which are many
         pyplot.savefig(picture := io.BytesIO(), format=ending[1:], dpi=160)
         pyplot.close()
         write_together(path.parent, {path.name: picture.getvalue()})
