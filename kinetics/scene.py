@@ -218,6 +218,7 @@ def _check_outputs(outputs: Any, table: Mapping[str, Any]) -> tuple[str, ...]:
             near = difflib.get_close_matches(name, table, n=1)
             hint = f"did you mean {near[0]!r}? " if near else ""
             if name in OUTPUTS or name in FIELD_OUTPUTS:
-                hint = "not available for such a scene; "
+                without = "without a field" if table is OUTPUTS else "with a field or a drive"
+                hint = f"not available {without}; "
             refuse("outputs", name, f"{hint}known are {known}")
     return tuple(str(name) for name in dict.fromkeys(names))

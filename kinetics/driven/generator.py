@@ -113,7 +113,7 @@ class Generator:
         else:
             breaks = system.breaks / v
             edges = np.unique(np.concatenate([[0.0], breaks[breaks < 1.0], [1.0]]))
-        count = max(8, self._points // max(1, edges.size - 2))
+        count = max(16, self._points // max(1, edges.size - 2))
         x, weight = gauss_legendre(count)
         if not w and system.is_singular:
             x, weight = x**_SINGULAR, weight * _SINGULAR * x ** (_SINGULAR - 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,7 +25,8 @@ from kinetics.numerics.threads import one_blas_thread
 from kinetics.states.state import State
 from kinetics.status import PlanStep
 
-_MOST_NODES, _MOST_HARMONICS = 200, 50
+_MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
+_RANGE = 6.0  # of the highest speeds at times that are solved together
 _DECADES = 10.0  # the power of the axis where nothing drives: v^(1/10) is smooth on it
 _BEST_DENSITY = 1e-4
 _TAIL = 1e-3  # of the tolerance: the share of tracers above the top
@@ -87,6 +89,8 @@ def _scale(system: System, time: float, top: float) -> float:
 
 class _Evolution(Evolution):
     """One start over time, in units of l and U; as in a field, on the axis of driven tracers."""
+
+    most_steps = _MOST_STEPS
 
     def __init__(
         self, system: System, state: State, times: FloatArray, resolution: Resolution,
@@ -156,47 +160,63 @@ class DrivenScene(FieldScene):
 
     @one_blas_thread
     def _solve(self) -> None:
-        last, worst, more = self._evolved(self._first()), math.inf, self._first().finer()
-        self.errors, self.evolution = dict.fromkeys(self.allowed, math.inf), last
-        while worst > 1.0 and more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS:
-            before, last, more = last, self._evolved(more), more.finer()
-            errors = {"averages": last.difference(before)}
+        """Times at which tracers are about as fast are solved together."""
+        self._parts: list[_Evolution] = []
+        self.errors = dict.fromkeys(self.allowed, 0.0)
+        end = self._scaled.size
+        while end > 0:
+            far = self._top(end - 1) / _RANGE
+            begin = bisect.bisect_left(range(end - 1), True, key=lambda i: self._top(i) >= far)
+            part, errors = self._refined(self._scaled[begin:end])
+            self._parts.insert(0, part)
+            self.errors = {name: max(errors[name], x) for name, x in self.errors.items()}
+            end = begin
+
+    def _top(self, i: int) -> float:
+        return self.system.top(_TAIL * self.rtol, max(float(self._scaled[i]), 1e-12), 6.0)
+
+    def _refined(self, times: FloatArray) -> tuple[_Evolution, dict[str, float]]:
+        """The best solution up to some times, and its errors."""
+        last = max(float(times[-1]), 1e-12)
+        scale = _scale(self.system, last, math.inf)
+        span = math.asinh(self.system.top(_TAIL * self.rtol, last, 6.0) / scale)
+        there = self.state.highest_harmonic
+        more = Resolution.first(self.system, self.rtol, span, max(2, 2 if there is None else there))
+        asked = frozenset({"v^2"}.union(*(MADE_OF.get(name, set()) for name in self.outputs)))
+        fixed = self.system, self.state, times
+        one = best = _Evolution(*fixed, more, asked, DENSITIES in self.allowed)
+        least, worst = dict.fromkeys(self.allowed, math.inf), math.inf
+        more = more.finer()
+        while (
+            worst > 1.0
+            and more.nodes <= _MOST_NODES
+            and more.harmonics <= _MOST_HARMONICS
+            and one.steps < _MOST_STEPS
+        ):
+            before, one = one, _Evolution(*fixed, more, asked, DENSITIES in self.allowed)
+            more = more.finer()
+            errors = {"averages": one.difference(before)}
             if DENSITIES in self.allowed:
-                errors[DENSITIES] = self._apart(last, before)
+                errors[DENSITIES] = self._apart(one, before)
             missed = max(errors[part] / self.allowed[part] for part in errors)
             if missed < worst:
-                self.evolution, self.errors, worst = last, errors, missed
-
-    def _first(self) -> Resolution:
-        """A resolution that most scenes need not refine."""
-        system, last = self.system, max(float(self._scaled[-1]), 1e-12)
-        scale = _scale(system, last, math.inf)
-        span = math.asinh(system.top(_TAIL * self.rtol, last, 6.0) / scale)
-        there = self.state.highest_harmonic
-        return Resolution.first(system, self.rtol, span, max(2, 2 if there is None else there))
-
-    def _evolved(self, resolution: Resolution) -> _Evolution:
-        asked = frozenset({"v^2"}.union(*(MADE_OF.get(name, set()) for name in self.outputs)))
-        densities = DENSITIES in self.allowed
-        return _Evolution(self.system, self.state, self._scaled, resolution, asked, densities)
+                best, least, worst = one, errors, missed
+        return best, least
 
     def _apart(self, one: _Evolution, two: _Evolution) -> float:
         """The largest difference of two densities of the speed, over their maximum."""
         worst = 0.0
-        for i, speed in enumerate(self.typical_speed_of(one)):
-            pair = [self._speed_density(e, i, speed * _TRIED) for e in (one, two)]
+        for i, square in enumerate(one.values[:, ALL.index("v^2")]):
+            v = math.sqrt(max(square, 0.0)) * _TRIED
+            pair = [self._speed_density(e, i, v) for e in (one, two)]
             scale = max(float(np.abs(pair[0]).max()), 1e-300)
             worst = max(worst, float(np.abs(pair[0] - pair[1]).max()) / scale)
         return worst if math.isfinite(worst) else math.inf
 
-    def typical_speed_of(self, evolution: _Evolution) -> FloatArray:
-        """The root mean square speed, (n_times,)."""
-        return np.sqrt(np.maximum(evolution.values[:, 2], 0.0))
-
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:
         """What was solved, and how."""
-        one = self.evolution
+        one = self._parts[-1]
         how = (
             f"generator for {', '.join(self.outputs)}: harmonics 0 to {one.resolution.harmonics}, "
             f"{one.panels.size} speeds up to {one.panels.highest:.3g} U, {one.steps} steps of "
@@ -209,11 +229,11 @@ class DrivenScene(FieldScene):
     @property
     def stats(self) -> dict[str, Any]:
         """Numbers about the work."""
-        one = self.evolution
+        parts = self._parts
         return {
-            "harmonics": one.resolution.harmonics,
-            "nodes": one.panels.size,
-            "steps": one.steps,
+            "harmonics": max(one.resolution.harmonics for one in parts),
+            "nodes": max(one.panels.size for one in parts),
+            "steps": sum(one.steps for one in parts),
         }
 
     # -- averages ---------------------------------------------------------------------------------
@@ -221,7 +241,8 @@ class DrivenScene(FieldScene):
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
         """Averages over those that move, if others stick."""
-        found = dict(super()._of)
+        rows = np.vstack([one.values for one in self._parts])
+        found = dict(zip(ALL, rows.T, strict=True))
         moving = found["1"]
         return {name: x if name == "1" else x / moving for name, x in found.items()}
 
@@ -249,7 +270,9 @@ class DrivenScene(FieldScene):
 
     def speed_density(self, v: FloatArray) -> FloatArray:
         """In 1/U at all times, shape (n_times, n_v)."""
-        return np.array([self._speed_density(self.evolution, i, v) for i in range(self.times.size)])
+        return np.array(
+            [self._speed_density(one, i, v) for one in self._parts for i in range(one.times.size)]
+        )
 
     def _speed_density(self, one: Evolution, i: int, v: FloatArray) -> FloatArray:
         d = self.law.dimension
@@ -261,7 +284,11 @@ class DrivenScene(FieldScene):
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""
-        axis, d = self.evolution.panels, self.law.dimension
+        d = self.law.dimension
         return np.array(
-            [angular_sum(axis.density(f, v, d), phi, d) for f in self.evolution.sums]  # type: ignore[attr-defined]
+            [
+                angular_sum(one.panels.density(f, v, d), phi, d)  # type: ignore[attr-defined]
+                for one in self._parts
+                for f in one.sums
+            ]
         )

@@ -222,8 +222,9 @@ class DrivenState(Result):
         """The density of the velocity, shape (n_v, n_angle); its integral is 1.
 
         v : speeds; angle : to the field, in radians. Raises InputError for others. Its error is
-        about 1e-4 of the maximum, 1e-3 at the lowest speeds, less with more nodes (a smaller rtol);
-        without noise or bath it is more in the direction of the field.
+        about 1e-5 of the maximum, less for a smaller rtol, but in space 1e-2 for those nearly at
+        rest, below a tenth of the thermal speed; and in a field without noise or bath it is more in
+        the direction of the field.
         """
         v_, phi = speeds(v), finite_line("angle", angle)
         one, d = self._fine, self.dimension

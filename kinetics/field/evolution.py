@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,9 +21,9 @@ INTEGRALS |= {"x^2": (7, 2.0), "y^2": (8, 2.0), "x y": (9, 1.0)}
 """What grows over time -> the average that it grows with, and a factor."""
 ALL = (*AVERAGES, *INTEGRALS)
 SQUARES = frozenset({"x^2", "y^2", "x y"})
-_MOST_STEPS = 300  # then steps are taken as they are: another resolution says that this one fails
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
 _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
+_SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
 _FIRST = 0.5  # of the first step, in free flights of the fastest
 
 
@@ -40,6 +41,9 @@ class Evolution:
     made : beginning, length, and v times what collisions make at the points, of each step; if the
         density is asked for
     """
+
+    # then steps are taken as they are: another resolution says that this one fails
+    most_steps: ClassVar[int] = 300
 
     law: CollisionLaw
     start: Start
@@ -100,7 +104,7 @@ class Evolution:
             left = radau.roughness(averages)
             left = np.append(left, h * radau.roughness(total)[grows] * factor)
             rough = self._relative(left[None], np.hstack([total, grown])[-1:])
-            if rough > allowed and tried < _MOST_STEPS:
+            if rough > allowed and tried < self.most_steps and h > _SHORTEST * last:
                 h *= 0.5
                 continue
             inside = (self.times >= now) & (self.times <= now + h)
@@ -113,7 +117,7 @@ class Evolution:
             self._keep(now, h, stages if early is None else stages + early)
             self.steps += 1
             now, f, totals = now + h, stages[-1], grown[-1]
-            if rough * _SMOOTH < allowed:
+            if rough * _SMOOTH < allowed or tried >= self.most_steps:
                 h *= 2.0
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
