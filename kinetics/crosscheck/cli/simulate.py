@@ -131,7 +131,7 @@ def simulate(
         output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
     described = {name: arguments.pop(name) for name in OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
-    with _saying_how_to_go_on(output) as told, options.progress() as tell:
+    with _saying_how_to_go_on(output) as told, options.progress(arguments["media"]) as tell:
 
         def progress(done: int, total: int) -> None:
             told["total"] = total
