@@ -177,12 +177,13 @@ class Check:
 
 
 def check(label: str, printed: sp.Basic | None = None) -> Check:
-    """Derive one label and judge the printed formula.
+    """Derive one label, or number such as "B15", and judge the printed formula.
 
     ``printed`` replaces the formula of :mod:`derivations.printed` (the mutation test uses it).
     Raises ValueError for a label that does not exist.
     """
     equation = printed_equation(label)
+    label = equation.label
     formula = equation.formula if printed is None else printed
     derived = REGISTRY[label]()
     status, proof = derived.status, ""
@@ -197,7 +198,7 @@ def check(label: str, printed: sp.Basic | None = None) -> Check:
 
 
 def verify(labels: Iterable[str] | None = None) -> tuple[Check, ...]:
-    """One :class:`Check` per label, in the paper's order; all labels when ``labels`` is None.
+    """One :class:`Check` per label or number, in their order; all labels when ``labels`` is None.
 
     Raises ValueError naming the label that does not exist.
     """

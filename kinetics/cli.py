@@ -27,7 +27,8 @@ GRACE = 1.0
 """Seconds that a command has after a signal to remove what is half written and say what is saved:
 half of the two within which it promises to end."""
 COMMANDS = (
-    "report", "solve", "simulate", "compare", "fit", "explore", "derive", "bench", "stress",
+    "report", "solve", "simulate", "merge", "compare", "fit", "explore", "derive", "bench",
+    "stress",
 )  # fmt: skip
 
 
@@ -39,7 +40,8 @@ class _Commands(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in COMMANDS and cmd_name not in self.commands:
-            home = {"stress": "bench", "fit": "compare"}.get(cmd_name, cmd_name)
+            homes = {"stress": "bench", "fit": "compare", "merge": "simulate"}
+            home = homes.get(cmd_name, cmd_name)
             module = import_module(f"kinetics.crosscheck.cli.{home}")
             self.add_command(getattr(module, cmd_name))
         return self.commands.get(cmd_name)
@@ -50,7 +52,24 @@ def _print_version(context: click.Context, option: click.Parameter, asked: bool)
         from kinetics import __version__
 
         click.echo(f"lorentz, version {__version__}")
+        if line := other_owners():
+            _say(line)
         context.exit()
+
+
+def other_owners() -> str:
+    """One line if other distributions have packages of our names, which pip does not notice."""
+    from importlib.metadata import packages_distributions
+
+    owners = packages_distributions()
+    names = ("kinetics", "particles", "derivations")
+    for name, others in ((name, {*owners.get(name, ())} - {"inelastic-lorentz"}) for name in names):
+        if others:
+            whose = ", ".join(sorted(others))
+            return (
+                f"the package {name!r} is also of {whose}; use a fresh environment (python -m venv)"
+            )
+    return ""
 
 
 @click.group(
@@ -120,6 +139,10 @@ def _run(arguments: list[str]) -> int:
         return _complain(f"{where}{error.strerror or error}")
     except ValueError as error:
         return _complain(str(error))
+    except (ImportError, AttributeError):
+        if line := other_owners():
+            return _complain(line)
+        raise
 
 
 def _complain(message: str) -> int:

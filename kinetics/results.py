@@ -205,7 +205,36 @@ class Result(Value):
         Averages are drawn over time, densities at up to eight of the times. Axes are labelled with
         units. ``points``: as of :meth:`to_xarray`. Raises InputError for a name that is not there.
         """
-        parts = self._named(name, points)
+        return self._draw(name, self._named(name, points), ax)
+
+    def plot_all(self, **points: Any) -> NDArray[Any]:
+        """Draw everything, each quantity in axes of its own in one new figure; an array of axes.
+
+        <r^2> is drawn over ln t where that is nearly straight. ``points``: as of :meth:`to_xarray`.
+        """
+        from matplotlib import pyplot
+
+        groups: dict[str, list[xarray.DataArray]] = {}
+        for one in self._made(None, points).data_vars.values():
+            empty = one.name == "uncollided" and not one.values.any()  # of most starts
+            if 1 <= len(_axes(one)) <= 2 and "front" not in one.dims and not empty:
+                base = str(one.name).removesuffix("_real").removesuffix("_imag")
+                groups.setdefault(base, []).append(one)
+        width = min(3, max(1, len(groups)))
+        rows = max(1, -(-len(groups) // width))
+        figure, grid = pyplot.subplots(
+            rows, width, squeeze=False, figsize=(4.2 * width, 3.2 * rows), layout="constrained"
+        )
+        for place, (base, parts) in zip(grid.flat, groups.items(), strict=False):
+            self._draw(base, parts, place)
+            if base == "msd" and _is_logarithmic(parts[0]["time"].values, parts[0].values):
+                place.set_yscale("linear")
+        for place in grid.flat[len(groups) :]:
+            figure.delaxes(place)
+        return grid.flat[: len(groups)]
+
+    def _draw(self, name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
+        """Draw a quantity, or its real and imaginary part."""
         free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
         if not 1 <= len(free) <= 2:
             raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
@@ -303,6 +332,14 @@ def _label(one: xarray.DataArray) -> str:
     symbol, units = one.attrs.get("symbol", str(one.name)), one.attrs["units"]
     text = symbol.replace("_", " ") + ("" if units == "1" else f" [{units}]")
     return text.translate({60: "⟨", 62: "⟩"}).replace("^2", "²").replace("^3", "³")
+
+
+def _is_logarithmic(t: NDArray[Any], y: NDArray[Any]) -> bool:
+    """Whether y grows more slowly than t^0.75 over the later half of the times."""
+    middle = t.size // 2
+    if t.size < 3 or not (t[middle] > 0.0 and 0.0 < y[middle] <= y[-1]):
+        return False
+    return bool(np.log(y[-1] / y[middle]) < 0.75 * np.log(t[-1] / t[middle]))
 
 
 def _is_wide(values: NDArray[Any]) -> bool:

@@ -46,7 +46,8 @@ def make_plan(
     medium: Medium, restitution: Any, initial: Any, times: Any,
     observables: Iterable[str] | None, tangential_restitution: float = 1.0, field: float = 0.0,
     depth: float | None = None, mass_ratio: float = inf, bath_speed: float = 0.0,
-    heating: float = 0.0, drag: float = 0.0, capture_speed: float = 0.0, **whole: int | None,
+    heating: float = 0.0, drag: float = 0.0, capture_speed: float = 0.0,
+    part: tuple[int, int] | None = None, **whole: int | None,
 ) -> Plan:  # fmt: skip
     """Check every argument of `simulate` and return what is to be run.
 
@@ -104,8 +105,23 @@ def make_plan(
         rest=isinstance(initial, str) and initial == "rest",
         depth=_check_depth(depth, field),
         mass_ratio=mass_ratio,
+        part=_check_part(part, media),
         **driven,
     )
+
+
+def _check_part(part: Any, media: int) -> tuple[int, int] | None:
+    """Return (k, n), 1 <= k <= n <= media, or None for the whole run."""
+    if part is None:
+        return None
+    allowed = f"must be two whole numbers (k, n), the k-th of n parts, 1 <= k <= n <= {media}"
+    two = isinstance(part, (tuple, list)) and len(part) == 2
+    if not two or any(isinstance(x, bool) or not isinstance(x, (int, np.integer)) for x in part):
+        refuse("part", part, allowed)
+    k, n = map(int, part)
+    if not 1 <= k <= n <= media:
+        refuse("part", part, allowed)
+    return (k, n) if n > 1 else None
 
 
 def check_workers(workers: int | None) -> int:
@@ -244,15 +260,16 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
     each = times * dimension * len(plan.observables & {"positions", "velocities"})
     each += FINALS[dimension] * ("finals" in plan.observables) + (plan.depth is not None)
     columns = MOMENTS + (FIELD_SUMS[dimension] if plan.field else 0)
-    threads = min(workers, plan.media)
+    media = len(plan.configurations)
+    threads = min(workers, media)
     box = 0
     if not isinstance(medium, BoltzmannGrad):
         box = box_bytes(medium.box_side / medium.diameter, medium.count, dimension)
     return {
         "count": threads * box,
-        "media": _NUMBER * plan.media * (times * columns + TOTALS),
+        "media": _NUMBER * media * (times * columns + TOTALS),
         "times": _NUMBER * counts * (threads + 2 * _COPIES),
-        "observables": _NUMBER * plan.media * plan.tracers * each * _COPIES,
+        "observables": _NUMBER * media * plan.tracers * each * _COPIES,
     }
 
 

@@ -50,6 +50,7 @@ class Plan(Value):
     rest. field: acceleration along x in U^2 over the user's unit of length. depth: x in that unit
     whose first passage is recorded. mass_ratio: of a scatterer over a tracer. bath_speed, heating,
     drag, capture_speed: those of `simulate`, in units of U and of the user's unit of length.
+    part: (k, n) for the k-th of n parts of the configurations, None for all.
     """
 
     medium: Medium
@@ -71,6 +72,13 @@ class Plan(Value):
     heating: float = 0.0
     drag: float = 0.0
     capture_speed: float = 0.0
+    part: tuple[int, int] | None = None
+
+    @property
+    def configurations(self) -> range:
+        """The numbers of the configurations that are run: of the whole run, or of its part."""
+        k, n = self.part or (1, 1)
+        return range(self.media * (k - 1) // n, self.media * k // n)
 
     @property
     def stirred(self) -> bool:
@@ -183,10 +191,10 @@ class Totals:
     """
 
     def __init__(self, plan: Plan, arrays: Arrays | None = None, done: int = 0) -> None:
-        self.plan, self._before = plan, done
+        self.plan = plan
         first = dict(arrays or _with_squares(nothing(plan)))
         sums = {k: first.pop(k) for k in list(first) if k == "statuses" or k[:4] == "hist"}
-        self._state = sums, done
+        self._state = sums, done, 1
         self._pieces = {name: [array] for name, array in first.items()}
 
     @property
@@ -194,17 +202,17 @@ class Totals:
         """How many have been added."""
         return self._state[1]
 
-    def add(self, arrays: Arrays) -> None:
-        """Add what the next configuration has left."""
-        sums, done = self._state
+    def add(self, arrays: Arrays, count: int = 1) -> None:
+        """Add what the next configuration has left, or the next `count`."""
+        sums, done, n = self._state
         for name, pieces in self._pieces.items():
             pieces.append(arrays[name])
-        self._state = {name: array + arrays[name] for name, array in sums.items()}, done + 1
+        sums = {name: array + arrays[name] for name, array in sums.items()}
+        self._state = sums, done + count, n + 1
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return everything added so far, by its name in a file."""
-        sums, done = self._state
-        n = 1 + done - self._before
+        sums, _, n = self._state
         return {name: _join(name, pieces[:n]) for name, pieces in self._pieces.items()} | sums
 
 

@@ -1,7 +1,7 @@
 """Ensemble: the frozen result of a simulation, and the sums it is made from."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import inf
 from operator import attrgetter
@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.checks import check_path
-from particles.configuration import Plan
+from particles.checks import check_path, refuse, short
+from particles.configuration import Plan, Totals
 from particles.estimators import Estimate, Histogram, jackknife, share
 from particles.field import FieldEstimates
 from particles.kernel.columns import (
@@ -113,8 +113,12 @@ class Ensemble(FieldEstimates, Result):
     field = _of_plan("field", "The acceleration along +x in U^2/d.")
     number_density = _of_plan("medium.number_density", "Scatterers per unit area, or volume.")
     times = _of_plan("times", "Output times in d/U, (n_times,).")
-    media = _of_plan("media", "Number of configurations.")
     tracers = _of_plan("tracers", "Number of tracers in each configuration.")
+
+    @property
+    def media(self) -> int:
+        """Number of configurations: of a part of a run, those of the part."""
+        return len(self.plan.configurations)
 
     def __repr__(self) -> str:
         e, times = self.restitution, "no output times"
@@ -331,12 +335,43 @@ class Ensemble(FieldEstimates, Result):
         from particles.files import read
 
         plan, arrays, done = read(path)
-        if done < plan.media:
+        if done < (count := len(plan.configurations)):
             raise ValueError(
-                f"{path}: holds {done} of {plan.media} configurations; finish it with "
+                f"{path}: holds {done} of {count} configurations; finish it with "
                 f"simulate(..., output=..., resume=True)"
             )
         return cls(plan, arrays)
+
+    @classmethod
+    def merge(cls, parts: "Iterable[Ensemble | str | PathLike[str]]") -> "Ensemble":
+        """Return the whole run from all its parts, to the same bits as if it had been run at once.
+
+        parts: of `simulate(..., part=(k, n))`, or their files, in any order; n may differ.
+        Raises ValueError if a part is missing or there twice, or if parts are of different runs.
+        """
+        if isinstance(parts, (str, bytes, PathLike, Ensemble)):
+            refuse("parts", parts, "must be a sequence of ensembles or of their files")
+        named = [(x, "") if isinstance(x, Ensemble) else (cls.load(x), f" ({x})") for x in parts]
+        named.sort(key=lambda one: one[0].plan.configurations.start)
+        if not named:
+            refuse("parts", [], "must be at least one part of a run")
+        plan = replace(named[0][0].plan, part=None)
+        totals = Totals(plan)
+        for run, name in named:
+            own, done = run.plan.configurations, totals.configurations
+            for f in fields(plan):
+                ours, theirs = getattr(plan, f.name), getattr(run.plan, f.name)
+                if f.name != "part" and not np.array_equal(ours, theirs):
+                    what = f"is of another run, with {f.name} = {short(theirs)}, not {short(ours)}"
+                    raise ValueError(f"parts: {run.plan.part or 'the whole'}{name} {what}")
+            if own.start < done:
+                raise ValueError(f"parts: configuration {own.start} is there twice{name}")
+            if own.start > done:
+                break
+            totals.add(run.arrays, len(own))
+        if (done := totals.configurations) < plan.media:
+            raise ValueError(f"parts: configuration {done} of 0 to {plan.media - 1} is missing")
+        return cls(plan, totals.arrays())
 
     @property
     def _unit(self) -> float:

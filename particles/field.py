@@ -94,7 +94,7 @@ class FieldEstimates:
     @cached_property
     def passed(self) -> Estimate:
         """Share of the tracers that have reached the depth by each time, (n_times,)."""
-        passages = self.passage_times.reshape(self.plan.media, 1, -1)
+        passages = self.passage_times.reshape(len(self.plan.configurations), 1, -1)
         counts = (passages <= self.plan.times[:, None]).sum(axis=2)
         sums = np.stack((counts, np.full(counts.shape, self.plan.tracers)))
         return jackknife(np.moveaxis(sums, 0, 1), lambda total: total[0] / total[1])
@@ -102,8 +102,8 @@ class FieldEstimates:
     @cached_property
     def mean_passage_time(self) -> Estimate:
         """Mean of `passage_times`, a scalar; infinite if one of the tracers never had x = depth."""
-        times = self.passage_times.reshape(self.plan.media, -1)
-        sums = np.stack((times.sum(axis=1), np.full(self.plan.media, self.plan.tracers)), axis=1)
+        times = self.passage_times.reshape(len(self.plan.configurations), -1)
+        sums = np.stack((times.sum(axis=1), np.full(len(times), self.plan.tracers)), axis=1)
         return jackknife(sums, lambda total: total[0] / total[1])
 
     def _estimate(

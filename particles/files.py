@@ -3,7 +3,7 @@
 Attributes of a file: `format`, and `done` (the first so many configurations are in it). Lengths are
 in the diameter d, times in d/U:
 
-    plan (n,)                       the arguments, JSON as bytes
+    plan (n,)                       the arguments, JSON as bytes; `part` only in a part of a run
     moments (done, n_times, 8)      sums over tracers: 1, (s v)^2, (s v)^4, r^2, r^4, collisions,
                                     s v(t).v(0), trapped; s = 2^round(log2(max(t, 1)))
     path_sums (done, 2)             path and collisions
@@ -99,7 +99,10 @@ def _text(plan: Plan) -> bytes:
             f.name: getattr(value, f.name) for f in fields(value) if f.init
         }
 
-    return json.dumps({f.name: getattr(plan, f.name) for f in fields(plan)}, default=plain).encode()
+    found = {f.name: getattr(plan, f.name) for f in fields(plan)}
+    if plan.part is None:  # a whole run has the file that it had before there were parts
+        del found["part"]
+    return json.dumps(found, default=plain).encode()
 
 
 def _understood(text: bytes) -> Plan:
@@ -116,6 +119,7 @@ def _understood(text: bytes) -> Plan:
         "times": np.array(found["times"], float),
         "velocities": None if given is None else np.array(given, float),
         "observables": frozenset(found["observables"]),
+        "part": tuple(found["part"]) if "part" in found else None,
     })  # fmt: skip
 
 
@@ -196,7 +200,7 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
     tracer. positions, velocities (n_times, n, dimension).
     """
     unit, dimension = plan.medium.diameter, plan.medium.dimension
-    count = plan.media * plan.tracers
+    first, count = plan.configurations.start, len(plan.configurations) * plan.tracers
     with h5py.File(image := BytesIO(), "w") as file:
         file.create_group("h5md").attrs["version"] = np.array([1, 1], np.int32)
         file.create_group("h5md/author").attrs["name"] = "unknown"
@@ -212,7 +216,7 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
             group[f"{name}/step"] = np.arange(plan.times.size)
             group[f"{name}/time"] = plan.times / unit
             group[f"{name}/time"].attrs["unit"] = "d U-1"
-        group["id"], group["medium"] = np.arange(count), np.arange(count) // plan.tracers
+        group["id"], group["medium"] = np.arange(count), first + np.arange(count) // plan.tracers
         law = plan.restitution  # as text where it depends on the impact speed
         file["parameters/restitution"] = law if isinstance(law, float) else repr(law)
         for name in (name for name in DRIVES if getattr(plan, name)):

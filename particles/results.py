@@ -111,12 +111,30 @@ class Result(Value):
         frame.attrs = {**made.attrs, "units": units}
         return frame
 
-    def plot(self, name: str, ax: "Axes | None" = None) -> "Axes":
+    def plot(self, name: str | None = None, ax: "Axes | None" = None) -> Any:
         """Draw an estimate over time with its standard errors, or the density of a histogram.
 
-        On `ax` or on new axes, which are returned, labelled with units. ValueError for a name that
-        is not there or is one number.
+        On `ax` or on new axes, which are returned, labelled with units. Without a name everything
+        is drawn, each quantity in axes of its own in one figure, and an array of axes is returned.
+        ValueError for a name that is not there or is one number.
         """
+        if name is None:
+            if ax is not None:
+                raise ValueError("ax: axes without a name; name what to draw on them")
+            from matplotlib import pyplot
+
+            known = [n for n in self.outputs if n in {**ESTIMATES, **VARIABLES}]
+            names = [n for n in known if n in VARIABLES or getattr(self, n).value.ndim]
+            names = names if self.plan.times.size else [n for n in names if n[:4] == "free"]
+            rows = max(1, -(-len(names) // 3))
+            figure, grid = pyplot.subplots(
+                rows, 3, squeeze=False, figsize=(12.6, 3.2 * rows), layout="constrained"
+            )
+            for name, place in zip(names, grid.flat, strict=False):
+                self.plot(name, place)
+            for place in grid.flat[len(names) :]:
+                figure.delaxes(place)
+            return grid.flat[: len(names)]
         one, times = getattr(self, self._known(name)), self.plan.times
         if name in ESTIMATES and not one.value.ndim:
             refuse("name", name, "is one number; plot draws what depends on the time")
@@ -177,6 +195,7 @@ class Result(Value):
                      "max_collisions", "seed"]  # fmt: skip
         arguments += ["mass_ratio"] if isfinite(plan.mass_ratio) else []  # JSON has no infinity
         arguments += [n for n in DRIVES if getattr(plan, n)]
+        arguments += ["part"] if plan.part else []
         medium = " ".join(repr(plan.medium).split())
         ends = ["finished", "collision_cap", "trapped", "escaped"]
         ends += ["captured"] if plan.capture_speed else []

@@ -48,6 +48,7 @@ def simulate(
     heating: float = 0.0,
     drag: float = 0.0,
     capture_speed: float = 0.0,
+    part: tuple[int, int] | None = None,
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
@@ -92,6 +93,8 @@ def simulate(
         drag, whose steps leave errors below 1e-4 of averages (`particles.kernel.driven`).
     capture_speed: in U; a tracer that strikes a fixed scatterer with a smaller normal velocity
         sticks: it stays there at rest, and in the averages (Statuses.captured).
+    part: (k, n), 1 <= k <= n <= media: only the k-th of n parts of the configurations, on one of n
+        machines; every configuration is the one of the whole run. `Ensemble.merge` joins the parts.
     output: file that the run is saved to (layout: particles.files), whole or not at all, again and
         again; the run may be killed at any moment. The file must not exist unless resume is True;
         then the run goes on from it, to the same bits as one that was never stopped.
@@ -103,7 +106,7 @@ def simulate(
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
         medium, restitution, initial, times, observables, tangential_restitution, field, depth,
-        mass_ratio, bath_speed, heating, drag, capture_speed, **whole,
+        mass_ratio, bath_speed, heating, drag, capture_speed, part, **whole,
     )  # fmt: skip
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):
@@ -121,20 +124,21 @@ def simulate(
 
         saver = Saver(check_path("output", output), plan)
         totals = saver.begin(bool(resume))
-    which = range(totals.configurations, media)
+    which = plan.configurations[totals.configurations :]
+    count = len(plan.configurations)
     if executor is None:
         found = _in_threads(plan, which, min(workers, len(which)))
     else:  # few and large tasks: each costs a message, and 64 is many for a pool of a few dozen
         found = _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
     try:
         if progress is not None:
-            progress(totals.configurations, media)
+            progress(totals.configurations, count)
         for arrays in found:
             totals.add(arrays)
             if saver is not None:
                 saver.write_if_due(totals)
             if progress is not None:
-                progress(totals.configurations, media)
+                progress(totals.configurations, count)
     finally:
         if saver is not None:
             saver.write(totals)

@@ -81,12 +81,18 @@ BAD_INPUT = [
     ("simulate --count 1000000000000", "memory"),
     ("simulate --mass-ratio 2 --times 1", "mass_ratio HardDisks"),
     ("simulate --mass-ratio 0 --times 1 --medium boltzmann-grad", "mass_ratio 0.0"),
+    ("simulate --part 3", "part 3 K/N"),
+    ("simulate --part 0/3 --times 1", "part (0, 3)"),
+    ("merge -o a.h5", "HDF5"),
+    ("merge no.h5 -o a.h5", "no.h5"),
     ("solve --mass-ratio nan", "mass_ratio nan"),
     ("solve --mass-ratio 2 --scatterers overlapping", "mass_ratio 2.0 scatterers"),
     ("solve --mass-ratio 2 --tangential-restitution .5 --scaled", "mass_ratio 2.0"),
     ("explore -o a.txt", "output .html"),
     ("explore -o no/such/a.html", "no/such"),
     ("derive --only nonsense", "nonsense"),
+    ("derive --search nonsense", "search nonsense"),
+    ("derive --list --only B15", "only list"),
     ("bench --case nonsense", "nonsense"),
     ("stress --group nonsense", "groups nonsense"),
     ("stress --quick extra", "extra"),
@@ -258,6 +264,14 @@ def test_files_that_hold_the_whole_result(lorentz: Any) -> None:
     assert sorted(os.listdir()) == ["A.H5", "a.nc"]
 
 
+@pytest.mark.parametrize("arguments", [(*SOLVE, "--speeds", "0.1,1"), ("solve", "--scaled")])
+def test_a_picture_of_a_solution(lorentz: Any, arguments: tuple[str, ...]) -> None:
+    plain = lorentz(*arguments)
+    for name in ("a.png", "a.svg"):
+        assert lorentz(*arguments, "-o", name) == plain
+        assert Path(name).stat().st_size > 5_000
+
+
 def test_a_picture_of_a_run(lorentz: Any) -> None:
     arguments = ("simulate", "--media", "2", "--count", "400", "--tracers", "3", "--until", "50")
     plain = lorentz(*arguments)
@@ -286,6 +300,21 @@ def test_the_file_of_a_run_holds_what_python_gives(lorentz: Any) -> None:
     lorentz.refused(*arguments, "--resume", "--seed", "6")
     assert Path("run.h5").read_bytes() == before
     assert f"{expected.msd.value[1]:.6g}" in lorentz(*arguments, "--resume")
+
+
+def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
+    whole = lorentz.json(*TINY, "-o", "whole.h5")
+    for k in "12":
+        found = lorentz.json(*TINY, "--part", f"{k}/2", "-o", f"{k}.h5")
+        assert (found["part"], found["samples"]) == ([int(k), 2], [3, 3])
+    assert "configuration 1 of 0 to 1 is missing" in lorentz.refused("merge", "1.h5", "-o", "a.h5")
+    assert lorentz.json("merge", "[12].h5", "-o", "a.h5") == whole
+    assert Path("a.h5").read_bytes() == Path("whole.h5").read_bytes()
+    assert "exists" in lorentz.refused("merge", "1.h5", "2.h5", "-o", "a.h5")
+    given = simulate(BoltzmannGrad(0.04), lambda v: 0.5 + 0 * v, [[1.0, 0.0]], [1.0], 2, 1)
+    given.save("b.h5")
+    document = lorentz.json("merge", "b.h5", "-o", "c.h5")
+    assert (document["initial"], document["restitution"], document["viscoelastic"]) == (None,) * 3
 
 
 @pytest.mark.parametrize(
@@ -347,6 +376,18 @@ def test_scatterers_that_a_collision_sets_in_motion(lorentz: Any) -> None:
     assert "mass_ratio" not in lorentz.json("solve", "--times", "1", "--mass-ratio", "inf")
     assert lorentz.json(*TINY, *LIGHT)["mass_ratio"] == 0.5
     assert "mass_ratio" not in lorentz.json(*TINY)
+
+
+def test_derive_finds_equations_by_number_and_word(lorentz: Any) -> None:
+    assert lorentz("derive", "--only", "B15") == lorentz("derive", "--only", "sonine9")
+    listed = lorentz("derive", "--list").splitlines()
+    assert next(line.split()[:2] for line in listed if "sonine9" in line) == ["B15", "sonine9"]
+    found = lorentz.json("derive", "--search", "Mean Square")["equations"]
+    assert {"number": "22", "label": "msd"}.items() <= found[0].items()
+    assert len(listed) > 150 > len(found)
+    numbers = [row["number"] for row in lorentz.json("derive", "--list")["equations"]]
+    numbers = [number for number in numbers if number]
+    assert len(set(numbers)) == len(numbers) == 124
 
 
 def test_derive_prints_one_equation_with_its_steps(lorentz: Any) -> None:

@@ -31,7 +31,8 @@ class PrintedEquation:
     ``source`` is the paper's LaTeX of it, empty where the paper has none (a figure, a result
     beyond the paper). ``formula`` is its transcription: an ``Eq``, a relation, or a ``Tuple`` of
     equations where several are chained or listed; None where there is nothing to transcribe.
-    ``latex`` and ``mathml`` are that formula, empty if there is none.
+    ``latex`` and ``mathml`` are that formula, empty if there is none. ``number`` is the paper's,
+    such as "B15", empty where it has none.
     """
 
     label: str
@@ -39,6 +40,7 @@ class PrintedEquation:
     section: str
     source: str = ""
     formula: sp.Basic | None = None
+    number: str = ""
     latex = property(lambda self: latex(self.formula))
     mathml = property(lambda self: mathml(self.formula))
 
@@ -60,11 +62,12 @@ def read_equations(text: str, formulas: Mapping[str, sp.Basic]) -> Iterator[Prin
         if head.startswith("%% "):
             section = head[3:]
         elif section:
-            label, title = head[2:].split(": ", 1)
+            name, title = head[2:].split(": ", 1)
+            label, _, number = name.removesuffix(")").partition(" (")
             source = " ".join(body.split())
             if bool(source) is not (label in formulas):
                 raise ValueError(f"label {label!r}: LaTeX and transcription must both be there")
-            yield PrintedEquation(label, title, section, source, formulas.get(label))
+            yield PrintedEquation(label, title, section, source, formulas.get(label), number)
 
 
 _PAPER = {
@@ -96,15 +99,20 @@ ROWS = PRINTED | _BEYOND | _PAPER
 """Every row: the paper's labels in its order, what lies beyond it, and its statements in words."""
 
 
+_LABELS = {row.number: label for label, row in PRINTED.items() if row.number}
+
+
 def printed_equation(label: str) -> PrintedEquation:
-    """The equation with this label, as it is stated; nothing is derived.
+    """The equation with this label, or number such as "B15", as it is stated; nothing is derived.
 
     Raises ValueError for a label that does not exist.
     """
+    if isinstance(label, str):
+        label = _LABELS.get(label, label)
     if not isinstance(label, str) or label not in ROWS:
         got = repr(label[:60]) if isinstance(label, str) else f"a {type(label).__name__}"
         raise ValueError(
             f"label: got {got}; it must be one of the {len(ROWS)} rows, such as 'sonine9', "
-            "'taun#2' or 'beyond:a2' (verify() gives them all)"
+            "'taun#2' or 'beyond:a2', or a number such as 'B15' (verify() gives them all)"
         )
     return ROWS[label]

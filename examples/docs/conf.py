@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 project = "inelastic-lorentz"
-author = "The inelastic-lorentz authors"
+author = "The inelastic-lorentz developers"
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",

@@ -208,6 +208,22 @@ def test_a_density_is_drawn_at_each_time(densities: Any, name: str, label: str) 
     axes.figure.canvas.draw()
 
 
+def test_everything_is_drawn_at_once(averages: Any, densities: Any) -> None:
+    from matplotlib import pyplot
+
+    try:
+        axes = averages.plot()
+        assert len(axes) == len(averages.values)
+        msd = next(ax for ax in axes if "r²" in ax.get_ylabel())
+        assert (msd.get_xscale(), msd.get_yscale()) == ("log", "linear")  # straight over ln t
+        elastic = solve(Scene(1.0, times=[1.0, 30.0, 1e3], outputs="msd")).plot()[0]
+        assert elastic.get_yscale() == "log"
+        assert all(ax.lines for ax in densities.plot(speeds=[0.1, 0.2]))
+        refused(lambda: averages.plot(ax=axes[0]), "ax", "name")
+    finally:
+        pyplot.close("all")
+
+
 @pytest.mark.parametrize("name", ["scaled", "exact", "field", "over time in a field"])
 def test_every_result_has_them_all(name: str) -> None:
     result: Any = SAVED[name]()

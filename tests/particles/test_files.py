@@ -140,6 +140,18 @@ def test_a_data_frame_has_every_estimate_with_its_error(
     assert frame.speed_histogram.tolist() == expected
 
 
+def test_everything_is_drawn_at_once(ensemble: Ensemble, falling: Ensemble) -> None:
+    from matplotlib import pyplot
+
+    for run in (ensemble, falling):
+        axes = run.plot()
+        names = {*run.outputs} - {"mean_free_path", "positions", "velocities", "finals"}
+        assert len(axes) == len(names - {"passage_times", "mean_passage_time"})
+        assert all(ax.lines or ax.patches for ax in axes)
+        refused(lambda run=run, ax=axes[0]: run.plot(ax=ax), "ax")
+    pyplot.close("all")
+
+
 @pytest.mark.parametrize("name", ["thermal_speed", "a2", "dispersion", *HISTOGRAMS])
 def test_what_is_drawn(ensemble: Ensemble, falling: Ensemble, name: str) -> None:
     run = falling if name == "dispersion" else ensemble

@@ -35,6 +35,19 @@ class Numbers(click.ParamType):
             self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
 
 
+class Part(click.ParamType):
+    """Two whole numbers, "3/20"."""
+
+    name = "part"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
+        """The numbers, or click's complaint that names the option and the text."""
+        k, slash, n = value.partition("/")
+        if not (slash and k.isdecimal() and n.isdecimal()):
+            self.fail(f"{value!r}: it must be K/N, the K-th of N parts, such as 3/20", param, ctx)
+        return int(k), int(n)
+
+
 class Output(click.Path):
     """A folder, or a file with one of these endings ("": any), that can be written: asked first."""
 

@@ -1,9 +1,10 @@
-"""The command `simulate`: follows particles and prints estimates with their errors."""
+"""The command `simulate`, which prints estimates with their errors; `merge`, of parts of a run."""
 
 import io
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from glob import glob
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,12 @@ IN_FIELD = {
 }  # fmt: skip
 ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
-ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
+ARGUMENTS = ("media", "tracers", "max_collisions", "seed")
+KINDS = {
+    "HardDisks": "hard-disks", "Poisson": "poisson", "HardSpheres": "hard-spheres",
+    "PoissonSpheres": "poisson-spheres", "BoltzmannGrad": "boltzmann-grad",
+    "Positions": "positions",
+}  # fmt: skip
 OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
 PICTURES = (".png", ".svg", ".pdf")
 _DRAWN, _DOTS_PER_INCH = 8, 160
@@ -31,9 +37,7 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
 @click.command(epilog=options.UNITS, short_help="Follow particles from collision to collision.")
 @click.option(
     "--medium",
-    type=click.Choice(
-        ["hard-disks", "poisson", "hard-spheres", "poisson-spheres", "boltzmann-grad"]
-    ),
+    type=click.Choice([kind for kind in KINDS.values() if kind != "positions"]),
     default="hard-disks",
     help="Disks or spheres that do not overlap, that may, or none: random free paths.",
 )
@@ -94,6 +98,10 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
     help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
     ".svg or .pdf.",
 )  # fmt: skip
+@click.option(
+    "--part", type=options.Part(), metavar="K/N",
+    help="Only the K-th of N parts of the configurations; `lorentz merge` joins the parts.",
+)  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
 @options.seed_option
 @options.workers_option
@@ -123,19 +131,46 @@ def simulate(
         output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
     described = {name: arguments.pop(name) for name in OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
-    media = arguments["media"]
-    with _saying_how_to_go_on(output, media), options.progress(media) as tell:
+    with _saying_how_to_go_on(output) as told, options.progress(arguments["media"]) as tell:
+
+        def progress(done: int, total: int) -> None:
+            told["total"] = total
+            tell("configurations", total, done)
+
         run = particles.simulate(
             scatterers, times=times or None, observables=names or None, output=output,
-            progress=lambda done, total: tell("configurations", total, done), **arguments,
+            progress=progress, **arguments,
         )  # fmt: skip
     if picture is not None:
         write_picture(run, picture)
     if h5md is not None:
         run.write_h5md(h5md)
+    _show(run, as_json)
+
+
+@click.command(epilog=options.UNITS, short_help="Join the parts of a run.")
+@click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
+@click.option(
+    "-o", "--output", type=options.Output(""), metavar="HDF5", required=True,
+    help="Save the whole run here, to the same bits as if it had been run at once.",
+)  # fmt: skip
+@options.json_option
+def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
+    """Join the files of `lorentz simulate --part K/N -o FILE`: all N of one run, in any order."""
+    import particles
+
+    if output.exists():
+        raise ValueError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
+    # Shells of Windows leave *.h5 as it is.
+    files = [f for part in parts for f in ([part] if Path(part).exists() else glob(part) or [part])]
+    run = particles.Ensemble.merge(files)
+    run.save(output)
+    _show(run, as_json)
+
+
+def _show(run: Any, as_json: bool) -> None:
     if as_json:
-        kind = described["medium"] if described["positions"] is None else "positions"
-        options.print_json(_document(run, kind, arguments))
+        options.print_json(_document(run))
     else:
         click.echo(_text(run))
 
@@ -160,10 +195,7 @@ def make_medium(
         )
     if positions is not None and box_side is not None:
         return particles.Positions.from_csv(positions, box_side)
-    made: Any = {
-        "hard-disks": particles.HardDisks, "poisson": particles.Poisson,
-        "hard-spheres": particles.HardSpheres, "poisson-spheres": particles.PoissonSpheres,
-    }[medium]  # fmt: skip
+    made = getattr(particles, {kind: name for name, kind in KINDS.items()}[medium])
     return made(number_density, count=count)
 
 
@@ -181,21 +213,22 @@ def write_picture(run: Any, path: Path) -> None:
 
 
 @contextmanager
-def _saying_how_to_go_on(output: Path | None, media: int) -> Iterator[None]:
-    """After Ctrl-C or SIGTERM, say on standard error what is saved and how the run goes on."""
+def _saying_how_to_go_on(output: Path | None) -> Iterator[dict[str, int]]:
+    """After Ctrl-C or SIGTERM, say what is saved, of `total`, and how the run goes on."""
+    told: dict[str, int] = {}
     try:
-        yield
+        yield told
     except (KeyboardInterrupt, SystemExit):
         import h5py
 
         with suppress(OSError, KeyError), h5py.File(output or "no file", "r") as file:
-            done = f"{file.attrs['done']} of {media} configurations are saved in {output}"
+            done = f"{file.attrs['done']} of {told['total']} configurations are saved in {output}"
             click.echo(f"lorentz: {done}; the same command with --resume goes on", err=True)
         raise
 
 
-def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
-    """What --json prints; kind: of the medium, arguments: those of `simulate`."""
+def _document(run: Any) -> dict[str, Any]:
+    """What --json prints."""
     estimates = ["mean_free_path", *ESTIMATES]
     if run.field:
         estimates += ["drift_of_moving", "trapped_fraction"]
@@ -208,10 +241,14 @@ def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
     law = ["tangential_restitution", "number_density", "field"]
     law += [name for name in DRIVES if getattr(run, name)]
     law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
+    plan = run.plan
+    initial = "rest" if plan.rest else "monoenergetic" if plan.monoenergetic else "gaussian"
     return {
-        "medium": kind, **_restitution(run.restitution),
+        "medium": KINDS[type(run.medium).__name__], **_restitution(run.restitution),
         **{name: getattr(run, name) for name in law}, "dimension": run.medium.dimension,
-        **{name: arguments[name] for name in ARGUMENTS},
+        "initial": initial if plan.velocities is None else None,
+        **{name: getattr(plan, name) for name in ARGUMENTS},
+        **({"part": plan.part} if plan.part else {}),
         "statuses": {name: getattr(run.statuses, name) for name in ENDS},
         **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
         **{name: _value_and_error(getattr(run, name)) for name in estimates},
@@ -220,7 +257,8 @@ def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
 
 def _restitution(law: Any) -> dict[str, Any]:
     number = isinstance(law, float)
-    return {"restitution": law} if number else {"restitution": None, "viscoelastic": law.b}
+    b = getattr(law, "b", None)  # other laws have no numbers of their own
+    return {"restitution": law} if number else {"restitution": None, "viscoelastic": b}
 
 
 def _text(run: Any) -> str:

@@ -1,5 +1,6 @@
 """The command `solve`: prints what the kinetic equation gives for a scene, or for one state."""
 
+import io
 import math
 import os
 import textwrap
@@ -46,7 +47,8 @@ STEADY = (
     "diffusion_perpendicular", "error_estimate", "message",
 )  # fmt: skip
 _LARGEST = 10_000_000  # bytes of a table of speeds
-ENDINGS = (".csv", ".parquet", ".nc", ".h5")
+PICTURES = (".png", ".svg", ".pdf")
+ENDINGS = (".csv", ".parquet", ".nc", ".h5", *PICTURES)
 
 _points = partial(option, type=options.Numbers(), default="")
 
@@ -89,8 +91,8 @@ _points = partial(option, type=options.Numbers(), default="")
 @option("--rtol", type=float,
         help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6.")
 @option("-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
-        help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF) or .h5 "
-        "(for kinetics.load).")
+        help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF), .h5 "
+        "(for kinetics.load), or a picture of all of it, .png, .svg or .pdf.")
 @options.json_option
 def solve(
     scaled: bool, field_steady: bool, field_units: tuple[float, ...], outputs: str,
@@ -269,6 +271,13 @@ def write_result(result: Any, path: Path, points: dict[str, Any]) -> None:
     elif ending == ".nc":
         contents = bytes(result.to_xarray(**points).to_netcdf(engine="scipy"))
         write_together(path.parent, {path.name: contents})
+    elif ending in PICTURES:
+        from matplotlib import pyplot
+
+        result.plot_all()  # at points of its own, which are many
+        pyplot.savefig(picture := io.BytesIO(), format=ending[1:], dpi=160)
+        pyplot.close()
+        write_together(path.parent, {path.name: picture.getvalue()})
     else:
         frame = rows_of(result, points)
         write = frame.to_csv if ending == ".csv" else frame.to_parquet
