@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from particles.checks import refuse
+from particles.kernel.columns import OF_FLIGHTS
 from particles.outputs import DRIVES, ESTIMATES, VARIABLES
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ class Result(Value):
         if name in VARIABLES:
             _, unit, words = VARIABLES[name]
             for k, line in enumerate(one.density.value):
-                label = words if name == "free_path_histogram" else f"t = {times[k]:.4g} d/U"
+                label = words if name in OF_FLIGHTS else f"t = {times[k]:.4g} d/U"
                 ax.stairs(np.where(line > 0.0, line, np.nan), one.edges, baseline=None, label=label)
             ax.set(xlabel=f"{words} [{unit}]", ylabel=f"density [1/{unit}]")
             ax.set(xscale="log", yscale="log")
@@ -164,7 +165,7 @@ class Result(Value):
             else:
                 (short, length, words), edges, one = VARIABLES[name], one.edges, one.density
                 axis, unit = f"{short}_bin", f"1/{length}"
-                dims = ("run" if name == "free_path_histogram" else "time", axis)
+                dims = ("run" if name in OF_FLIGHTS else "time", axis)
                 about = {"units": length, "long_name": words}
                 axes[axis] = axis, np.sqrt(edges[1:] * edges[:-1]), about
                 found |= {f"{short}_low": (axis, edges[:-1], about)}
