@@ -433,12 +433,12 @@ class Solution(Result):
         """Share of the completed flights whose duration in d/U is between the edges.
 
         Shape (n_times, n_edges - 1). A flight is completed if a collision ends it up to the time;
-        the first one of a tracer begins at time 0. Each flight counts once, of fast tracers more
-        than of slow ones: a histogram of all flights (`particles`' free_time_histogram). NaN at time
-        0. Divided by the widths of the bins it is their mean density. Warns where the densities of
-        the speed give another number of collisions by ten times their tolerance: rtol, 1e-6 at
-        least, 1e-4 for rough starts. Raises InputError for edges that are negative or do not rise, with a field, for driven
-        tracers and for scatterers that are not dilute.
+        the first one of a tracer begins at time 0. Each counts once, so that fast tracers count
+        more than slow ones: a histogram of all flights (free_time_histogram of `particles`). NaN at
+        time 0. Divided by the widths of the bins it is their mean density. Warns where the speed
+        densities give another number of collisions by ten times their tolerance: rtol, 1e-6 at
+        least, 1e-4 for rough starts. Raises InputError for edges that are negative or do not rise,
+        with a field, for driven tracers and for scatterers that are not dilute.
         """
         return self._flight_fraction(edges, "longer_in_time")
 

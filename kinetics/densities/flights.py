@@ -62,12 +62,10 @@ class Flights:
         left = solution.uncollided
         # the quadrature misses a little at steps, but the number of tracers is known
         sums = density.sum(axis=1)
-        density *= np.where(sums > 0.0, (1.0 - left) / np.where(sums > 0.0, sums, 1.0), 0.0)[
-            :, None
-        ]
+        density *= ((1.0 - left) / np.where(sums > 0.0, sums, np.inf))[:, None]
         rate = density * (0.5 * end * (1.0 + at))[:, None]
         coefficients = np.linalg.solve(chebyshev.chebvander(x, count - 1), rate)
-        integral = chebyshev.chebint(coefficients, lbnd=-1, axis=0)
+        integral = np.asarray(chebyshev.chebint(coefficients, lbnd=-1, axis=0), float)
         peak = float(getattr(state, "speed", 1.0)) if left[0] > 0.0 else 0.0
         return cls(times / path, speeds, integral, peak, float(left[-1] < 1.0))
 
@@ -84,8 +82,8 @@ class Flights:
         """N(s), flights for each tracer, (n_times, n_s)."""
         t = self.times[:, None] - s
         table = chebyshev.chebvander(self._place(t), len(self.integral) - 1)
-        found = np.einsum("ksj,jv,vs->ks", table, self.integral,
-                          self.speeds[:, None] * np.exp(-np.outer(self.speeds, s)), optimize=True)  # fmt: skip
+        rate = self.speeds[:, None] * np.exp(-np.outer(self.speeds, s))
+        found = np.einsum("ksj,jv,vs->ks", table, self.integral, rate, optimize=True)
         return found + self.peak * np.exp(-self.peak * s) * self._peak(t) * (t > 0.0)
 
     def longer_in_length(self, x: FloatArray) -> FloatArray:

@@ -32,9 +32,9 @@ class Records(NamedTuple):
     field_sums (n_times, FIELD_SUMS[dimension]), in a field. grids (5, 2): log2 of the lowest edge
     and bins per octave of each histogram. speeds, components, distances (n_times, bins + 2) and
     paths, durations (1, bins + 2): counts, the first and the last of what lies outside. positions,
-    velocities (n_times, n, dimension) and finals (n, FINALS[dimension]): raw, in d and U. passages (n,), inf,
-    receives the times at which x first has the value depth, in d. queue (QUEUE,) of OUTPUT and
-    queued (1,): states that wait, and their number.
+    velocities (n_times, n, dimension) and finals (n, FINALS[dimension]): raw, in d and U. passages
+    (n,), inf, receives the times at which x first has the value depth, in d. queue (QUEUE,) of
+    OUTPUT and queued (1,): states that wait, and their number.
     """
 
     times: np.ndarray
