@@ -130,7 +130,7 @@ class Result(Value):
             for k, line in enumerate(one.density.value):
                 label = words if name in OF_FLIGHTS else f"t = {times[k]:.4g} d/U"
                 ax.stairs(np.where(line > 0.0, line, np.nan), one.edges, baseline=None, label=label)
-            ax.set(xlabel=f"{words} [{unit}]", ylabel=f"density [1/{unit}]")
+            ax.set(xlabel=f"{words} [{unit}]", ylabel=f"density [{_per(unit)}]")
             ax.set(xscale="log", yscale="log")
         else:
             made = self._dataset([name])
@@ -164,7 +164,7 @@ class Result(Value):
                 axes |= {d: (d, list("xyz"[: plan.medium.dimension])) for d in dims[1:]}
             else:
                 (short, length, words), edges, one = VARIABLES[name], one.edges, one.density
-                axis, unit = f"{short}_bin", f"1/{length}"
+                axis, unit = f"{short}_bin", _per(length)
                 dims = ("run" if name in OF_FLIGHTS else "time", axis)
                 about = {"units": length, "long_name": words}
                 axes[axis] = axis, np.sqrt(edges[1:] * edges[:-1]), about
@@ -189,6 +189,11 @@ class Result(Value):
             "version": package_version(),
         }
         return xarray.Dataset(found, axes, about).copy(deep=True)
+
+
+def _per(unit: str) -> str:
+    """Return the unit of a density of what has this unit."""
+    return "U/d" if unit == "d/U" else f"1/{unit}"
 
 
 def _components(one: "xarray.DataArray") -> dict[str, np.ndarray]:
