@@ -14,7 +14,7 @@ from particles.cells import box_bytes
 from particles.checks import check_number, check_whole, real_array, refuse, short
 from particles.configuration import Plan, speeds
 from particles.impact import check_restitution, compiled
-from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, TOTALS
+from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, OF_FLIGHTS, TOTALS
 from particles.media import (
     MEDIA,
     BoltzmannGrad,
@@ -252,7 +252,7 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
     """Return the bytes that a run needs at least, by the argument that they depend on most."""
     medium, times, bins = plan.medium, plan.times.size, plan.grids()[:, 2].astype(int)
     counts = sum(
-        int(bins[k]) * (1 if name == "free_path_histogram" else times)
+        int(bins[k]) * (1 if name in OF_FLIGHTS else times)
         for k, name in enumerate(HISTOGRAMS)
         if name in plan.observables
     )

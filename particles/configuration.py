@@ -18,6 +18,7 @@ from particles.kernel.columns import (
     FINALS,
     HISTOGRAMS,
     MOMENTS,
+    OF_FLIGHTS,
     STATUSES,
     TOTALS,
     TRAPS,
@@ -124,10 +125,11 @@ class Plan(Value):
         return np.asarray(2.0 ** np.round(np.log2(np.maximum(times, 1.0))))
 
     def grids(self) -> np.ndarray:
-        """Return log2 of the first edge, bins per octave and bins of each histogram, (4, 3).
+        """Return log2 of the first edge, bins per octave and bins of each histogram, (5, 3).
 
         Speeds from 2**-20 of 1 / (last time) to 2**6 times the fastest start; distances and paths
-        from 2**-12 d up to what the fastest start can fly, 2**40 d at most. The speeds that a
+        from 2**-12 d up to what the fastest start can fly, 2**40 d at most; flight times from those
+        of the shortest path up to the last time, 2**60 d/U at most. The speeds that a
         field, a bath and noise can give are added to that of the start, 2**40 U at most each.
         """
         fastest = 4.0
@@ -143,7 +145,8 @@ class Plan(Value):
         top = ceil(log2(fastest)) + 2
         bottom = -ceil(log2(max(last, 1.0))) - 20
         far = min(max(ceil(log2(fastest) + log2(max(last, 1.0))) + 2, 4), 40)
-        rows = ((bottom, top), (bottom, top), (-12, far), (-12, 40))
+        latest = min(max(ceil(log2(last / self.medium.diameter)), 0), 60) if self.times.size else 60
+        rows = ((bottom, top), (bottom, top), (-12, far), (-12, 40), (-12 - top, latest))
         return np.array([(low, PER_OCTAVE, (high - low) * PER_OCTAVE) for low, high in rows], float)
 
 
@@ -178,7 +181,7 @@ def nothing(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray]:
         arrays["raw/passages"] = np.full(n, np.inf)
     for k, name in enumerate(HISTOGRAMS):
         if name in plan.observables:
-            rows = 1 if name == "free_path_histogram" else n_times
+            rows = 1 if name in OF_FLIGHTS else n_times
             arrays[f"histograms/{name}/sums"] = np.zeros((rows, bins[k] + 2), np.int64)
     return arrays
 
@@ -282,7 +285,7 @@ def _follow_block(
     )  # fmt: skip
     kept = nothing(plan, 0, n)
     none, no_counts = np.empty((0, 0)), np.zeros((0, 0), np.int64)
-    speeds, components, distances, paths = (
+    speeds, components, distances, paths, durations = (
         sums.get(f"histograms/{name}/sums", no_counts) for name in HISTOGRAMS
     )
     record = records.Records(
@@ -297,6 +300,7 @@ def _follow_block(
         components=components,
         distances=distances,
         paths=paths,
+        durations=durations,
         positions=kept.get("raw/positions", np.empty((0, 0, 0))),
         velocities=kept.get("raw/velocities", np.empty((0, 0, 0))),
         finals=kept.get("raw/finals", none),

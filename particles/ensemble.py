@@ -255,8 +255,16 @@ class Ensemble(FieldEstimates, Result):
 
     @property
     def free_path_histogram(self) -> Histogram:
-        """Distribution of the completed flights' length in d, over the whole run (n_times = 1)."""
+        """Distribution of the completed flights' length in d, over the whole run (n_times = 1).
+
+        A flight counts if a collision ends it up to the last time; the first begins at time 0.
+        """
         return self._histogram("free_path_histogram")
+
+    @property
+    def free_time_histogram(self) -> Histogram:
+        """Distribution of the duration in d/U of the flights of `free_path_histogram`."""
+        return self._histogram("free_time_histogram")
 
     @property
     def positions(self) -> np.ndarray:
@@ -391,7 +399,7 @@ class Ensemble(FieldEstimates, Result):
         samples = self.arrays[f"histograms/{name}/samples"]
         low, per_octave, bins = self.plan.grids()[HISTOGRAMS.index(name)]
         edges = 2.0 ** (low + np.arange(int(bins) + 1) / per_octave)
-        if name in ("displacement_histogram", "free_path_histogram"):
+        if name not in HISTOGRAMS[:2]:
             edges = edges * self._unit
         everything = share(counts, squares, cross, samples, self.media)
         p, error = everything.value, everything.error

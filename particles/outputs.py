@@ -37,6 +37,7 @@ VARIABLES = {
     "velocity_component_histogram": ("v_x", "U", "velocity component |v_x|"),
     "displacement_histogram": ("r", "d", "displacement |r|"),
     "free_path_histogram": ("path", "d", "length of a free flight"),
+    "free_time_histogram": ("flight_time", "d/U", "duration of a free flight"),
 }
 """Name of a histogram -> symbol, unit and words of what is counted."""
 RAW = ("positions", "velocities", "finals")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from particles.checks import refuse
+from particles.kernel.columns import OF_FLIGHTS
 from particles.outputs import DRIVES, ESTIMATES, VARIABLES
 
 if TYPE_CHECKING:
@@ -145,9 +146,9 @@ class Result(Value):
         if name in VARIABLES:
             _, unit, words = VARIABLES[name]
             for k, line in enumerate(one.density.value):
-                label = words if name == "free_path_histogram" else f"t = {times[k]:.4g} d/U"
+                label = words if name in OF_FLIGHTS else f"t = {times[k]:.4g} d/U"
                 ax.stairs(np.where(line > 0.0, line, np.nan), one.edges, baseline=None, label=label)
-            ax.set(xlabel=f"{words} [{unit}]", ylabel=f"density [1/{unit}]")
+            ax.set(xlabel=f"{words} [{unit}]", ylabel=f"density [{_per(unit)}]")
             ax.set(xscale="log", yscale="log")
         else:
             made = self._dataset([name])
@@ -181,8 +182,8 @@ class Result(Value):
                 axes |= {d: (d, list("xyz"[: plan.medium.dimension])) for d in dims[1:]}
             else:
                 (short, length, words), edges, one = VARIABLES[name], one.edges, one.density
-                axis, unit = f"{short}_bin", f"1/{length}"
-                dims = ("run" if name == "free_path_histogram" else "time", axis)
+                axis, unit = f"{short}_bin", _per(length)
+                dims = ("run" if name in OF_FLIGHTS else "time", axis)
                 about = {"units": length, "long_name": words}
                 axes[axis] = axis, np.sqrt(edges[1:] * edges[:-1]), about
                 found |= {f"{short}_low": (axis, edges[:-1], about)}
@@ -207,6 +208,11 @@ class Result(Value):
             "version": package_version(),
         }
         return xarray.Dataset(found, axes, about).copy(deep=True)
+
+
+def _per(unit: str) -> str:
+    """Return the unit of a density of what has this unit."""
+    return "U/d" if unit == "d/U" else f"1/{unit}"
 
 
 def _components(one: "xarray.DataArray") -> dict[str, np.ndarray]:

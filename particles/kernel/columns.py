@@ -33,10 +33,12 @@ TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y, TRAP_Z = range(5)
 TRAPS = {2: 4, 3: 5}
 
 # Histograms: rows of the table of their grids.
-SPEED, COMPONENT, DISTANCE, PATH = range(4)
+SPEED, COMPONENT, DISTANCE, PATH, DURATION = range(5)
 HISTOGRAMS = (
     "speed_histogram",
     "velocity_component_histogram",
     "displacement_histogram",
     "free_path_histogram",
+    "free_time_histogram",
 )
+OF_FLIGHTS = HISTOGRAMS[PATH:]  # of the whole run, not of each output time

@@ -32,7 +32,7 @@ from particles.kernel.parabola import length_of
 from particles.kernel.records import (
     QUEUE,
     Records,
-    count_path,
+    count_flight,
     enter_queue,
     finish,
     note_trap,
@@ -169,7 +169,7 @@ def _start(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
     launch(lane, start, times, tracer)
     open_flights(lane, start)
     lane.vx, lane.vy, lane.vz = lane.start_vx, lane.start_vy, lane.start_vz
-    lane.left = lane.span = lane.since = 0.0
+    lane.left = lane.span = lane.since = lane.began = 0.0
     lane.draws = 0
     lane.clock = -log(_unit(lane))
 
@@ -187,6 +187,7 @@ def follow_driven(
     """
     # Taken out of their tuples once, as in `follow`.
     times, paths, grids = records.times, records.paths, records.grids
+    durations = records.durations
     queue, queued = records.queue, records.queued
     field, mean_path, tangential = drive.field, drive.mean_path, start.law[1]
     strength, towards = abs(field), copysign(1.0, field)
@@ -249,9 +250,9 @@ def follow_driven(
                 impact = _impact_speed(lane, speed, kind, drive, solid)
                 if impact >= 0.0:
                     lane.collisions += 1
-                    if paths.size:
-                        count_path(paths, grids, lane.travelled - lane.since)
-                    lane.since = lane.travelled
+                    path, flown = lane.travelled - lane.since, lane.time - lane.began
+                    count_flight(paths, durations, grids, path, flown, 0)
+                    lane.since, lane.began = lane.travelled, lane.time
                     if impact < varying.capture:
                         status = columns.CAPTURED
                     change = (tangential + restitution_at(varying, impact)) * impact

@@ -29,7 +29,7 @@ from particles.kernel.lane import (
 from particles.kernel.records import (
     QUEUE,
     Records,
-    count_path,
+    count_flight,
     enter_queue,
     finish,
     note_trap,
@@ -54,6 +54,7 @@ def follow(
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
+    durations = records.durations
     queue, queued = records.queue, records.queued
     last_time = times[times.size - 1] if times.size else np.inf
     law = endless = start.law
@@ -103,8 +104,9 @@ def follow(
                 status = columns.FINISHED if finished else columns.ESCAPED
                 advance(lane, path)
             else:
-                if paths.size:
-                    count_path(paths, grids, path)
+                if paths.size or durations.size:
+                    lasts = path * lane.slowness
+                    count_flight(paths, durations, grids, path, lasts, lane.shifts)
                 trapped = False
                 if cells is None:
                     advance(lane, path)

@@ -30,7 +30,7 @@ from particles.kernel.parabola import (
 from particles.kernel.records import (
     QUEUE,
     Records,
-    count_path,
+    count_flight,
     enter_queue,
     finish,
     note_trap,
@@ -113,6 +113,7 @@ def follow_falling(
     """
     # Taken out of their tuples once, as in `follow`.
     times, paths, grids = records.times, records.paths, records.grids
+    durations = records.durations
     queue, queued = records.queue, records.queued
     last_time = times[times.size - 1] if times.size else np.inf
     field, mean_path, limit = limits
@@ -177,8 +178,7 @@ def follow_falling(
                 lane.travelled += path
                 _move_freely(lane, lasts, field)
                 if status == RUNNING:
-                    if paths.size:
-                        count_path(paths, grids, path)
+                    count_flight(paths, durations, grids, path, lasts, 0)
                     _collide_freely(lane, start)
             elif status == RUNNING and not meets:
                 falling.cross_cell(lane, shape, side, field)
@@ -192,8 +192,7 @@ def follow_falling(
                 path = falling.flown(lane, field)
                 lane.travelled += path
                 if status == RUNNING:
-                    if paths.size:
-                        count_path(paths, grids, path)
+                    count_flight(paths, durations, grids, path, lane.lasted, 0)
                     # Not in a function: it would count references to `cells` each time.
                     before = lane.normal_x, lane.normal_y
                     leaving, next_to = falling.collide(lane, law), FALLS

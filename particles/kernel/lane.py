@@ -84,7 +84,8 @@ DRIVEN_LANE = record_type(
     {
         np.float64: (
             "vx", "vy", "vz", "nx", "ny", "nz",  # and the normal of a collision
-            "clock", "since",           # left of an exponential variable; path at last collision
+            "clock",                    # left of an exponential variable
+            "since", "began",           # path and time at the last collision
             "span", "left",             # a step of the noise, 0 between two; what is left of it
             "kick_x", "kick_y", "kick_z", *_FLOATS,  # the noise at its beginning
         ),

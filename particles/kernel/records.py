@@ -29,12 +29,12 @@ class Records(NamedTuple):
 
     times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
     by in the sums there. moments (n_times, MOMENTS), totals (TOTALS,), statuses (STATUSES,).
-    field_sums (n_times, FIELD_SUMS[dimension]), in a field. grids (4, 2): log2 of the lowest edge
+    field_sums (n_times, FIELD_SUMS[dimension]), in a field. grids (5, 2): log2 of the lowest edge
     and bins per octave of each histogram. speeds, components, distances (n_times, bins + 2) and
-    paths (1, bins + 2): counts, the first and the last of what lies outside. positions, velocities
-    (n_times, n, dimension) and finals (n, FINALS[dimension]): raw, in d and U. passages (n,), inf,
-    receives the times at which x first has the value depth, in d. queue (QUEUE,) of OUTPUT and
-    queued (1,): states that wait, and their number.
+    paths, durations (1, bins + 2): counts, the first and the last of what lies outside. positions,
+    velocities (n_times, n, dimension) and finals (n, FINALS[dimension]): raw, in d and U. passages
+    (n,), inf, receives the times at which x first has the value depth, in d. queue (QUEUE,) of
+    OUTPUT and queued (1,): states that wait, and their number.
     """
 
     times: np.ndarray
@@ -48,6 +48,7 @@ class Records(NamedTuple):
     components: np.ndarray
     distances: np.ndarray
     paths: np.ndarray
+    durations: np.ndarray
     positions: np.ndarray
     velocities: np.ndarray
     finals: np.ndarray
@@ -76,9 +77,15 @@ def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray)
 
 
 @inlined
-def count_path(paths: np.ndarray, grids: np.ndarray, path: float) -> None:
-    """Enter a completed flight in the histogram of free paths."""
-    _count(paths, 0, _log2(path), grids[columns.PATH])
+def count_flight(
+    paths: np.ndarray, durations: np.ndarray, grids: np.ndarray, path: float, lasts: float,
+    shifts: int,
+) -> None:  # fmt: skip
+    """Enter a completed flight in the histograms; lasts: its time, times 2**-64 shifts."""
+    if paths.size:
+        _count(paths, 0, _log2(path), grids[columns.PATH])
+    if durations.size:
+        _count(durations, 0, _log2(lasts) + 64.0 * shifts, grids[columns.DURATION])
 
 
 @inlined

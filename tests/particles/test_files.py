@@ -158,7 +158,7 @@ def test_what_is_drawn(ensemble: Ensemble, falling: Ensemble, name: str) -> None
     axes = run.plot(name, ax=Figure().subplots())
     if name in HISTOGRAMS:
         assert len(axes.patches) == (1 if name.startswith("free") else len(TIMES))
-        assert axes.get_xlabel().endswith(("[U]", "[d]"))
+        assert axes.get_xlabel().endswith(("[U]", "[d]", "[d/U]"))
     else:
         value = getattr(run, name).value.reshape(run.times.size, -1)
         assert axes.lines[0].get_ydata().tolist() == value[:, 0].tolist()

@@ -146,3 +146,41 @@ def test_a_box_that_a_tracer_does_not_cross_is_as_good_as_the_plane() -> None:
     np.testing.assert_allclose(
         small.positions[:2, kept], large.positions[:2, kept], rtol=0, atol=1e-6
     )
+
+
+@pytest.mark.parametrize(
+    ("medium", "more"),
+    [
+        (BoltzmannGrad(0.04), {}),
+        (BoltzmannGrad(0.04, diameter=2.0, dimension=3), {}),
+        (HardDisks(0.1, 200, diameter=0.5), {}),
+        (PoissonSpheres(0.1, count=300), {}),
+        (BoltzmannGrad(0.04), dict(field=1e-13)),
+        (HardDisks(0.1, 200), dict(field=1e-13)),
+        (BoltzmannGrad(0.04, dimension=3), dict(bath_speed=1e-13)),
+    ],
+)
+def test_at_speed_one_a_flight_lasts_as_long_as_it_is(medium: Any, more: dict[str, Any]) -> None:
+    names = ["free_path_histogram", "free_time_histogram"]
+    run = simulate(medium, 1.0, "monoenergetic", times=[40.0], media=4, tracers=50, seed=2,
+                   observables=names, **more)  # fmt: skip
+    paths, times = (getattr(run, name) for name in names)
+    first, last = np.searchsorted(times.edges, paths.edges[0]), times.edges.size - 1
+    assert times.edges[first] == paths.edges[0]
+    shares = paths.probability.value[0, : last - first]
+    # one flight may round into the next bin
+    np.testing.assert_allclose(
+        times.probability.value[0, first:], shares, atol=1.5 / run.collision_total
+    )
+    assert shares.sum() > 0.99
+
+
+def test_flights_of_the_slowest_tracers_are_above_the_bins() -> None:
+    # 200 collisions at e = 0 leave e^-200 of the speed or so: 2^60 d/U is the last edge
+    run = simulate(BoltzmannGrad(0.04), 0.0, media=4, tracers=50, max_collisions=200, seed=1,
+                   observables=["free_time_histogram"])  # fmt: skip
+    found = run.free_time_histogram
+    assert found.edges[-1] == 2.0**60
+    assert found.below[0] == 0.0
+    assert found.above[0] > 0.5
+    assert found.probability.value.sum() + found.above[0] == pytest.approx(1.0)

@@ -85,7 +85,8 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
 @click.option(
     "--observables", default="", metavar="NAMES",
     help="What to save beside the averages, separated by commas: speed_histogram, "
-    "velocity_component_histogram, displacement_histogram, free_path_histogram, positions, "
+    "velocity_component_histogram, displacement_histogram, free_path_histogram, "
+    "free_time_histogram, positions, "
     "velocities, finals.",
 )  # fmt: skip
 @click.option(

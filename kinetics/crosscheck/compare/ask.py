@@ -245,9 +245,16 @@ def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
 
 def _densities(point: Point, sample: Sample) -> dict[str, Solution]:
     """The densities by name, that of the displacement at late times and from a named start."""
-    if sample.tabulated or not sample.law.smooth_disks or point.scatterers != "dilute":
+    if sample.tabulated or sample.law.field or point.scatterers != "dilute":
         return {}
-    later, found = sample.times[sample.times > 0], {}
+    later, found = sample.times[sample.times > 0], dict[str, Solution]()
+    smooth = point.start == "gaussian"  # others take the solver seconds
+    if later.size and not point.own_start:
+        for name in sample.free_flights:  # one solution: it keeps what they share
+            flights, rtol = next(iter(found.values()), None), 1e-6 if smooth else 1e-3
+            found[name] = flights or theory.solved(point, sample.law, later[-1:], (name,), rtol)
+    if not sample.law.smooth_disks:
+        return found
     times = later[spread_out(later.size, 6)]  # each takes the solver some 0.1 s
     if times.size:
         found[theory.SPEED] = theory.solved(point, sample.law, times, (theory.SPEED,), 1e-6)

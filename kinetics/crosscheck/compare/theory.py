@@ -61,6 +61,10 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
      "displacement_tensor", (1, 1)),
     (SPEED, "Speed density", "speed $v$", "U", "mean over a bin"),
     (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
+    ("free_path", "Length of free flights", "length $x$", "d", "mean over a bin", None, "free",
+     "collisions"),
+    ("free_time", "Duration of free flights", "duration $s$", "(d/U)", "mean over a bin", None,
+     "free", "collisions"),
 )}  # fmt: skip
 """Everything that is compared, in the order of the page: a new average is one row."""
 AVERAGES, IN_FIELD = (

@@ -55,6 +55,19 @@ class Binned(NamedTuple):
     by_group: Counts
 
 
+class FreeFlights(NamedTuple):
+    """Shares of the completed flights in bins of their length or duration, in d or d/U.
+
+    edges (n_bins + 1,); share, error (n_bins,), from so many configurations and flights.
+    """
+
+    edges: Array
+    share: Array
+    error: Array
+    groups: int
+    samples: int
+
+
 class StartBins(NamedTuple):
     """Speeds at time 0 in fine bins, of those that move: mean v^2 in U^2 and tracers, (n_bins,)."""
 
@@ -96,6 +109,7 @@ class Sample:
     speeds, displacements, start : counts in bins, None where unknown
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
     flights : tracers that have flown straight, of the two times at which most of them have
+    free_flights : "free_path" and "free_time", of all flights up to the last time
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
@@ -115,6 +129,7 @@ class Sample:
     grouping: str
     law: Law = Law()
     flights: tuple[Flights, ...] = ()
+    free_flights: Mapping[str, FreeFlights] = field(default_factory=dict)
     free: bool = False
     tabulated: bool = False
     warnings: tuple[str, ...] = ()
@@ -141,12 +156,18 @@ class Sample:
             one and one._replace(edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
         )
+        sizes = {"free_path": length, "free_time": 1 / factor}
+        completed = {
+            name: one._replace(edges=one.edges / sizes[name])
+            for name, one in self.free_flights.items()
+        }
         flown = [
             Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
             for one in self.flights
         ]
         return replace(
             self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
+            free_flights=completed,
             law=replace(self.law, field=self.law.field * length / speed**2),
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
@@ -374,4 +395,15 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
         if isinstance(medium, kind):
             told["scatterers"] = scatterers
     law = Law(ensemble.tangential_restitution, medium.dimension, ensemble.field)
-    return replace(found, free=free, told=told, law=law).rescaled(1.0, medium.diameter)
+    flown, ends = {}, ensemble.statuses
+    for one in ("free_path", "free_time"):
+        key = f"{one}_histogram"
+        # where tracers end before the last time, the theory has more flights
+        if key in ensemble.outputs and ends.finished == ensemble.media * ensemble.tracers:
+            counted, flights = getattr(ensemble, key), stored[f"histograms/{key}/samples"][0, 0]
+            share = counted.probability
+            flown[one] = FreeFlights(
+                counted.edges, share.value[0], share.error[0], ensemble.media, int(flights)
+            )
+    found = replace(found, free=free, told=told, law=law, free_flights=flown)
+    return found.rescaled(1.0, medium.diameter)

@@ -399,3 +399,17 @@ def test_p_values_are_uniform() -> None:
 def test_a_collision_cap_is_named() -> None:
     result = compare(simulated(max_collisions=6, times=TIMES, tracers=125))
     assert explained(result, "missing tracers").outcome == "explains"
+
+
+def test_free_flights_of_a_run_are_judged() -> None:
+    names = ("free_path", "free_time")
+    usual: Any = dict(restitution=0.5, media=60, tracers=200, seed=4,
+                      observables=[f"{name}_histogram" for name in names])  # fmt: skip
+    run = simulate(BoltzmannGrad(0.04, diameter=2.0), times=[60.0], **usual)
+    tests = {test.observable: test for test in compare(run, explain=False).tests}
+    assert all(tests[name].p_value > 0.01 for name in names)
+    tests = {t.observable: t for t in compare(run, explain=False, number_density=0.05).tests}
+    assert all(tests[name].verdict == "differs" for name in names)
+    # where some tracers end early, fewer flights are counted than there were
+    capped = simulate(BoltzmannGrad(0.04), times=[60.0], max_collisions=3, **usual)
+    assert not {*names} & {test.observable for test in compare(capped, explain=False).tests}
