@@ -113,7 +113,7 @@ class Velocities:
         half, odd = 1.0 / (self.dimension - 1.0), 0.0 if self.symmetric else 1.0
         square, zero = u * u + q * q, np.zeros(u.size)
         every = [u, odd * q, square, u * u - half * q * q, odd * u * q, square**2, np.sqrt(square)]
-        every += [u * x, half * q * y, odd * (u * y + q * x)]
+        every += [u * x, half * q * y, odd * (u * y + q * x), np.ones(u.size)]
         return np.asarray((np.array(every) + zero) @ self.uncollided(time))
 
     def projected(
