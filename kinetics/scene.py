@@ -62,8 +62,9 @@ class Scene(Value):
         Gaussian with this standard deviation
     heating : D_v in U^3/d, of white noise on the velocity, <dv_i dv_j> = 2 D_v delta_ij dt
     drag : gamma in U/d, in dv/dt = -gamma v
-    capture_speed : v_c in U: impacts whose normal speed is below it stick. Averages are over the
-        tracers that still move, ``Solution.captured`` is the share of the others
+    capture_speed : v_c in U: impacts whose normal speed is below it stick. Averages of the velocity
+        are over the tracers that still move, of place and collisions over all;
+        ``Solution.captured`` is the share that sticks
 
     With any of the last four, or a restitution that depends on the normal impact speed (in U: a
     `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the

@@ -22,6 +22,7 @@ from kinetics import (
     ScalingSolution,
     Scene,
     SpeedTable,
+    Viscoelastic,
     cli,
     load,
     solve,
@@ -69,6 +70,13 @@ BAD_INPUT = [
     ("solve --field-steady --field-units 0,1,1", "field_units"),
     ("solve --field-units 1,2,3", "field_units"),
     ("solve --field 1 --outputs kurtosis", "outputs kurtosis"),
+    ("solve --steady", "bath_speed 0"),
+    ("solve --steady --heating 1 --times 1", "times --steady"),
+    ("solve --steady --heating 1 --number-density 1", "number-density --steady"),
+    ("solve --scaled --drag 1", "drag --scaled"),
+    ("solve --bath-speed -1", "bath_speed -1"),
+    ("solve --heating 1 --outputs kurtosis", "outputs kurtosis"),
+    ("solve -e 0.5 --viscoelastic 0.4", "restitution --viscoelastic"),
     ("simulate --number-density 5", "number_density 5"),
     ("simulate --times 3,2", "times"),
     ("simulate --medium glass", "medium glass"),
@@ -206,6 +214,32 @@ def test_solve_the_steady_state_in_a_field(lorentz: Any) -> None:
     assert found["in_units"]["drift"] == pytest.approx(state.drift * math.sqrt(9.81 * path))
     assert rows_of("a.csv")[0]["drift [sqrt(g l)]"] == pytest.approx(state.drift)
     assert f"drift                    {state.drift:.13g}" in lorentz(*arguments)
+
+
+def test_solve_the_steady_state_of_a_driven_tracer(lorentz: Any) -> None:
+    arguments = ("solve", "--steady", "--bath-speed", "2", "-e", "0.5", "--rtol", "1e-6")
+    found = lorentz.json(*arguments, "-o", "a.csv")
+    assert found["mean_square_along"] == pytest.approx(12.0, rel=1e-6)  # w^2 (1 + e)/(1 - e)
+    assert found["mobility"] == pytest.approx(found["diffusion_coefficient"] / 12.0, rel=1e-6)
+    assert (found["status"], found["bath_speed"]) == ("converged", 2.0)
+    assert f"drift                    {found['drift']:.13g}" in lorentz(*arguments)
+    assert Path("a.csv").exists()
+    found = lorentz.json(*arguments, "--capture-speed", "1")
+    assert found["capture_time"] > 1.0
+    assert "mobility" not in found  # of tracers that stick
+
+
+def test_solve_driven_tracers_over_time(lorentz: Any) -> None:
+    drives = {"bath_speed": 0.5, "heating": 0.1, "drag": 0.2, "capture_speed": 0.1}
+    options = [x for name, value in drives.items() for x in (f"--{name.replace('_', '-')}", value)]
+    asked = ("--viscoelastic", "0.4", "--times", "1,9", "--rtol", "1e-4")
+    found = lorentz.json("solve", *map(str, options), *asked)
+    scene = Scene(Viscoelastic(0.4), times=[1.0, 9.0], outputs=("thermal_speed",), **drives)
+    expected = solve(scene, rtol=1e-4)
+    assert found["thermal_speed"] == pytest.approx(expected.thermal_speed.tolist(), rel=1e-3)
+    assert found["captured"] == pytest.approx(expected.captured.tolist(), rel=1e-3)
+    assert {name: found[name] for name in drives} == drives
+    assert (found["restitution"], found["viscoelastic"]) == (None, 0.4)
 
 
 def test_solve_averages_over_time_in_a_field(lorentz: Any) -> None:

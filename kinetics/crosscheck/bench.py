@@ -30,7 +30,7 @@ from pandas import DataFrame
 from threadpoolctl import threadpool_limits
 
 import particles as p
-from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled
+from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled, solve_steady
 from kinetics.crosscheck import references
 from kinetics.crosscheck.files import dumps, markdown_table, plain
 from kinetics.crosscheck.references import MEAN_FREE_PATH
@@ -263,6 +263,25 @@ def in_field(effort: Effort) -> Iterator[Work]:
     )  # fmt: skip
 
 
+def driven(effort: Effort) -> Iterator[Work]:
+    """Steady states of driven tracers, and fifty times to t = 100: times alone, to two rtols."""
+    bath: Row = {"restitution": E, "bath_speed": 1.0, "mass_ratio": 4.0}
+    times = np.geomspace(0.1, 100.0, 50)
+    for name, system in (
+        ("bath", bath),
+        ("heated", {"restitution": E, "heating": 1.0}),
+        ("bath and field", bath | {"field": 1.0}),
+    ):
+        for rtol in (1e-6, 1e-10):
+            call = partial(solve_steady, **system, rtol=rtol)
+            yield Work("driven", f"steady state: {name}", SPECTRAL, call, "rtol", rtol)
+        if "field" not in system:
+            outputs = ("thermal_speed", "msd")
+            scene = Scene(**system, number_density=0.5, times=times, outputs=outputs)
+            name, run = f"50 times to t = 100: {name}", partial(solve, scene, 1e-6)
+            yield Work("driven", name, SPECTRAL, run, "rtol", 1e-6)
+
+
 # -- what skipping saves, and particles -----------------------------------------------------------
 def skipping(effort: Effort) -> Iterator[Work]:
     """Each output of a scene alone; "everything" comes first."""
@@ -301,10 +320,16 @@ def throughput(effort: Effort) -> Iterator[Work]:
                        workers=threads)  # fmt: skip
         collisions = float(most * tracers * MEDIA)
         yield Work("particles", name, part, call, "collisions", collisions, threads=threads)
+    medium, name = p.BoltzmannGrad(DENSITY), "Boltzmann-Grad, 0.04 per d^2, bath"
+    for part, tracers, most in runs:
+        call = partial(p.simulate, medium, 0.9, max_collisions=most, media=MEDIA, tracers=tracers,
+                       workers=1, bath_speed=1.0)  # fmt: skip
+        yield Work("particles", name, part, call, "collisions", float(most * tracers * MEDIA))
 
 
 CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
     "scaled": scaled, "cooling": cooling, "position": position, "field": in_field,
+    "driven": driven,
     "skipping": skipping, "particles": throughput,
 }  # fmt: skip
 
@@ -385,6 +410,7 @@ class BenchReport:
         for title, frame in (
             ("Run time for an error (inf: not reached)", self._run_times()),
             ("What skipping saves", saved[["problem", "method", "seconds", "everything over it"]]),
+            ("Driven tracers", self.rows("driven")[["problem", "value", "seconds"]]),
             ("Particles, e = 0.9", self._particles()),
             ("Failed", failed),
         ):

@@ -361,6 +361,73 @@ def steady(law: CollisionLaw, rtol: float) -> Outcome:
     return Outcome(rtol + 1e-12, largest(steady_errors(found)), done, invariants=kept)
 
 
+def drawn(kind: str, seed: int) -> dict[str, Any]:
+    """A random system of driven tracers: "bath" alone, "noise" with drag, "field" with drag, or
+    "all" of these.
+    """
+    rng = np.random.default_rng(seed)
+    found: dict[str, Any] = {
+        "mass_ratio": float(rng.choice([math.inf, 10.0 ** rng.uniform(-1.0, 2.0)])),
+        "restitution": float(rng.uniform()),
+        "dimension": int(rng.integers(2, 4)),
+    }
+    strength = {"bath_speed": 0.5, "heating": 0.1, "drag": 0.1, "field": 0.2}
+    acting = {"bath": ("bath_speed",), "noise": ("heating", "drag"), "field": ("drag", "field")}
+    for name, least in strength.items():
+        size = float(least * 20.0 ** rng.uniform())
+        if name in acting.get(kind, strength):
+            found[name] = size
+    return found
+
+
+def balances(state: Any) -> list[float]:
+    """What a DrivenState misses in its exact relations, relative to their parts."""
+    d, moment = state.dimension, state.moment
+    share = 1.0 if math.isinf(state.mass_ratio) else state.mass_ratio / (1.0 + state.mass_ratio)
+    k = share * (1.0 + state.restitution)  # 1 + e*
+    w, noise, drag, g = state.bath_speed, state.heating, state.drag, state.field
+    if w and not (noise or drag or g):  # a Maxwellian, and the Einstein relation
+        square = w * w * k / (2.0 - k)
+        einstein = state.mobility * square / state.diffusion_coefficient
+        return [state.thermal_speed**2 / (d * square) - 1.0, state.a2, einstein - 1.0]
+    if w:
+        return []
+    c2, c4 = (2 / 3, 8 / 15) if d == 2 else (1 / 2, 1 / 3)  # <cos^2>, <cos^4> of an impact
+    a, missed = (2.0 - k) * k, []
+    for p, loss in ((2, a * c2), (4, 2.0 * a * c2 - a * a * c4)):  # of <v^p>, 1 - <s^p>
+        pull = g * p * moment(p - 1.0, 1) if g else 0.0
+        gained = noise * p * (p + d - 2.0) * moment(p - 2.0) + pull
+        lost = drag * p * moment(p) + loss * moment(p + 1.0)
+        missed.append(gained / lost - 1.0)
+    if g:  # of the momentum
+        missed.append((k * c2 * moment(2.0, 1) + drag * state.drift) / g - 1.0)
+    return missed
+
+
+def driven(kind: str, seed: int, rtol: float) -> Outcome:
+    """The steady state of a random system, against its balances and a tighter solution."""
+    system = drawn(kind, seed)
+    found, finer = (kinetics.solve_steady(**system, rtol=x) for x in (rtol, 0.1 * rtol))
+    names = ("thermal_speed", "collision_rate", "diffusion_coefficient", "mobility")
+    missed = [getattr(found, n) / getattr(finer, n) - 1.0 for n in names]
+    missed += [found.a2 - finer.a2, (found.drift - finer.drift) / finer.thermal_speed]
+    kept = {"balances": (largest(balances(found), 0.0), 20.0 * max(rtol, found.error_estimate))}
+    kept["a2 >= -2/(d + 2)"] = below(found.a2, -2.0 / (found.dimension + 2.0)), 0.0
+    done = found.status.name == "CONVERGED"
+    known = finer.error_estimate
+    note = f"estimate {found.error_estimate:.0e}; {system}"
+    return Outcome(rtol + known, largest(missed), done, known, kept, note)
+
+
+def driven_over_time(kind: str, seed: int, rtol: float) -> Outcome:
+    """A random system over time, from a Gaussian start, against a tighter solution."""
+    outputs = ("thermal_speed", "a2", "msd", "collisions")
+    asked = kinetics.Scene(**drawn(kind, seed), times=[0.1, 3.0, 100.0], outputs=outputs)
+    found = kinetics.solve(asked, rtol)
+    note, done = f"estimate {found.error_estimate:.0e}", found.status.name == "CONVERGED"
+    return Outcome(2.0 * rtol, apart(found, again(found, 0.1 * rtol)), done, note=note)
+
+
 def fly(law: CollisionLaw, medium: str, tracers: int, most: int, times: Any = None) -> Outcome:
     """Many tracers, or many collisions of a few: speeds are as the losses make them."""
     kind, density = medium.split()
@@ -484,6 +551,12 @@ def all_cases(quick: bool) -> list[Case]:
         at = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(12.5 / g)  # sqrt(l/g)
         start = ("rest",) if quick else ("rest", *both)
         row("over time in a field", work, law=laws(0.7), start=start, times=[at], field=[g])
+
+    seeds, kinds = range(3 if quick else 25), ("bath", "noise", "field", "all")
+    rtols = (1e-4, 1e-8) if quick else (1e-4, 1e-6, 1e-9)
+    row("driven", driven, kind=kinds, seed=seeds, rtol=rtols)
+    over, few = (kinds[:2], range(1)) if quick else (kinds[:3], range(4))
+    row("driven", driven_over_time, kind=over, seed=few, rtol=(1e-5,))
 
     # the last Poisson medium is that at which the plane falls apart: rho pi d^2 = 1.128
     plane = [f"Poisson {rho}" for rho in (0.01, 0.2, 0.35, 0.359)]

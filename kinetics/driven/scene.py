@@ -18,7 +18,7 @@ from kinetics.driven.steady import angular_sum
 from kinetics.driven.system import System
 from kinetics.errors import InputError
 from kinetics.field import radau
-from kinetics.field.evolution import ALL, Evolution
+from kinetics.field.evolution import ALL, INTEGRALS, Evolution
 from kinetics.field.scene import DENSITIES, MADE_OF, FieldScene
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
@@ -240,11 +240,11 @@ class DrivenScene(FieldScene):
 
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
-        """Averages over those that move, if others stick."""
+        """If some stick: of the velocity over those that move, of the place over all."""
         rows = np.vstack([one.values for one in self._parts])
         found = dict(zip(ALL, rows.T, strict=True))
-        moving = found["1"]
-        return {name: x if name == "1" else x / moving for name, x in found.items()}
+        kept = {"1", *INTEGRALS}
+        return {name: x if name in kept else x / found["1"] for name, x in found.items()}
 
     @property
     def captured(self) -> FloatArray:

@@ -168,3 +168,11 @@ def test_neither_command_runs_a_module_of_the_folder_it_is_started_in(tmp_path: 
         command = [sys.executable, "-P", "-m", "kinetics.cli", *arguments]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert os.listdir(tmp_path) == ["numpy.py"]
+
+
+def test_rows_of_driven_tracers_are_measured() -> None:
+    works = [w for w in bench.driven(QUICK) if w.value == 1e-6 and "field" not in w.problem]
+    rows = [measure(work, QUICK._replace(least=1, most=1)) for work in works]
+    assert len(rows) == 4
+    assert {row["status"] for row in rows} == {MEASURED}
+    assert "50 times to t = 100: bath" in BenchReport(rows, True, ("driven",), {}, 1.0).markdown()

@@ -254,3 +254,20 @@ def test_an_interruption_reports_what_has_been_run(
     kept = json.loads((tmp_path / "stress.json").read_text())
     assert ([c["name"] for c in kept["cases"]], kept["not_run"]) == (["fine"], 2)
     assert signal.getsignal(signal.SIGINT) is handler
+
+
+@pytest.mark.parametrize("kind", ["bath", "noise", "field"])
+def test_the_balances_of_driven_tracers_see_a_wrong_answer(
+    monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    found = stress.driven(kind, 1, 1e-6)
+    assert judge(found, 0.0) in ACCEPTED
+    right = kinetics.solve_steady
+
+    def wrong(restitution: float, **system: Any) -> Any:  # converged, of other collisions
+        state = right(restitution=0.5 * restitution, **system)
+        object.__setattr__(state, "restitution", restitution)
+        return state
+
+    monkeypatch.setattr(kinetics, "solve_steady", wrong)
+    assert judge(stress.driven(kind, 1, 1e-6), 0.0) == BROKEN

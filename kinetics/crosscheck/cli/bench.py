@@ -8,7 +8,7 @@ import click
 
 from kinetics.crosscheck.cli.options import Output, json_option, progress
 
-CASES = ("scaled", "cooling", "position", "field", "skipping", "particles")
+CASES = ("scaled", "cooling", "position", "field", "driven", "skipping", "particles")
 
 
 def _output_option(names: str) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 import click
 from click import Choice, option
 
+from kinetics.crosscheck.cli import options
 from kinetics.crosscheck.cli.options import Output, json_option
 
 COLUMNS = """DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy
@@ -39,6 +40,8 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
         "or 2]")
 @option("--field", type=float, default=0.0,
         help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.")
+@options.mass_option
+@options.drive_options
 @option("--initial", type=Choice(["auto", "gaussian", "monoenergetic", "data", "rest"]),
         default="auto",
         help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
@@ -75,7 +78,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @json_option
 def compare(
     data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...], fail_on: str | None,
-    as_json: bool, **told: Any,
+    as_json: bool, viscoelastic: float | None, **told: Any,
 ) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
@@ -87,6 +90,10 @@ def compare(
     # fmt: on
     from kinetics.crosscheck.compare.ask import compare_data
 
+    if viscoelastic is not None:
+        from kinetics import Viscoelastic
+
+        told["restitution"] = options.impact_law(viscoelastic, Viscoelastic, None)
     result = _done(compare_data, data, output, figures, as_json, told)
     return int(fail_on is not None and result.verdict in {"differs", fail_on})
 
@@ -105,7 +112,10 @@ def _fit(
     _done(fit_data, data, output, figures, as_json, told)
 
 
-_TOLD = ("restitution", "number_density", "field", "fail_on")
+_TOLD = (
+    "restitution", "number_density", "field", "fail_on", "viscoelastic", "mass_ratio",
+    *options.DRIVES,
+)  # fmt: skip
 fit = click.Command(
     "fit", callback=_fit, help=_fit.__doc__, epilog=COLUMNS, short_help="Find e and the density.",
     params=[one for one in compare.params if one.name not in _TOLD],

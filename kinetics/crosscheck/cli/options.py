@@ -105,7 +105,41 @@ seed_option = option("--seed", type=int, default=1, help="Seed of every random n
 workers_option = option("--workers", type=int, help="Threads. [default: one per processor]")
 json_option = option("--json", "as_json", is_flag=True,
                      help="Print one JSON document and nothing else.")
+_DRIVES = (
+    option("--bath-speed", type=float, default=0.0,
+           help="Scatterers move: standard deviation of a component of their velocity in U. This, "
+           "heating and drag are for dilute ones (with simulate --medium boltzmann-grad)."),
+    option("--heating", type=float, default=0.0, help="White noise 2 D dt, D in U^3/d."),
+    option("--drag", type=float, default=0.0, help="Rate of the drag -DRAG v, in U/d."),
+    option("--capture-speed", type=float, default=0.0, help="Slower impacts stick [U]."),
+    option("--viscoelastic", type=float, metavar="B",
+           help="In place of -e: viscoelastic spheres, B in U^(-1/10), of lower restitution when "
+           "faster."),
+)
 # fmt: on
+DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
+
+
+def drive_options(command: Any) -> Any:
+    """The options of driven tracers, and --viscoelastic."""
+    for one in reversed(_DRIVES):
+        command = one(command)
+    return command
+
+
+def impact_law(viscoelastic: float | None, of: Any, otherwise: Any) -> Any:
+    """The restitution: of --viscoelastic, an `of`, in place of -e, or what -e says."""
+    if viscoelastic is None:
+        return otherwise
+    refuse_given(["restitution"], "--viscoelastic")
+    return of(viscoelastic)
+
+
+def law_keys(restitution: Any) -> dict[str, Any]:
+    """The keys of a JSON document that hold a restitution."""
+    if isinstance(restitution, float | int):
+        return {"restitution": restitution}
+    return {"restitution": None, "viscoelastic": getattr(restitution, "b", None)}
 
 
 def names_in(text: str) -> tuple[str, ...]:

@@ -22,7 +22,6 @@ IN_FIELD = {
     "dispersion_perpendicular": "var y [d^2]", "collisions": "collisions",
 }  # fmt: skip
 ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
-DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 ARGUMENTS = ("media", "tracers", "max_collisions", "seed")
 KINDS = {
     "HardDisks": "hard-disks", "Poisson": "poisson", "HardSpheres": "hard-spheres",
@@ -67,18 +66,7 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
     "--field", type=float, default=0.0,
     help="Uniform acceleration along +x in U^2/d; not among spheres.",
 )  # fmt: skip
-@click.option(
-    "--bath-speed", type=float, default=0.0,
-    help="Scatterers move: standard deviation of a component of their velocity in U. This, heating "
-    "and drag are for --medium boltzmann-grad.",
-)  # fmt: skip
-@click.option("--heating", type=float, default=0.0, help="White noise 2 D dt, D in U^3/d.")
-@click.option("--drag", type=float, default=0.0, help="Rate of the drag -DRAG v, in U/d.")
-@click.option("--capture-speed", type=float, default=0.0, help="Slower impacts stick [U].")
-@click.option(
-    "--viscoelastic", type=float, metavar="B",
-    help="In place of -e: viscoelastic spheres, B in U^(-1/10), of lower restitution when faster.",
-)  # fmt: skip
+@options.drive_options
 @click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @options.times_option
 @options.until_option
@@ -120,9 +108,8 @@ def simulate(
 
     times = options.times_until(times, until)
     names = options.names_in(observables)
-    if viscoelastic is not None:
-        options.refuse_given(["restitution"], "--viscoelastic")
-        arguments["restitution"] = particles.Viscoelastic(viscoelastic)
+    told = arguments["restitution"]
+    arguments["restitution"] = options.impact_law(viscoelastic, particles.Viscoelastic, told)
     h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     if h5md is not None:
         if arguments["resume"]:
@@ -240,12 +227,12 @@ def _document(run: Any) -> dict[str, Any]:
     if run.plan.capture_speed and not run.field:
         estimates.append("trapped_fraction")
     law = ["tangential_restitution", "number_density", "field"]
-    law += [name for name in DRIVES if getattr(run, name)]
+    law += [name for name in options.DRIVES if getattr(run, name)]
     law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
     plan = run.plan
     initial = "rest" if plan.rest else "monoenergetic" if plan.monoenergetic else "gaussian"
     return {
-        "medium": KINDS[type(run.medium).__name__], **_restitution(run.restitution),
+        "medium": KINDS[type(run.medium).__name__], **options.law_keys(run.restitution),
         **{name: getattr(run, name) for name in law}, "dimension": run.medium.dimension,
         "initial": initial if plan.velocities is None else None,
         **{name: getattr(plan, name) for name in ARGUMENTS},
@@ -254,12 +241,6 @@ def _document(run: Any) -> dict[str, Any]:
         **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
         **{name: _value_and_error(getattr(run, name)) for name in estimates},
     }  # fmt: skip
-
-
-def _restitution(law: Any) -> dict[str, Any]:
-    number = isinstance(law, float)
-    b = getattr(law, "b", None)  # other laws have no numbers of their own
-    return {"restitution": law} if number else {"restitution": None, "viscoelastic": b}
 
 
 def _text(run: Any) -> str:

@@ -14,7 +14,7 @@ from click import Choice, option
 
 from kinetics.crosscheck.cli import options
 from kinetics.errors import InputError
-from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
 MEDIUM = ("scatterers", "density_order", "number_density")
@@ -39,6 +39,7 @@ OVER_TIME = (
     "collision_numbers", "wave_numbers",
 )  # fmt: skip
 IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in (*HEADS, *TENSORS))  # with --field
+DRIVEN = tuple(name for name in DRIVEN_OUTPUTS if name in (*HEADS, *TENSORS))
 BY_COLLISION = ("thermal_speed", "a2", "msd")  # those that are printed by collision number as well
 STATES = ("gaussian", "monoenergetic", "beam", "rest")
 SCALED = ("cooling_rate", "a2", "error_estimate", "nodes")
@@ -46,6 +47,12 @@ STEADY = (
     "drift", "mean_square_speed", "mean_square_along", "mean_speed", "diffusion_parallel",
     "diffusion_perpendicular", "error_estimate", "message",
 )  # fmt: skip
+IN_STEADY = (
+    "thermal_speed", "a2", "drift", "mean_square_along", "collision_rate", "diffusion_coefficient",
+    "diffusion_parallel", "diffusion_perpendicular", "mobility", "capture_time", "capture_depth",
+)  # fmt: skip
+EXAMPLE = """Example, a tracer in a bath of scatterers four times as heavy: lorentz solve --steady
+-e 0.7 --bath-speed 1 --mass-ratio 4; the same over time, without --steady."""
 _LARGEST = 10_000_000  # bytes of a table of speeds
 PICTURES = (".png", ".svg", ".pdf")
 ENDINGS = (".csv", ".parquet", ".nc", ".h5", *PICTURES)
@@ -54,7 +61,7 @@ _points = partial(option, type=options.Numbers(), default="")
 
 
 # fmt: off
-@click.command(epilog=options.UNITS, short_help="Solve the kinetic equation.")
+@click.command(epilog=f"{options.UNITS} {EXAMPLE}", short_help="Solve the kinetic equation.")
 @options.restitution_option
 @options.tangential_option
 @options.mass_option
@@ -78,6 +85,10 @@ _points = partial(option, type=options.Numbers(), default="")
 @option("--field-steady", is_flag=True,
         help="Solve the steady state in a uniform field: drift and dispersion, in units of g and "
         "l.")
+@options.drive_options
+@option("--steady", is_flag=True,
+        help="Solve the steady state of a driven tracer: lengths are in l, also those of "
+        "--heating, --drag and --field, and speeds in the unit of these options.")
 @_points("--field-units", metavar="G,D,RHO",
          help="With --field-steady, also in your units: the acceleration, the diameter and the "
          "density of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.")
@@ -89,31 +100,46 @@ _points = partial(option, type=options.Numbers(), default="")
 @_points("--collision-numbers", help="N at which to print averages, commas.")
 @_points("--wave-numbers", help="k in 1/d at which to print F.")
 @option("--rtol", type=float,
-        help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6.")
+        help="Relative tolerance asked for; by default 1e-10, with --radii or a field 1e-6, of "
+        "other driven tracers over time 1e-8.")
 @option("-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
         help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF), .h5 "
         "(for kinetics.load), or a picture of all of it, .png, .svg or .pdf.")
 @options.json_option
 def solve(
-    scaled: bool, field_steady: bool, field_units: tuple[float, ...], outputs: str,
+    scaled: bool, field_steady: bool, steady: bool, field_units: tuple[float, ...], outputs: str,
     speeds: tuple[float, ...], radii: tuple[float, ...], wave_numbers: tuple[float, ...],
-    rtol: float | None, output: Path | None, as_json: bool, until: float | None, **system: Any,
+    rtol: float | None, output: Path | None, as_json: bool, until: float | None,
+    viscoelastic: float | None, **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
     # fmt: on
-    mode = "--scaled" if scaled else "--field-steady" if field_steady else ""
+    modes = {"--scaled": scaled, "--field-steady": field_steady, "--steady": steady}
+    mode = next((name for name, chosen in modes.items() if chosen), "")
     if mode:
-        options.refuse_given((*OVER_TIME, *(("field_steady",) if scaled else MEDIUM)), mode)
+        nothing = {*OVER_TIME, *options.DRIVES, "viscoelastic"}
+        if steady:
+            nothing = {*OVER_TIME, "tangential_restitution"} - {"field"}
+        others = [name[2:].replace("-", "_") for name in modes if name != mode]
+        options.refuse_given((*sorted(nothing), *others, *(() if scaled else MEDIUM)), mode)
+    system["restitution"] = _restitution(viscoelastic, system["restitution"])
+    drives = {name: x for name in options.DRIVES if (x := system[name])}
     system["times"] = options.times_until(system["times"], until)
     asked: dict[str, Any] = {}
-    if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
-        rtol = 1e-6 if (radii or system["field"]) and not mode else 1e-10
+    if rtol is None:  # G(R) cannot have 1e-10, and averages of driven tracers take long for it
+        driven = drives or viscoelastic is not None
+        rtol = 1e-6 if radii or system["field"] else 1e-8 if driven else 1e-10
+        rtol = 1e-10 if mode else rtol
     if system["mass_ratio"] == math.inf:  # the default, which JSON cannot hold
         del system["mass_ratio"]
     law = {name: system[name] for name in LAW if name in system}
     if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
         raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")
-    if field_steady:
+    if steady:
+        del law["tangential_restitution"]
+        drives |= {"field": system["field"]} if system["field"] else {}
+        result, found = driven_state(law | drives, rtol)
+    elif field_steady:
         result, found = steady_state(law, field_units, rtol)
     elif scaled:
         if system["scatterers"] != "dilute":
@@ -128,7 +154,7 @@ def solve(
     if as_json:
         options.print_json(found)
     else:
-        click.echo((state_text if mode else text_over_time)(found))
+        click.echo(state_text(found) if mode else text_over_time(found))
 
 
 def over_time(
@@ -141,7 +167,9 @@ def over_time(
     from kinetics import solve as solve_scene
     from kinetics.validation import not_negative, one_of, refuse
 
-    known = IN_FIELD if system.get("field") else HEADS
+    drives = {name: x for name in options.DRIVES if (x := system.get(name))}
+    driven = bool(drives) or not isinstance(system["restitution"], float)
+    known = DRIVEN if driven else IN_FIELD if system.get("field") else HEADS
     names = [one_of("outputs", name, known) for name in options.names_in(outputs)]
     if not names:
         refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
@@ -155,11 +183,13 @@ def over_time(
         warnings.simplefilter("ignore", ToleranceWarning)  # the status says it
         solution = solve_scene(scene, rtol=rtol)
     found: dict[str, Any] = {name: system[name] for name in (*LAW, *MEDIUM) if name in system}
+    found |= options.law_keys(system["restitution"]) | drives
     found["initial"] = initial if isinstance(initial, str) else repr(scene.state)
     if system.get("field"):
         found["field"] = system["field"]
     found |= {"rtol": rtol, "status": solution.status.name.lower(), "message": solution.message}
     found |= {name: getattr(solution, name) for name in ("times", *names)}
+    found |= {"captured": solution.captured} if "capture_speed" in drives else {}
     for (name, at), density in zip(asked.items(), densities, strict=True):
         found |= {name: at, density: getattr(solution, density)(at)}
     if system.get("field") and "speed_density" in found:
@@ -175,6 +205,7 @@ def text_over_time(found: dict[str, Any]) -> str:
     shown = {HEADS[name]: found[name] for name in HEADS if name in found}
     for name, parts in TENSORS.items():
         shown |= {head: found[name][:, *place] for head, place in parts if name in found}
+    shown |= {"captured": found["captured"]} if "captured" in found else {}
     tables = [shown]
     for at, (name, head) in DENSITIES.items():
         if name in found:
@@ -211,6 +242,31 @@ def steady_state(
     return state, found | ({"in_units": asdict(state.in_units(*units))} if units else {})
 
 
+def driven_state(asked: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]:
+    """The steady state of a driven tracer, lengths in l; what tracers that stick lack is left out.
+
+    asked : arguments of `solve_steady`
+    """
+    from dataclasses import asdict
+
+    from kinetics import solve_steady
+
+    state = solve_steady(**asked, rtol=rtol)
+    found = asked | options.law_keys(asked["restitution"])
+    found |= {name: x for name in IN_STEADY if math.isfinite(x := getattr(state, name))}
+    found |= {"error_estimate": state.error_estimate, "message": state.message}
+    found |= {"status": state.status.name.lower(), "plan": [asdict(step) for step in state.plan]}
+    return state, found | {"unit_of_length": "l"}
+
+
+def _restitution(viscoelastic: float | None, told: float) -> Any:
+    if viscoelastic is None:
+        return told
+    from kinetics import Viscoelastic
+
+    return options.impact_law(viscoelastic, Viscoelastic, told)
+
+
 def state_text(found: dict[str, Any]) -> str:
     """The same, one line for each figure."""
 
@@ -218,7 +274,7 @@ def state_text(found: dict[str, Any]) -> str:
         return f"{name:24} {options.written(value, 13)}"
 
     lines = [line(name, x) for name, x in found.items() if not isinstance(x, dict | list)]
-    if "plan" in found:
+    if "plan" in found and "unit_of_length" not in found:
         lines.insert(0, "speeds in sqrt(g l), diffusion coefficients in sqrt(g l^3)")
     lines += [line(f"<c^{p}>", x) for p, x in found.get("moments", {}).items()]
     if "in_units" in found:

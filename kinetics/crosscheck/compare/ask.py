@@ -23,8 +23,17 @@ from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import Table
 from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
+from kinetics.driven.restitution import impact_restitution
+from kinetics.driven.system import checked_drives
 from kinetics.errors import InputError
-from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
+from kinetics.validation import (
+    check_mass_ratio,
+    check_positive,
+    check_restitution,
+    one_of,
+    real_number,
+    refuse,
+)
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
 SCATTERERS = ("dilute", "hard disks", "overlapping")
@@ -37,13 +46,15 @@ _OWN_START = "The theory starts from the data's own speeds: early densities' p-v
 
 def compare_data(
     data: str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Sample | Any,
-    restitution: float | None = None, number_density: float | None = None, initial: str = "auto",
+    restitution: Any = None, number_density: float | None = None, initial: str = "auto",
     positions: str = "auto", speed_unit: float | str = 1.0, diameter: float = 1.0,
     explain: bool = True, time_unit: float | None = None,
     columns: Mapping[str, str] | str | None = None, timestep: float | None = None,
     tangential_restitution: float | None = None, dimension: int | None = None,
     bin_times: float | None = None, field: float = 0.0, show_progress: bool = False,
     type: str | int | None = None, scatterers: str = "auto", fitted: bool = False,
+    bath_speed: float = 0.0, heating: float = 0.0, drag: float = 0.0, capture_speed: float = 0.0,
+    mass_ratio: float = math.inf,
 ) -> Comparison:  # fmt: skip
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
@@ -54,7 +65,8 @@ def compare_data(
         (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
         dimension); a table of averages time, v0, v0_error, msd, msd_error, (n_times,) each; a run
         of `simulate`, or a Sample
-    restitution : 0 to 1; None: as an Ensemble says, or fitted to the data
+    restitution : 0 to 1, or a function of the impact speed as in a Scene; None: as an Ensemble
+        says, or fitted to the data
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none. In a field "rest"
@@ -69,6 +81,10 @@ def compare_data(
         see Scene), or "auto": as an Ensemble says, or the likeliest for the data. For others than
         smooth disks "dilute"
     fitted : fit restitution and density also where an Ensemble says them
+    bath_speed, heating, drag, capture_speed, mass_ratio : what drives the tracers, as in a Scene,
+        in U and d; as an Ensemble says where they are not given. Restitution and number_density are
+        then needed, v0, a2 and <r^2> (in a field what is compared there) are compared, where
+        tracers stick the velocities of the others, and no cause is looked for
     show_progress : count the files that are read, on a terminal
 
     Raises
@@ -101,14 +117,23 @@ def compare_data(
         law = replace(law, field=real_number("field", field, 0.0))
         if sample.sums.shape[2] <= X2:
             refuse("field", field, "the data are not of tracers in a field")
+    restitution = told.get("restitution") if restitution is None else restitution
+    impact = impact_restitution(restitution)
+    law = replace(law, varies=impact is not None)
+    drives: Any = {"bath_speed": bath_speed, "heating": heating, "drag": drag}
+    drives = checked_drives(**drives, capture_speed=capture_speed)
+    law = replace(law, **{name: x for name, x in drives.items() if x})
+    if mass_ratio != math.inf:
+        law = replace(law, mass_ratio=check_mass_ratio(mass_ratio))
     sample, start = _own_unit(
         replace(sample, law=law), told.get("initial", "auto") if initial == "auto" else initial
     )
-    if not fitted:
-        restitution = told.get("restitution") if restitution is None else restitution
+    if fitted:
+        restitution = None
+    else:
         number_density = told.get("number_density") if number_density is None else number_density
     if restitution is not None:
-        restitution = check_restitution(restitution)
+        restitution = check_restitution(restitution) if impact is None else impact
     if number_density is not None:
         path = law.free_path(check_positive("number_density", number_density))
     dense = one_of("scatterers", scatterers, ("auto", *SCATTERERS)) in SCATTERERS[1:]
@@ -118,8 +143,10 @@ def compare_data(
     media = media_of(sample, scatterers, point)
     if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
         media = [told["scatterers"]]
-    if law.field and point is None:
-        raise InputError("field: restitution and number_density must be given with it")
+    if (law.field or law.is_driven) and point is None:
+        first = next((name for name, x in law.drives.items() if x), "restitution")
+        first = "field" if law.field else first
+        raise InputError(f"{first}: restitution and number_density must be given with it")
     return _judged(sample, _fits(sample, restitution, path, start, media), media, explain)
 
 
@@ -136,7 +163,7 @@ def fit_data(data: Any, **told: Any) -> Comparison:
 
 def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool) -> Comparison:
     """The rows, tests, verdict and explanations of data and theory side by side."""
-    expectation = Expectation(sample, theory.IN_FIELD if sample.law.field else AVERAGES)
+    expectation = Expectation(sample, theory.averages_of(sample.law))
     best, explanations = _likeliest(fits), list[Explanation]()
     for last in (False, True):
         point = best.point
@@ -225,7 +252,9 @@ def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
     if left is not None and not why and left.p_value < chance(DIFFERS_ABOVE):
         why = f"the model does not fit (p = {numeral(left.p_value, '.2g')})"
 
-    def parameter(name: str, value: float, told: str = "told", fitted: str = "") -> Parameter:
+    def parameter(name: str, value: Any, told: str = "told", fitted: str = "") -> Parameter:
+        if callable(value):
+            return Parameter(None, None, f"told: {value}")
         if name not in found.free:
             return Parameter(value, None, told)
         if why:
@@ -269,10 +298,11 @@ def _densities(point: Point, sample: Sample) -> dict[str, Solution]:
 
 
 def _start(sample: Sample, initial: str) -> Any:
-    field = sample.law.field
+    field, law = sample.law.field, sample.law
+    gains = field or law.bath_speed or law.heating
     one_of("initial", initial, ("auto", "gaussian", "monoenergetic", "data", "rest"))
-    if initial == "rest" and not field:
-        refuse("initial", initial, "without a field nothing would move")
+    if initial == "rest" and not gains:
+        refuse("initial", initial, "without a field, a bath or heating nothing would move")
     if initial not in ("auto", "data"):
         return initial
     if sample.start is None:
@@ -281,7 +311,7 @@ def _start(sample: Sample, initial: str) -> Any:
         return "gaussian"
     squares = sample.start.squares
     if squares.size == 0:
-        if not field:
+        if not gains:
             raise InputError("data: every speed at time 0 is zero; nothing will move")
         return "rest"
     if initial == "auto":
@@ -302,6 +332,8 @@ def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
     start = _start(sample, initial)
     if initial != "auto" or not isinstance(start, theory.SampledStart) or sample.units:
         return sample, start
+    if sample.law.is_driven:
+        return sample, start
     squares, counts = start.bins.squares, start.bins.counts
     unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
     changed = sample.rescaled(unit, 1.0)
@@ -320,12 +352,12 @@ def _fits(
     words = {"restitution": "restitution", "path": "number_density"}
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
     wanted = " and ".join(words[name] for name in free)
-    names = theory.IN_FIELD if sample.law.field else AVERAGES
+    names = theory.averages_of(sample.law)
     expectation, groups = Expectation(sample, names), sample.groups
     usable = judge.with_spread(errors(expectation.replicates), expectation.values)
     usable &= sample.times > 0  # the start does not depend on what is looked for
     complete = sample.samples == sample.samples.max()
-    if np.count_nonzero(complete & (sample.times > 0)) >= 3:
+    if not sample.law.capture_speed and np.count_nonzero(complete & (sample.times > 0)) >= 3:
         usable &= complete  # the tracers that are left may be no fair sample
     components = components_of(names, usable, groups, len(free))
     starts: list[list[float]] = [[]]

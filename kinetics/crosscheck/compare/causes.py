@@ -46,6 +46,8 @@ def explained(
 ) -> tuple[list[Explanation], str]:
     """What explains a difference or is to be noted, the likeliest first, and in which medium."""
     medium, field = both.point.scatterers, both.sample.law.field
+    if both.sample.law.is_driven:
+        return [], medium
     if first := unit or _never(both):
         return [first], medium
     notes = [] if field else [note for note in (_traps(both), _missing(both)) if note]
@@ -291,7 +293,8 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds twice as large as
     at a named start cannot be, nor half as large while most tracers have not collided.
     """
-    flights, field, unit = sample.flights, sample.law.field, sample.units.get("time", (1.0, ""))
+    field = sample.law.field or sample.law.is_driven
+    flights, unit = sample.flights, sample.units.get("time", (1.0, ""))
     if not field and flights and abs(math.log(flights[0].ratio)) > 0.005:
         at, value = flights[0].time, 1 / flights[0].ratio
         straight = f"tracers that fly straight have r = {numeral(flights[0].ratio, '.5g')} v t"

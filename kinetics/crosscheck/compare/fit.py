@@ -193,7 +193,7 @@ def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str
     if asked not in ("auto", "every"):
         return [asked]
     dense = sample.law.smooth_disks and not sample.free
-    if point is not None:
+    if point is not None and dense:
         dense &= sample.law.free_path(point.path) <= DENSEST
         dense &= point.restitution >= LEAST_RESTITUTION
     return ["dilute", "hard disks", "overlapping"][: 1 + dense + (dense and asked == "every")]

@@ -1,5 +1,6 @@
 """Data and theory side by side, and the verdicts on them: rows, tests and the summary."""
 
+import math
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
@@ -15,10 +16,10 @@ from kinetics.crosscheck.compare.result import ComparisonTest, Explanation, Row
 from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.compare.theory import (
     OBSERVABLES,
-    RTOL,
     SPEED,
     Expectation,
     bin_shares,
+    rtol_of,
     stabilised,
 )
 from kinetics.crosscheck.data.sample import Sample
@@ -195,12 +196,14 @@ def rows_of(both: Both) -> Iterator[Row]:
                 sigmas = float(both.difference[i, k] / error)
                 corrected = words.corrected_sigmas(sigmas, float(effective[i, k]), looks)
                 verdict = words.judge_sigmas(corrected)
-            elif sample.groups < 3 or (sample.law.field and time > 0):
+            elif sample.groups < 3 or ((sample.law.field or sample.law.is_driven) and time > 0):
                 # One tracer is always like itself, and falls before its first collision as others.
                 verdict, error = Verdict.UNDEFINED, 0.0
             else:
                 # within ten times the tolerance that the solver is given
-                same = abs(value - theory) <= 10 * RTOL * max(abs(value), abs(theory), 1e-300)
+                same = abs(value - theory) <= 10 * rtol_of(sample.law) * max(
+                    abs(value), abs(theory), 1e-300
+                )
                 verdict, error = Verdict.AGREES if same else Verdict.DIFFERS, 0.0
             yield Row(name, time, value, error, theory, sigmas, verdict, corrected, count)
     looks_in = {n: sum(h.share.size for h in both.histograms if h.name == n) for n in OBSERVABLES}
@@ -293,8 +296,11 @@ def summary(
     sample, law, point = both.sample, both.sample.law, both.point
     numbers = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
     numbers |= {"e_t": law.tangential_restitution, "field": law.field}
-    plain = {"e_t": 1.0, "field": 0.0}
-    told = [f"{n} = {numeral(v, '.6g')}" for n, v in numbers.items() if v != plain.get(n)]
+    numbers |= {"M/m": law.mass_ratio, "w": law.bath_speed, "D_v": law.heating, "γ": law.drag}
+    numbers |= {"v_c": law.capture_speed}
+    plain = dict.fromkeys(numbers, 0.0) | {"e": None, "e_t": 1.0, "M/m": math.inf}
+    shown = {n: v if callable(v) else numeral(v, ".6g") for n, v in numbers.items()}
+    told = [f"{n} = {shown[n]}" for n, v in numbers.items() if v != plain[n]]
     data = "A table of averages" if sample.tabulated else f"{int(sample.samples.max())} tracers"
     first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
     answer += f" {data} at {sample.times.size} times from {first} to {last} d/U, compared with the "

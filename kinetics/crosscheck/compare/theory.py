@@ -17,7 +17,8 @@ from kinetics.states.state import State
 
 Array = NDArray[np.float64]
 
-# asked of the solver for averages: far below any standard error; in a field it takes longer
+# asked of the solver for averages: far below any standard error; where tracers are driven, or in a
+# field, it takes longer
 RTOL, FIELD_RTOL = 1e-7, 1e-5
 SPEED, DISPLACEMENT = "speed_density", "position_density"
 
@@ -74,6 +75,21 @@ AVERAGES, IN_FIELD = (
 """The averages that are compared without a field, and in one."""
 
 
+def averages_of(law: Law) -> tuple[str, ...]:
+    """The averages that are compared under a law: where tracers are driven without the kurtosis,
+    and where they stick of the velocity alone, as their places are not those of all that move.
+    """
+    every, driven = IN_FIELD if law.field else AVERAGES, ("kurtosis",) * law.is_driven
+    if law.capture_speed:
+        return tuple(name for name in every if name in ("drift", "thermal_speed", "a2"))
+    return tuple(name for name in every if name not in driven)
+
+
+def rtol_of(law: Law) -> float:
+    """The relative tolerance asked of the solver for averages."""
+    return FIELD_RTOL if law.field or law.is_driven else RTOL
+
+
 @dataclass(frozen=True, eq=False)
 class SampledStart(State):
     """The speeds of a sample at time 0, as it has them: isotropic."""
@@ -91,7 +107,7 @@ class SampledStart(State):
 class Point(NamedTuple):
     """Every number that a theory of data has; a cause of a difference is another value of some.
 
-    restitution; path: mean free path in d; start: as a Scene's initial
+    restitution: as a Scene's; path: mean free path in d; start: as a Scene's initial
     scatterers : as in a Scene; among others than "dilute" ones `path` is still 1/(2 d rho)
     speed_unit, time_unit, length_unit : U, d/U and d of the data in the units that were told
     at_rest : share of the tracers that never move
@@ -102,7 +118,7 @@ class Point(NamedTuple):
         and displacements have it: 0 where x and y are exchanged
     """
 
-    restitution: float
+    restitution: Any
     path: float
     start: Any
     scatterers: str = "dilute"
@@ -130,11 +146,12 @@ def solved(
         restitution=point.restitution, number_density=law.free_path(point.path),
         initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
         tangential_restitution=law.tangential_restitution, dimension=law.dimension,
+        mass_ratio=law.mass_ratio, **law.drives,
         outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
     )  # fmt: skip
     with warnings.catch_warnings():  # those who ask look at the status
         warnings.simplefilter("ignore", ToleranceWarning)
-        return solve(scene, rtol=rtol or (FIELD_RTOL if law.field else RTOL))
+        return solve(scene, rtol=rtol or rtol_of(law))
 
 
 def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:

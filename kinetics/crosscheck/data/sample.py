@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.tracks import MOST_TIMES, Averages, Tracks, bad, name_of
+from kinetics.driven.restitution import Viscoelastic, impact_restitution
+from kinetics.driven.system import DRIVES
 from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
@@ -77,11 +79,39 @@ class StartBins(NamedTuple):
 
 @dataclass(frozen=True)
 class Law:
-    """What the system has beside the restitution; field: acceleration along +x in U^2/d."""
+    """What the system has beside the restitution; field: acceleration along +x in U^2/d.
+
+    mass_ratio, bath_speed, heating, drag, capture_speed : as in a Scene
+    varies : whether the restitution depends on the impact speed
+    """
 
     tangential_restitution: float = 1.0
     dimension: int = 2
     field: float = 0.0
+    mass_ratio: float = math.inf
+    bath_speed: float = 0.0
+    heating: float = 0.0
+    drag: float = 0.0
+    capture_speed: float = 0.0
+    varies: bool = False
+
+    @property
+    def drives(self) -> dict[str, Any]:
+        """The arguments of a Scene that drive tracers, or let them stick."""
+        return {name: getattr(self, name) for name in DRIVES}
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether `kinetics.driven` solves it: no causes of a difference are looked for."""
+        return self.varies or any(self.drives.values())
+
+    def scaled(self, speed: float, length: float) -> "Law":
+        """With U and d of these sizes in its units."""
+        return replace(
+            self, field=self.field * length / speed**2, bath_speed=self.bath_speed / speed,
+            heating=self.heating * length / speed**3, drag=self.drag * length / speed,
+            capture_speed=self.capture_speed / speed,
+        )  # fmt: skip
 
     @property
     def smooth_disks(self) -> bool:
@@ -167,8 +197,7 @@ class Sample:
         ]
         return replace(
             self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
-            free_flights=completed,
-            law=replace(self.law, field=self.law.field * length / speed**2),
+            free_flights=completed, law=self.law.scaled(speed, length),
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
             start=start and start._replace(squares=start.squares / speed**2),
@@ -356,28 +385,30 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     InputError for a run without output times or with fewer than two groups.
     """
     from particles import BoltzmannGrad, HardDisks, Poisson
+    from particles.kernel.columns import CAUGHT
 
     times, medium, plan = np.asarray(ensemble.times), ensemble.medium, ensemble.plan
     if times.size == 0 or ensemble.moments.size == 0:
         bad(name, "a run without output times", "made by simulate(..., times=...)")
-    if ensemble.mass_ratio < math.inf:
-        bad(name, f"mass_ratio = {ensemble.mass_ratio:g}", "fixed scatterers, mass_ratio = inf")
-    if ensemble.plan.driven or ensemble.plan.varies:
-        bad(name, "a driven run, or one whose restitution varies", "fixed scatterers, one e")
+    sticks = ensemble.capture_speed > 0.0
     # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
     free, stored = isinstance(medium, BoltzmannGrad), ensemble.arrays
     if "raw/velocities" in stored and "raw/positions" in stored:
         place, velocity = np.asarray(ensemble.positions), np.asarray(ensemble.velocities)
+        if sticks:  # averages are over those that move
+            velocity = np.where(velocity.any(axis=2, keepdims=True), velocity, np.nan)
         label = np.arange(place.shape[1]) // (1 if free else ensemble.tracers)
         tracks, by = Tracks(times, place, velocity), "tracer" if free else "medium"
         found = reduced(tracks, label, (name,), by, bool(ensemble.field))
     else:  # from the sums that every run keeps: the averages alone
-        sums = np.asarray(ensemble.moments[:, :, : R4 + 1])
+        sums = np.array(ensemble.moments[:, :, : R4 + 1])
         if ensemble.field:  # v_x, x and x^2 of the sums of a field
             more = stored["field_sums"]
             half = more.shape[2] // 2
             more = more[:, :, [0, half, half + medium.dimension]]
             sums = np.concatenate([sums, more], axis=2)
+        if sticks:
+            sums[:, :, N] -= ensemble.moments[:, :, CAUGHT]
         found = Sample(
             (name,), times, sums, 1.0 / plan.scales(), np.full(times.size, medium.diameter),
             None, None, None, np.asarray(ensemble.trapped), "medium",
@@ -385,7 +416,7 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     if found.groups < 2:
         bad(name, "one configuration", "two at least, for standard errors")
     told: dict[str, Any] = {
-        "restitution": ensemble.restitution,
+        "restitution": _impact_law(ensemble.restitution),
         "number_density": ensemble.number_density,
     }
     if plan.rest or plan.velocities is None:
@@ -394,11 +425,19 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     for kind, scatterers in ((HardDisks, "hard disks"), (Poisson, "overlapping")):
         if isinstance(medium, kind):
             told["scatterers"] = scatterers
-    law = Law(ensemble.tangential_restitution, medium.dimension, ensemble.field)
+    law = Law(
+        ensemble.tangential_restitution, medium.dimension, ensemble.field,
+        varies=bool(ensemble.plan.varies), mass_ratio=ensemble.mass_ratio,
+        **{drive: getattr(ensemble, drive) for drive in DRIVES},
+    )  # fmt: skip
+    if law.is_driven and not free:
+        bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
     flown, ends = {}, ensemble.statuses
     for one in ("free_path", "free_time"):
         key = f"{one}_histogram"
         # where tracers end before the last time, the theory has more flights
+        if law.is_driven or law.varies:
+            continue  # their theory has no flights
         if key in ensemble.outputs and ends.finished == ensemble.media * ensemble.tracers:
             counted, flights = getattr(ensemble, key), stored[f"histograms/{key}/samples"][0, 0]
             share = counted.probability
@@ -407,3 +446,15 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
             )
     found = replace(found, free=free, told=told, law=law, free_flights=flown)
     return found.rescaled(1.0, medium.diameter)
+
+
+def _impact_law(restitution: Any) -> Any:
+    """The solver's restitution for the particles' own: a number, or of the impact speed."""
+    if isinstance(restitution, float):
+        return restitution
+    b = getattr(restitution, "b", None)
+    return (
+        impact_restitution((restitution.speeds, restitution.values))
+        if b is None
+        else Viscoelastic(b)
+    )

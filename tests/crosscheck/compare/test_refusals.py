@@ -83,6 +83,8 @@ ARGUMENTS: dict[str, tuple[dict[str, Any], str]] = {
     "space": ({"dimension": 3}, "'z'|no z"),
     "bins": ({"bin_times": 0.5}, "bin_times: got 0.5"),
     "field": ({"field": -1.0}, "field: got -1"),
+    "bath": ({"bath_speed": -1.0}, "bath_speed: got -1"),
+    "heating alone": ({"heating": 1.0, "restitution": None}, "heating: restitution and"),
     "columns": ({"columns": "x"}, "columns: got 'x'"),
     "columns, a list": ({"columns": ["x"]}, "columns: got"),
     "columns, unknown": ({"columns": "w=x"}, "columns: got 'w'"),

@@ -14,7 +14,7 @@ from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import Table
-from particles import BoltzmannGrad, HardDisks, Poisson, simulate
+from particles import BoltzmannGrad, HardDisks, Poisson, Viscoelastic, simulate
 
 DENSITY, PATH = 0.04, 12.5
 TIMES = np.geomspace(1.0, 500.0, 8)
@@ -413,3 +413,29 @@ def test_free_flights_of_a_run_are_judged() -> None:
     # where some tracers end early, fewer flights are counted than there were
     capped = simulate(BoltzmannGrad(0.04), times=[60.0], max_collisions=3, **usual)
     assert not {*names} & {test.observable for test in compare(capped, explain=False).tests}
+
+
+DRIVEN: dict[str, dict[str, Any]] = {
+    "bath": {"bath_speed": 0.5, "mass_ratio": 3.0, "initial": "rest"},
+    "heated, with drag": {"heating": 0.2, "drag": 0.1},
+    "bath in a field": {"bath_speed": 0.5, "field": 0.2},
+    "viscoelastic": {"restitution": Viscoelastic(0.4)},
+    "table": {"restitution": ([0.1, 1.0, 2.0], [0.9, 0.7, 0.4])},
+    "sticking": {"capture_speed": 0.2},
+}
+
+
+@pytest.mark.parametrize("name", list(DRIVEN))
+def test_driven_tracers_are_judged(name: str) -> None:
+    told = {"restitution": 0.7, "times": [0.5, 2.0], "media": 30, "tracers": 100} | DRIVEN[name]
+    run = simulate(BoltzmannGrad(0.5), seed=11, workers=1, **told)
+    found = compare(run)
+    assert found.verdict == "agrees"
+    expected = {"thermal_speed", "a2"} | ({"msd"} if name != "sticking" else set())
+    if "field" in told:
+        expected = {"drift", "thermal_speed", "mean_displacement"}
+        expected |= {"dispersion_parallel", "dispersion_perpendicular"}
+    assert {test.observable for test in found.tests} == expected
+    wrong = compare(run, heating=1.0)  # in place of what the run says
+    assert (wrong.verdict, wrong.explanations) == ("differs", ())
+    assert "D_v = 1" in wrong.summary
