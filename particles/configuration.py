@@ -145,7 +145,8 @@ class Plan(Value):
         top = ceil(log2(fastest)) + 2
         bottom = -ceil(log2(max(last, 1.0))) - 20
         far = min(max(ceil(log2(fastest) + log2(max(last, 1.0))) + 2, 4), 40)
-        latest = min(max(ceil(log2(last / self.medium.diameter)), 0), 60) if self.times.size else 60
+        unit = max(last / self.medium.diameter, 1.0)
+        latest = min(ceil(log2(unit)), 60) if self.times.size else 60
         rows = ((bottom, top), (bottom, top), (-12, far), (-12, 40), (-12 - top, latest))
         return np.array([(low, PER_OCTAVE, (high - low) * PER_OCTAVE) for low, high in rows], float)
 

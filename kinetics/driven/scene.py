@@ -256,7 +256,7 @@ class DrivenScene(FieldScene):
         """The arrays of the outputs, in U and d."""
         found, d = super().values, self.law.dimension
         if "diffusion_coefficient" in self.outputs:
-            slope = self._of["v_x x"] + (d - 1.0) * self._of["v_y y"]
+            slope = self._of["1"] * (self._of["v_x x"] + (d - 1.0) * self._of["v_y y"])
             found["diffusion_coefficient"] = self.path * slope / d
             found["msd_slope"] = 2.0 * self.path * slope * self.times
         return found
