@@ -232,6 +232,14 @@ effective = _real("e_eff", "that of a fixed scatterer with the same effect", lat
 least_share = _positive("a_E", "least share of its energy that is left to the tracer", latex="a")
 lethargy = _positive("xi_E", "mean loss of ln E in a collision, 2 kappa", latex=r"\xi")
 
+# --- a tracer that spins, beyond the paper
+spin = _real("u_s", "speed of the tracer's rim by its spin, radius times angular velocity")
+speed_after = _real("v_a", "speed after one collision more", latex="v'")
+spin_after = _real("u_a", "speed of the rim by the spin, after it", latex="u'")
+rolling = _real("beta_t", "restitution of the tangential velocity of the rim, from -1 to 1",
+    latex=r"\beta")  # fmt: skip
+inertia = _positive("k_I", "moment of inertia over mass and radius squared", latex="k")
+
 # --- what drives a tracer, beyond the paper
 bath = _positive("w_V", "standard deviation of a component of a scatterer's velocity")
 hot = _positive("tau_v", "standard deviation of a component of the tracer's velocity, in a bath")

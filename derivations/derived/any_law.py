@@ -308,3 +308,29 @@ def _space_e_zero() -> Derived:
         "Y has the density y exp(-y); h = lambda(2) <c^3>",
         numbers={"h at e = 0": rate},
     )
+
+
+@derives("beyond:spin-moments")
+def _spin_moments() -> Derived:
+    # the impulse on the rim, over m, adds to v_t, and 1/k of it to u; v_t + u becomes -beta of it
+    normal, along, push = sp.symbols("v_n v_t J", real=True)
+    rim = along + s.spin
+    (push_,) = sp.solve(rim + push * (1 + 1 / s.inertia) + s.rolling * rim, push)
+    after = (s.e * normal) ** 2 + (along + push_) ** 2, (s.spin + push_ / s.inertia) ** 2
+    means = []
+    for square in after:
+        # an impact to the left is as likely as one to the right: v_t u is 0 on average
+        part = sp.expand(square).subs(normal**2, (1 - s.y**2) * s.v**2)
+        part = part.subs(along**2, s.y**2 * s.v**2).subs(along, 0)
+        mean = sp.expand(sp.integrate(part * impact_density(2), (s.y, -1, 1)))
+        by = [mean.coeff(one, 2) * Avg(one**2) for one in (s.v, s.spin)]
+        means.append(sum(sp.factor(one) for one in by))
+    elastic = [mean.subs({s.e: 1, s.rolling: 1}) for mean in means]
+    energy = sp.simplify(elastic[0] + s.inertia * elastic[1])
+    zero(sp.expand(energy - Avg(s.v**2) - s.inertia * Avg(s.spin**2)), "energy is not kept")
+    return result(
+        sp.Tuple(eq(Avg(s.speed_after**2), means[0]), eq(Avg(s.spin_after**2), means[1])),
+        "second route: at e = 1 and beta = 1, v^2 + k u^2 is kept",
+        note="The spin changes neither the path nor the rate of collisions: second moments after N "
+        "collisions are powers of a matrix of two rows. beta = -1 is a smooth disk.",
+    )

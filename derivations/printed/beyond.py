@@ -71,6 +71,7 @@ _first, _second, _third, _fourth = (sp.legendre(order, sp.cos(s.chi)) for order 
 _later = s.s * s.zeta  # v t/l after a collision that multiplies the speed by s
 _chi1, _rho2, _S2, _W1, _rho4 = (f(s.zeta) for f in (s.chi1, s.rho2, s.S2, s.W1, s.rho4))
 _first_flight = sp.atan(s.wave / (1 + s.laplace)) / s.wave
+_rub = (1 + s.rolling) * s.inertia / (1 + s.inertia)  # the share of the rim's velocity taken
 
 
 def _grows(function: sp.Expr) -> sp.Expr:
@@ -129,6 +130,11 @@ ANY_LAW: dict[str, tuple[Any, ...]] = {
     "beyond:collision-number": ("variances of collisions and path, per ln t at late times",
         eq(s.VarN, (Avg(sp.log(s.s)**2) - s.klog**2) / s.klog**3),
         eq(s.VarX, s.l**2 * Avg(sp.log(s.s)**2) / s.klog**3)),
+    "beyond:spin-moments": ("disks that spin: <v^2> and <u^2> after a collision, u that of the rim",
+        eq(Avg(s.speed_after**2), (2 * s.e**2 + (1 - _rub)**2) * Avg(s.v**2) / 3
+            + _rub**2 * Avg(s.spin**2)),
+        eq(Avg(s.spin_after**2), _rub**2 * Avg(s.v**2) / (3 * s.inertia**2)
+            + (1 - _rub / s.inertia)**2 * Avg(s.spin**2))),
     "beyond:quartic-plane": ("the chain of <r^4> in the plane, harmonics i^m exp(i m phi)",
         eq(_grows(_chi1), Avg(sp.cos(s.chi) * s.chi1(_later)) - _chi1 + 1),
         eq(_grows(_rho2), Avg(s.rho2(_later)) - _rho2 + 2 * _chi1),
