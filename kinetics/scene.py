@@ -121,7 +121,7 @@ class Scene(Value):
         if field and at_a_density:
             refuse("field", field, "it is available for scatterers='dilute' only")
         if numbers.size and (field or at_a_density or system):
-            allowed = "they are available for scatterers='dilute' that nothing drives only"
+            allowed = "they are available without field or drive and for scatterers='dilute' only"
             refuse("collision_numbers", numbers, allowed)
         arguments = law.arguments
         if system is not None:
