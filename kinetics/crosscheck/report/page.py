@@ -98,8 +98,8 @@ def with_numbers(text: Any) -> Any:
 
 
 def head(system: Any) -> dict[str, str]:
-    """The "title" of the page, its "symbols", in which "units" all numbers stand, what the equation has
-    "also", and the "parameter" that `restitutions` are.
+    """The "title" of the page, its "symbols", the "units" of all numbers, what the equation
+    has "also", and the "parameter" that `restitutions` are.
     """
     words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
     if not system.in_field and system.dimension == 3:
@@ -186,7 +186,8 @@ def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
         at = at[:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
         sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
         detail.append([
-            f"{e_or_b} = {row['restitution']:g}", f"{row['source']} / {row['against']}", ", ".join(at),
+            f"{e_or_b} = {row['restitution']:g}", f"{row['source']} / {row['against']}",
+            ", ".join(at),
             number(row["value"], row["error"]), number(row["theory"]),
             *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
         ])  # fmt: skip

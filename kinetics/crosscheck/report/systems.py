@@ -196,7 +196,6 @@ class Driven(_System):
     bath_speed: float = 0.0
     heating: float = 0.0
     field: float = 0.3  # in U^2/l, weak, in which the drift is compared
-    final_time: float = 1000.0  # of those without a steady state
     collisions: int = 10_000_000  # about so many in each run, which sets its tracers
     most_tracers: int = 200_000
     groups: int = 100
