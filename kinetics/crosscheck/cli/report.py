@@ -29,7 +29,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         type=click.Choice(("disks", "bath", "heated", "viscoelastic")),
         help="Other tracers of the dilute limit instead: among scatterers that move (w = 1), "
         "heated (noise of strength 1), or with the restitution of viscoelastic impacts. Takes the "
-        "options of --field, -e being b of the viscoelastic; writes e.g. bath.html. [default: disks]")
+        "options of --field, -e being b of the viscoelastic; writes bath.html. [default: disks]")
 @option("-e", "--restitution", "restitutions", type=float, multiple=True,
         help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]")
 @option("-t", "--until", "final_times", type=float, multiple=True,

@@ -473,7 +473,7 @@ def thermal_speed(results: Results) -> Made:
 
     v₀(t) from a Gaussian start; below, particles of the dilute limit over the solver.
     """
-    return _over_time(results, "thermal_speed", "$v_0$  [U]", not results.system.drive)
+    return _over_time(results, "thermal_speed", "$v_0$  [U]", results.cases[0].solved.state is None)
 
 
 def spread(results: Results) -> Made:
@@ -497,8 +497,9 @@ def speeds(results: Results) -> Made:
         sheet.line(ax, SOLVER, c, case.solved.vdf(c), group)
         sheet.points(ax, FREE, at[inside], case.measured[FREE]["scaled_vdf"][inside], group)
     sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, results.cases[0].dimension))
-    said = "in the steady state"
-    if not results.system.drive:
-        worst = max(case.solved.speeds.error_estimate for case in results.cases)
-        said = f"at t = 10 l/U; the solver's own error there is {worst:.1g} of the maximum"
+    said = "in the steady state, a density in the plane or in space"
+    known = [case.solved.speeds for case in results.cases if case.solved.speeds is not None]
+    if known:
+        worst = numeral(max(solution.error_estimate for solution in known), ".0e")
+        said = f"at t = 10 l/U; the solver's own error there is {worst} of the maximum"
     return sheet.done("scaled speed $c = v/v_0$", "$F(c)$"), {"said": said}

@@ -583,8 +583,8 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
         times = np.append(np.geomspace(start / 60, start, 14), start * np.linspace(1.5, 4.0, 6))
 
     def solved(times: Array, *outputs: str) -> Solution:
-        density = 0.5 / half_section(d)
-        scene = Scene(law, density, times=times, dimension=d, outputs=outputs, **drive)
+        asked: dict[str, Any] = {"times": times, "dimension": d, "outputs": outputs, **drive}
+        scene = Scene(law, 0.5 / half_section(d), **asked)
         with warnings.catch_warnings():  # a page of rows shows what deviates
             warnings.simplefilter("ignore", ToleranceWarning)
             return solve(scene, rtol=system.time_rtol)
