@@ -298,7 +298,8 @@ def _driven(results: Results, table: Any) -> Story:
                       "a₂ at the end": case.theory[SOLVER]["a2"][-1]}  # fmt: skip
         else:
             values = {
-                "v₀, steady": state.thermal_speed, "a₂, steady": state.a2,
+                "v₀, steady": state.thermal_speed,
+                "a₂, steady": state.a2 if abs(state.a2) > state.rtol else 0.0,
                 "collision rate": state.collision_rate, "D": state.diffusion_coefficient,
                 "mobility μ": state.mobility,
                 "μ⟨vₓ²⟩/D": state.mobility * state.mean_square_along / state.diffusion_coefficient,
@@ -322,9 +323,7 @@ def _driven(results: Results, table: Any) -> Story:
         last = f"The Einstein relation does not hold: μ⟨vₓ²⟩/D is {each('μ⟨vₓ²⟩/D', '.4g')}, not 1."
     else:
         power = each("local power of t in v₀ at the end", ".3g")
-        first = (
-            f"Slow impacts lose less: v₀ falls as t^({power}) at the end, as 1/t if e were fixed."
-        )
+        first = f"Slow impacts lose less: in the end v₀ falls as t^({power}), at a fixed e as 1/t."
         last = f"⟨r²⟩ keeps growing and is {each('⟨r²⟩ at the end', '.4g')} l² at the last time."
     findings = [first, agreement(table), last]
     return Story(compared, findings, f"Finding: {findings[1]}", tables={"summary": records})

@@ -23,7 +23,7 @@ SYSTEMS: dict[str, Any] = {
         groups=10, dimensions=(2,), rtol=1e-4, time_rtol=1e-3,
     ),
     **{
-        name: kind(dimension=d, collisions=400_000, groups=40, most_tracers=8000, time_rtol=1e-4)
+        name: kind(dimension=d, collisions=150_000, groups=40, most_tracers=8000, time_rtol=1e-4)
         for (name, kind), d in zip(DRIVEN.items(), (2, 3, 2), strict=True)
     },
 }  # fmt: skip
