@@ -256,6 +256,7 @@ class Heated(Driven):
     """White noise acts on the tracers."""
 
     heating: float = 1.0
+    collisions: int = 2_000_000  # noise takes many short steps
     name: ClassVar[str] = "heated"
     algebra: ClassVar[tuple[str, ...]] = ("heated-moments",)
 
