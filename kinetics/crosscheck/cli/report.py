@@ -25,6 +25,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         help="Tracers that fall in a uniform field, among disks and among spheres, instead: drift, "
         "dispersion, approach to the steady state. Writes field.html and field.json. With --field "
         "only -e, --dimension (for one of both), --rtol, --quick, --figures, --seed and --workers.")
+@option("--system", "kind", default="disks",
+        type=click.Choice(("disks", "bath", "heated", "viscoelastic")),
+        help="Other tracers of the dilute limit instead: among scatterers that move (w = 1), "
+        "heated (noise of strength 1), or with the restitution of viscoelastic impacts. Takes the "
+        "options of --field, -e being b of the viscoelastic; writes bath.html. [default: disks]")
 @option("-e", "--restitution", "restitutions", type=float, multiple=True,
         help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]")
 @option("-t", "--until", "final_times", type=float, multiple=True,
@@ -44,8 +49,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 @options.workers_option
 @options.json_option
 def report(
-    output: Path, quick: bool, in_field: bool, figures: tuple[str, ...], as_json: bool,
-    **system: Any,
+    output: Path, quick: bool, in_field: bool, kind: str, figures: tuple[str, ...],
+    as_json: bool, **system: Any,
 ) -> None:
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
@@ -57,9 +62,19 @@ def report(
     """
     # fmt: on
     from kinetics.crosscheck import report as work
-    from kinetics.crosscheck.report.systems import Cooling, Falling
+    from kinetics.crosscheck.report.systems import DRIVEN, Cooling, Falling
 
-    asked: Any = Falling(**_of_field(system)) if in_field else Cooling(**system)
+    asked: Any
+    if kind in DRIVEN:
+        options.refuse_given(["in_field"], f"--system {kind}")
+        asked = DRIVEN[kind](**_given(system, f"--system {kind}"))
+    elif in_field:
+        asked = _given(system, "--field")
+        if "dimension" in asked:
+            asked["dimensions"] = (asked.pop("dimension"),)
+        asked = Falling(**asked)
+    else:
+        asked = Cooling(**system)
     asked = asked.quick() if quick else asked
     with options.progress(asked.stages) as tell:
         found = work.make_report(asked, tell)
@@ -74,13 +89,10 @@ def report(
 
 
 _IN_FIELD = ("restitutions", "dimension", "rtol", "seed", "workers")
-"""Options of the report on the system that the report in a field has too."""
+"""Options of the report on the system that the others have too."""
 
 
-def _of_field(system: dict[str, Any]) -> dict[str, Any]:
-    """The options that the user gave; click.UsageError for those that mean nothing in a field."""
-    options.refuse_given([name for name in system if name not in _IN_FIELD], "--field")
-    asked = {name: system[name] for name in _IN_FIELD if options.given([name])}
-    if "dimension" in asked:
-        asked["dimensions"] = (asked.pop("dimension"),)
-    return asked
+def _given(system: dict[str, Any], beside: str) -> dict[str, Any]:
+    """The options that the user gave; click.UsageError for those that mean nothing `beside`."""
+    options.refuse_given([name for name in system if name not in _IN_FIELD], beside)
+    return {name: system[name] for name in _IN_FIELD if options.given([name])}

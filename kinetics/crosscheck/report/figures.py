@@ -38,7 +38,7 @@ from kinetics.crosscheck.report.runs import (
     Measured,
     Results,
 )
-from kinetics.crosscheck.report.systems import SCATTERERS
+from kinetics.crosscheck.report.systems import SCATTERERS, Driven
 from kinetics.crosscheck.words import numeral
 
 INK, FAINT = "#16191d", "#dde1e6"
@@ -203,9 +203,12 @@ def figures(results: Results) -> list[Drawn]:
     if results.system.in_field:
         chosen = [drift, dispersion]
         chosen += [from_rest] if results.more["approach"] else []
+    elif isinstance(results.system, Driven):
+        chosen = [thermal_speed, spread, speeds]
     elif results.cooling:
         chosen = [cooling_rate, msd, vdf, position, kurtosis]
-    chosen += [picture] if "disks" in results.system.scatterers else []
+    if "disks" in results.system.scatterers and not isinstance(results.system, Driven):
+        chosen += [picture]
     drawn = []
     with mpl.rc_context(fname=STYLE):
         for make in chosen:
@@ -444,3 +447,59 @@ def from_rest(results: Results) -> Made:
             sheet.line(ax, SOLVER, at, case.theory[SOLVER][name], group)
             sheet.points(ax, FREE, at[::2], case.measured[FREE][name][::2], group)
     return sheet.done(_FIELD_TIME, "$⟨v_z⟩$  [√(gl)]", "$⟨v^2⟩$  [gl]"), {}
+
+
+# -- driven tracers, and a restitution of the impact speed -----------------------------------------
+def _over_time(results: Results, name: str, label: str, log: bool) -> Made:
+    """An average over time; below, particles over the solver."""
+    sheet = _Sheet((), (2.4, 1.15))
+    top, below = sheet.axes
+    top.set(xscale="log", yscale="log" if log else "linear")
+    for k, case in enumerate(results.cases):
+        group, said = _group(results, k), case.theory[SOLVER][name]
+        sheet.line(top, SOLVER, case.times, said, group)
+        sheet.points(top, FREE, case.times, case.measured[FREE][name], group)
+        sheet.points(below, FREE, case.times, case.measured[FREE][name] / said, group, largest=0.1)
+    below.axhline(1, color=INK, linewidth=0.8)
+    return sheet.done("time $t$  [l/U]", label, "over the solver"), {}
+
+
+def _group(results: Results, k: int) -> tuple[str, int]:
+    return f"{results.system.parameter} = {results.cases[k].restitution:g}", k
+
+
+def thermal_speed(results: Results) -> Made:
+    """Thermal speed over time
+
+    v₀(t) from a Gaussian start; below, particles of the dilute limit over the solver.
+    """
+    return _over_time(results, "thermal_speed", "$v_0$  [U]", results.cases[0].solved.state is None)
+
+
+def spread(results: Results) -> Made:
+    """Mean square displacement
+
+    ⟨r²⟩ over time; below, particles of the dilute limit over the solver.
+    """
+    return _over_time(results, "msd", r"$\langle r^2\rangle$  [l²]", True)
+
+
+def speeds(results: Results) -> Made:
+    """Scaled velocity distribution
+
+    F(c), c = v/v₀, {said}.
+    """
+    sheet, c, at = _Sheet(()), np.linspace(0.01, 3.5, 120), runs.SPEEDS
+    (ax,) = sheet.axes
+    ax.set(yscale="log", ylim=(1e-5, 1.0))
+    for k, case in enumerate(results.cases):
+        inside, group = at < c[-1], _group(results, k)
+        sheet.line(ax, SOLVER, c, case.solved.vdf(c), group)
+        sheet.points(ax, FREE, at[inside], case.measured[FREE]["scaled_vdf"][inside], group)
+    sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, results.cases[0].dimension))
+    said = "in the steady state, a density in the plane or in space"
+    known = [case.solved.speeds for case in results.cases if case.solved.speeds is not None]
+    if known:
+        worst = numeral(max(solution.error_estimate for solution in known), ".0e")
+        said = f"at t = 10 l/U; the solver's own error there is {worst} of the maximum"
+    return sheet.done("scaled speed $c = v/v_0$", "$F(c)$"), {"said": said}

@@ -37,10 +37,13 @@ def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
 
     It ends with the context; RuntimeError with its last line if it fails. None are of a field.
     """
-    if system.in_field:
+    more: tuple[str, ...] | None = getattr(system, "algebra", None)
+    if more is None and not system.in_field:
+        more = () if system.is_papers_law else _ANY_LAW + _IN_DIMENSION[system.dimension]
+    elif not more:
         yield list
         return
-    more = () if system.is_papers_law else _ANY_LAW + _IN_DIMENSION[system.dimension]
+    assert more is not None
     # The child must find the packages where this process did, installed or not.
     paths = os.pathsep.join(p for p in sys.path if p)
     with subprocess.Popen(
@@ -95,13 +98,16 @@ def with_numbers(text: Any) -> Any:
 
 
 def head(system: Any) -> dict[str, str]:
-    """The "title" of the page, what its "symbols" mean, and in which "units" all numbers stand."""
+    """The "title" of the page, its "symbols", the "units" of all numbers, what the equation
+    has "also", and the "parameter" that `restitutions` are.
+    """
     words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
     if not system.in_field and system.dimension == 3:
         words = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
-    found = kept()["head"]["field" if system.in_field else "cooling"]
-    texts = (text.format(**words) for text in found)
-    return dict(zip(("title", "symbols", "units"), texts, strict=True))
+    name = "field" if system.in_field else system.name
+    texts = (text.format(**words) for text in kept()["head"].get(name, kept()["head"]["cooling"]))
+    names = ("title", "symbols", "units", "also")
+    return dict(zip(names, texts, strict=True)) | {"parameter": system.parameter}
 
 
 def deviation(row: Mapping[str, Any]) -> str:
@@ -130,17 +136,17 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
     made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     made.filters |= {"numeral": numeral, "number": number, "cited": with_numbers}
     settings = document["settings"]
-    in_field, dimension = "dimensions" in settings, settings.get("dimension", 2)
-    papers_law = not in_field and dimension == 2 and settings["tangential_restitution"] == 1
-    below = () if in_field else _OF_PAPER if papers_law else _OF_LAW[dimension]
+    cools, dimension = "tangential_restitution" in settings, settings.get("dimension", 2)
+    papers_law = cools and dimension == 2 and settings["tangential_restitution"] == 1
+    below = () if not cools else _OF_PAPER if papers_law else _OF_LAW[dimension]
 
     def equation(name: str) -> tuple[str, Markup]:
         return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))
 
     return made.get_template("report.html.j2").render(
-        doc=document, chance=chance, formula=Markup, deviation=deviation, in_field=in_field,
+        doc=document, chance=chance, formula=Markup, deviation=deviation,
         figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
-        strip=[equation("collision" if papers_law or in_field else "rule"), equation("lorentz")],
+        strip=[equation("collision" if papers_law or not cools else "rule"), equation("lorentz")],
         equations=[equation(name) for name in below],
         summary=_summary(document), tables=_tables(document),
     )  # fmt: skip
@@ -158,7 +164,7 @@ def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
             shown = numeral(row["value"], "+.1f")
         lines.setdefault(row["quantity"], {})[row["restitution"]] = shown
     every = sorted({row["restitution"] for row in rows})
-    return [f"e = {e:g}" for e in every], [
+    return [f"{document['parameter']} = {e:g}" for e in every], [
         [quantity, *(cells.get(e, "–") for e in every)] for quantity, cells in lines.items()
     ]
 
@@ -166,6 +172,7 @@ def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
 def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The folded tables: id, title, note, head and lines; a line of one cell is a heading."""
     rows, every = document["rows"], sorted({row["restitution"] for row in document["rows"]})
+    e_or_b = document["parameter"]
     titles, verdicts, detail = kept()["observables"], list[list[Any]](), list[list[Any]]()
     for (observable, system), whos in matrix(rows).items():
         verdicts.append([f"{titles[observable][0]}, {system}"])
@@ -179,15 +186,16 @@ def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
         at = at[:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
         sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
         detail.append([
-            f"e = {row['restitution']:g}", f"{row['source']} / {row['against']}", ", ".join(at),
+            f"{e_or_b} = {row['restitution']:g}", f"{row['source']} / {row['against']}",
+            ", ".join(at),
             number(row["value"], row["error"]), number(row["theory"]),
             *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
         ])  # fmt: skip
-    head = ["e", "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
+    head = [e_or_b, "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
     note = "Who against whom: relative differences ± one standard error."
     return [
         {"id": "verdicts", "title": "Verdicts", "note": note, "lines": verdicts,
-         "head": ["who / against whom", *(f"e = {e:g}" for e in every)]},
+         "head": ["who / against whom", *(f"{e_or_b} = {e:g}" for e in every)]},
         {"id": "rows", "title": "Every comparison", "note": document["units"], "lines": detail,
          "head": head},
     ]  # fmt: skip
@@ -220,7 +228,7 @@ def text(document: Mapping[str, Any]) -> str:
         who = " / ".join(_SHORT.get(row[name], row[name]) for name in ("source", "against"))
         shown = f"{_MARK.get(row['verdict'], ' ')} {deviation(row).removesuffix(' %')}"
         key = kept()["observables"][row["observable"]][1], row["system"], who
-        lines.setdefault(key, {})[f"e = {row['restitution']:g}"] = shown
+        lines.setdefault(key, {})[f"{document['parameter']} = {row['restitution']:g}"] = shown
     table = pd.DataFrame.from_dict(lines, orient="index").fillna("")
     legend = (
         "Differences in %. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."

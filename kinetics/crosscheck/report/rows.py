@@ -37,10 +37,10 @@ COLUMNS = (
 )  # fmt: skip
 """Of the table: `source` says `value` (± `error`), `against` says `theory`.
 
-`time` is in d/U (in a field √(l/g)), `c` a scaled speed, `distance` a scaled distance R, where they
-have a meaning. `deviation` is relative to the theory, for a2 to 1 + a2 = <c^4>/2 (a2 itself passes
-through 0). `within` is the relative difference that would have been seen at 95 % at every time or
-bin."""
+`restitution` is b of the viscoelastic. `time` is in d/U (in a field √(l/g)), `c` a scaled speed,
+`distance` a scaled distance R, where they have a meaning. `deviation` is relative to the theory,
+for a2 to 1 + a2 = <c^4>/2 (a2 itself passes through 0). `within` is the relative difference that
+would have been seen at 95 % at every time or bin."""
 PAPER_KURTOSIS = 4.0  # <R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta
 POSITION_FORMS = (
     ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
@@ -70,7 +70,7 @@ def counts(table: Any) -> dict[str, int]:
 
 def scale_of(observable: str, theory: Any) -> Any:
     """What deviations are relative to: |theory|, but 1 + a2 = <c^4>/2 for a2."""
-    return 1 + theory if observable == "a2" else abs(theory)
+    return 1 + theory if observable in ("a2", "steady_a2") else abs(theory)
 
 
 def _row(

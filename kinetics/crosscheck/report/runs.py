@@ -14,11 +14,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics import ScalingSolution, Scene, Solution, solve, solve_field, solve_scaled, sonine
-from kinetics.collision import CollisionLaw, law_in_medium
+from kinetics import (
+    ScalingSolution,
+    Scene,
+    Solution,
+    solve,
+    solve_field,
+    solve_scaled,
+    solve_steady,
+    sonine,
+)
+from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.collision.medium import HIGHEST_DENSITY
 from kinetics.crosscheck.compare.statistics import errors as jackknife_error
-from kinetics.crosscheck.report.systems import SCATTERERS, Cooling, Falling, System
+from kinetics.crosscheck.report.systems import SCATTERERS, Cooling, Driven, Falling, System
 from kinetics.crosscheck.report.systems import half_cross_section as half_section
 from kinetics.errors import ToleranceWarning
 from kinetics.numerics.gauss import panels_between
@@ -153,8 +162,8 @@ def bin_measure(dimension: int) -> Array:
 
 def last_vdf(solution: Solution) -> Callable[[Array], Array]:
     """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
-    v0, law = float(solution.thermal_speed[-1]), solution.scene.law
-    surface, power = law.unit_surface, law.dimension - 1
+    v0, d = float(solution.thermal_speed[-1]), solution.scene.dimension
+    surface, power = d * ball(d), d - 1
     return lambda c: v0 * solution.speed_density(c * v0)[-1] / (surface * c**power)
 
 
@@ -187,6 +196,8 @@ def gather(system: System, tell: Tell) -> Results:
     """Run everything that a report of the system needs; ValueError for what cannot be simulated."""
     if isinstance(system, Falling):
         return _in_field(system, tell)
+    if isinstance(system, Driven):
+        return Results(system, [_driven(x, system, tell) for x in system.restitutions], {})
     with ThreadPoolExecutor(1) as beside:  # the solver works while tracers are followed
         ends = zip(system.restitutions, system.final_times, strict=True)
         cases = [cooling_case(system, e, last, tell, beside) for e, last in ends]
@@ -416,16 +427,25 @@ def _in_field(system: Falling, tell: Tell) -> Results:
 
 
 def _fallen(state: Any, times: Array, system: Falling, *observables: str) -> Ensemble:
-    """Boltzmann-Grad tracers from rest, so many that they make the collisions asked for."""
-    d, e = state.dimension, float(state.restitution)
-    wanted = system.collisions / (float(times[-1]) * state.mean_speed)
+    """Boltzmann-Grad tracers from rest."""
+    d, e, n = state.dimension, float(state.restitution), float(times[-1]) * state.mean_speed
+    seed = system.seed + 1000 * d + round(1e6 * e)
+    more = {"initial": "rest", "field": 1.0}
+    return _dilute(e, d, times, n, system, seed, observables, **more)
+
+
+def _dilute(
+    restitution: Any, d: int, times: Array, each: float, system: Falling | Driven, seed: int,
+    observables: tuple[str, ...], **more: Any,
+) -> Ensemble:  # fmt: skip
+    """So many tracers, of about `each` collisions, that they make the collisions asked for."""
+    wanted = system.collisions / each
     tracers = max(2, round(min(wanted, system.most_tracers) / system.groups))
     # the density at which l = d, so that lengths in d are lengths in l
     medium = BoltzmannGrad(0.5 / half_section(d), dimension=3 if d == 3 else 2)
-    seed = system.seed + 1000 * d + round(1e6 * e)
     return simulate(
-        medium, e, "rest", times, media=system.groups, tracers=tracers, seed=seed,
-        workers=system.workers, field=1.0, observables=observables,
+        medium, restitution, times=times, media=system.groups, tracers=tracers, seed=seed,
+        workers=system.workers, observables=observables, **more,
     )  # fmt: skip
 
 
@@ -546,3 +566,102 @@ def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
         {FREE: measured}, theory, {FREE: run},
         {name: ("time", APPROACH_TIMES) for name in measured}, solved=state,
     )  # fmt: skip
+
+
+# -- driven tracers, and a restitution of the impact speed -----------------------------------------
+def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
+    """The equation over time and particles, and the steady state where something drives."""
+    d, drive, law = system.dimension, system.drive, system.law(parameter)
+    of = f"{parameter:g} among {system.scatterers}"
+    tell(f"{system.parameter} = {of}: kinetic equation")
+    state: Any = solve_steady(law, d, **drive, rtol=system.rtol) if drive else None
+    times, first, at = np.geomspace(0.1, 1000.0, 25), 0, 12  # F(c) at t = 10
+    if state is not None:
+        # as in `_steady`: after `start` the energy has forgotten how it began
+        rate = law_of(parameter, 1.0, d).decay_rate(2.0) * state.moment(1.0)
+        start, first, at = 10.0 / (1.5 * float(rate)), 13, -1
+        times = np.append(np.geomspace(start / 60, start, 14), start * np.linspace(1.5, 4.0, 6))
+
+    def solved(times: Array, *outputs: str) -> Solution:
+        asked: dict[str, Any] = {"times": times, "dimension": d, "outputs": outputs, **drive}
+        scene = Scene(law, 0.5 / half_section(d), **asked)
+        with warnings.catch_warnings():  # a page of rows shows what deviates
+            warnings.simplefilter("ignore", ToleranceWarning)
+            return solve(scene, rtol=system.time_rtol)
+
+    names = ("thermal_speed", "a2", "msd", "collisions")
+    averages = solved(times, *names)
+    # later the solver knows the density of speeds less well
+    speeds = solved(times[[at]], "thermal_speed", "speed_density") if state is None else None
+    tell(f"{system.parameter} = {of}: {FREE} particles")
+    seed, each = system.seed + 1000 * d + round(1e6 * parameter), float(averages.collisions[-1])
+    run = _dilute(law, d, times, each, system, seed, ("positions", "velocities"), **drive)
+    measured = {name: Measured.of(getattr(run, name)) for name in names}
+    theory: dict[str, dict[str, Any]] = {
+        SOLVER: {n: getattr(averages, n) for n in names},
+        EXACT: {},
+    }
+    v, r = (x.reshape(-1, run.media, run.tracers, d) for x in (run.velocities, run.positions))
+    speed = np.linalg.norm(v, axis=-1)
+    measured["scaled_vdf"] = scaled_density(speed[at], SPEED_EDGES, bin_measure(d))
+    vdf = steady_vdf(state) if speeds is None else last_vdf(speeds)
+    share = bin_average(vdf, d)
+    filled = run.media * run.tracers * share * bin_measure(d) >= LEAST_EXPECTED
+    theory[SOLVER]["scaled_vdf"] = np.where(filled, share, np.nan)
+    places = {name: ("time", times) for name in names} | {"scaled_vdf": ("c", SPEEDS)}
+    if state is not None:
+        weak = system.field
+        end = times[[first, -1]]
+        drifting = _dilute(law, d, end, each, system, seed + 1, ("positions",), field=weak, **drive)
+        path = drifting.positions.reshape(2, run.media, run.tracers, d)[..., 0].mean(axis=2)
+        late, elapsed = speed[first:], float(end[1] - end[0])
+        s = {f"v^{p}": (late**p).mean(axis=(0, 2)) for p in (2, 3, 4, 5)}
+        s |= {"r": (r[-1] ** 2 - r[first] ** 2).sum(axis=-1).mean(axis=1), "x": path[1] - path[0]}
+        known = elapsed, parameter, system
+        rest = {n: (x.sum() - x) / (x.size - 1) for n, x in s.items()}
+        without, found = (
+            _steady_averages(each, *known) for each in (rest, {n: x.mean() for n, x in s.items()})
+        )
+        measured |= {n: Measured(x, jackknife_error(without[n])) for n, x in found.items()}
+        pushed = solve_steady(law, d, **drive, field=weak, rtol=1e-6)
+        moments = {f"v^{p}": state.moment(float(p)) for p in (2, 3, 4, 5)}
+        moments |= {"r": 2 * d * elapsed * state.diffusion_coefficient,
+                    "x": pushed.drift * elapsed}  # fmt: skip
+        theory[SOLVER] |= _steady_averages(moments, *known)
+        theory[EXACT] = dict.fromkeys(("noise_energy", "noise_fourth"), 1.0)
+        if system.bath_speed:
+            k = 1.0 + parameter
+            square = system.bath_speed**2 * k / (2.0 - k)
+            ratio = state.mobility * square / state.diffusion_coefficient
+            relative = math.sqrt(square + system.bath_speed**2)  # Gaussian, of tracer and scatterer
+            rate = relative * (math.sqrt(math.pi / 2) if d == 2 else math.sqrt(8 / math.pi))
+            theory[EXACT] = {"steady_speed": math.sqrt(d * square), "steady_a2": 0.0,
+                             "steady_rate": rate, "einstein": 1.0}  # fmt: skip
+            theory[SOLVER] |= {"steady_rate": state.collision_rate, "einstein": ratio}
+    kind = f"{system.scatterers}, {system.name}"
+    return Case(kind, parameter, d, times, {FREE: measured}, theory, {FREE: run}, places,
+                solved=SimpleNamespace(state=state, vdf=vdf, speeds=speeds))  # fmt: skip
+
+
+def steady_vdf(state: Any) -> Callable[[Array], Array]:
+    """F(c) of a steady state without a field."""
+    v0, d = state.thermal_speed, state.dimension
+    return lambda c: v0**d * state.vdf(np.ravel(c) * v0)[:, 0].reshape(np.shape(c))
+
+
+def _steady_averages(
+    s: Mapping[str, Any], elapsed: float, restitution: float, system: Driven
+) -> dict[str, Array]:
+    """What is compared in the steady state, of moments <v^p>, and growths of <r^2> and <x>."""
+    d, law = system.dimension, law_of(restitution, 1.0, system.dimension)
+    found = {
+        "steady_speed": np.sqrt(s["v^2"]),
+        "steady_a2": d / (d + 2) * s["v^4"] / s["v^2"] ** 2 - 1,
+        "diffusion": s["r"] / (2 * d * elapsed),
+        "weak_drift": s["x"] / (elapsed * system.field),
+    }
+    if noise := system.heating:
+        found["noise_energy"] = law.decay_rate(2.0) * s["v^3"] / (2 * d * noise)
+        fourth = 4 * (d + 2) * noise * s["v^2"]
+        found["noise_fourth"] = law.decay_rate(4.0) * s["v^5"] / fourth
+    return {name: np.asarray(x) for name, x in found.items()}

@@ -22,7 +22,7 @@ from kinetics.crosscheck.report.runs import (
     Measured,
     Results,
 )
-from kinetics.crosscheck.report.systems import SCATTERERS
+from kinetics.crosscheck.report.systems import SCATTERERS, Driven
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 
 HOLDS, FAILS = "holds", "does not hold"
@@ -45,6 +45,8 @@ class Story(NamedTuple):
 
 def tell(results: Results, table: Any, checks: Sequence[Record]) -> Story:
     """The story of any report; `checks` are the rows of the algebra."""
+    if isinstance(results.system, Driven):
+        return _driven(results, table)
     return (_falling if results.system.in_field else _cooling)(results, table, checks)
 
 
@@ -270,3 +272,58 @@ def _falling(results: Results, table: Any, checks: Sequence[Record]) -> Story:
             f"and is within {100 * CLOSE:g} % of it from t = {span(reached, '.2g')} √(l/g) on."
         )
     return Story(compared, findings, f"Finding: {findings[1]}", tables={"summary": summary})
+
+
+# -- driven tracers, and a restitution of the impact speed -----------------------------------------
+def _driven(results: Results, table: Any) -> Story:
+    system: Any = results.system
+    what = {
+        "bath": f"moving {system.scatterers}, infinitely heavy, w = {system.bath_speed:g} U",
+        "heated": f"fixed {system.scatterers}, heated by white noise, Dᵥ = {system.heating:g} U³/l",
+        "viscoelastic": f"fixed viscoelastic {system.scatterers}",
+    }[system.name]
+    compared = (
+        f"Tracers among {what}, from a Gaussian start. "
+        "Solver and Boltzmann-Grad particles are of the dilute limit."
+    )
+    records: list[Record] = []
+    for case in results.cases:
+        state = case.solved.state
+        found = {name: float(case.theory[SOLVER][name][-1]) for name in ("thermal_speed", "msd")}
+        if state is None:
+            v0, t = case.theory[SOLVER]["thermal_speed"], case.times
+            slope = math.log(v0[-1] / v0[-3]) / math.log(t[-1] / t[-3])
+            values = {"v₀ at the end": found["thermal_speed"], "⟨r²⟩ at the end": found["msd"],
+                      "local power of t in v₀ at the end": slope,
+                      "a₂ at the end": case.theory[SOLVER]["a2"][-1]}  # fmt: skip
+        else:
+            values = {
+                "v₀, steady": state.thermal_speed,
+                "a₂, steady": state.a2 if abs(state.a2) > state.rtol else 0.0,
+                "collision rate": state.collision_rate, "D": state.diffusion_coefficient,
+                "mobility μ": state.mobility,
+                "μ⟨vₓ²⟩/D": state.mobility * state.mean_square_along / state.diffusion_coefficient,
+            }  # fmt: skip
+        records += [
+            {"quantity": name, "restitution": case.restitution, "value": float(x), "error": None}
+            for name, x in values.items()
+        ]
+
+    def each(name: str, form: str) -> str:
+        return span([r["value"] for r in records if r["quantity"] == name], form)
+
+    if system.name == "bath":
+        first = (
+            "The steady state is Maxwellian, of the temperature ⟨vₓ²⟩ = w²(1 + e)/(1 − e), though "
+            "no bounce keeps the energy."
+        )
+        last = f"The Einstein relation μ⟨vₓ²⟩/D = 1 holds all the same; D is {each('D', '.4g')} Ul."
+    elif system.name == "heated":
+        first = f"The steady state is not Maxwellian: a₂ is {each('a₂, steady', '.3g')}."
+        last = f"The Einstein relation does not hold: μ⟨vₓ²⟩/D is {each('μ⟨vₓ²⟩/D', '.4g')}, not 1."
+    else:
+        power = each("local power of t in v₀ at the end", ".3g")
+        first = f"Slow impacts lose less: in the end v₀ falls as t^({power}), at a fixed e as 1/t."
+        last = f"⟨r²⟩ keeps growing and is {each('⟨r²⟩ at the end', '.4g')} l² at the last time."
+    findings = [first, agreement(table), last]
+    return Story(compared, findings, f"Finding: {findings[1]}", tables={"summary": records})

@@ -1,7 +1,8 @@
-"""What a report compares: smooth disks as in the paper, any other law, spheres, or a field.
+"""What a report compares: smooth disks as in the paper, any other law, spheres, a field, a drive.
 
-`Cooling` is a gas that is left alone, `Falling` one in a uniform field: values with the same few
-members, so that everything after this file takes either. InputError for what cannot be used.
+`Cooling` is a gas that is left alone, `Falling` one in a uniform field, `Driven` one in a bath or
+heated, or with a restitution of the impact speed: values with the same few members, so that
+everything after this file takes any. InputError for what cannot be used.
 """
 
 import math
@@ -10,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from kinetics.collision import CollisionLaw, law_of
+from kinetics.driven.restitution import Viscoelastic
 from kinetics.validation import check_positive, check_restitution, check_rtol, refuse, whole_number
 
 SCATTERERS = {2: "disks", 3: "spheres"}
@@ -36,6 +38,7 @@ class _System:
     _least: ClassVar[Mapping[str, int]] = {}
     name: ClassVar[str] = "report"  # of its files
     in_field: ClassVar[bool] = False
+    parameter: ClassVar[str] = "e"  # what `restitutions` are
 
     def _checked(self, default: tuple[float, ...]) -> tuple[float, ...]:
         """The restitutions, or the default; checks the counts and tolerances too."""
@@ -181,4 +184,90 @@ class Falling(_System):
         )  # fmt: skip
 
 
-System = Cooling | Falling
+@dataclass
+class Driven(_System):
+    """Tracers of the dilute limit from a Gaussian start, in a bath, heated, or viscoelastic.
+
+    Lengths are in l, times in l/U. Restitutions below 1; of the viscoelastic ones they are b.
+    """
+
+    rtol: float = 1e-8
+    dimension: int = 2
+    bath_speed: float = 0.0
+    heating: float = 0.0
+    field: float = 0.3  # in U^2/l, weak, in which the drift is compared
+    collisions: int = 10_000_000  # about so many in each run, which sets its tracers
+    most_tracers: int = 200_000
+    groups: int = 100
+    time_rtol: float = 1e-6
+
+    algebra: ClassVar[tuple[str, ...]] = ()  # labels of derivations
+    is_papers_law: ClassVar[bool] = False
+    _least: ClassVar[Mapping[str, int]] = Falling._least
+
+    def __post_init__(self) -> None:
+        self.restitutions = tuple(sorted(self._checked((0.5,) if self.drive else (0.45,))))
+        if self.drive and self.restitutions[-1] == 1.0:
+            allowed = "each must be below 1: elastic tracers reach no steady state"
+            refuse("restitutions", self.restitutions, allowed)
+        self.dimension = CollisionLaw(0.5, 1.0, self.dimension).dimension
+        for x in self.restitutions:
+            self.law(x)
+
+    @property
+    def drive(self) -> dict[str, float]:
+        """What drives the tracers, as a Scene and `simulate` take it."""
+        found = {"bath_speed": self.bath_speed, "heating": self.heating}
+        return {name: value for name, value in found.items() if value}
+
+    def law(self, restitution: float) -> Any:
+        """The restitution, as a Scene and `simulate` take it."""
+        return restitution if self.drive else Viscoelastic(restitution)
+
+    @property
+    def scatterers(self) -> str:
+        """What tracers hit."""
+        return SCATTERERS[self.dimension]
+
+    @property
+    def stages(self) -> int:
+        """How often a report of it tells progress."""
+        return 2 * len(self.restitutions) + 2
+
+    def quick(self) -> "Driven":
+        """The same with fewer samples, and times to fewer digits."""
+        return replace(
+            self, collisions=min(self.collisions, 500_000),
+            most_tracers=min(self.most_tracers, 10_000), time_rtol=max(self.time_rtol, 1e-5),
+        )  # fmt: skip
+
+
+@dataclass
+class Bath(Driven):
+    """Scatterers that move, infinitely heavy, with Gaussian velocities."""
+
+    bath_speed: float = 1.0
+    name: ClassVar[str] = "bath"
+    algebra: ClassVar[tuple[str, ...]] = ("bath-temperature", "bath-einstein")
+
+
+@dataclass
+class Heated(Driven):
+    """White noise acts on the tracers."""
+
+    heating: float = 1.0
+    collisions: int = 2_000_000  # noise takes many short steps
+    name: ClassVar[str] = "heated"
+    algebra: ClassVar[tuple[str, ...]] = ("heated-moments",)
+
+
+@dataclass
+class SoftSpheres(Driven):
+    """Viscoelastic impacts: the restitution falls with the impact speed, and nothing drives."""
+
+    name: ClassVar[str] = "viscoelastic"
+    parameter: ClassVar[str] = "b"
+
+
+DRIVEN: dict[str, type[Driven]] = {kind.name: kind for kind in (Bath, Heated, SoftSpheres)}
+System = Cooling | Falling | Driven

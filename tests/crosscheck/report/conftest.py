@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from kinetics.crosscheck.report import Report, make_report
-from kinetics.crosscheck.report.systems import Cooling, Falling
+from kinetics.crosscheck.report.systems import DRIVEN, Cooling, Falling
 
 TINY = {"count": 400, "media": 12, "tracers": 10, "free_tracers": 2000, "n_times": 6}
 TINY |= {"rtol": 1e-6, "position_rtol": 1e-3, "final_times": (60.0,)}
@@ -22,6 +22,10 @@ SYSTEMS: dict[str, Any] = {
         (0.5, 0.9), approach=(0.5,), line=(0.0, 0.7, 0.99), collisions=40_000, most_tracers=1000,
         groups=10, dimensions=(2,), rtol=1e-4, time_rtol=1e-3,
     ),
+    **{
+        name: kind(dimension=d, collisions=150_000, groups=40, most_tracers=8000, time_rtol=1e-4)
+        for (name, kind), d in zip(DRIVEN.items(), (2, 3, 2), strict=True)
+    },
 }  # fmt: skip
 
 

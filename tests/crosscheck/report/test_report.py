@@ -18,9 +18,9 @@ from derivations import printed_equation
 from derivations.printers import mathml
 from kinetics.crosscheck.report import figures, page, rows
 from kinetics.crosscheck.report.runs import Measured, scaled_density
-from kinetics.crosscheck.report.systems import Cooling, Falling
+from kinetics.crosscheck.report.systems import DRIVEN, Bath, Cooling, Falling, SoftSpheres
 
-KINDS = ("paper", "rough", "spheres", "elastic", "field")
+KINDS = ("paper", "rough", "spheres", "elastic", "field", "bath", "heated", "viscoelastic")
 MOST_WORDS = 260  # before the first figure
 
 
@@ -194,7 +194,7 @@ def luminance(colour: str) -> float:
 
 @pytest.mark.parametrize(("width", "dark"), [(390, False), (1400, True)])
 def test_the_page_in_a_browser(made: Any, browser: Any, width: int, dark: bool) -> None:
-    for kind in ("paper", "field"):
+    for kind in ("paper", "field", "heated"):
         found = made(kind)
         asked = {"high": "document.documentElement.scrollHeight", "ink":
                  "getComputedStyle(document.querySelector('figure svg text')).fill"}  # fmt: skip
@@ -222,8 +222,31 @@ def test_failed_derivations_are_one_line(monkeypatch: pytest.MonkeyPatch) -> Non
         wait()
 
 
+@pytest.mark.parametrize("kind", DRIVEN)
+def test_driven_tracers_are_judged_over_time_and_in_the_steady_state(made: Any, kind: str) -> None:
+    table = made(kind).report.table.set_index(["observable", "source"])
+    assert {"thermal_speed", "a2", "msd", "collisions", "scaled_vdf"} <= set(
+        table.index.get_level_values(0)
+    )
+    assert not (table.verdict == "differs").any()
+    exact = table[table.kind == "numerical"]
+    assert set(exact.verdict) == (set() if kind == "viscoelastic" else {"agrees"})
+    solved = made(kind).report.results.cases[0].solved
+    if kind == "bath":  # w^2 (1 + e)/(1 - e), in both directions
+        assert table.theory["steady_speed", "solver"] == pytest.approx(math.sqrt(6.0))
+    if kind != "viscoelastic":
+        drift = table.theory["weak_drift", "Boltzmann-Grad"]
+        assert drift == pytest.approx(solved.state.mobility, rel=0.05)
+
+
+def test_driven_tracers_need_a_loss() -> None:
+    for system, e in ((Bath, 1.0), (SoftSpheres, 0.0)):
+        with pytest.raises(ValueError, match=r"restitutions: got|b: got"):
+            system(restitutions=(e,))
+
+
 def test_a_quick_report_is_of_the_same_system_with_fewer_samples() -> None:
-    for system in (Cooling(), Falling()):
+    for system in (Cooling(), Falling(), Bath()):
         quick = system.quick()
         assert quick.stages <= system.stages
         samples = "tracers" if isinstance(system, Cooling) else "most_tracers"
