@@ -20,7 +20,8 @@ from kinetics.crosscheck.report import figures, page, rows
 from kinetics.crosscheck.report.runs import Measured, scaled_density
 from kinetics.crosscheck.report.systems import DRIVEN, Bath, Cooling, Falling, SoftSpheres
 
-KINDS = ("paper", "rough", "spheres", "elastic", "field", "bath", "heated", "viscoelastic")
+KINDS: tuple[Any, ...] = ("paper", "rough", "spheres", "elastic", "field", "heated")
+KINDS += tuple(pytest.param(name, marks=pytest.mark.slow) for name in ("bath", "viscoelastic"))
 MOST_WORDS = 260  # before the first figure
 
 
