@@ -1,4 +1,4 @@
-r"""The generator of the velocity of a driven tracer, harmonic by harmonic, and its elimination.
+r"""The generator of the velocity of a driven tracer, harmonic by harmonic.
 
 Of a function h = sum_m H_m(v) Y_m of the velocity, Y_m = cos(m phi) in the plane and P_m(cos theta)
 in space about the field (family 0), or sin(m phi) and P_m^1(cos theta) cos(azimuth) across it
@@ -16,20 +16,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.system import System
 from kinetics.numerics import FloatArray
+from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 
 _ABSORBED, _FALL = 2.0, 8.0  # how strongly, and with which power of m/M, harmonics are damped
 _SINGULAR = 4  # the power by which points gather at slow impacts, where e varies as v_n^(1/5)
+_REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
 
 
 @dataclass(frozen=True)
@@ -107,16 +107,14 @@ class Generator:
     def _impacts(self, v: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosine of the normal to the velocity, q, and the rate of each quadrature point."""
         system, w = self.system, self.system.bath_speed
-        reach = 8.5 * w / v  # cosines below which the scatterer's own velocity may decide
+        reach = _REACH * w / v  # cosines below which the scatterer's own velocity may decide
         if w:
             edges = np.unique(np.clip([-reach, reach, 1.0], -1.0, 1.0))
         else:
             breaks = system.breaks / v
             edges = np.unique(np.concatenate([[0.0], breaks[breaks < 1.0], [1.0]]))
         count = max(16, self._points // max(1, edges.size - 2))
-        x, weight = gauss_legendre(count)
-        if not w and system.is_singular:
-            x, weight = x**_SINGULAR, weight * _SINGULAR * x ** (_SINGULAR - 1.0)
+        x, weight = gauss_legendre(count) if w else self._gathered(count)
         at = np.arcsin(edges) if system.dimension == 2 else edges
         place = (at[:-1, None] + np.diff(at)[:, None] * x).ravel()
         weight = (np.diff(at)[:, None] * weight).ravel()
@@ -124,15 +122,12 @@ class Generator:
         weight = weight if system.dimension == 2 else 2.0 * weight
         if not w:
             return cosine, v * cosine, weight * v * cosine
-        low = np.maximum(0.0, v * cosine - 8.5 * w)
-        high = v * cosine + 8.5 * w
+        low = np.maximum(0.0, v * cosine - _REACH * w)
+        high = v * cosine + _REACH * w
         cosine, low, high, weight = (a[high > 0.0] for a in (cosine, low, high, weight))
-        breaks = system.breaks
-        cuts = np.clip(breaks[None, :], low[:, None], high[:, None])
+        cuts = np.clip(system.breaks, low[:, None], high[:, None])
         cuts = np.concatenate([low[:, None], cuts, high[:, None]], axis=1)
-        x, share = gauss_legendre(self._points)
-        if system.is_singular:
-            x, share = x**_SINGULAR, share * _SINGULAR * x ** (_SINGULAR - 1.0)
+        x, share = self._gathered(self._points)
         width = np.diff(cuts, axis=1)[:, :, None]
         q = (cuts[:, :-1, None] + width * x).reshape(cosine.size, -1)
         share = (width * share).reshape(cosine.size, -1)
@@ -141,6 +136,13 @@ class Generator:
         )
         rate = weight[:, None] * share * q * chance
         return np.broadcast_to(cosine[:, None], q.shape).ravel(), q.ravel(), rate.ravel()
+
+    def _gathered(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """Nodes and weights on [0, 1], close to 0 where slow impacts need it."""
+        x, weight = gauss_legendre(count)
+        if not self.system.is_singular:
+            return x, weight
+        return x**_SINGULAR, weight * _SINGULAR * x ** (_SINGULAR - 1.0)
 
     def _collide(self) -> None:
         """Matrices of collisions for each harmonic, and the rate at each speed."""
@@ -191,11 +193,11 @@ class Generator:
         turn = (m + self.system.dimension - 2) * self._inverse
         return np.asarray(self._down(m, family) * (self._slopes[m % 2] + turn))
 
-    def along(self, sums: NDArray[Any], family: int = 0) -> NDArray[Any]:
-        """The distribution times v_x, of one (..., M + 1, nodes), in the same family."""
+    def along(self, sums: NDArray[Any]) -> NDArray[Any]:
+        """A distribution (M + 1, nodes) of family 0 times v_x, in the same family."""
         out, m = np.zeros_like(sums), range(self.harmonics + 1)
-        up = np.array([self._up(k, family) for k in m])[:, None]
-        down = np.array([self._down(k, family) for k in m])[:, None]
+        up = np.array([self._up(k, 0) for k in m])[:, None]
+        down = np.array([self._down(k, 0) for k in m])[:, None]
         out[..., :-1, :] = up[:-1] * sums[..., 1:, :]
         out[..., 1:, :] += down[1:] * sums[..., :-1, :]
         return np.asarray(out * self.axis.speeds)
@@ -218,75 +220,16 @@ class Generator:
 
     def elimination(
         self, family: int = 0, shift: complex = 0.0, border: FloatArray | None = None
-    ) -> Elimination:
+    ) -> BlockElimination:
         """For (shift - L^T) f = source; border : a source (nodes,) where L^T alone is singular."""
-        return Elimination(self, family, shift, border)
-
-    @cached_property
-    def one(self) -> FloatArray:
-        """The average of a constant over harmonic 0, (nodes,)."""
-        return np.ones(self.axis.size)
-
-
-class Elimination:
-    """Solves (shift - L^T) f = source, pair of harmonics by pair from the highest down.
-
-    At low speeds a field outweighs the collisions: a single harmonic would be no good pivot.
-    """
-
-    def __init__(
-        self, generator: Generator, family: int, shift: complex, border: FloatArray | None
-    ) -> None:
-        self._first, self._n, self._border = family, generator.axis.size, border
-        n, last, field = self._n, generator.harmonics, generator.system.field
-        self._factors: list[tuple[Any, Any, Any, slice]] = []
-        schur: Any = 0.0
-        ends = range(last + 1, family, -2) if field else range(last + 1, family, -1)
-        for end in ends:
-            begin = max(family, end - (2 if field else 1))
-            inside = range(begin, end)
-            block = np.zeros(((end - begin) * n,) * 2, dtype=complex if shift.imag else float)
-            for k, m in enumerate(inside):
-                own = slice(k * n, (k + 1) * n)
-                block[own, own] = -generator.matrices[m].T
-                np.einsum("ii->i", block[own, own])[:] += shift if shift.imag else shift.real
-                if field and m + 1 < end:
-                    above = slice((k + 1) * n, (k + 2) * n)
-                    block[own, above] = -field * generator.raised(m, family).T
-                    block[above, own] = -field * generator.lowered(m + 1, family).T
-            block[-n:, -n:] -= schur
-            if border is not None and begin == family:
-                block = np.pad(block, ((0, 1), (0, 1)))
-                block[-1, :n], block[:n, -1] = 1.0, border
-            factors = lu_factor(block, overwrite_a=True, check_finite=False)
-            response: Any = None
-            above_: Any = None
-            if field and begin > family:
-                # row m - 1 takes from harmonic m, and row m from harmonic m - 1
-                above_ = -field * generator.raised(begin - 1, family).T
-                below = np.zeros((block.shape[0], n), dtype=block.dtype)
-                below[:n] = -field * generator.lowered(begin, family).T
-                response = lu_solve(factors, below, overwrite_b=True, check_finite=False)
-                schur = above_ @ response[:n]
-            self._factors.append((factors, above_, response, slice(begin - family, end - family)))
-
-    def solve(self, source: NDArray[Any], mass: float = 0.0) -> NDArray[Any]:
-        """Harmonics from ``family`` on, of the shape of the source (n_harmonics, nodes).
-
-        mass : the average of a constant, where there is a border
-        """
-        right = np.array(source, dtype=np.result_type(source, self._factors[0][0][0]))
-        parts = []
-        for factors, above, _, part in self._factors:
-            given = right[part].ravel()
-            if self._border is not None and part.start == 0:
-                given = np.append(given, mass)
-            parts.append(lu_solve(factors, given, check_finite=False))
-            if above is not None:
-                right[part.start - 1] -= above @ parts[-1][: self._n]
-        out = np.empty_like(right)
-        for (_, _, response, part), found in zip(self._factors[::-1], parts[::-1], strict=True):
-            if response is not None:
-                found = found - response @ out[part.start - 1]
-            out[part] = found[: (part.stop - part.start) * self._n].reshape(-1, self._n)
-        return out
+        field, rate = self.system.field, shift if shift.imag else shift.real
+        diagonal = np.diag(np.full(self.axis.size, rate))
+        return BlockElimination(
+            family,
+            self.harmonics,
+            lambda m: diagonal - self.matrices[m].T,
+            lambda m: -field * self.lowered(m, family).T,
+            lambda m: -field * self.raised(m, family).T,
+            field > 0.0,
+            None if border is None else (np.ones(self.axis.size), border),
+        )

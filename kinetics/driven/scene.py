@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.driven.axis import SpeedAxis
-from kinetics.driven.generator import Elimination, Generator, Resolution
+from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.steady import angular_sum
 from kinetics.driven.system import System
 from kinetics.errors import InputError
@@ -21,6 +21,7 @@ from kinetics.field import radau
 from kinetics.field.evolution import ALL, INTEGRALS, Evolution
 from kinetics.field.scene import DENSITIES, MADE_OF, FieldScene
 from kinetics.numerics import FloatArray
+from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.states.state import State
 from kinetics.status import PlanStep
@@ -44,7 +45,7 @@ class _Equation:
         self.generator, self.families = generator, 1
         self.fields = [0, 0] if along_only else [0, 0, 1]
         self._modes = radau.modes()
-        self._factors: tuple[float, list[dict[int, Elimination]]] = (0.0, [])
+        self._factors: tuple[float, list[dict[int, BlockElimination]]] = (0.0, [])
 
     def averages(self, f: FloatArray) -> FloatArray:
         """As `kinetics.field.forward.AVERAGES`, of (n, n_fields, M + 1, nodes)."""

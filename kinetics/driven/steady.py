@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
@@ -12,13 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.driven.axis import SpeedAxis
-from kinetics.driven.generator import Elimination, Generator, Resolution
+from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.system import System
 from kinetics.errors import InputError
+from kinetics.field.solution import velocity_dataset
+from kinetics.field.starts import angular
 from kinetics.numerics import FloatArray
+from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.results import Result, dataset, variable
+from kinetics.results import Result, variable
 from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
@@ -31,7 +34,7 @@ from kinetics.validation import (
 
 _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
 _MOST_NODES, _MOST_HARMONICS = 150, 70
-_MOST_TURNS, _SETTLED = 400, 1e-14  # of the iteration for the slowest decay, when tracers stick
+_MOST_TURNS, _SETTLED = 400, 1e-13  # of the iteration for the slowest decay, when tracers stick
 _HIGHEST_POWER = 20.0
 _FIGURES = {
     "thermal_speed": ("1", "sqrt(<v^2>)"),
@@ -118,16 +121,18 @@ class _Steady:
         return max(worst, _FLOOR) if math.isfinite(worst) else math.inf
 
 
-def _slowest(elimination: Elimination, f: FloatArray, weighed: Any) -> tuple[FloatArray, float]:
-    """f with -L^T f = weighed(f)/T and the longest T: its sum is 1, and T."""
+def _slowest(
+    elimination: BlockElimination, f: FloatArray, weighed: Callable[[FloatArray], FloatArray]
+) -> tuple[FloatArray, float]:
+    """f with -L^T f = weighed(f)/T and the longest T: its sum is 1, and T; NaN if not found."""
     size = 0.0
     for _ in range(_MOST_TURNS):
         f = elimination.solve(weighed(f))
         before, size = size, float(f[0].sum())
         f = f / size
         if abs(size - before) <= _SETTLED * abs(size):
-            break
-    return f, size
+            return f, size
+    return f, math.nan
 
 
 @dataclass(frozen=True)
@@ -278,25 +283,15 @@ class DrivenState(Result):
         found: dict[str, Any] = {
             name: variable((), getattr(self, name), *about) for name, about in _FIGURES.items()
         }
-        usual = np.linspace(0.0, 4.0, 161) * self.thermal_speed
-        v = finite_line("speeds", points.get("speeds", usual))
-        few = np.array([0.0, 0.5, 1.0]) * np.pi if self.field else np.zeros(1)
-        phi = finite_line("angles", points.get("angles", few))
-        if only is None or "vdf" in only:
-            f = self.vdf(v, phi).T
-            found["vdf"] = variable(("angle", "v"), f, "1", "density of the velocity", "f")
-        return dataset(
+        return velocity_dataset(
+            self,
             f"Steady state of a driven tracer: {self._asked()}; unit of length l",
             {name: str(value) for name, value in self._asked().items()},
             found,
-            {
-                "v": variable(("v",), v, "1", "speed"),
-                "angle": variable(("angle",), phi, "rad", "angle to the field"),
-            },
-            status=self.status.name.lower(),
-            message=self.message,
-            tolerance_asked=self.rtol,
-            tolerance_reached=self.error_estimate,
+            only,
+            points.get("speeds", np.linspace(0.0, 4.0, 161) * self.thermal_speed),
+            points.get("angles", np.array([0.0, 0.5, 1.0]) * np.pi if self.field else [0.0]),
+            ("1", "1"),
         )
 
     def _figures(self) -> dict[str, str]:
@@ -312,13 +307,10 @@ class DrivenState(Result):
 
 def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
     """The density at angles, (n_v, n_angle), of harmonics (M + 1, n_v) as averages have them."""
-    m = np.arange(f.shape[0])
-    if dimension == 2:
-        angular = np.cos(np.outer(m, angle)) * np.where(m == 0, 1.0, 2.0)[:, None]
-    else:
-        angular = np.polynomial.legendre.legvander(np.cos(angle), m[-1]).T
-        angular = angular * (2.0 * m + 1.0)[:, None]
-    return np.asarray(f.T @ angular / (2.0 * math.pi * (dimension - 1.0)))
+    m = np.arange(len(f))[:, None]
+    tables = angular(np.cos(angle), np.sin(angle), max(len(f), 2), dimension, 1)[0][: len(f)]
+    norms = np.where(m == 0, 1.0, 2.0) if dimension == 2 else 2.0 * m + 1.0
+    return np.asarray(f.T @ (norms * tables) / (2.0 * math.pi * (dimension - 1.0)))
 
 
 @one_blas_thread

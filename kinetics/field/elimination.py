@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
 from kinetics.field.grid import SpeedPanels
 from kinetics.numerics import FloatArray
+from kinetics.numerics.blocks import BlockElimination
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def continuation(highest: int, powers: tuple[float, float]) -> FloatArray:
     return np.linalg.solve(table, (highest + 1.0) ** inverse[:, 0])
 
 
-class Elimination:
+class Elimination(BlockElimination):
     """Solves (shift + field + collisions) f = source for all harmonics of a chain.
 
     chain : the coupling by the field
@@ -137,57 +137,20 @@ class Elimination:
     ) -> None:
         self.chain = chain
         self.highest = highest = chain.highest(len(collisions) - 1)
-        n = self._n = chain.panels.size
-        self._border = border
-        first = chain.family
         on_diagonal = np.diag(shift * chain.panels.speeds)
-        self._above = {}
-        self._factors: dict[int, tuple[Any, NDArray[Any]]] = {}
-        schur: Any = 0.0
-        for m in range(highest - 1, first - 1, -2):
-            block = np.zeros((2 * n, 2 * n), dtype=on_diagonal.dtype)
-            block[:n, :n] = collisions[m] + on_diagonal
-            block[n:, n:] = collisions[m + 1] + on_diagonal - schur
-            block[:n, n:] = chain.from_above(m)
-            block[n:, :n] = chain.from_below(m + 1)
-            if m + 1 == highest and powers is None:
-                block[n:, n:] += chain.beyond(highest)
-            elif m + 1 == highest and powers is not None:
-                last, before = continuation(highest, powers)
-                block[n:, n:] += last * chain.from_above(highest)
-                block[n:, :n] += before * chain.from_above(highest)
-            if m == first:
-                break
-            factors = lu_factor(block, overwrite_a=True, check_finite=False)
-            below = np.zeros((2 * n, n), dtype=block.dtype)
-            below[:n] = chain.from_below(m)
-            response = lu_solve(factors, below, overwrite_b=True, check_finite=False)
-            self._factors[m] = factors, response
-            self._above[m] = chain.from_above(m - 1)
-            schur = self._above[m] @ response[:n]
-        if border is not None:
-            row, column = border
-            block = np.pad(block, ((0, 1), (0, 1)))
-            block[-1, :n], block[:n, -1] = row, column
-        self._last = lu_factor(block, overwrite_a=True, check_finite=False)
 
-    def solve(self, source: NDArray[Any], mass: float = 0.0) -> NDArray[Any]:
-        """Harmonics from ``family`` to ``highest``, shape (n_harmonics, size).
+        def own(m: int) -> NDArray[Any]:
+            block = collisions[m] + on_diagonal
+            if m == highest and powers is None:
+                block += chain.beyond(highest)
+            elif m == highest:
+                block += continued[0] * chain.from_above(highest)
+            return np.asarray(block)
 
-        source : times v, of that shape; mass : of harmonic 0, where there is a border
-        """
-        first, n = self.chain.family, self._n
-        right = np.array(source, dtype=np.result_type(source, self._last[0]))
-        part = {}
-        for m in range(self.highest - 1, first, -2):
-            pair = np.concatenate([right[m - first], right[m + 1 - first]])
-            part[m] = lu_solve(self._factors[m][0], pair, check_finite=False)
-            right[m - 1 - first] -= self._above[m] @ part[m][:n]
-        pair = np.concatenate([right[0], right[1], [mass] * (self._border is not None)])
-        found = lu_solve(self._last, pair, check_finite=False)
-        out = np.empty_like(right)
-        out[0], out[1] = found[:n], found[n : 2 * n]
-        for m in range(first + 2, self.highest, 2):
-            both = part[m] - self._factors[m][1] @ out[m - 1 - first]
-            out[m - first], out[m + 1 - first] = both[:n], both[n:]
-        return out
+        def below(m: int) -> NDArray[Any]:
+            if m == highest and powers is not None:
+                return chain.from_below(m) + continued[1] * chain.from_above(highest)
+            return chain.from_below(m)
+
+        continued = (0.0, 0.0) if powers is None else continuation(highest, powers)
+        super().__init__(chain.family, highest, own, below, chain.from_above, border=border)

@@ -179,25 +179,16 @@ class FieldState(Result):
         found: dict[str, Any] = {
             name: variable((), getattr(self, name), *about) for name, about in _FIGURES.items()
         }
-        v = finite_line("speeds", points.get("speeds", _SPEEDS))
-        phi = finite_line("angles", points.get("angles", _ANGLES))
-        if only is None or "vdf" in only:
-            units = "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"
-            f = self.vdf(v, phi).T
-            found["vdf"] = variable(("angle", "v"), f, units, "density of the velocity", "f")
         asked = ("restitution", "tangential_restitution", "dimension")
-        return dataset(
+        return velocity_dataset(
+            self,
             f"Steady state in a uniform field: {self.law.described}; units l = g = 1",
             {"law": self.law.described, **{name: getattr(self, name) for name in asked}},
             found,
-            {
-                "v": variable(("v",), v, "sqrt(g l)", "speed"),
-                "angle": variable(("angle",), phi, "rad", "angle to the field"),
-            },
-            status=self.status.name.lower(),
-            message=self.message,
-            tolerance_asked=self.rtol,
-            tolerance_reached=self.error_estimate,
+            only,
+            points.get("speeds", _SPEEDS),
+            points.get("angles", _ANGLES),
+            ("sqrt(g l)", "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"),
         )
 
     def _figures(self) -> dict[str, str]:
@@ -212,6 +203,40 @@ class FieldState(Result):
             f"  error estimate {self.error_estimate:.1e}, {self.status.name.lower()}: "
             f"{self.message}"
         )
+
+
+def velocity_dataset(
+    state: Any,
+    title: str,
+    question: Any,
+    found: dict[str, Any],
+    only: Collection[str] | None,
+    speed: ArrayLike,
+    angle: ArrayLike,
+    units: tuple[str, str],
+) -> Any:
+    """The dataset of a steady state: its figures, and its density at speeds and angles.
+
+    units : of the speed, and of the density
+    """
+    v, phi = finite_line("speeds", speed), finite_line("angles", angle)
+    if only is None or "vdf" in only:
+        words = "density of the velocity"
+        found["vdf"] = variable(("angle", "v"), state.vdf(v, phi).T, units[1], words, "f")
+    axes = {
+        "v": variable(("v",), v, units[0], "speed"),
+        "angle": variable(("angle",), phi, "rad", "angle to the field"),
+    }
+    return dataset(
+        title,
+        question,
+        found,
+        axes,
+        status=state.status.name.lower(),
+        message=state.message,
+        tolerance_asked=state.rtol,
+        tolerance_reached=state.error_estimate,
+    )
 
 
 @dataclass(frozen=True)
