@@ -38,6 +38,7 @@ class SpeedAxis:
     size : their number
     power : p
     smooth : whether functions are even and odd polynomials in x; p is then 1
+    fading : whether what drives fades out towards the top; steady states in a field need no end
     """
 
     top: float
@@ -45,6 +46,7 @@ class SpeedAxis:
     size: int
     power: float = 1.0
     smooth: bool = False
+    fading: bool = True
 
     @property
     def highest(self) -> float:
@@ -96,10 +98,8 @@ class SpeedAxis:
 
     @cached_property
     def faded(self) -> FloatArray:
-        """1, and 0 at the top, smoothly, (size,); 1 in a field alone: steady states need no end."""
-        if self.power == 2.0:
-            return np.ones(self.size)
-        return 1.0 - (self.speeds / self.top) ** _FADING
+        """1, and 0 at the top, smoothly, if ``fading``, (size,)."""
+        return 1.0 - (self.speeds / self.top) ** _FADING * self.fading
 
     def local(self, v: FloatArray) -> FloatArray:
         """x of any speeds; those near the top and beyond it are folded under it, smoothly.

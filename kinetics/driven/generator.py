@@ -68,12 +68,17 @@ class Resolution:
         if not system.is_driven:
             nodes = 20.0 + 5.0 * digits
         elif system.bath_speed:
-            nodes = 6.0 + 0.45 * digits * max(span, 2.5)
+            nodes = 6.0 + (0.1 * digits**2 if system.field else 0.45 * digits) * max(span, 2.5)
         else:
             nodes = 8.0 + 0.8 * digits * max(span, 3.0)
-        coupled = math.ceil(2.0 + 1.6 * digits) if system.field else 0
-        points = math.ceil(6.0 + 2.4 * digits)
-        return cls(math.ceil(nodes), points, max(harmonics, coupled), 10.0**-digits)
+        if system.field_rules:
+            coupled = 4.0 + 0.25 * digits**2
+        elif system.field:
+            coupled = 2.0 + (0.6 + 0.4 * math.sqrt(system.field) / system.scale) * digits
+        else:
+            coupled = 0.0
+        points = math.ceil(14.0 + 0.26 * digits**2 if system.field else 6.0 + 2.4 * digits)
+        return cls(math.ceil(nodes), points, max(harmonics, math.ceil(coupled)), 10.0**-digits)
 
     def finer(self) -> Resolution:
         """With more of everything; harmonics only where a field couples them."""
@@ -105,9 +110,10 @@ class Generator:
             slope, second = slopes[m % 2], slopes[1 - m % 2] @ slopes[m % 2]
             spread = second + (d - 1.0) * inverse @ slope - m * (m + d - 2.0) * inverse**2
             matrix += noise * spread - system.drag * v[:, None] * slope
-            # at low speeds the field carries directions to ever higher harmonics: they leave here
-            lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
-            matrix -= lost * axis.faded[:, None] * inverse
+            if system.field_rules:
+                # at low speeds it carries directions to ever higher harmonics: they leave here
+                lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
+                matrix -= lost * axis.faded[:, None] * inverse
         self._slopes = [axis.faded[:, None] * slope for slope in slopes]
         self._inverse = axis.faded[:, None] * inverse
 

@@ -35,6 +35,7 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 _MOST_NODES, _MOST_HARMONICS = 150, 70
 _MOST_TURNS, _SETTLED = 400, 1e-13  # of the iteration for the slowest decay, when tracers stick
 _HIGHEST_POWER = 20.0
+_WORSE = 10.0  # by so much an error may be larger than one before, and finer ones are tried
 _LONG = 5.0  # the highest speed over the scale of the axis, where only a field drives
 _FIGURES = {
     "thermal_speed": ("1", "sqrt(<v^2>)"),
@@ -53,13 +54,11 @@ class Steady:
     """The steady state at one resolution; with sticking, that of the tracers that still move."""
 
     def __init__(self, system: System, resolution: Resolution) -> None:
-        if system.only_falls:
-            top = system.top(1e-5 * resolution.rtol)
-            self.axis = SpeedAxis(top, top / _LONG, resolution.nodes, 2.0)
-        else:
-            top, smooth = system.top(0.01 * resolution.rtol), system.bath_speed > 0.0
-            self.axis = SpeedAxis(top, system.scale, resolution.nodes, smooth=smooth)
-        axis = self.axis
+        alone, fading = system.only_falls, not system.field or system.capture_speed > 0.0
+        top = system.top((1e-5 if alone else 0.01) * resolution.rtol)
+        scale, power = (top / _LONG, 2.0) if alone else (system.scale, 1.0)
+        smooth = system.bath_speed > 0.0
+        self.axis = axis = SpeedAxis(top, scale, resolution.nodes, power, smooth, fading)
         self.generator = one = Generator(system, axis, resolution)
         v, self.system, self.resolution = axis.speeds, system, resolution
         nothing = np.zeros((resolution.harmonics + 1, v.size))
@@ -157,6 +156,8 @@ def refined(system: System, rtol: float) -> tuple[Steady, float]:
         more = more.finer()
         if (found := last.error(before)) < error:
             fine, error = last, found
+        elif found > _WORSE * error:  # rounding grows with the number of speeds
+            break
     return fine, error
 
 

@@ -18,6 +18,7 @@ from kinetics.validation import check_mass_ratio, check_restitution, real_number
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 """What a System has beside a restitution, a mass ratio and a field."""
 _LEAST_TOP = 1e-12  # of the speeds that are looked at: a system that stays below is at rest
+_STRONG = 0.45  # a speed over sqrt(g l), from which on harmonics fall exponentially
 _POINTS = 24  # of the impact parameter, for the size of losses
 
 
@@ -88,6 +89,11 @@ class System:
     def only_falls(self) -> bool:
         """Whether a field alone drives the tracer, and collisions scale with the speed."""
         return self.law is not None and self.field > 0.0 and not self.heating
+
+    @property
+    def field_rules(self) -> bool:
+        """Whether no bath or noise keeps directions smooth at low speeds, where a field bends."""
+        return max(self.bath_speed, self.heating ** (1.0 / 3.0)) < _STRONG * math.sqrt(self.field)
 
     @property
     def takes_energy(self) -> bool:
