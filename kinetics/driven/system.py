@@ -87,8 +87,8 @@ class System:
 
     @property
     def only_falls(self) -> bool:
-        """Whether a field alone drives the tracer, and collisions scale with the speed."""
-        return self.law is not None and self.field > 0.0 and not self.heating
+        """Whether there are but a field and collisions that scale with the speed."""
+        return self.law is not None and self.field > 0.0 and not (self.heating or self.drag)
 
     @property
     def field_rules(self) -> bool:
