@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from kinetics import paper as sonine  # noqa: F401
     from kinetics.collision import CollisionLaw as CollisionLaw
+    from kinetics.driven.field import FieldState as FieldState
+    from kinetics.driven.field import solve_field as solve_field
     from kinetics.driven.restitution import Viscoelastic as Viscoelastic
     from kinetics.driven.steady import DrivenState as DrivenState
     from kinetics.driven.steady import solve_steady as solve_steady
     from kinetics.errors import InputError as InputError
     from kinetics.errors import ToleranceWarning as ToleranceWarning
-    from kinetics.field.solution import FieldState as FieldState
-    from kinetics.field.solution import solve_field as solve_field
     from kinetics.results import load as load
     from kinetics.scaling.closed_form import ScalingSolution as ScalingSolution
     from kinetics.scaling.scaled_vdf import ScaledVDF as ScaledVDF
@@ -46,10 +46,10 @@ if TYPE_CHECKING:
 
 _SHOWN = {
     "collision": "CollisionLaw",
+    "driven.field": "FieldState solve_field",
     "driven.restitution": "Viscoelastic",
     "driven.steady": "DrivenState solve_steady",
     "errors": "InputError ToleranceWarning",
-    "field.solution": "FieldState solve_field",
     "results": "load",
     "scaling.closed_form": "ScalingSolution",
     "scaling.scaled_vdf": "ScaledVDF solve_scaled",
@@ -63,8 +63,8 @@ _SHOWN = {
 _HIDDEN = {
     "collision.bounce": "DiskBounce MixedBounce SampledBounce",
     "crosscheck": "Comparison",
+    "driven.field": "FieldUnits",
     "driven.restitution": "RestitutionFunction TabulatedRestitution",
-    "field.solution": "FieldUnits",
     "moments.by_collision": "ByCollision",
     "states.kinds": "Maxwell Rest",
     "status": "PlanStep",

@@ -3,5 +3,6 @@
 What is elsewhere in the package scales with the speed and only cools. Here scatterers may move (a
 bath), white noise, drag and a field may act, the restitution may depend on the impact speed, and
 slow impacts may stick. `restitution` and `system` say what is asked, `generator` is the equation on
-a `axis` of speeds, `steady` and `scene` answer `kinetics.solve_steady` and `kinetics.solve`.
+an `axis` of speeds; `steady`, `field` and `scene` answer `kinetics.solve_steady`, `solve_field` and
+`solve`.
 """

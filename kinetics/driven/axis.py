@@ -1,7 +1,8 @@
 """The speed axis of driven tracers: polynomials in one smooth variable, from rest to the top.
 
 v = S sinh(Z x^p), x in [0, 1]: uniform below the scale S, logarithmic above it. p = 10 where
-nothing drives: one polynomial then holds ten decades of speeds, and powers v^(1/10) too. Moving
+nothing drives: one polynomial then holds ten decades of speeds, and powers v^(1/10) too. p = 2
+where a field alone drives: averages have terms v^n ln v, which are smoother in x. Moving
 scatterers make every average a smooth function of the velocity: harmonic m is then an even or an
 odd polynomial, as m is. No point lies at either end, and nothing is imposed there: at rest
 polynomials alone are regular, and at the top all that leads beyond it is faded out.
@@ -10,7 +11,7 @@ polynomials alone are regular, and at the top all that leads beyond it is faded 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -37,6 +38,7 @@ class SpeedAxis:
     size : their number
     power : p
     smooth : whether functions are even and odd polynomials in x; p is then 1
+    fading : whether what drives fades out towards the top; steady states in a field need no end
     """
 
     top: float
@@ -44,6 +46,7 @@ class SpeedAxis:
     size: int
     power: float = 1.0
     smooth: bool = False
+    fading: bool = True
 
     @property
     def highest(self) -> float:
@@ -95,13 +98,13 @@ class SpeedAxis:
 
     @cached_property
     def faded(self) -> FloatArray:
-        """1, and 0 at the top, smoothly, (size,)."""
-        return 1.0 - (self.speeds / self.top) ** _FADING
+        """1, and 0 at the top, smoothly, if ``fading``, (size,)."""
+        return 1.0 - (self.speeds / self.top) ** _FADING * self.fading
 
     def local(self, v: FloatArray) -> FloatArray:
         """x of any speeds; those near the top and beyond it are folded under it, smoothly.
 
-        Where nothing drives (p > 1) no tracer becomes faster than the top, and none is folded.
+        Where p > 1 no collision makes a tracer faster, and none is folded.
         """
         y = np.minimum(v / self.top, 8.0)
         if self.power == 1.0:
@@ -126,6 +129,26 @@ class SpeedAxis:
             return table[:, 0::2], table[:, 1::2]
         table = chebyshev.chebvander(2.0 * x - 1.0, self.size - 1)
         return table, table
+
+    def changes(self, log_loss: FloatArray) -> Iterator[FloatArray]:
+        """What each polynomial changes at the points as v falls to v s, -ln s (n,): (size, n) each.
+
+        To all digits where s is near 1; not for even and odd polynomials.
+        """
+        before, x = (self.speeds / self.scale)[:, None], self._place[:, None]
+        after, fallen = before * np.exp(-log_loss), before * -np.expm1(-log_loss)
+        both = before * np.hypot(1.0, after) + after * np.hypot(1.0, before)
+        share = np.arcsinh(fallen * (before + after) / both) / (self._span * x**self.power)
+        with np.errstate(divide="ignore"):
+            moved = 2.0 * x * np.expm1(np.log1p(-np.minimum(share, 1.0)) / self.power)
+        place = 2.0 * x - 1.0
+        last, here = np.zeros_like(moved), moved  # the change, and the polynomial itself
+        values = np.ones_like(x), place
+        yield last
+        for _ in range(1, self.size):
+            yield here
+            last, here = here, 2.0 * ((place + moved) * here + moved * values[1]) - last
+            values = values[1], 2.0 * place * values[1] - values[0]
 
     def to_coefficients(self, parity: int) -> FloatArray:
         """From values at the points to coefficients of these polynomials, (size, size)."""
@@ -152,7 +175,8 @@ class SpeedAxis:
         nodes = self._speed(x)
         weight = (w * nodes ** (d - 1.0) * self._stretch(x))[:, None]
         out = np.empty((len(sums), v.size))
-        tables = [self._polynomials(at) for at in (self._place, x, self.local(v))]
+        power = 2.0 if self.power == 2.0 else 1.0  # near rest x^2 is the better variable
+        tables = [self._polynomials(at**power) for at in (self._place, x, self.local(v))]
         for m, one in enumerate(sums):
             points, rows, asked = (table[m % 2][:, :half] for table in tables)
             out[m] = asked @ np.linalg.solve(rows.T @ (weight * rows), points.T @ one)

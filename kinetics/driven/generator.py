@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.collision import CollisionLaw
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.system import System
 from kinetics.numerics import FloatArray
@@ -29,6 +30,9 @@ from kinetics.numerics.gauss import gauss_legendre
 
 _ABSORBED, _FALL = 2.0, 8.0  # how strongly, and with which power of m/M, harmonics are damped
 _SINGULAR = 4  # the power by which points gather at slow impacts, where e varies as v_n^(1/5)
+_FIRST_HARMONICS = 54  # at most, so that one finer solution is still quick
+_TURNS = 1.0  # of a power of the speed, per node, in the average over bounces that scale
+_STOPPED = 14.0  # -ln s of bounces that count as one: so slow tracers, 1e-6, are as few as that
 _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
 
 
@@ -56,15 +60,25 @@ class Resolution:
         span : asinh of the highest speed over the scale of the axis
         """
         digits = -math.log10(max(rtol, 1e-12))
+        if system.only_falls:
+            assert system.law is not None
+            lossy = 1.0 + 0.4 * system.law.mean_log_loss  # then directions vary faster
+            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), _FIRST_HARMONICS)
+            return cls(math.ceil((6.0 + 2.3 * digits) * lossy**0.4), 0, turns, 10.0**-digits)
         if not system.is_driven:
             nodes = 20.0 + 5.0 * digits
         elif system.bath_speed:
-            nodes = 6.0 + 0.45 * digits * max(span, 2.5)
+            nodes = 6.0 + (0.1 * digits**2 if system.field else 0.45 * digits) * max(span, 2.5)
         else:
             nodes = 8.0 + 0.8 * digits * max(span, 3.0)
-        coupled = math.ceil(2.0 + 1.6 * digits) if system.field else 0
-        points = math.ceil(6.0 + 2.4 * digits)
-        return cls(math.ceil(nodes), points, max(harmonics, coupled), 10.0**-digits)
+        if system.field_rules:
+            coupled = 4.0 + 0.25 * digits**2
+        elif system.field:
+            coupled = 2.0 + (0.6 + 0.4 * math.sqrt(system.field) / system.scale) * digits
+        else:
+            coupled = 0.0
+        points = math.ceil(14.0 + 0.26 * digits**2 if system.field else 6.0 + 2.4 * digits)
+        return cls(math.ceil(nodes), points, max(harmonics, math.ceil(coupled)), 10.0**-digits)
 
     def finer(self) -> Resolution:
         """With more of everything; harmonics only where a field couples them."""
@@ -96,9 +110,10 @@ class Generator:
             slope, second = slopes[m % 2], slopes[1 - m % 2] @ slopes[m % 2]
             spread = second + (d - 1.0) * inverse @ slope - m * (m + d - 2.0) * inverse**2
             matrix += noise * spread - system.drag * v[:, None] * slope
-            # at low speeds the field carries directions to ever higher harmonics: they leave here
-            lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
-            matrix -= lost * axis.faded[:, None] * inverse
+            if system.field_rules:
+                # at low speeds it carries directions to ever higher harmonics: they leave here
+                lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
+                matrix -= lost * axis.faded[:, None] * inverse
         self._slopes = [axis.faded[:, None] * slope for slope in slopes]
         self._inverse = axis.faded[:, None] * inverse
 
@@ -147,6 +162,10 @@ class Generator:
     def _collide(self) -> None:
         """Matrices of collisions for each harmonic, and the rate at each speed."""
         n, d = self.axis.size, self.system.dimension
+        if self.system.law is not None:
+            self.rate = self.axis.speeds
+            self.matrices = self._scaled(self.system.law)
+            return
         self.matrices = np.zeros((self.harmonics + 1, n, n))
         self.rate = np.zeros(n)
         for i, v in enumerate(self.axis.speeds):
@@ -169,6 +188,23 @@ class Generator:
         for parity in (0, 1):
             self.matrices[parity::2] = self.matrices[parity::2] @ self.axis.to_coefficients(parity)
         self.matrices[:, np.arange(n), np.arange(n)] -= self.rate
+
+    def _scaled(self, law: CollisionLaw) -> FloatArray:
+        """The matrices where all speeds have the same bounces: what changes, without rounding."""
+        axis, v = self.axis, self.axis.speeds
+        q = law.quadrature_for(_TURNS * axis.size, self.harmonics // 2)
+        gone = np.array(list(q.harmonic_losses(self.harmonics)))
+        kept, lost = q.weight * (1.0 - gone), q.log_loss
+        stopped = lost > _STOPPED
+        if stopped.any():
+            mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
+            kept = np.c_[kept[:, ~stopped], kept[:, stopped].sum(axis=1)]
+            lost = np.append(lost[~stopped], -np.log(mean))
+        changed = np.stack([change @ kept.T for change in axis.changes(lost)], axis=-1)
+        out = v[:, None] * (changed.swapaxes(0, 1) @ axis.to_coefficients(0))
+        place = np.arange(v.size)
+        out[:, place, place] -= np.outer(gone @ q.weight, v)
+        return np.asarray(out)
 
     # -- coupling of harmonics, and products with components of the velocity ----------------------
 

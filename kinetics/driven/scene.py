@@ -6,7 +6,6 @@ import bisect
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from kinetics.driven.steady import angular_sum
 from kinetics.driven.system import System
 from kinetics.errors import InputError
 from kinetics.field import radau
-from kinetics.field.evolution import ALL, INTEGRALS, Evolution
+from kinetics.field.evolution import ALL, INTEGRALS, SHORTEST_TIME, March
 from kinetics.field.scene import DENSITIES, MADE_OF, FieldScene
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
@@ -61,7 +60,7 @@ class _Equation:
             axis=1,
         )
 
-    def step(self, f: FloatArray, h: float, source: None) -> FloatArray:
+    def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
         """At all points of a step, (STAGES + 1, *f.shape)."""
         one = self.generator
         if h != self._factors[0]:
@@ -88,7 +87,7 @@ def _scale(system: System, time: float, top: float) -> float:
     return min(max(system.scale, math.sqrt(system.field), 0.5 / time), top)
 
 
-class _Evolution(Evolution):
+class _Evolution(March):
     """One start over time, in units of l and U; as in a field, on the axis of driven tracers."""
 
     most_steps = _MOST_STEPS
@@ -97,24 +96,21 @@ class _Evolution(Evolution):
         self, system: System, state: State, times: FloatArray, resolution: Resolution,
         asked: frozenset[str], densities: bool,
     ) -> None:  # fmt: skip
-        self.times, self.resolution, self.asked, self.state = times, resolution, asked, None  # type: ignore[assignment]
-        self._densities, self.steps, self.values = densities, 0, np.zeros((times.size, 0))
-        last = max(float(times[-1]), 1e-12)
+        self.times, self.resolution, self.asked = times, resolution, asked
+        self._densities, last = densities, max(float(times[-1]), SHORTEST_TIME)
         measures = [
             state.harmonic(m, 0.1 * resolution.rtol, 0.0, 4.0)
             for m in range(resolution.harmonics + 1 if state.highest_harmonic != 0 else 1)
         ]
         assert measures[0] is not None
         fastest = float(np.exp(measures[0].x.max()))
-        self.start = SimpleNamespace(velocities=None, highest=fastest)  # type: ignore[assignment]
         driven = system.is_driven
         top = system.top(_TAIL * resolution.rtol, last, fastest)
         power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
-        self.panels = axis  # type: ignore[assignment]
-        isotropic = state.highest_harmonic == 0 and not system.field
-        self.equation = _Equation(Generator(system, axis, resolution), isotropic)  # type: ignore[assignment]
-        self._sums = np.zeros((len(self.equation.fields), resolution.harmonics + 1, axis.size))
+        self.axis, isotropic = axis, state.highest_harmonic == 0 and not system.field
+        equation = _Equation(Generator(system, axis, resolution), isotropic)
+        begin = np.zeros((len(equation.fields), resolution.harmonics + 1, axis.size))
         for m, measure in enumerate(measures):
             if measure is not None:
                 if np.iscomplexobj(measure.weight) and np.abs(measure.weight.imag).max() > 1e-9:
@@ -122,15 +118,11 @@ class _Evolution(Evolution):
                     raise InputError(f"initial: {text}")
                 profile = state.profile(m) if densities else None
                 if profile is None:
-                    self._sums[0, m] = measure.weight.real @ axis.rows(np.exp(measure.x), m % 2)
+                    begin[0, m] = measure.weight.real @ axis.rows(np.exp(measure.x), m % 2)
                 else:
-                    self._sums[0, m] = axis.averaged(lambda v, of=profile: np.real(of(v)), m % 2)  # type: ignore[misc]
-        self.sums = np.zeros((times.size, *self._sums.shape[1:]))
-        self.values = np.zeros((times.size, len(ALL)))
-        self._run(last)
-
-    def _begin(self) -> FloatArray:
-        return self._sums
+                    begin[0, m] = axis.averaged(lambda v, of=profile: np.real(of(v)), m % 2)  # type: ignore[misc]
+        self.sums = np.zeros((times.size, *begin.shape[1:]))
+        self._run(equation, begin, fastest)
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self._densities:
@@ -174,11 +166,11 @@ class DrivenScene(FieldScene):
             end = begin
 
     def _top(self, i: int) -> float:
-        return self.system.top(_TAIL * self.rtol, max(float(self._scaled[i]), 1e-12), 6.0)
+        return self.system.top(_TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)
 
     def _refined(self, times: FloatArray) -> tuple[_Evolution, dict[str, float]]:
         """The best solution up to some times, and its errors."""
-        last = max(float(times[-1]), 1e-12)
+        last = max(float(times[-1]), SHORTEST_TIME)
         scale = _scale(self.system, last, math.inf)
         span = math.asinh(self.system.top(_TAIL * self.rtol, last, 6.0) / scale)
         there = self.state.highest_harmonic
@@ -220,7 +212,7 @@ class DrivenScene(FieldScene):
         one = self._parts[-1]
         how = (
             f"generator for {', '.join(self.outputs)}: harmonics 0 to {one.resolution.harmonics}, "
-            f"{one.panels.size} speeds up to {one.panels.highest:.3g} U, {one.steps} steps of "
+            f"{one.axis.size} speeds up to {one.axis.highest:.3g} U, {one.steps} steps of "
             f"time; a solution with fewer differs by {self.errors['averages']:.1e}"
         )
         asked = DENSITIES in self.errors
@@ -233,7 +225,7 @@ class DrivenScene(FieldScene):
         parts = self._parts
         return {
             "harmonics": max(one.resolution.harmonics for one in parts),
-            "nodes": max(one.panels.size for one in parts),
+            "nodes": max(one.axis.size for one in parts),
             "steps": sum(one.steps for one in parts),
         }
 
@@ -275,9 +267,9 @@ class DrivenScene(FieldScene):
             [self._speed_density(one, i, v) for one in self._parts for i in range(one.times.size)]
         )
 
-    def _speed_density(self, one: Evolution, i: int, v: FloatArray) -> FloatArray:
+    def _speed_density(self, one: _Evolution, i: int, v: FloatArray) -> FloatArray:
         d = self.law.dimension
-        return one.panels.density(one.sums[i, :1], v, d)[0] * v ** (d - 1.0)  # type: ignore[attr-defined]
+        return one.axis.density(one.sums[i, :1], v, d)[0] * v ** (d - 1.0)
 
     def component_density(self, v_x: FloatArray) -> FloatArray:
         """Not available."""
@@ -288,7 +280,7 @@ class DrivenScene(FieldScene):
         d = self.law.dimension
         return np.array(
             [
-                angular_sum(one.panels.density(f, v, d), phi, d)  # type: ignore[attr-defined]
+                angular_sum(one.axis.density(f, v, d), phi, d)
                 for one in self._parts
                 for f in one.sums
             ]

@@ -15,13 +15,12 @@ from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.system import System
 from kinetics.errors import InputError
-from kinetics.field.solution import velocity_dataset
 from kinetics.field.starts import angular
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.results import Result, variable
+from kinetics.results import Result, dataset, variable
 from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
@@ -36,6 +35,8 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 _MOST_NODES, _MOST_HARMONICS = 150, 70
 _MOST_TURNS, _SETTLED = 400, 1e-13  # of the iteration for the slowest decay, when tracers stick
 _HIGHEST_POWER = 20.0
+_WORSE = 10.0  # by so much an error may be larger than one before, and finer ones are tried
+_LONG = 5.0  # the highest speed over the scale of the axis, where only a field drives
 _FIGURES = {
     "thermal_speed": ("1", "sqrt(<v^2>)"),
     "a2": ("1", "d <v^4>/((d + 2) <v^2>^2) - 1"),
@@ -49,13 +50,15 @@ _FIGURES = {
 """Figures -> unit, where speeds have none, and words."""
 
 
-class _Steady:
+class Steady:
     """The steady state at one resolution; with sticking, that of the tracers that still move."""
 
     def __init__(self, system: System, resolution: Resolution) -> None:
-        top = system.top(0.01 * resolution.rtol)
+        alone, fading = system.only_falls, not system.field or system.capture_speed > 0.0
+        top = system.top((1e-5 if alone else 0.01) * resolution.rtol)
+        scale, power = (top / _LONG, 2.0) if alone else (system.scale, 1.0)
         smooth = system.bath_speed > 0.0
-        self.axis = axis = SpeedAxis(top, system.scale, resolution.nodes, smooth=smooth)
+        self.axis = axis = SpeedAxis(top, scale, resolution.nodes, power, smooth, fading)
         self.generator = one = Generator(system, axis, resolution)
         v, self.system, self.resolution = axis.speeds, system, resolution
         nothing = np.zeros((resolution.harmonics + 1, v.size))
@@ -74,7 +77,7 @@ class _Steady:
     def average(self, p: float, m: int) -> float:
         """<v^p Y_m>; p may be any number above -d."""
         sums, v = self.sums[m], self.axis.speeds
-        if float(p).is_integer() and p >= 0.0:
+        if p >= 0.0 and (float(p).is_integer() or self.axis.power > 1.0):
             return float(v**p @ sums)
         x, w = gauss_legendre(max(200, 4 * v.size))
         d, power = self.system.dimension, 12
@@ -93,8 +96,11 @@ class _Steady:
         if not self.system.capture_speed:
             along = self.along.solve(one.along(self.sums) - drift * self.sums)
             across = one.elimination(1).solve(one.across(self.sums)[1:])
-            pulled = self.along.solve(one.pulled(self.sums))
-            spread = [float(v @ f) for f in (along[1], across[0], pulled[1])]
+            spread = [float(v @ along[1]), float(v @ across[0])]
+            if self.system.only_falls:  # speeds are in proportion to sqrt(g)
+                spread += [0.5 * drift / self.system.field]
+            else:
+                spread += [float(v @ self.along.solve(one.pulled(self.sums))[1])]
         excess = d * fourth / ((d + 2.0) * second**2) - 1.0
         square = (second + (d - 1.0) * turned) / d
         return np.array([math.sqrt(second), excess, drift, square, rate, *spread])
@@ -105,13 +111,15 @@ class _Steady:
         start = self.sums.copy()
         return _slowest(self.along, start, self.generator.along)[1]
 
-    def error(self, coarse: _Steady) -> float:
+    def error(self, coarse: Steady) -> float:
         """The largest difference of the figures from a coarser solution's, relative to each.
 
-        The drift relative to the thermal speed, 1 + a2 for a2.
+        1 + a2 for a2; the drift relative to the thermal speed, unless a field alone drives.
         """
         scale = np.abs(self.figures)
-        scale[1], scale[2] = 1.0, self.figures[0]
+        scale[1] = 1.0
+        if not self.system.only_falls:
+            scale[2] = self.figures[0]
         apart = np.abs(self.figures - coarse.figures) / scale
         if self.system.capture_speed:
             apart = np.append(apart[:5], abs(coarse.decay / self.decay - 1.0))
@@ -133,6 +141,24 @@ def _slowest(
         if abs(size - before) <= _SETTLED * abs(size):
             return f, size
     return f, math.nan
+
+
+def refined(system: System, rtol: float) -> tuple[Steady, float]:
+    """The first solution that differs from a coarser one by less than rtol, or the best; its error.
+
+    It is solved with one BLAS thread if the caller says so.
+    """
+    span = math.asinh(system.top(rtol) / system.scale)
+    last = fine = Steady(system, Resolution.first(system, rtol, span))
+    error, more = math.inf, fine.resolution.finer()
+    while error > rtol and more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS:
+        before, last = last, Steady(system, more)
+        more = more.finer()
+        if (found := last.error(before)) < error:
+            fine, error = last, found
+        elif found > _WORSE * error:  # rounding grows with the number of speeds
+            break
+    return fine, error
 
 
 @dataclass(frozen=True)
@@ -208,9 +234,9 @@ class DrivenState(Result):
         return System.checked(law, values.pop("dimension"), values.pop("mass_ratio"), **values)
 
     @cached_property
-    def _fine(self) -> _Steady:
+    def _fine(self) -> Steady:
         """Where it was not kept, as in a loaded or pickled state, it is solved again."""
-        return _Steady(self.system, Resolution(*self._resolution))
+        return Steady(self.system, Resolution(*self._resolution))
 
     def moment(self, p: float, m: int = 0) -> float:
         """<v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
@@ -313,6 +339,40 @@ def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
     return np.asarray(f.T @ (norms * tables) / (2.0 * math.pi * (dimension - 1.0)))
 
 
+def velocity_dataset(
+    state: Any,
+    title: str,
+    question: Any,
+    found: dict[str, Any],
+    only: Collection[str] | None,
+    speed: ArrayLike,
+    angle: ArrayLike,
+    units: tuple[str, str],
+) -> Any:
+    """The dataset of a steady state: its figures, and its density at speeds and angles.
+
+    units : of the speed, and of the density
+    """
+    v, phi = finite_line("speeds", speed), finite_line("angles", angle)
+    if only is None or "vdf" in only:
+        words = "density of the velocity"
+        found["vdf"] = variable(("angle", "v"), state.vdf(v, phi).T, units[1], words, "f")
+    axes = {
+        "v": variable(("v",), v, units[0], "speed"),
+        "angle": variable(("angle",), phi, "rad", "angle to the field"),
+    }
+    return dataset(
+        title,
+        question,
+        found,
+        axes,
+        status=state.status.name.lower(),
+        message=state.message,
+        tolerance_asked=state.rtol,
+        tolerance_reached=state.error_estimate,
+    )
+
+
 @one_blas_thread
 def solve_steady(
     restitution: Any,
@@ -368,14 +428,7 @@ def solve_steady(
     if not system.takes_energy:
         allowed = "collisions keep the energy, and drag is 0: no steady state is reached"
         refuse("restitution", restitution, allowed)
-    span = math.asinh(system.top(rtol) / system.scale)
-    last = fine = _Steady(system, Resolution.first(system, rtol, span))
-    error, more = math.inf, fine.resolution.finer()
-    while error > rtol and more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS:
-        before, last = last, _Steady(system, more)
-        more = more.finer()
-        if (found := last.error(before)) < error:
-            fine, error = last, found
+    fine, error = refined(system, rtol)
     status, message = judged({"averages": error}, {"averages": rtol})
     one = fine.resolution
     plan = (

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetics.collision import CollisionLaw
 from kinetics.driven.restitution import ImpactRestitution, impact_restitution
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
@@ -17,6 +18,7 @@ from kinetics.validation import check_mass_ratio, check_restitution, real_number
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 """What a System has beside a restitution, a mass ratio and a field."""
 _LEAST_TOP = 1e-12  # of the speeds that are looked at: a system that stays below is at rest
+_STRONG = 0.45  # a speed over sqrt(g l), from which on harmonics fall exponentially
 _POINTS = 24  # of the impact parameter, for the size of losses
 
 
@@ -28,11 +30,11 @@ def checked_drives(**drives: Any) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class System:
-    """Smooth scatterers and what acts on the tracer, in the mean free path and one unit of speed.
+    """Scatterers and what acts on the tracer, in the mean free path and one unit of speed.
 
     Parameters
     ----------
-    restitution : e, or an ImpactRestitution
+    restitution : e, or an ImpactRestitution; or a CollisionLaw, without bath_speed, capture_speed
     dimension : 2 or 3
     bath_speed : w, the standard deviation of each component of the scatterers' velocities
     mass_ratio : of a scatterer over the tracer; inf for infinitely heavy ones
@@ -42,7 +44,7 @@ class System:
     capture_speed : v_c: impacts whose normal speed is below it stick
     """
 
-    restitution: float | ImpactRestitution
+    restitution: float | ImpactRestitution | CollisionLaw
     dimension: int = 2
     bath_speed: float = 0.0
     mass_ratio: float = math.inf
@@ -73,6 +75,26 @@ class System:
         """Whether anything gives the tracer energy."""
         return max(self.bath_speed, self.heating, self.field) > 0.0
 
+    @cached_property
+    def law(self) -> CollisionLaw | None:
+        """The collision law, where what a collision does scales with the speed."""
+        e = self.restitution
+        if isinstance(e, CollisionLaw):
+            return e
+        if callable(e) or self.bath_speed or self.capture_speed:
+            return None
+        return CollisionLaw(e, 1.0, self.dimension, mass_ratio=self.mass_ratio)
+
+    @property
+    def only_falls(self) -> bool:
+        """Whether there are but a field and collisions that scale with the speed."""
+        return self.law is not None and self.field > 0.0 and not (self.heating or self.drag)
+
+    @property
+    def field_rules(self) -> bool:
+        """Whether no bath or noise keeps directions smooth at low speeds, where a field bends."""
+        return max(self.bath_speed, self.heating ** (1.0 / 3.0)) < _STRONG * math.sqrt(self.field)
+
     @property
     def takes_energy(self) -> bool:
         """Whether collisions or drag take energy from a fast tracer."""
@@ -82,7 +104,7 @@ class System:
     def impulse(self, impact_speed: FloatArray) -> FloatArray:
         """1 + e*, by which a collision multiplies the normal component that it takes away."""
         share = 1.0 if self.mass_ratio == math.inf else self.mass_ratio / (1.0 + self.mass_ratio)
-        e = self.restitution
+        e: Any = self.restitution
         return share * (1.0 + (e(impact_speed) if callable(e) else np.full(impact_speed.shape, e)))
 
     @property
@@ -109,6 +131,10 @@ class System:
 
     def _losses(self, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """E[1 - s^2], E[1 - s cos chi] and E[(1 + e*)^2 n^2] of resting scatterers, (n,) each."""
+        if self.law is not None:
+            q, one = self.law.quadrature, np.ones(v.shape)
+            lost = self.law.energy_loss * one, (q.weight @ (1.0 - q.parallel)) * one
+            return *lost, 0.0 * one
         x, w = gauss_legendre(_POINTS)
         if self.dimension == 2:
             c, w = np.cos(0.5 * np.pi * x), 0.5 * np.pi * w * np.cos(0.5 * np.pi * x)

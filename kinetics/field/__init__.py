@@ -8,12 +8,12 @@ no parameter but the collision law,
 
 Angular harmonics about the field turn it into a chain in which each harmonic meets its two
 neighbours only. `grid` discretises the speed, and gain and loss on it; `elimination` solves the
-chain. `steady` makes the steady state and the dispersion about it of that, and
-`solution` the answer of `solve_field`. Over time, `forward` takes a density from step to step by
-the rule of `radau`, `evolution` follows one initial state (`starts`), and `scene` makes the outputs
-of a scene. `density` has the density at one velocity. Every error is the difference of two
-solutions, one coarser.
+chain. `steady` makes the density of the steady state of that; its averages, and `solve_field`, are
+in `kinetics.driven`. Over time, `forward` takes a density from step to step by the rule of `radau`,
+`evolution` follows one initial state (`starts`), and `scene` makes the outputs of a scene.
+`density` has the density at one velocity. Every error is the difference of two solutions, one
+coarser.
 
 May import `kinetics.numerics`, `kinetics.collision`, `kinetics.states` and the modules that serve
-all rooms. Begin with `steady.py`, over time with `evolution.py`.
+all rooms. Begin with `evolution.py`.
 """

@@ -128,6 +128,7 @@ _POINTS = 6  # in an interval of these
 _DIRECTIONS = 64  # of a start of one speed
 # velocities at which two solutions are compared, in units of the usual speed
 _TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
+_LOOKED_AT = np.linspace(0.1, 2.5, 17)  # speeds at which a density may not be below zero
 _TRIED_ANGLES = np.array([0.05, 0.5, 1.3, 2.2, 3.0])
 
 
@@ -178,6 +179,16 @@ class VelocityDensity:
         share = 2.0 * w if self._dimension == 2 else 2.0 * math.pi * across * w
         velocity = np.meshgrid(along, across, indexing="ij")
         return np.asarray(self._both(partial(self.at, i), *velocity) @ share)
+
+    def negative(self) -> float:
+        """How far densities are below zero, over the largest of each time; 0 where they are not."""
+        worst, usual = 0.0, np.sqrt(np.abs(self._evolution.values[:, ALL.index("v^2")]))
+        for i, scale in enumerate(usual):
+            v, angle = np.meshgrid(scale * _LOOKED_AT, [0.0, *_TRIED_ANGLES])
+            found = self.at(i, (v * np.cos(angle)).ravel(), (v * np.sin(angle)).ravel())
+            for f in (found, self.by_speed(i, scale * _LOOKED_AT)):
+                worst = max(worst, float(-f.min() / max(f.max(), 1e-300)))
+        return worst
 
     def _both(self, density: _Density, along: FloatArray, across: FloatArray) -> FloatArray:
         """The mean of both sides of the field, of the shape of the components."""

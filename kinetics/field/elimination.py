@@ -63,7 +63,7 @@ class Chain:
         return out
 
     def beyond(self, m: int) -> FloatArray:
-        """v times what harmonic m + 1 adds to the last row m over time; acts on harmonic m.
+        """v times what harmonic m + 1 adds to the last row m; acts on harmonic m.
 
         On the ray along the field f is not smooth: tracers on it have come by rest, and f_m falls
         as m^-3. So f_(m+1) = (m/(m+1))^3 f_m; what is as rough as that travels towards high
@@ -106,20 +106,12 @@ class Chain:
         return np.asarray(out * self.panels.speeds)
 
 
-def continuation(highest: int, powers: tuple[float, float]) -> FloatArray:
-    """Factors of harmonics M and M - 1, (2,), that continue them by two powers of 1/m to M + 1."""
-    inverse = -np.array(powers)[:, None]
-    table = np.array([highest, highest - 1.0]) ** inverse
-    return np.linalg.solve(table, (highest + 1.0) ** inverse[:, 0])
-
-
 class Elimination(BlockElimination):
     """Solves (shift + field + collisions) f = source for all harmonics of a chain.
 
     chain : the coupling by the field
     collisions : v^2 (1 - K_m), from `collision_matrices`, for m = 0 ... M; the highest harmonic is
         M, or M - 1 if only then harmonics come in pairs
-    powers : of 1/m, by which harmonic M + 1 continues the last two; None for `Chain.beyond`
     shift : a rate that is added to the loss; it may be complex
     border : for shift 0: a row that is the mass of harmonic 0 and a column that is a source;
         without it the steady state makes the system singular
@@ -131,7 +123,6 @@ class Elimination(BlockElimination):
         self,
         chain: Chain,
         collisions: FloatArray,
-        powers: tuple[float, float] | None,
         shift: complex = 0.0,
         border: tuple[FloatArray, FloatArray] | None = None,
     ) -> None:
@@ -141,16 +132,8 @@ class Elimination(BlockElimination):
 
         def own(m: int) -> NDArray[Any]:
             block = collisions[m] + on_diagonal
-            if m == highest and powers is None:
-                block += chain.beyond(highest)
-            elif m == highest:
-                block += continued[0] * chain.from_above(highest)
-            return np.asarray(block)
+            return np.asarray(block + chain.beyond(m) if m == highest else block)
 
-        def below(m: int) -> NDArray[Any]:
-            if m == highest and powers is not None:
-                return chain.from_below(m) + continued[1] * chain.from_above(highest)
-            return chain.from_below(m)
-
-        continued = (0.0, 0.0) if powers is None else continuation(highest, powers)
-        super().__init__(chain.family, highest, own, below, chain.from_above, border=border)
+        super().__init__(
+            chain.family, highest, own, chain.from_below, chain.from_above, border=border
+        )

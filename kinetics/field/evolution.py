@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -24,82 +24,66 @@ SQUARES = frozenset({"x^2", "y^2", "x y"})
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
 _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
 _SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
+SHORTEST_TIME = 1e-12
 _FIRST = 0.5  # of the first step, in free flights of the fastest
 
 
-@dataclass
-class Evolution:
-    """One start over time, in units of sqrt(g l) and sqrt(l/g).
+class Equation(Protocol):
+    """What takes distributions over a step of time."""
 
-    law, start : the collision law, and the initial state
+    def averages(self, f: FloatArray) -> FloatArray:
+        """`AVERAGES` of distributions (n, *shape), shape (n, n_averages)."""
+
+    def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
+        """The distribution at all points of a step, (STAGES + 1, *shape)."""
+
+
+class March:
+    """One start over time, step after step.
+
     times : rising, shape (n_times,)
-    resolution : panels, harmonics and steps
+    resolution : with the ``rtol`` of the steps
     asked : names of `ALL` that steps must resolve; others may be less accurate, or 0
-    state : of which the start is made, if its density is asked for point by point
     values : `ALL`, shape (n_times, n_averages)
     steps : their number
-    made : beginning, length, and v times what collisions make at the points, of each step; if the
-        density is asked for
     """
 
     # then steps are taken as they are: another resolution says that this one fails
     most_steps: ClassVar[int] = 300
 
-    law: CollisionLaw
-    start: Start
     times: FloatArray
-    resolution: Resolution
+    resolution: Any
     asked: frozenset[str]
-    state: State | None = None
-    values: FloatArray = field(init=False)
-    steps: int = field(init=False, default=0)
-    made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
+    values: FloatArray
+    steps: int
 
-    def __post_init__(self) -> None:
-        one, last = self.resolution, max(float(self.times[-1]), 1e-12)
-        highest = math.hypot(self.start.highest, reached_speed(self.law, last, one.rtol))
-        # below 1/t, no tracer has collided by the time t
-        lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
-        self.panels = SpeedPanels.rising(highest, lowest, one.nodes)
-        symmetric = self.start.is_symmetric
-        moving = bool(self.asked & SQUARES)
-        self.equation = ForwardEquation(self.law, self.panels, one.harmonics, symmetric, moving)
-        self.values = np.zeros((self.times.size, len(ALL)))
-        self._run(last)
+    def _uncollided(self, times: FloatArray) -> FloatArray | float:
+        """What tracers in closed form add to the averages, (n, n_averages)."""
+        return 0.0
 
-    def _begin(self) -> FloatArray:
-        equation = self.equation
-        f = np.zeros((len(equation.fields), equation.highest + 1, self.panels.size))
-        if self.start.velocities is None:
-            count, families = equation.highest + 1, equation.families
-            sums = self.start.projected(self.panels, count, families)
-            if self.state is not None:
-                sums = self.start.smooth(self.state, self.panels, sums, self.resolution.rtol)
-            f[:families] = equation.density(sums)
-        return f
+    def _early(self, now: float, h: float) -> tuple[FloatArray, FloatArray] | None:
+        """Their distribution at the points of a step, and what they are a source of."""
+        return None
 
-    def _run(self, last: float) -> None:
-        """Step after step, up to the last time or beyond it."""
-        equation, velocities = self.equation, self.start.velocities
-        f, now = self._begin(), 0.0
+    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
+        """What densities need of an accepted step that begins now and is h long."""
+
+    def _run(self, equation: Equation, f: FloatArray, fastest: float) -> None:
+        """From f on, up to the last time or beyond it; fastest : the highest speed in f."""
+        self.values, self.steps = np.zeros((self.times.size, len(ALL))), 0
+        now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
         # at the first of the times averages may be small, as the fourth power of the time
-        h = min(_FIRST / (1.0 + self.start.highest), *self.times[self.times > 0.0][:1], last)
+        h = min(_FIRST / (1.0 + fastest), *self.times[self.times > 0.0][:1], last)
         totals, allowed = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
         grows = [one for one, _ in INTEGRALS.values()]
         factor = np.array([factor for _, factor in INTEGRALS.values()])
         tried = 0
         while now < last or tried == 0:
             tried += 1
-            at, source, early = now + h * radau.POINTS, None, None
-            if velocities is not None:
-                count, fine = equation.highest + 1, now + h * radau.FINE
-                sums = velocities.projected(fine, self.panels, count, equation.fields)
-                early = radau.projected(equation.density(sums))
-                source = equation.gained(early[1:])
+            early, source = self._early(now, h) or (0.0, None)
             stages = equation.step(f, h, source)
-            averages = total = equation.averages(stages)
-            if velocities is not None:
-                total = averages + [velocities.averages(t) for t in at]
+            averages = equation.averages(stages)
+            total = averages + self._uncollided(now + h * radau.POINTS)
             grown = totals + h * (radau.integral_rows(radau.POINTS) @ total[:, grows]) * factor
             left = radau.roughness(averages)
             left = np.append(left, h * radau.roughness(total)[grows] * factor)
@@ -109,22 +93,14 @@ class Evolution:
                 continue
             inside = (self.times >= now) & (self.times <= now + h)
             local = (self.times[inside] - now) / h
-            found = radau.rows(local) @ averages
-            if velocities is not None and local.size:
-                found = found + [velocities.averages(t) for t in self.times[inside]]
+            found = radau.rows(local) @ averages + self._uncollided(self.times[inside])
             made = totals + h * (radau.integral_rows(local) @ total[:, grows]) * factor
             self.values[inside] = np.hstack([found, made])
-            self._keep(now, h, stages if early is None else stages + early)
+            self._keep(now, h, stages + early)
             self.steps += 1
             now, f, totals = now + h, stages[-1], grown[-1]
             if rough * _SMOOTH < allowed or tried >= self.most_steps:
                 h *= 2.0
-
-    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
-        """What densities need of an accepted step that begins now and is h long."""
-        if self.state is not None:
-            made = self.equation.gained(stages[:, : self.equation.families]) * self.panels.speeds
-            self.made.append((now, h, made))
 
     def _relative(self, missed: FloatArray, values: FloatArray) -> float:
         """The largest of what values (n, n_averages) miss, relative to the scale of each."""
@@ -139,6 +115,68 @@ class Evolution:
         worst = float(np.max(found, initial=0.0))
         return worst if math.isfinite(worst) else math.inf
 
-    def difference(self, coarse: Evolution) -> float:
+    def difference(self, coarse: March) -> float:
         """The largest difference from another solution, relative to the scale of each average."""
         return self._relative(self.values - coarse.values, self.values)
+
+
+@dataclass
+class Evolution(March):
+    """One start over time, in units of sqrt(g l) and sqrt(l/g).
+
+    law, start : the collision law, and the initial state
+    times, resolution, asked : as of a March; panels, harmonics and steps
+    state : of which the start is made, if its density is asked for point by point
+    made : beginning, length, and v times what collisions make at the points, of each step; if the
+        density is asked for
+    """
+
+    law: CollisionLaw
+    start: Start
+    times: FloatArray
+    resolution: Resolution
+    asked: frozenset[str]
+    state: State | None = None
+    made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        one, last = self.resolution, max(float(self.times[-1]), SHORTEST_TIME)
+        highest = math.hypot(self.start.highest, reached_speed(self.law, last, one.rtol))
+        # below 1/t, no tracer has collided by the time t
+        lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
+        self.panels = SpeedPanels.rising(highest, lowest, one.nodes)
+        symmetric = self.start.is_symmetric
+        moving = bool(self.asked & SQUARES)
+        self.equation = ForwardEquation(self.law, self.panels, one.harmonics, symmetric, moving)
+        self._run(self.equation, self._begin(), self.start.highest)
+
+    def _begin(self) -> FloatArray:
+        equation = self.equation
+        f = np.zeros((len(equation.fields), equation.highest + 1, self.panels.size))
+        if self.start.velocities is None:
+            count, families = equation.highest + 1, equation.families
+            sums = self.start.projected(self.panels, count, families)
+            if self.state is not None:
+                sums = self.start.smooth(self.state, self.panels, sums, self.resolution.rtol)
+            f[:families] = equation.density(sums)
+        return f
+
+    def _uncollided(self, times: FloatArray) -> FloatArray | float:
+        velocities = self.start.velocities
+        if velocities is None or not times.size:
+            return 0.0
+        return np.array([velocities.averages(float(t)) for t in times])
+
+    def _early(self, now: float, h: float) -> tuple[FloatArray, FloatArray] | None:
+        velocities, equation = self.start.velocities, self.equation
+        if velocities is None:
+            return None
+        count, fine = equation.highest + 1, now + h * radau.FINE
+        sums = velocities.projected(fine, self.panels, count, equation.fields)
+        early = radau.projected(equation.density(sums))
+        return early, equation.gained(early[1:])
+
+    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
+        if self.state is not None:
+            made = self.equation.gained(stages[:, : self.equation.families]) * self.panels.speeds
+            self.made.append((now, h, made))

@@ -125,4 +125,4 @@ class ForwardEquation:
     def _eliminations(self, shift: complex) -> dict[int, Elimination]:
         used = {family for _, family in self.fields}
         real = shift.real if abs(shift.imag) < 1e-12 * abs(shift) else shift
-        return {k: Elimination(self._chains[k], self._lost, None, real) for k in used}
+        return {k: Elimination(self._chains[k], self._lost, real) for k in used}

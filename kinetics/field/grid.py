@@ -31,7 +31,6 @@ from kinetics.numerics.chebyshev import (
 from kinetics.numerics.gauss import gauss_legendre
 
 _RATIO = 3.0  # of the ends of a panel, over time
-_LOSSY = 0.5  # -ln s of bounces that lose much: directions then need more harmonics
 _FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
 
 
@@ -78,13 +77,11 @@ class Resolution:
     rtol: float
 
     @classmethod
-    def steady(cls, law: CollisionLaw, rtol: float) -> Resolution:
-        """A first one for the steady state, which most laws need not refine."""
+    def steady(cls, rtol: float, harmonics: int) -> Resolution:
+        """One for the density of the steady state; harmonics : as many as averages need."""
         digits = -math.log10(max(rtol, 1e-12))
-        few = 5.0 if law.largest_loss < _LOSSY else 7.0
-        harmonics = 2 * round(few * 10.0 ** (0.1 * digits - 0.6)) + 1
         nodes = math.ceil(4.4 + 0.85 * digits)
-        return cls(max(nodes, 6), max(harmonics, 7), 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
+        return cls(max(nodes, 6), harmonics | 1, 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
 
     @classmethod
     def over_time(cls, rtol: float) -> Resolution:

@@ -21,7 +21,7 @@ from kinetics.states.state import State
 from kinetics.status import PlanStep, SolverStatus, judged
 
 DENSITIES = "densities"
-_BEST_DENSITY = 1e-4
+_BEST_DENSITY, _LEAST_NEGATIVE = 1e-4, 1e-5
 _MOST_HARMONICS = 40  # seconds, and 200 MB of memory
 _AT_REST = 0.1  # starts slower than this, times rtol and the first time, are at rest
 MADE_OF = {
@@ -59,6 +59,7 @@ class FieldScene:
     field: float
     outputs: tuple[str, ...]
     rtol: float
+    negative = 0.0  # by so much of its maximum a density is below zero
 
     def __post_init__(self) -> None:
         self._speed, self._time = (
@@ -76,6 +77,9 @@ class FieldScene:
         if set(self.outputs) & _FUNCTIONS:
             self.allowed[DENSITIES] = max(self.rtol, _BEST_DENSITY)
         self._solve()
+        if self.densities is not None and self.densities.is_sharp:
+            self.negative = self.densities.negative()
+            self.errors[DENSITIES] = max(self.errors[DENSITIES], self.negative)
 
     @one_blas_thread
     def _solve(self) -> None:
@@ -117,7 +121,10 @@ class FieldScene:
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status, and the message."""
-        return judged(self.errors, self.allowed)
+        status, message = judged(self.errors, self.allowed)
+        if self.negative > _LEAST_NEGATIVE:
+            message += f"; densities are negative, by up to {self.negative:.0e} of their maximum"
+        return status, message
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:

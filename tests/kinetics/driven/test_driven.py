@@ -156,6 +156,13 @@ def test_a_bath_and_a_field(d, e, expected):
     assert (weak[1].drift - weak[0].drift) / 0.02 == pytest.approx(state.mobility, rel=1e-4)
 
 
+@pytest.mark.parametrize("drives", [{}, {"drag": 1.0}, {"heating": 0.01}])
+def test_the_mobility_in_a_field_is_the_slope_of_the_drift(drives: dict[str, float]) -> None:
+    state, *near = (solve_steady(0.7, field=g, rtol=1e-9, **drives) for g in (1.0, 0.99, 1.01))
+    slope = (near[1].drift - near[0].drift) / 0.02
+    assert slope == pytest.approx(state.mobility, rel=1e-4)
+
+
 def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
     scene = one_l(1.0, bath_speed=1.0, initial="rest", times=[0.1, 1.0, 20.0, 60.0],
                   outputs=("thermal_speed", "collisions"))  # fmt: skip

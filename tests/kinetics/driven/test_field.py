@@ -199,7 +199,7 @@ def test_density_on_the_ray_along_the_field() -> None:
     z, w = panels_between(np.array([-5.0, -2.0, -0.5, 0.0, 0.3, 1.0]), 6)
     before = np.abs(z)[:, None] / ratio
     along, across = before * np.cos(angle) * np.sign(z)[:, None], before * np.sin(angle)
-    f = state._steady.density(along.ravel(), across.ravel()).reshape(before.shape)
+    f = state._densities[1].density(along.ravel(), across.ravel()).reshape(before.shape)
     gain = np.abs(z) * (f @ (q.weight * ratio**-3))
     expected = (w * gain) @ np.exp(-0.5 * (1.0 - z * np.abs(z)))
     assert state.vdf([1.0], [0.0])[0, 0] == pytest.approx(expected, abs=3e-7)

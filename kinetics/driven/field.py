@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
+from kinetics.driven.generator import Resolution
+from kinetics.driven.steady import Steady, refined, velocity_dataset
+from kinetics.driven.system import System
 from kinetics.errors import ToleranceWarning
-from kinetics.field.grid import Resolution
-from kinetics.field.steady import SteadyState, find
+from kinetics.field.steady import SteadyDensity, densities
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.results import Result, Value, dataset, variable
+from kinetics.results import Result, Value, variable
 from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_positive,
@@ -86,7 +88,7 @@ class FieldState(Result):
     message: str
     plan: tuple[PlanStep, ...]
     stats: Mapping[str, Any]
-    _resolution: tuple[int, int, float, float] = field(repr=False)  # of the coarser solution
+    _resolution: tuple[int, int, int, float] = field(repr=False)
     mass_ratio: float = math.inf
 
     @cached_property
@@ -103,13 +105,18 @@ class FieldState(Result):
         p is real, above -d and up to 20; above -d - 1 where m > 0 and no bounce stops the tracer.
         The error is about ``error_estimate`` for p from 0 to 4 and m up to 2. Raises InputError.
         """
-        m = whole_number("m", m, 0, self._steady.resolution.harmonics)
+        m = whole_number("m", m, 0, self._fine.resolution.harmonics)
         lowest = -float(self.dimension)
         if m > 0 and math.isinf(self.law.lowest_power):
             lowest -= 1.0
         allowed = f"for m = {m} it must be above {lowest:g}, and at most {_HIGHEST_POWER:g}"
         p = real_number("p", p, math.nextafter(lowest, 0.0), _HIGHEST_POWER, allowed)
-        return self._steady.moment(p, m)
+        if p >= 0.0:
+            return self._fine.average(p, m)
+        if m == 1 and p > -2.0:  # row 0 of the equation, for v^(p + 1), is exact
+            rate = self.law.mean_log_loss if p == -1.0 else self.law.decay_rate(p + 1.0) / (p + 1.0)
+            return float(rate) * self._fine.average(p + 2.0, 0)
+        return self._densities[1].moment(p, m)
 
     def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle), in (g l)^(-d/2); its integral is 1.
@@ -124,26 +131,28 @@ class FieldState(Result):
         v_, phi = speeds(v, zero_allowed=False), finite_line("angle", angle)
         along = np.outer(v_, np.cos(phi)).ravel()
         across = np.outer(v_, np.sin(phi)).ravel()
-        found = self._steady.density(along, across)
+        coarse, fine = self._densities
+        found = fine.density(along, across)
         order = np.argsort(np.abs(across))  # the closest to the ray, and some of all others
         seen = np.union1d(order[:_LOOKED_AT], order[:: 1 + order.size // _LOOKED_AT])
         with np.errstate(invalid="ignore"):
-            unsure = np.abs(found[seen] - self._coarse.density(along[seen], across[seen]))
+            unsure = np.abs(found[seen] - coarse.density(along[seen], across[seen]))
         allowed = min(max(_DENSITY_RATIO * self.rtol, _BEST_DENSITY), _WORST_DENSITY)
-        missed = float(np.nanmax(unsure, initial=0.0) / self._steady.harmonics[0].max())
+        missed = float(np.nanmax(unsure, initial=0.0) / fine.harmonics[0].max())
         if missed > allowed:
             text = f"vdf: the error estimate {missed:.1e} exceeds {allowed:.1e}, at low speeds or"
             warnings.warn(f"{text} close to the ray along the field", ToleranceWarning, 2)
         return found.reshape(v_.size, phi.size)
 
     @cached_property
-    def _steady(self) -> SteadyState:
+    def _fine(self) -> Steady:
         """Where it was not kept, as in a loaded or pickled state, it is solved again."""
-        return SteadyState(self.law, Resolution(*self._resolution).finer())
+        return Steady(_system(self.law), Resolution(*self._resolution))
 
     @cached_property
-    def _coarse(self) -> SteadyState:
-        return SteadyState(self.law, Resolution(*self._resolution))
+    def _densities(self) -> tuple[SteadyDensity, SteadyDensity]:
+        """A coarser solution for the density, and a finer one."""
+        return densities(self.law, self.rtol, self._resolution[2])
 
     # -- one's own units --------------------------------------------------------------------------
 
@@ -203,40 +212,6 @@ class FieldState(Result):
             f"  error estimate {self.error_estimate:.1e}, {self.status.name.lower()}: "
             f"{self.message}"
         )
-
-
-def velocity_dataset(
-    state: Any,
-    title: str,
-    question: Any,
-    found: dict[str, Any],
-    only: Collection[str] | None,
-    speed: ArrayLike,
-    angle: ArrayLike,
-    units: tuple[str, str],
-) -> Any:
-    """The dataset of a steady state: its figures, and its density at speeds and angles.
-
-    units : of the speed, and of the density
-    """
-    v, phi = finite_line("speeds", speed), finite_line("angles", angle)
-    if only is None or "vdf" in only:
-        words = "density of the velocity"
-        found["vdf"] = variable(("angle", "v"), state.vdf(v, phi).T, units[1], words, "f")
-    axes = {
-        "v": variable(("v",), v, units[0], "speed"),
-        "angle": variable(("angle",), phi, "rad", "angle to the field"),
-    }
-    return dataset(
-        title,
-        question,
-        found,
-        axes,
-        status=state.status.name.lower(),
-        message=state.message,
-        tolerance_asked=state.rtol,
-        tolerance_reached=state.error_estimate,
-    )
 
 
 @dataclass(frozen=True)
@@ -300,35 +275,28 @@ def solve_field(
             "reach no steady state"
         )
         refuse("restitution", restitution, allowed)
-    (coarse, fine), error = find(law, Resolution.steady(law, rtol), rtol)
+    fine, error = refined(_system(law), rtol)
     status, message = judged({"averages": error}, {"averages": rtol})
+    one, top = fine.resolution, fine.axis.top
+    figures: Any = np.insert(fine.figures[2:7], 1, fine.average(2.0, 0))
     state = FieldState(
         **law.arguments,
         rtol=rtol,
-        **dict(zip(_FIGURES, fine.figures.tolist(), strict=True)),
+        **dict(zip(_FIGURES, figures.tolist(), strict=True)),
         error_estimate=error,
         status=status,
         message=message,
-        plan=_plan(coarse, fine, error),
-        stats={
-            "harmonics": fine.resolution.harmonics,
-            "panels": len(fine.panels.counts),
-            "nodes": fine.panels.size,
-            "highest_speed": fine.panels.highest,
-        },
-        _resolution=astuple(coarse.resolution),
+        plan=(
+            PlanStep("angular harmonics", True, f"0 to {one.harmonics}"),
+            PlanStep("speeds", True, f"{one.nodes} points up to {top:.3g} sqrt(g l)"),
+            PlanStep("dispersion", True, "the linear response to the velocity"),
+        ),
+        stats={"harmonics": one.harmonics, "nodes": one.nodes, "highest_speed": top},
+        _resolution=astuple(one),
     )
-    state.__dict__["_steady"], state.__dict__["_coarse"] = fine, coarse  # as if asked for
+    state.__dict__["_fine"] = fine  # as if asked for
     return state
 
 
-def _plan(coarse: SteadyState, fine: SteadyState, error: float) -> tuple[PlanStep, ...]:
-    """Which harmonics and panels were used, and why."""
-    panels, last = fine.panels, coarse.resolution.harmonics
-    turned = f"0 to {fine.resolution.harmonics}; {last} and fewer speeds differ by {error:.1e}"
-    axis = f"{len(panels.counts)} panels up to {panels.highest:.3g} sqrt(g l), the first to "
-    return (
-        PlanStep("angular harmonics", True, turned),
-        PlanStep("speeds", True, f"{axis}{panels.edges[1]:.2g}, {panels.size} nodes"),
-        PlanStep("dispersion", True, "the linear response to the velocity"),
-    )
+def _system(law: CollisionLaw) -> System:
+    return System(law, law.dimension, field=1.0)
