@@ -243,7 +243,17 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         resolved=max(_SHARE * rtol, float(of_g.max(initial=0.0))),
         filled=lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None,
     )
-    return density, max(float((wrong / top).max(initial=0.0)), _FLOOR, _CUT * rtol)
+    error = max(float((wrong / top).max(initial=0.0)), _FLOOR, _CUT * rtol)
+    if problem.asked.nodes is not None:  # few nodes may agree, and say nothing of what is between
+        error = max(error, _unresolved(_rows(g)))
+    return density, error
+
+
+def _unresolved(rows: FloatArray) -> float:
+    """The highest modes of rows (1 or 2, ..., nodes) over the largest of both, at the worst."""
+    modes = np.abs(np.fft.rfft(rows)).max(axis=0)
+    last, top = modes[..., -3:].max(axis=-1), modes.max(axis=-1)
+    return float(np.max(last / np.maximum(top, 1e-300), initial=0.0))
 
 
 def _choose_grid(problem: _Problem, narrow: LogGrid) -> tuple[LogGrid, float]:
@@ -312,8 +322,7 @@ def _resolve(problem: _Problem, left: float, right: float, band: float) -> LogGr
     while True:
         count += count % 2
         grid = LogGrid(left, (right - left) / count, count)
-        spectrum = np.abs(np.fft.rfft(problem.on(grid))).max(axis=0)
-        rough = float(spectrum[-3:].max() / max(float(spectrum.max()), 1e-300))
+        rough = _unresolved(problem.on(grid))
         if rough <= _SHARE * problem.asked.rtol or problem.asked.nodes is not None:
             return grid
         if 2 * count > _MOST_NODES_OF_START:

@@ -64,12 +64,17 @@ class PanelShifts:
         self.rows = interpolation_rows(difference, rule.weights)
 
     def kernel(
-        self, weight: FloatArray, factor: FloatArray, lost: FloatArray
+        self,
+        weight: FloatArray,
+        factor: FloatArray,
+        lost: FloatArray,
+        reach_of: NDArray[np.intp] | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """The terms of f(x) - sum_k weight_k factor_k f(x - shift_k), for several factors at once.
 
         weight : sums to 1, shape (n_shifts,)
         factor, lost : factor, and 1 - factor where that has more digits, shape (n_m, n_shifts)
+        reach_of : how many panels below matter for each factor, not rising, (n_m,); None: all
 
         Returns what a panel loses, by itself, (n_m, nodes, nodes), and what it gains from the
         panels below it, farthest first, (n_m, nodes, reach * nodes).
@@ -79,7 +84,8 @@ class PanelShifts:
         gain = np.zeros((count, n, reach, n))
         for k in range(1, reach + 1):
             used, inside = self._ending(k, weight)
-            gain[:, :, reach - k] = _average(factor[:, used], inside, self.rows[:, used])
+            some = count if reach_of is None else int(np.count_nonzero(reach_of >= k))
+            gain[:some, :, reach - k] = _average(factor[:some, used], inside, self.rows[:, used])
         # 1 - (gain from the panel itself) without cancellation where the shifts are small: rows
         # sum to 1, so that the diagonal is made of the other nodes, of what is lost and of what
         # comes from panels below

@@ -51,6 +51,7 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 _MORE, _MOST_MORE = 4, 6
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 _MOST_WEAKENED = 1000  # harmonics that are looked at: mass ratios of 1e-3
+_TOGETHER = 8  # harmonics whose gain is found at once
 _FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the time of elimination
 
 
@@ -83,8 +84,9 @@ class Waves:
         level = (x - self.start) / self.rule.width
         out = np.empty((x.size, self.wave_numbers.size))
         low = level < 0.0
-        if low.any():
-            out[low] = _series_sum(self.coefficients[:, m], np.exp(x[low]))
+        if low.any():  # harmonic m begins with T^m: the series has no more of them than terms
+            series = self.coefficients[:, m : m + 1]
+            out[low] = _series_sum(series, np.exp(x[low])).sum(axis=1)
         count, inside = self.values.shape[0], level[~low]
         index = np.minimum(inside.astype(int), count - 1)
         rows = self.rule.rows(np.minimum(inside - index, 1.0))
@@ -134,7 +136,7 @@ def solve_waves(
         first = min(first, first_closed(law.medium))
     start = rule.width * math.floor(min(first, highest) / rule.width)
     count = max(1, math.ceil((limit - start) / rule.width))
-    return Sweep(law, wave_numbers, rule, start, top, count, delayed).run(count, tolerance, kept)
+    return Sweep(law, wave_numbers, rule, start, top, count, tolerance, delayed).run(kept)
 
 
 def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
@@ -181,7 +183,7 @@ class Sweep:
     start : X where the panels begin
     top : the last harmonic, even
     count : how many panels there are, at most
-    delayed : see `solve_waves`
+    tolerance, delayed : see `solve_waves`
     """
 
     def __init__(
@@ -192,10 +194,12 @@ class Sweep:
         start: float,
         top: int,
         count: int,
+        tolerance: float,
         delayed: bool = False,
     ) -> None:
         self.law, self.wave_numbers, self.rule = law, wave_numbers, rule
         self.start, self.top, self._loops = start, top, None
+        self._count, self._tolerance = count, tolerance
         if delayed and law.medium is not None:
             self._loops = Loops(law.medium, rule, start, top, 1.0 / rule.width)
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
@@ -203,7 +207,14 @@ class Sweep:
         near = q.log_loss <= count * rule.width
         few, many = q.part(near), q.part(~near)
         lost = np.stack(list(few.harmonic_losses(top)))
-        loss, gain = PanelShifts(rule, few.log_loss).kernel(few.weight, 1.0 - lost, lost)
+        # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
+        m = np.arange(1, top + 1)
+        rise = np.log(2.0 * m / float(wave_numbers.max())) - 1.0
+        rise += math.log(_NEGLIGIBLE * tolerance) / m
+        first = np.floor((np.append(-_DEEPEST, rise) - start) / rule.width)
+        self._first = np.minimum(first, count).astype(int)
+        shifts = PanelShifts(rule, few.log_loss)
+        loss, gain = shifts.kernel(few.weight, 1.0 - lost, lost, count - self._first)
         loss += many.weight.sum() * np.eye(rule.nodes)
         if law.returns(0)[0]:
             eps = np.array([law.returns(m)[0] for m in range(top + 1)])
@@ -213,49 +224,52 @@ class Sweep:
         # row m of the equations over the coupling: free flights then look the same for all m
         self._coupling = coupling(top, law.dimension)
         by_row = self._coupling[:, None, None]
-        self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain / by_row
+        self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain
         # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
         self._far_ratio = math.exp(-count * rule.width)
-        self._far = np.zeros((_TERMS + 1, top + 1))
+        self._of_series = min(top, _TERMS)  # the last harmonic that begins with one of its powers
+        self._far = np.zeros((_TERMS + 1, self._of_series + 1))
         if many.weight.size:
             with np.errstate(under="ignore"):
                 # at most 1, as powers of T overflow
                 powers = (many.ratio / self._far_ratio) ** np.arange(_TERMS + 1)[:, None]
             powers *= many.weight
-            for m, lost_far in enumerate(many.harmonic_losses(top)):
+            for m, lost_far in enumerate(many.harmonic_losses(self._of_series)):
                 self._far[:, m] = powers @ (1.0 - lost_far) / self._coupling[m]
 
-    def run(self, count: int, tolerance: float, kept: int) -> Waves:
+    def run(self, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
+        count, tolerance = self._count, self._tolerance
         n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
-        gain, recent = self._near_gain(tolerance)
-        reach = gain.shape[2] // n
+        reach, recent = self._reach()
         series, decay = self._coefficients()
+        few = self._of_series + 1  # harmonics
         returns = None
         if self._loops:
-            early = -decay * series[:-1] / self._coupling[:, None]
+            early = np.zeros((_TERMS, self.top + 1, size))
+            early[:, :few] = -decay * series[:-1] / self._coupling[:few, None]
             shares = self._loops.shares * self._coupling[:, None]
             shares[0] = 0.0  # at once, in the kernel
             returns = Returns(self._loops.of_panel, shares, early, count, n)
         far = series * self._far[:, :, None]
-        # the panels below the first, by the series, (reach, top + 1, nodes, n_k)
+        # all panels, those below the first by the series; high harmonics are 0 until they rise
         x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
-        filled = _series_sum(series, np.exp(x.ravel())).reshape(reach, n, self.top + 1, size)
-        below = deque(np.moveaxis(filled, 2, 1), maxlen=max(reach, 1))
-        largest = deque((float(np.abs(a).max(initial=0.0)) for a in below), maxlen=recent.size)
-        known = _series_sum(series, np.exp(np.array([self.start])))[0]
+        filled = _series_sum(series, np.exp(x.ravel())).reshape(reach, n, few, size)
+        panels = np.zeros((self.top + 1, reach + count, n, size))
+        panels[:few, :reach] = np.moveaxis(filled, 2, 0)
+        largest = deque(np.abs(filled).max(axis=(1, 2, 3)).tolist(), maxlen=recent.size)
+        known = np.zeros((self.top + 1, size))
+        known[:few] = _series_sum(series, np.exp(np.array([self.start])))[0]
         values: list[FloatArray] = []
         errors: list[float] = []
         used, systems, ended = 0, 0, False
         for j in range(count):
             rate = np.exp(self.start + j * self.rule.width + local)
             used = self._panel_harmonics(known, used, rate, tolerance, kept)
-            drive = np.zeros((used + 1, n, size))
-            if reach:
-                drive += gain[: used + 1] @ np.concatenate([a[: used + 1] for a in below], axis=1)
+            drive = self._from_below(panels[: used + 1], j, reach)
             if self._far.any():
                 come = _series_sum(far[:, : used + 1], self._far_ratio * rate)
-                drive += np.moveaxis(come, 1, 0)
+                drive[:few] += np.moveaxis(come, 1, 0)
             loss, come = self._loss[: used + 1], drive
             if returns:
                 loss, come = returns.begin(j, loss, drive)
@@ -263,13 +277,10 @@ class Sweep:
                 rate, rate[:, None] * come, known[: used + 1], loss, tolerance
             )
             systems += (used + 1) * size
-            panel = np.zeros((self.top + 1, n, size))
-            panel[: used + 1] = found
-            known = panel[:, -1].copy()
-            values.append(panel[: kept + 1].copy())
-            if returns:
-                panel[: used + 1] = returns.end(j, found)
-            below.append(panel)
+            known[: used + 1], known[used + 1 :] = found[:, -1], 0.0
+            values.append(np.zeros((kept + 1, n, size)))
+            values[-1][: used + 1] = found[: kept + 1]
+            panels[: used + 1, reach + j] = returns.end(j, found) if returns else found
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
             miss = float(np.abs(found[used]).max())
             errors.append(self._left_out(values[-1]) + (miss if kept else miss**2))
@@ -289,25 +300,36 @@ class Sweep:
             systems,
         )
 
-    def _near_gain(self, tolerance: float) -> tuple[FloatArray, FloatArray]:
-        """The gain from the panels that matter, and about how much comes from each of them."""
-        n = self.rule.nodes
-        size = np.abs(self._gain).max(axis=1, initial=0.0).max(axis=0, initial=0.0)
-        size = size.reshape(-1, n).sum(axis=1)
-        far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * tolerance))
-        return self._gain[:, :, far * n :], np.append(size[far:], 1.0)
+    def _reach(self) -> tuple[int, FloatArray]:
+        """From how many panels below a gain matters, and about how much comes from each of them."""
+        size = np.abs(self._gain[0]).max(axis=0, initial=0.0)
+        size = size.reshape(-1, self.rule.nodes).sum(axis=1)
+        far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * self._tolerance))
+        return size.size - far, np.append(size[far:], 1.0)
+
+    def _from_below(self, panels: FloatArray, j: int, reach: int) -> FloatArray:
+        """The gain of panel j from those below it, (m, nodes, n_k); panels from -reach on."""
+        used, _, n, size = panels.shape
+        drive = np.zeros((used, n, size))
+        for low in range(0, used, _TOGETHER):
+            few = slice(low, min(low + _TOGETHER, used))
+            back = min(reach, j - int(self._first[low]))
+            if back > 0:
+                come = panels[few, j + reach - back : j + reach].reshape(-1, back * n, size)
+                drive[few] = self._gain[few, :, -back * n :] @ come
+        return np.asarray(drive / self._coupling[:used, None, None])
 
     def _coefficients(self) -> tuple[FloatArray, FloatArray]:
-        """Of T^j in a_m, (terms + 1, top + 1, n_k), and the rates at which T^j decays, (.., 1)."""
+        """Of T^j in a_m, (terms + 1, n_m, n_k), and the rates at which T^j decays, (.., 1)."""
         order = np.arange(float(_TERMS))
-        q = self.law.quadrature_for(float(_TERMS), self.top)
+        q = self.law.quadrature_for(float(_TERMS), self._of_series)
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, order))
-        kept = [(1.0 - lost) @ powers for lost in q.harmonic_losses(self.top)]
+        kept = [(1.0 - lost) @ powers for lost in q.harmonic_losses(self._of_series)]
         loss = 1.0 - np.stack(kept)
         if not self._loops:
             loss = np.stack([self.law.met_again(order, rate, m) for m, rate in enumerate(loss)])
         loss[0] = self.law.decay_rate(order)
-        out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
+        out = np.zeros((_TERMS + 1, len(kept), self.wave_numbers.size))
         out[0, 0] = 1.0
         for j in range(_TERMS):
             a = out[j]
@@ -315,7 +337,7 @@ class Sweep:
             coupled[1:] += a[:-1]
             coupled[:-1] -= a[1:]
             coupled[0] -= a[1]
-            coupled *= self._coupling[:, None]
+            coupled *= self._coupling[: len(kept), None]
             out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
         return out, loss.T[:, :, None]
 
