@@ -198,8 +198,8 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield from particles(name)
     for run, note in ((free, ""), (hard, "finite density")):
         share = theory[runs.KINETIC]["position"]
-        filled = _filled(share, case.samples(run), np.diff(runs.POSITION_EDGES))
-        yield from _measured(case, "position", run, runs.KINETIC, note, filled)
+        shown = runs.filled(share, case.samples(run), np.diff(runs.POSITION_EDGES))
+        yield from _measured(case, "position", run, runs.KINETIC, note, shown)
     if not paper:
         return
     end: dict[str, Any] = {"time": float(times[-1])}
@@ -251,13 +251,8 @@ def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     )
     for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
         expected = case.theory[against]["scaled_vdf"]
-        filled = _filled(expected, case.samples(run), runs.bin_measure(case.dimension))
-        yield from _measured(case, "scaled_vdf", run, against, note, filled)
-
-
-def _filled(density: Array, samples: int, measure: Array) -> Array:
-    """The density in those bins in which it expects enough samples, NaN in others."""
-    return np.where(samples * density * measure >= runs.LEAST_EXPECTED, density, np.nan)
+        shown = runs.filled(expected, case.samples(run), runs.bin_measure(case.dimension))
+        yield from _measured(case, "scaled_vdf", run, against, note, shown)
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
