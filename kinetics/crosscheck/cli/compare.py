@@ -90,10 +90,8 @@ def compare(
     # fmt: on
     from kinetics.crosscheck.compare.ask import compare_data
 
-    if viscoelastic is not None:
-        from kinetics import Viscoelastic
-
-        told["restitution"] = options.impact_law(viscoelastic, Viscoelastic, None)
+    restitution = told["restitution"]
+    told["restitution"] = options.impact_law(viscoelastic, "kinetics", restitution)
     result = _done(compare_data, data, output, figures, as_json, told)
     return int(fail_on is not None and result.verdict in {"differs", fail_on})
 

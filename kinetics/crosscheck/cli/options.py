@@ -4,6 +4,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -127,12 +128,12 @@ def drive_options(command: Any) -> Any:
     return command
 
 
-def impact_law(viscoelastic: float | None, of: Any, otherwise: Any) -> Any:
-    """The restitution: of --viscoelastic, an `of`, in place of -e, or what -e says."""
+def impact_law(viscoelastic: float | None, package: str, otherwise: Any) -> Any:
+    """The restitution: of --viscoelastic, as a package has it, in place of what -e says."""
     if viscoelastic is None:
         return otherwise
     refuse_given(["restitution"], "--viscoelastic")
-    return of(viscoelastic)
+    return import_module(package).Viscoelastic(viscoelastic)
 
 
 def law_keys(restitution: Any) -> dict[str, Any]:
@@ -210,11 +211,11 @@ def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
     if sys.stderr is None or not sys.stderr.isatty():
         yield lambda *_, **__: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich import console, progress
 
-    shown = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*shown, TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
+    parts = (progress.BarColumn(), progress.MofNCompleteColumn(), progress.TimeElapsedColumn())
+    where = console.Console(stderr=True)
+    with progress.Progress("{task.description}", *parts, console=where, transient=True) as bar:
         task = bar.add_task("", total=total)
 
         def tell(name: str, total: int | None = None, done: int | None = None) -> None:

@@ -49,14 +49,14 @@ def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
     # this process alone, which then ends the child
     path = os.pathsep.join(filter(None, sys.path))
     with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
-        env=dict(os.environ, PYTHONPATH=path), start_new_session=True,
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, env=dict(os.environ, PYTHONPATH=path), start_new_session=True,
     ) as process:  # fmt: skip
 
         def wait() -> list[dict[str, Any]]:
-            out, _ = process.communicate()
+            out, err = process.communicate()
             if process.returncode:
-                raise RuntimeError("the derivations failed, as said above")
+                raise RuntimeError(f"the derivations failed: {err.strip().rpartition(chr(10))[2]}")
             return list(json.loads(out))
 
         try:

@@ -95,7 +95,7 @@ def _cooling(results: runs.Results, table: Any, checks: Sequence[Record]) -> Sto
     both = [(case, case.measured[f"hard {of}"]["msd"].last) for case in results.cases]
     ends = [msd / case.theory[runs.KINETIC]["msd"][-1] for case, msd in both]
     # the second order was fitted to other runs
-    left = [float(r2.value) / c.solved.dense.msd[-1] - 1 for c, r2 in both if c.solved.dense] or ""
+    left = [float(r2.value) / c.solved.dense.msd[-1] - 1 for c, r2 in both if c.solved.dense]
     words: dict[str, Any] = {
         "of": of, "free": free, "hard": hard, "density": system.number_density,
         "rough": "" if system.is_smooth else f", e_t = {system.tangential_restitution:g},",
@@ -103,7 +103,7 @@ def _cooling(results: runs.Results, table: Any, checks: Sequence[Record]) -> Sto
         "rtol": numeral(system.rtol, ".0e"), "power": "³" if system.dimension == 3 else "²",
         "disks": off([float(ratio.value) - 1 for ratio in ends]),
         "sure": f"± {span([100 * float(ratio.error) for ratio in ends], '.1f')} %",
-        "corrected": left and f"; corrected for density, nothing fitted here, {off(left)} it",
+        "corrected": f"; corrected for density, nothing fitted here, {off(left)} it" * bool(left),
     }  # fmt: skip
     if paper and cases:
         e, exact = exact_rates(1.0, 2)
