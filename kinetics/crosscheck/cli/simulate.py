@@ -91,9 +91,8 @@ def simulate(
 
     times = options.times_until(times, until)
     names = options.names_in(observables)
-    arguments["restitution"] = options.impact_law(
-        viscoelastic, "particles", arguments["restitution"]
-    )
+    told = arguments["restitution"]
+    arguments["restitution"] = options.impact_law(viscoelastic, "particles", told)
     h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     if h5md is not None:
         if arguments["resume"]:
@@ -122,7 +121,7 @@ def simulate(
 @click.command(epilog=options.UNITS, short_help="Join the parts of a run.")
 @click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
 @option("-o", "--output", type=options.Output(""), metavar="HDF5", required=True,
-        help="Save the whole run here, to the same bits as if it had been run at once.")  # fmt: skip
+        help="Save the whole run here, to the bits that it has if run at once.")  # fmt: skip
 @options.json_option
 def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
     """Join the files of `lorentz simulate --part K/N -o FILE`: all N of one run, in any order."""

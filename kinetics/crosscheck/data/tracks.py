@@ -74,10 +74,9 @@ class Asked:
 
     def __post_init__(self) -> None:
         one_of("positions", self.positions, ("auto", "displacement", "absolute"))
-        for name in ("speed_unit", "diameter", "time_unit", "timestep"):
-            value = getattr(self, name)
-            told = "data" if name == "speed_unit" else None if name != "diameter" else 0.0
-            if type(value) is not type(told) or value != told:
+        units = {"speed_unit": "data", "diameter": "", "time_unit": None, "timestep": None}
+        for name, said in units.items():
+            if (value := getattr(self, name)) != said or type(value) is not type(said):
                 # a unit enters as its square and its cube, which must be finite
                 object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):

@@ -8,16 +8,12 @@ from typing import Any
 
 from kinetics.errors import InputError, short
 
+_PREFIXES = {"k": 1e3, "": 1.0, "c": 1e-2, "m": 1e-3, **dict.fromkeys("uµμ", 1e-6), "n": 1e-9,
+             "p": 1e-12, "f": 1e-15}  # fmt: skip
 SIZES = {
-    "length": {
-        "km": 1e3, "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6,
-        "nm": 1e-9, "pm": 1e-12, "angstrom": 1e-10, "å": 1e-10,
-    },
-    "time": {
-        "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
-        "ns": 1e-9, "ps": 1e-12, "fs": 1e-15,
-    },
-}  # fmt: skip
+    "length": {f"{k}m": x for k, x in _PREFIXES.items()} | {"angstrom": 1e-10, "å": 1e-10},
+    "time": {f"{k}s": x for k, x in _PREFIXES.items()} | {"h": 3600.0, "min": 60.0},
+}
 """In metres and in seconds."""
 OWN = {"length": ("d",), "speed": ("u",), "time": ("d/u", "d u-1", "u-1 d")}
 """The units of this package, in lower case."""

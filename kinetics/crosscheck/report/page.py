@@ -18,16 +18,6 @@ from typing import Any
 from kinetics.crosscheck.report.rows import kept, scale_of
 from kinetics.crosscheck.words import Verdict, number, numeral
 
-_OF_PAPER = ("averages", "cooling", "diffusion")
-_OF_LAW = {
-    2: ("one_collision", "measure_plane", "moments", "slope"),
-    3: ("one_collision", "measure_space", "averages_space", "moments", "slope"),
-}
-_ANY_LAW = ("rule", "one-collision", "any-moments", "any-slope")
-_IN_DIMENSION = {
-    2: ("measure-plane", "plane-equal"),
-    3: ("measure-space", "space-power", "space-log", "space-cosine", "space-e-zero"),
-}
 _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", "collision")
 """Labels of the paper that are words or symbols too: they are labels only after "eq."."""
 
@@ -38,9 +28,9 @@ def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
 
     It ends with the context; RuntimeError if it fails. None are of a field.
     """
-    more: tuple[str, ...] | None = getattr(system, "algebra", None)
+    more: Sequence[str] | None = getattr(system, "algebra", None)
     if more is None and not system.in_field:
-        more = () if system.is_papers_law else _ANY_LAW + _IN_DIMENSION[system.dimension]
+        more = () if system.is_papers_law else kept()["algebra"][str(system.dimension)]
     elif not more:
         yield list
         return
@@ -136,7 +126,7 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
     settings = document["settings"]
     cools, dimension = "tangential_restitution" in settings, settings.get("dimension", 2)
     papers_law = cools and dimension == 2 and settings["tangential_restitution"] == 1
-    below = () if not cools else _OF_PAPER if papers_law else _OF_LAW[dimension]
+    below = kept()["below"]["paper" if papers_law else str(dimension)] if cools else ()
 
     def equation(name: str) -> tuple[str, Markup]:
         return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))

@@ -22,7 +22,7 @@ from kinetics.crosscheck.words import Verdict, numeral
 
 @cache
 def kept() -> dict[str, Any]:
-    """Words and formulas of the page: "observables", "equations", "numbers", "mathml"."""
+    """Words and formulas of the page: "observables", "story", "figures", "equations" and more."""
     file = files("kinetics.crosscheck") / "templates" / "report.json"
     found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
     return found

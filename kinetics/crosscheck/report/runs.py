@@ -34,6 +34,7 @@ FREE, LIMIT = "Boltzmann-Grad", "limit e → 1"
 PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
 AVERAGES = "thermal_speed a2 msd kurtosis"  # without a field, at each time
 OVER_TIME = tuple(AVERAGES.split())
+FALL: dict[str, Any] = {"initial": "rest", "field": 1.0}  # how tracers start in a field
 LATEST = 1e9  # last time in d/U of the equation alone
 # of the approach to the steady state in a field, in sqrt(l/g)
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
@@ -434,13 +435,6 @@ def _in_field(system: Falling, tell: Tell) -> Results:
     return Results(system, [*cases, *more["approach"]], more)
 
 
-def _fallen(state: Any, times: Array, system: Falling, *observables: str) -> Ensemble:
-    """Boltzmann-Grad tracers from rest."""
-    e, each = float(state.restitution), float(times[-1]) * state.mean_speed
-    more: Any = {"initial": "rest", "field": 1.0}
-    return _dilute(e, e, state.dimension, times, each, system, observables, **more)
-
-
 def _dilute(
     restitution: Any, parameter: float, d: int, times: Array, each: float,
     system: Falling | Driven, observables: Sequence[str], beside: int = 0, **more: Any,
@@ -470,34 +464,28 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     # ten such times e^-10 of the start is left, as far as the energy remembers it
     first = 10.0 / (1.5 * float(state.law.decay_rate(2.0)) * state.mean_speed)
     times = np.linspace(first, 3.0 * first, 9)
-    run = _fallen(state, times, system, "positions", "velocities")
+    each, both = float(times[-1]) * state.mean_speed, ("positions", "velocities")
+    run = _dilute(restitution, restitution, dimension, times, each, system, both, **FALL)
     law, v, r = state.law, _vectors(run, "velocities"), _vectors(run, "positions")
     speed, along = np.linalg.norm(v, axis=-1), v[..., 0]
-
-    s = {
-        "v_z": along, "v": speed, "v^2": speed**2, "v^3": speed**3, "v^4": speed**4,
-        "v_z^2": along**2, "v v_z": speed * along, "cos": along / speed,
-    }  # fmt: skip
+    s: dict[Any, Array] = {(p, 0): speed**p for p in (1, 2, 3, 4)}
+    s |= {(0, 1): along / speed, (1, 1): along, (2, 1): speed * along, (2, 2): along**2}
     for k, at in enumerate((r[:1], r[-1:])):
         z = at[..., 0]
         s |= {f"z{k}": z, f"zz{k}": z**2, f"xx{k}": (at[..., 1:] ** 2).mean(axis=-1)}
     s = {name: x.mean(axis=(0, 2)) for name, x in s.items()}  # of each group
     elapsed = float(run.times[-1] - run.times[0])
-    loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
 
-    def quantities(s: Mapping[str, Array]) -> dict[str, Array]:
+    def quantities(s: Mapping[Any, Array]) -> dict[str, Array]:
         along = s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2
         return {
             "drift": (s["z1"] - s["z0"]) / elapsed,
-            "mean_square_speed": s["v^2"],
-            "mean_square_along": s["v_z^2"],
-            "mean_speed": s["v"],
+            "mean_square_speed": s[2, 0],
+            "mean_square_along": s[2, 2],
+            "mean_speed": s[1, 0],
             "diffusion_parallel": along / (2 * elapsed),
             "diffusion_perpendicular": (s["xx1"] - s["xx0"]) / (2 * elapsed),
-            "momentum": s["v v_z"],
-            "energy": loss[2] * s["v^3"] / (2 * s["v_z"]),
-            "cube": loss[3] * s["v^4"] / (3 * s["v v_z"]),
-            "direction": s["cos"] / (loss[1] * s["v^2"]),
+            **relations(law, lambda p, k: s[p, k]),
         }
 
     measured = jackknifed(s, quantities)
@@ -509,21 +497,26 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     return Case(name, restitution, d, times, {FREE: measured}, theory, {FREE: run}, solved=state)
 
 
-def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """Both sides of each exact relation between averages, solver and closed form: moments of the
-    equation for v v_z, v^2, v^3, v, ln v and 1/v, which do not change.
+def relations(law: CollisionLaw, moment: Callable[[int, int], Any]) -> dict[str, Any]:
+    """What moments <v^p cos^k> give for 1/lambda_1(1), and then for 1: the equations for the
+    moments v v_z, v^2, v^3 and v, which do not change.
     """
-    law, moment, e = state.law, state.moment, float(state.restitution)
-    loss = {p: float(law.decay_rate(float(p))) for p in (-1, 1, 2, 3) if p > law.lowest_power}
-    solved = {
-        "momentum": moment(2.0, 1),
-        "energy": loss[2] * moment(3.0, 0) / (2.0 * moment(1.0, 1)),
-        "cube": loss[3] * moment(4.0, 0) / (3.0 * moment(2.0, 1)),
-        "direction": moment(0.0, 1) / (loss[1] * moment(2.0, 0)),
-        "logarithm": moment(-1.0, 1) / (law.mean_log_loss * moment(1.0, 0)),
+    loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
+    return {
+        "momentum": moment(2, 1),
+        "energy": loss[2] * moment(3, 0) / (2 * moment(1, 1)),
+        "cube": loss[3] * moment(4, 0) / (3 * moment(2, 1)),
+        "direction": moment(0, 1) / (loss[1] * moment(2, 0)),
     }
+
+
+def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
+    """Both sides of `relations`, solver and closed form, and those of ln v and 1/v besides."""
+    law, moment, e = state.law, state.moment, float(state.restitution)
+    solved = relations(law, moment)
+    solved["logarithm"] = moment(-1, 1) / (law.mean_log_loss * moment(1, 0))
     if e > 0.0:
-        solved["inverse"] = moment(-2.0, 1) / -loss[-1]
+        solved["inverse"] = moment(-2, 1) / -float(law.decay_rate(-1.0))
     exact = dict.fromkeys(solved, 1.0)
     exact["momentum"] = (1.5 if state.dimension == 2 else 2.0) / (1.0 + e)
     return solved, exact
@@ -557,10 +550,10 @@ def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
     """Solver and particles from rest, at `APPROACH_TIMES`."""
     times = APPROACH_TIMES
     state = kinetics.solve_field(restitution, dimension, rtol=system.rtol)
-    run = _fallen(state, times, system)
-    density, outputs = 0.5 / half_section(dimension), "mean_velocity thermal_speed"
-    more = {"field": 1.0, "initial": "rest"}
-    solved = _solved(state.law, density, times, outputs, system.time_rtol, **more)
+    each, density = float(times[-1]) * state.mean_speed, 0.5 / half_section(dimension)
+    run = _dilute(restitution, restitution, dimension, times, each, system, (), **FALL)
+    names = "mean_velocity thermal_speed"
+    solved = _solved(state.law, density, times, names, system.time_rtol, **FALL)
     second = Measured.of(run.thermal_speed)
     measured = {
         "drift_from_rest": Measured.of(run.drift),
