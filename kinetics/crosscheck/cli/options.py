@@ -1,6 +1,7 @@
 """Options that several commands have, and what all of them show on the terminal alike."""
 
 import math
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -36,17 +37,13 @@ class Numbers(click.ParamType):
             self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
 
 
-class Part(click.ParamType):
-    """Two whole numbers, "3/20"."""
-
-    name = "part"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
-        """The numbers, or click's complaint that names the option and the text."""
-        k, slash, n = value.partition("/")
-        if not (slash and k.isdecimal() and n.isdecimal()):
-            self.fail(f"{value!r}: it must be K/N, the K-th of N parts, such as 3/20", param, ctx)
-        return int(k), int(n)
+def part_of(context: Any, option: Any, text: str | None) -> tuple[int, int] | None:
+    """Two whole numbers from "3/20", or click's complaint that names the option and the text."""
+    found = re.fullmatch(r"(\d+)/(\d+)", text or "")
+    if text and not found:
+        what = f"{text!r}: it must be K/N, the K-th of N parts, such as 3/20"
+        raise click.BadParameter(what, context, option)
+    return found and (int(found[1]), int(found[2]))
 
 
 class Output(click.Path):

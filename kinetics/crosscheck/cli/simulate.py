@@ -71,7 +71,7 @@ PICTURES = (".png", ".svg", ".pdf")
 @option("--picture", type=options.Output(*PICTURES), metavar="FILE",
         help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
         ".svg or .pdf.")
-@option("--part", type=options.Part(), metavar="K/N",
+@option("--part", callback=options.part_of, metavar="K/N",
         help="Only the K-th of N parts of the configurations; `lorentz merge` joins the parts.")
 @option("--resume", is_flag=True, help="Go on from --output if it is there.")
 @options.seed_option

@@ -52,6 +52,8 @@ IN_STEADY = (
     "thermal_speed", "a2", "drift", "mean_square_along", "collision_rate", "diffusion_coefficient",
     "diffusion_parallel", "diffusion_perpendicular", "mobility", "capture_time", "capture_depth",
 )  # fmt: skip
+MODES = {"--scaled": ("solve_scaled", SCALED), "--field-steady": ("solve_field", STEADY),
+         "--steady": ("solve_steady", IN_STEADY)}  # fmt: skip
 EXAMPLE = """Example, a tracer in a bath of scatterers four times as heavy: lorentz solve --steady
 -e 0.7 --bath-speed 1 --mass-ratio 4; the same over time, without --steady."""
 _LARGEST = 10_000_000  # bytes of a table of speeds
@@ -115,13 +117,13 @@ def solve(
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
     # fmt: on
-    modes = {"--scaled": scaled, "--field-steady": field_steady, "--steady": steady}
-    mode = next((name for name, chosen in modes.items() if chosen), "")
+    chosen = zip(MODES, (scaled, field_steady, steady), strict=True)
+    mode = next((name for name, given in chosen if given), "")
     if mode:
         nothing = {*OVER_TIME, *options.DRIVES, "viscoelastic"}
         if steady:
             nothing = {*OVER_TIME, "tangential_restitution"} - {"field"}
-        others = [name[2:].replace("-", "_") for name in modes if name != mode]
+        others = [name[2:].replace("-", "_") for name in MODES if name != mode]
         options.refuse_given((*sorted(nothing), *others, *(() if scaled else MEDIUM)), mode)
     told = system["restitution"]
     system["restitution"] = options.impact_law(viscoelastic, "kinetics", told)
@@ -137,19 +139,15 @@ def solve(
     law = {name: system[name] for name in LAW if name in system}
     if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
         raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")
-    if steady:
-        del law["tangential_restitution"]
-        drives |= {"field": system["field"]} if system["field"] else {}
-        result, found = solved_state("solve_steady", law | drives, IN_STEADY, rtol)
-        found["unit_of_length"] = "l"
-    elif field_steady:
-        result, found = solved_state("solve_field", law, STEADY, rtol)
+    if mode:
+        if steady:
+            del law["tangential_restitution"]
+            law |= drives | ({"field": system["field"]} if system["field"] else {})
+        elif system["scatterers"] != "dilute":
+            law |= {name: system[name] for name in MEDIUM}
+        result, found = solved_state(*MODES[mode], law, rtol)
         if field_units:
             found["in_units"] = asdict(result.in_units(*field_units))
-    elif scaled:
-        if system["scatterers"] != "dilute":
-            law |= {name: system[name] for name in MEDIUM}
-        result, found = solved_state("solve_scaled", law, SCALED, rtol)
     else:
         points = {"speeds": speeds, "scaled_radii": radii, "wave_numbers": wave_numbers}
         asked = {name: at for name, at in points.items() if at}
@@ -224,7 +222,7 @@ def text_over_time(found: dict[str, Any]) -> str:
 
 
 def solved_state(
-    solver: str, asked: dict[str, Any], names: tuple[str, ...], rtol: float
+    solver: str, names: tuple[str, ...], asked: dict[str, Any], rtol: float
 ) -> tuple[Any, dict[str, Any]]:
     """A state without time and its JSON document; what tracers that stick lack is left out.
 
@@ -239,6 +237,7 @@ def solved_state(
     found["status"] = state.status.name.lower()
     if solver == "solve_scaled":
         return state, found | {"moments": {f"{p}": state.moment(p) for p in range(1, 7)}}
+    found |= {"unit_of_length": "l"} if solver == "solve_steady" else {}
     return state, found | {"message": state.message, "plan": [asdict(x) for x in state.plan]}
 
 
