@@ -91,10 +91,9 @@ class _Sheet:
     """Axes in a grid of rows of these heights, and a legend of all that is drawn on them."""
 
     def __init__(
-        self, order: Sequence[float], heights: Sequence[float] = (2.9,), columns: int = 1,
-        panels: bool = False,
-    ) -> None:  # fmt: skip
-        self.figure, self.order, self.columns = Figure(layout="constrained"), list(order), columns
+        self, system: Any, heights: Sequence[float] = (2.9,), columns: int = 1, panels: bool = False
+    ) -> None:
+        self.figure, self.system, self.columns = Figure(layout="constrained"), system, columns
         FigureCanvasAgg(self.figure)  # knows the other formats as well
         self.tall = sum(heights) + len(heights) * (0.35 if panels else 0.15)  # panels have titles
         axes = self.figure.subplots(
@@ -108,7 +107,7 @@ class _Sheet:
         """Colour and marker of a restitution, of a group (its name and number), or ink."""
         if key is None:
             return INK, "o"
-        k = key[1] if isinstance(key, tuple) else self.order.index(key)
+        k = key[1] if isinstance(key, tuple) else self.system.restitutions.index(key)
         colours = GROUPS if isinstance(key, tuple) else COLOURS
         return colours[k % len(colours)], MARKERS[k % len(MARKERS)]
 
@@ -116,7 +115,7 @@ class _Sheet:
         self._legend.setdefault(source, {"color": INK, **stroke})
         if key is not None and named:
             colour, marker = self.style(key)
-            label = key[0] if isinstance(key, tuple) else f"e = {key:g}"
+            label = key[0] if isinstance(key, tuple) else f"{self.system.parameter} = {key:g}"
             self._legend.setdefault(label, {"color": colour, "marker": marker, "linestyle": "-"})
 
     def line(
@@ -211,7 +210,7 @@ def _panels(results: runs.Results, cases: Sequence[runs.Case]) -> tuple[_Sheet, 
     """A sheet with a panel for each restitution, and pairs of a case and its panel."""
     across = min(2, len(cases))
     tall = (1.75,) * math.ceil(len(cases) / across)
-    sheet = _Sheet(results.system.restitutions, tall, across, panels=True)
+    sheet = _Sheet(results.system, tall, across, panels=True)
     for spare in sheet.axes[len(cases) :]:
         spare.set_axis_off()
     for case, ax in zip(cases, sheet.axes, strict=False):
@@ -231,7 +230,7 @@ def exact_rates(tangential: float, dimension: int) -> tuple[runs.Array, runs.Arr
 def cooling_rate(results: runs.Results) -> Made:
     """h over e, and over the exact rate of late times."""
     system: Any = results.system
-    sheet, smooth, said = _Sheet(system.restitutions, (2.4, 1.15)), system.is_smooth, ""
+    sheet, smooth, said = _Sheet(system, (2.4, 1.15)), system.is_smooth, ""
     e, exact = exact_rates(system.tangential_restitution, system.dimension)
     for ax, scale in zip(sheet.axes, (1 - e if smooth else e**0, exact), strict=True):
         sheet.line(ax, "exact", e, exact / scale)
@@ -251,25 +250,35 @@ def cooling_rate(results: runs.Results) -> Made:
     return sheet.done(_RESTITUTION, y, "over exact"), {"over": over, "said": said}
 
 
+def _over_time(results: runs.Results, name: str, against: str, source: str, scale: str) -> _Sheet:
+    """An average over time; below, what a source measured over the theory."""
+    sheet = _Sheet(results.system, (2.4, 1.15))
+    top, below = sheet.axes
+    top.set(xscale="log", yscale=scale)
+    for case in results.cases:
+        e, t, theory = case.restitution, case.times, case.theory[against][name]
+        sheet.line(top, against, t, theory, e)
+        for who, found in case.measured.items():
+            sheet.points(top, who, t, found[name], e)
+        sheet.points(below, source, t, case.measured[source][name] / theory, e, largest=0.1)
+    below.axhline(1, color=INK, linewidth=0.8)
+    return sheet
+
+
 def msd(results: runs.Results) -> Made:
     """<r^2> over time, and over the dilute equation."""
     system: Any = results.system
-    sheet, hard, said = _Sheet(system.restitutions, (2.4, 1.15)), f"hard {system.scatterers}", ""
-    top, below = sheet.axes
-    top.set_xscale("log")
+    sheet = _over_time(results, "msd", runs.KINETIC, f"hard {system.scatterers}", "linear")
+    said, (top, below) = "", sheet.axes
     for case in results.cases:
-        e, t, kinetic = case.restitution, case.times, case.theory[runs.KINETIC]["msd"]
-        sheet.line(top, runs.KINETIC, t, kinetic, e)
-        for source, found in case.measured.items():
-            sheet.points(top, source, t, found["msd"], e)
-        sheet.points(below, hard, t, case.measured[hard]["msd"] / kinetic, e, largest=0.1)
-        if case.solved.dense is not None:
-            sheet.line(below, "corrected equation", t, case.solved.dense.msd / kinetic, e)
+        e, t, dense, theory = case.restitution, case.times, case.solved.dense, case.theory
+        if dense is not None:
+            over = dense.msd / theory[runs.KINETIC]["msd"]
+            sheet.line(below, "corrected equation", t, over, e)
             said = "Lines there: the equation of hard disks at this density, with nothing fitted"
             said += " here."
         if system.is_papers_law:
-            sheet.line(top, runs.FIT, t, case.theory[runs.FIT]["msd"], e)
-    below.axhline(1, color=INK, linewidth=0.8)
+            sheet.line(top, runs.FIT, t, theory[runs.FIT]["msd"], e)
     return sheet.done(_TIME, r"$\langle r^2\rangle$  [d²]", "over dilute"), {"said": said}
 
 
@@ -319,7 +328,7 @@ def position(results: runs.Results) -> Made:
 
 def kurtosis(results: runs.Results) -> Made:
     """<r^4>/<r^2>^2 over time."""
-    sheet = _Sheet(results.system.restitutions)
+    sheet = _Sheet(results.system)
     (ax,) = sheet.axes
     ax.set_xscale("log")
     for case in results.cases:
@@ -363,7 +372,7 @@ def _steady(results: runs.Results, dimension: int, name: str) -> tuple[Any, runs
 
 def drift(results: runs.Results) -> Made:
     """Drift over e, and particles over the solver."""
-    sheet = _Sheet((), (2.4, 1.15))
+    sheet = _Sheet(results.system, (2.4, 1.15))
     top, below = sheet.axes
     for d, line in results.more["lines"].items():
         group = (SCATTERERS[d], d - 2)
@@ -381,7 +390,7 @@ def drift(results: runs.Results) -> Made:
 def dispersion(results: runs.Results) -> Made:
     """Both coefficients over e."""
     lines = results.more["lines"]
-    sheet = _Sheet((), columns=len(lines), panels=True)
+    sheet = _Sheet(results.system, columns=len(lines), panels=True)
     for ax, (d, line) in zip(sheet.axes, lines.items(), strict=True):
         laws = runs.near_elastic(_FINE, d)
         for k, name in enumerate(("diffusion_parallel", "diffusion_perpendicular")):
@@ -396,7 +405,7 @@ def dispersion(results: runs.Results) -> Made:
 
 def from_rest(results: runs.Results) -> Made:
     """Approach to the steady state."""
-    sheet, at = _Sheet((), (1.7, 1.7)), runs.APPROACH_TIMES
+    sheet, at = _Sheet(results.system, (1.7, 1.7)), runs.APPROACH_TIMES
     sheet.axes[0].set_xscale("log")
     for ax, name in zip(sheet.axes, ("drift_from_rest", "square_from_rest"), strict=True):
         for k, case in enumerate(results.more["approach"]):
@@ -407,45 +416,29 @@ def from_rest(results: runs.Results) -> Made:
 
 
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------
-def _over_time(results: runs.Results, name: str, label: str, log: bool) -> Made:
-    """An average over time; below, particles over the solver."""
-    sheet = _Sheet((), (2.4, 1.15))
-    top, below = sheet.axes
-    top.set(xscale="log", yscale="log" if log else "linear")
-    for k, case in enumerate(results.cases):
-        group, t, said = _group(results, k), case.times, case.theory[runs.SOLVER][name]
-        found = case.measured[runs.FREE][name]
-        sheet.line(top, runs.SOLVER, t, said, group)
-        sheet.points(top, runs.FREE, t, found, group)
-        sheet.points(below, runs.FREE, t, found / said, group, largest=0.1)
-    below.axhline(1, color=INK, linewidth=0.8)
-    return sheet.done("time $t$  [l/U]", label, "over the solver"), {}
-
-
-def _group(results: runs.Results, k: int) -> tuple[str, int]:
-    return f"{results.system.parameter} = {results.cases[k].restitution:g}", k
-
-
 def thermal_speed(results: runs.Results) -> Made:
     """v0(t), and particles over the solver."""
-    return _over_time(results, "thermal_speed", "$v_0$  [U]", results.cases[0].solved.state is None)
+    scale = "log" if results.cases[0].solved.state is None else "linear"
+    sheet = _over_time(results, "thermal_speed", runs.SOLVER, runs.FREE, scale)
+    return sheet.done("time $t$  [l/U]", "$v_0$  [U]", "over the solver"), {}
 
 
 def spread(results: runs.Results) -> Made:
     """<r^2>(t), and particles over the solver."""
-    return _over_time(results, "msd", r"$\langle r^2\rangle$  [l²]", True)
+    sheet = _over_time(results, "msd", runs.SOLVER, runs.FREE, "log")
+    return sheet.done("time $t$  [l/U]", r"$\langle r^2\rangle$  [l²]", "over the solver"), {}
 
 
 def speeds(results: runs.Results) -> Made:
     """F(c) of driven tracers."""
-    sheet, c, at = _Sheet(()), np.linspace(0.01, 3.5, 120), runs.SPEEDS
+    sheet, c, at = _Sheet(results.system), np.linspace(0.01, 3.5, 120), runs.SPEEDS
     (ax,) = sheet.axes
     ax.set(yscale="log", ylim=(1e-5, 1.0))
-    for k, case in enumerate(results.cases):
-        inside, group = at < c[-1], _group(results, k)
+    for case in results.cases:
+        e, inside = case.restitution, at < c[-1]
         found = case.measured[runs.FREE]["scaled_vdf"][inside]
-        sheet.line(ax, runs.SOLVER, c, case.solved.vdf(c), group)
-        sheet.points(ax, runs.FREE, at[inside], found, group)
+        sheet.line(ax, runs.SOLVER, c, case.solved.vdf(c), e)
+        sheet.points(ax, runs.FREE, at[inside], found, e)
     sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, results.cases[0].dimension))
     said = "in the steady state, a density in the plane or in space"
     known = [case.solved.speeds for case in results.cases if case.solved.speeds is not None]

@@ -224,9 +224,7 @@ def cooling_case(
     early = int(np.searchsorted(times, last / 10))
     seed, hard = system.seed + 2 * system.restitutions.index(e), f"hard {system.scatterers}"
     free_media = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
-    dense: Medium = HardDisks(system.number_density, system.count)
-    if d == 3:
-        dense = HardSpheres(system.number_density, count=system.count)
+    packed_media: Any = HardSpheres if d == 3 else HardDisks
 
     def followed(medium: Medium, seed: int, media: int, tracers: int) -> Ensemble:
         return simulate(
@@ -237,7 +235,8 @@ def cooling_case(
 
     tell(f"e = {e:g}: {hard}")
     solving = beside.submit(_solutions, law, times, system)
-    packed = followed(dense, seed + 1, system.media, system.tracers)
+    medium = packed_media(system.number_density, count=system.count)
+    packed = followed(medium, seed + 1, system.media, system.tracers)
     path = float(packed.mean_free_path.value)
     if not np.isfinite(path):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")

@@ -42,7 +42,7 @@ class _System:
     # of a quick report: counts at most, and tolerances at least
     _quick: ClassVar[Any] = {}
 
-    def _check(self, default: tuple[float, ...]) -> None:
+    def _check(self, default: tuple[float, ...], dimensions: tuple[int, ...] = ()) -> None:
         """Set the restitutions, or the default; InputError for what cannot be used."""
         self.restitutions = found = tuple(
             check_restitution(e) for e in self.restitutions or default
@@ -142,8 +142,8 @@ class _Dilute(_System):
     _least: ClassVar[Any] = {"groups": 10, "collisions": 1, "most_tracers": 100}
     _quick: ClassVar[Any] = {"collisions": 500_000, "most_tracers": 10_000, "time_rtol": 1e-5}
 
-    def _check_steady(self, default: tuple[float, ...], dimensions: tuple[int, ...]) -> None:
-        self._check(default)
+    def _check(self, default: tuple[float, ...], dimensions: tuple[int, ...] = ()) -> None:
+        super()._check(default)
         self.restitutions = tuple(sorted(self.restitutions))
         if self.restitutions[-1] == 1.0 and self.parameter == "e":
             allowed = "each must be below 1: elastic tracers reach no steady state"
@@ -169,7 +169,7 @@ class Falling(_Dilute):
     _quick: ClassVar[Any] = {**_Dilute._quick, "rtol": 1e-6, "time_rtol": 1e-4}
 
     def __post_init__(self) -> None:
-        self._check_steady(FIELD_RESTITUTIONS, self.dimensions)
+        self._check(FIELD_RESTITUTIONS, self.dimensions)
         found = self.restitutions
         if self.approach is None:
             ends = tuple(dict.fromkeys((found[0], found[-1])))
@@ -199,7 +199,7 @@ class Driven(_Dilute):
     algebra: ClassVar[tuple[str, ...]] = ()  # labels of derivations
 
     def __post_init__(self) -> None:
-        self._check_steady((0.5,) if self.drive else (0.45,), (self.dimension,))
+        self._check((0.5,) if self.drive else (0.45,), (self.dimension,))
         for x in self.restitutions:
             self.law(x)
         self.stages = 2 * len(self.restitutions) + 2
