@@ -41,15 +41,16 @@ def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None
     """Raise ValueError, naming the option, unless this file, with one of these endings, could be
     made in its folder, which must be there.
     """
-    must = ""
+    wrong = ""
     if not file.name or (endings and file.suffix.lower() not in endings):
         must = f"end in {', '.join(endings)}" if endings else "be the name of a file"
+        wrong = f"it must {must}"
     elif file.exists() and not file.is_file():
-        must = f"be a file, not a {'folder' if file.is_dir() else 'device'}"
+        wrong = f"it is a {'folder' if file.is_dir() else 'device'}, it must be a file"
     elif not file.parent.exists():
-        must = f"be in a folder that exists; make it first: mkdir -p {file.parent}"
-    if must:
-        raise ValueError(f"{option}: got {str(file)!r}; it must {must}")
+        wrong = f"its folder does not exist; make it first: mkdir -p {file.parent}"
+    if wrong:
+        raise ValueError(f"{option}: got {str(file)!r}; {wrong}")
     require_writable_folder(file.parent)
 
 

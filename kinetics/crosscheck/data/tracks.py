@@ -52,7 +52,7 @@ class Asked:
     positions : "displacement": x, y are relative to the place at time 0; "absolute": they are
         places, with a column `tracer` and rows at time 0; "auto": as the rows at time 0 say
     speed_unit, diameter : U and d in the data's units; "data": U from <v^2> at time 0
-    time_unit : d/U in the data's unit of time; None: diameter/speed_unit, in stated units, if any
+    time_unit : d/U in the data's unit of time; None: diameter/speed_unit
     columns : names of columns in the files by ours, {"time": "t_sim"} or "time=t_sim"
     timestep : the time of one step, for formats whose frames give steps
     dimension : 2 or 3; None: that of an Ensemble, or 2

@@ -47,7 +47,8 @@ def are_own(units: Mapping[str, str]) -> bool:
 
 def are_mixed(units: Mapping[str, str]) -> bool:
     """Whether a speed is stated in other units than those of length and time: mm, m/s and s."""
-    length, speed, time = (units.get(kind, "").strip() for kind in ("length", "speed", "time"))
+    kinds = ("length", "speed", "time")
+    length, speed, time = (units.get(kind, "").strip().lower() for kind in kinds)
     found = _SPEED.fullmatch(speed)
     own = found is None or (found[1], found[2] or found[3]) == (length, time)
     return bool(length and time) and not (own or are_own(units))
