@@ -180,7 +180,7 @@ def test_units_that_do_not_belong_together_need_the_unit_of_time(run: Run) -> No
     names = {"t": "t [us]", "x": "x [mm]", "y": "y [mm]", "vx": "vx [m/s]", "vy": "vy [m/s]"}
     size = {"t": 2 / 3 * 1e3, "x": 2.0, "y": 2.0, "vx": 3.0, "vy": 3.0}
     other = {names.get(k, k): v * size.get(k, 1) for k, v in data.items()}
-    with pytest.raises(InputError, match="lengths in mm, speeds in m/s.*--time-unit"):
+    with pytest.raises(InputError, match=r"lengths in mm, speeds in m/s.*--time-unit"):
         read_sample([Table(other)], diameter=2.0, speed_unit=3.0)
     told: dict[str, Any] = {"diameter": 2.0, "time_unit": 2 / 3 * 1e3}
     found = read_sample([Table(other)], speed_unit=3.0, **told)
