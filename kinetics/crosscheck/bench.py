@@ -313,24 +313,20 @@ def throughput(effort: Effort) -> Iterator[Work]:
         "overlapping spheres, 0.032 per d^3": p.PoissonSpheres(space, count=count),
         "Boltzmann-Grad, 0.032 per d^3": p.BoltzmannGrad(space, dimension=3),
     }
+    bath = "Boltzmann-Grad, 0.04 per d^2, bath"
+    ways = [*product(media.items(), (1, 2)), ((bath, p.BoltzmannGrad(DENSITY)), 1)]
     runs = (("placing", 1, 1), ("run", 300 if effort.quick else 2000, 500))
-    for (name, medium), threads, run in product(media.items(), (1, 2), runs):
-        part, tracers, most = run
+    for ((name, medium), threads), (part, tracers, most) in product(ways, runs):
+        more: Row = {"bath_speed": 1.0} if name == bath else {}
         call = partial(p.simulate, medium, 0.9, max_collisions=most, media=MEDIA, tracers=tracers,
-                       workers=threads)  # fmt: skip
+                       workers=threads, **more)  # fmt: skip
         collisions = float(most * tracers * MEDIA)
         yield Work("particles", name, part, call, "collisions", collisions, threads=threads)
-    medium, name = p.BoltzmannGrad(DENSITY), "Boltzmann-Grad, 0.04 per d^2, bath"
-    for part, tracers, most in runs:
-        call = partial(p.simulate, medium, 0.9, max_collisions=most, media=MEDIA, tracers=tracers,
-                       workers=1, bath_speed=1.0)  # fmt: skip
-        yield Work("particles", name, part, call, "collisions", float(most * tracers * MEDIA))
 
 
 CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
     "scaled": scaled, "cooling": cooling, "position": position, "field": in_field,
-    "driven": driven,
-    "skipping": skipping, "particles": throughput,
+    "driven": driven, "skipping": skipping, "particles": throughput,
 }  # fmt: skip
 
 

@@ -21,9 +21,14 @@ def require_writable_folder(folder: Path) -> None:
     tried; but that one must exist.
     """
     new = not folder.exists() and not folder.is_symlink()
-    _require_parent(folder, folder.parent if new else folder)
+    inside = folder.parent if new else folder
+    if not inside.exists() and not inside.is_symlink():
+        raise ValueError(
+            f"output {str(folder)!r} cannot be written: its folder does not exist; make it first: "
+            f"mkdir -p {inside}"
+        )
     try:
-        with tempfile.TemporaryFile(dir=folder.parent if new else folder):
+        with tempfile.TemporaryFile(dir=inside):
             pass
     except OSError as error:
         raise ValueError(
@@ -36,22 +41,17 @@ def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None
     """Raise ValueError, naming the option, unless this file, with one of these endings, could be
     made in its folder, which must be there.
     """
+    wrong = ""
     if not file.name or (endings and file.suffix.lower() not in endings):
-        what = f"end in {', '.join(endings)}" if endings else "be the name of a file"
-        raise ValueError(f"{option}: got {str(file)!r}; it must {what}")
-    if file.exists() and not file.is_file():
-        kind = "folder" if file.is_dir() else "device"
-        raise ValueError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
-    _require_parent(file, file.parent)
+        must = f"end in {', '.join(endings)}" if endings else "be the name of a file"
+        wrong = f"it must {must}"
+    elif file.exists() and not file.is_file():
+        wrong = f"it is a {'folder' if file.is_dir() else 'device'}, it must be a file"
+    elif not file.parent.exists():
+        wrong = f"its folder does not exist; make it first: mkdir -p {file.parent}"
+    if wrong:
+        raise ValueError(f"{option}: got {str(file)!r}; {wrong}")
     require_writable_folder(file.parent)
-
-
-def _require_parent(asked: Path, folder: Path) -> None:
-    if not folder.exists() and not folder.is_symlink():
-        raise ValueError(
-            f"output {str(asked)!r} cannot be written: its folder does not exist; make it first: "
-            f"mkdir -p {folder}"
-        )
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:

@@ -92,12 +92,12 @@ def attempt(case: Case) -> dict[str, Any]:
     except Exception as met:  # whatever it is, it is the finding
         verdict, note = BROKEN, f"{type(met).__name__}: {met}"
 
-    def used(name: str) -> tuple[bool, float]:  # violated or not, and the share of what is allowed
-        violation, allowed = outcome.invariants[name]
+    def used(one: tuple[str, tuple[float, float]]) -> tuple[bool, float]:
+        violation, allowed = one[1]  # violated or not, and the share of what is allowed
         return not violation <= allowed, violation / (allowed or 1.0)
 
-    worst = max(outcome.invariants, key=used, default="")
-    violation, allowed = outcome.invariants.get(worst, (0.0, 0.0))
+    nothing = ("", (0.0, 0.0))
+    worst, (violation, allowed) = max(outcome.invariants.items(), key=used, default=nothing)
     return {
         "group": case.group, "name": case.name, "verdict": verdict, "asked": outcome.asked,
         "reached": outcome.reached, "invariant": worst, "violation": violation, "allowed": allowed,
@@ -305,6 +305,11 @@ def apart(found: Any, finer: Any) -> float:
     return largest(*errors, 0.0)
 
 
+def converged(found: Any) -> bool:
+    """What the status claims."""
+    return bool(found.status.name == "CONVERGED")
+
+
 def steady_errors(found: Any) -> tuple[float, float]:
     """Errors of a FieldState in <v^2 cos> = 1/lambda_1(1) and 2 <v_x> = lambda(2) <v^3>."""
     fixed = found.moment(2.0, 1) * float(found.law.harmonic_decay_rate(1.0, 1)) - 1.0
@@ -330,7 +335,7 @@ def scene(
         # fast starts in a field of which next to nothing is left
         return Outcome(rtol, converged=False, note=str(refused))
     note = f"estimate {found.error_estimate:.0e}"
-    done = found.status.name == "CONVERGED"
+    done = converged(found)
     if method == "conservative" and not done:  # no number of nodes reaches the rtol: it states its
         rtol, done = max(1.5 * found.error_estimate, 1e-5), True  # error, but for interpolation
     # references in doubles may add 1e-13
@@ -345,7 +350,7 @@ def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:
     F = np.where(seen, state.reached_vdf(c), 0.0)  # 0 where few nodes do not reach
     h, a2 = state.cooling_rate / known.cooling_rate, (1.0 + state.a2) / (1.0 + known.a2)
     reached = largest(h - 1.0, a2 - 1.0, F[seen] / exact[seen] - 1.0)
-    done = state.status.name == "CONVERGED"
+    done = converged(state)
     claimed = max(rtol, 1e-12) if done else math.inf
     kept = {f"<c^{p:g}> = 1": (abs(state.moment(p) - 1.0), claimed) for p in (0.0, 2.0)}
     kept["F not negative"] = below(F), 0.0
@@ -357,8 +362,8 @@ def steady(law: CollisionLaw, rtol: float) -> Outcome:
     """The steady state in a field against two exact relations."""
     found = kinetics.solve_field(law, rtol=rtol)
     kept = {"<v_x>^2 <= <v_x^2>": (above(found.drift / math.sqrt(found.mean_square_along)), 0.0)}
-    done = found.status.name == "CONVERGED"
-    return Outcome(rtol + 1e-12, largest(steady_errors(found)), done, invariants=kept)
+    reached = largest(steady_errors(found))
+    return Outcome(rtol + 1e-12, reached, converged(found), invariants=kept)
 
 
 def drawn(kind: str, seed: int) -> dict[str, Any]:
@@ -413,10 +418,8 @@ def driven(kind: str, seed: int, rtol: float) -> Outcome:
     missed += [found.a2 - finer.a2, (found.drift - finer.drift) / finer.thermal_speed]
     kept = {"balances": (largest(balances(found), 0.0), 20.0 * max(rtol, found.error_estimate))}
     kept["a2 >= -2/(d + 2)"] = below(found.a2, -2.0 / (found.dimension + 2.0)), 0.0
-    done = found.status.name == "CONVERGED"
-    known = finer.error_estimate
-    note = f"estimate {found.error_estimate:.0e}; {system}"
-    return Outcome(rtol + known, largest(missed), done, known, kept, note)
+    known, note = finer.error_estimate, f"estimate {found.error_estimate:.0e}; {system}"
+    return Outcome(rtol + known, largest(missed), converged(found), known, kept, note)
 
 
 def driven_over_time(kind: str, seed: int, rtol: float) -> Outcome:
@@ -424,8 +427,8 @@ def driven_over_time(kind: str, seed: int, rtol: float) -> Outcome:
     outputs = ("thermal_speed", "a2", "msd", "collisions")
     asked = kinetics.Scene(**drawn(kind, seed), times=[0.1, 3.0, 100.0], outputs=outputs)
     found = kinetics.solve(asked, rtol)
-    note, done = f"estimate {found.error_estimate:.0e}", found.status.name == "CONVERGED"
-    return Outcome(2.0 * rtol, apart(found, again(found, 0.1 * rtol)), done, note=note)
+    reached, note = apart(found, again(found, 0.1 * rtol)), f"estimate {found.error_estimate:.0e}"
+    return Outcome(2.0 * rtol, reached, converged(found), note=note)
 
 
 def fly(law: CollisionLaw, medium: str, tracers: int, most: int, times: Any = None) -> Outcome:

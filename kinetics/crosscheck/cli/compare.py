@@ -59,8 +59,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--diameter", "--length-unit", "diameter", type=float, default=1.0,
         help="Diameter d in the data's unit of length.")
 @option("--time-unit", type=float,
-        help="d/U in the data's unit of time. [default: --length-unit over --speed-unit, in the "
-        "units that the file states, if it does]")
+        help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]")
 @option("--timestep", type=float,
         help="Time of one step, where a file gives steps and no times (dumps).")
 @option("--bin-times", type=float, metavar="FRACTION",
@@ -90,10 +89,8 @@ def compare(
     # fmt: on
     from kinetics.crosscheck.compare.ask import compare_data
 
-    if viscoelastic is not None:
-        from kinetics import Viscoelastic
-
-        told["restitution"] = options.impact_law(viscoelastic, Viscoelastic, None)
+    restitution = told["restitution"]
+    told["restitution"] = options.impact_law(viscoelastic, "kinetics", restitution)
     result = _done(compare_data, data, output, figures, as_json, told)
     return int(fail_on is not None and result.verdict in {"differs", fail_on})
 

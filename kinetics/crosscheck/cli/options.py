@@ -1,9 +1,11 @@
 """Options that several commands have, and what all of them show on the terminal alike."""
 
 import math
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -35,17 +37,13 @@ class Numbers(click.ParamType):
             self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
 
 
-class Part(click.ParamType):
-    """Two whole numbers, "3/20"."""
-
-    name = "part"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
-        """The numbers, or click's complaint that names the option and the text."""
-        k, slash, n = value.partition("/")
-        if not (slash and k.isdecimal() and n.isdecimal()):
-            self.fail(f"{value!r}: it must be K/N, the K-th of N parts, such as 3/20", param, ctx)
-        return int(k), int(n)
+def part_of(context: Any, option: Any, text: str | None) -> tuple[int, int] | None:
+    """Two whole numbers from "3/20", or click's complaint that names the option and the text."""
+    found = re.fullmatch(r"(\d+)/(\d+)", text or "")
+    if text and not found:
+        what = f"{text!r}: it must be K/N, the K-th of N parts, such as 3/20"
+        raise click.BadParameter(what, context, option)
+    return found and (int(found[1]), int(found[2]))
 
 
 class Output(click.Path):
@@ -127,12 +125,12 @@ def drive_options(command: Any) -> Any:
     return command
 
 
-def impact_law(viscoelastic: float | None, of: Any, otherwise: Any) -> Any:
-    """The restitution: of --viscoelastic, an `of`, in place of -e, or what -e says."""
+def impact_law(viscoelastic: float | None, package: str, otherwise: Any) -> Any:
+    """The restitution: of --viscoelastic, as a package has it, in place of what -e says."""
     if viscoelastic is None:
         return otherwise
     refuse_given(["restitution"], "--viscoelastic")
-    return of(viscoelastic)
+    return import_module(package).Viscoelastic(viscoelastic)
 
 
 def law_keys(restitution: Any) -> dict[str, Any]:
@@ -210,11 +208,11 @@ def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
     if sys.stderr is None or not sys.stderr.isatty():
         yield lambda *_, **__: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich import console, progress
 
-    shown = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*shown, TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
+    parts = (progress.BarColumn(), progress.MofNCompleteColumn(), progress.TimeElapsedColumn())
+    where = console.Console(stderr=True)
+    with progress.Progress("{task.description}", *parts, console=where, transient=True) as bar:
         task = bar.add_task("", total=total)
 
         def tell(name: str, total: int | None = None, done: int | None = None) -> None:

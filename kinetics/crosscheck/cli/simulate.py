@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import Choice, option
 
 from kinetics.crosscheck.cli import options
 
@@ -21,6 +22,7 @@ IN_FIELD = {
     "drift": "<v_x> [U]", "thermal_speed": "v0 [U]", "dispersion_parallel": "var x [d^2]",
     "dispersion_perpendicular": "var y [d^2]", "collisions": "collisions",
 }  # fmt: skip
+DISPERSION = ("dispersion", "dispersion_parallel", "dispersion_perpendicular")
 ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
 ARGUMENTS = ("media", "tracers", "max_collisions", "seed")
 KINDS = {
@@ -30,68 +32,48 @@ KINDS = {
 }  # fmt: skip
 OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
 PICTURES = (".png", ".svg", ".pdf")
-_DRAWN, _DOTS_PER_INCH = 8, 160
 
 
+# fmt: off
 @click.command(epilog=options.UNITS, short_help="Follow particles from collision to collision.")
-@click.option(
-    "--medium",
-    type=click.Choice([kind for kind in KINDS.values() if kind != "positions"]),
-    default="hard-disks",
-    help="Disks or spheres that do not overlap, that may, or none: random free paths.",
-)
+@option("--medium", default="hard-disks",
+        type=Choice([kind for kind in KINDS.values() if kind != "positions"]),
+        help="Disks or spheres that do not overlap, that may, or none: random free paths.")
 @options.restitution_option
 @options.tangential_option
 @options.mass_option
 @options.density_option
-@click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
-@click.option(
-    "--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
-    help="Scatterers where this file says: columns x and y. Needs --box-side.",
-)  # fmt: skip
-@click.option("--box-side", type=float, help="Side of the periodic box of --positions.")
-@click.option(
-    "--dimension", type=int,
-    help="Of --medium boltzmann-grad: 2 for disks, as it is if not given, 3 for spheres. Other "
-    "media have their own. Densities of spheres are in d^-3.",
-)  # fmt: skip
-@click.option("--media", type=int, default=100, help="Configurations of scatterers.")
-@click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
-@click.option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
-@click.option(
-    "--initial", type=click.Choice(["gaussian", "monoenergetic", "rest"]), default="gaussian",
-    help="Initial velocities: Gaussian, all of speed U, or none (in a field, bath or noise).",
-)  # fmt: skip
-@click.option(
-    "--field", type=float, default=0.0,
-    help="Uniform acceleration along +x in U^2/d; not among spheres.",
-)  # fmt: skip
+@option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
+@option("--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
+        help="Scatterers where this file says: columns x and y. Needs --box-side.")
+@option("--box-side", type=float, help="Side of the periodic box of --positions.")
+@option("--dimension", type=int,
+        help="Of --medium boltzmann-grad: 2 for disks, as it is if not given, 3 for spheres. Other "
+        "media have their own. Densities of spheres are in d^-3.")
+@option("--media", type=int, default=100, help="Configurations of scatterers.")
+@option("--tracers", type=int, default=100, help="Tracers in each configuration.")
+@option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
+@option("--initial", type=Choice(["gaussian", "monoenergetic", "rest"]), default="gaussian",
+        help="Initial velocities: Gaussian, all of speed U, or none (in a field, bath or noise).")
+@option("--field", type=float, default=0.0,
+        help="Uniform acceleration along +x in U^2/d; not among spheres.")
 @options.drive_options
-@click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
+@option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @options.times_option
 @options.until_option
-@click.option(
-    "--observables", default="", metavar="NAMES",
-    help="What to save beside the averages, separated by commas: speed_histogram, "
-    "velocity_component_histogram, displacement_histogram, free_path_histogram, "
-    "free_time_histogram, positions, "
-    "velocities, finals.",
-)  # fmt: skip
-@click.option(
-    "-o", "--output", type=options.Output(""), metavar="HDF5",
-    help="Save here, configuration by configuration; FILE.h5md: positions and velocities as H5MD, "
-    "for other programs, written at the end.",
-)  # fmt: skip
-@click.option(
-    "--picture", type=options.Output(*PICTURES), metavar="FILE",
-    help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
-    ".svg or .pdf.",
-)  # fmt: skip
-@click.option(
-    "--part", type=options.Part(), metavar="K/N",
-    help="Only the K-th of N parts of the configurations; `lorentz merge` joins the parts.",
-)  # fmt: skip
-@click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
+@option("--observables", default="", metavar="NAMES",
+        help="What to save beside the averages, separated by commas: speed_histogram, "
+        "velocity_component_histogram, displacement_histogram, free_path_histogram, "
+        "free_time_histogram, positions, velocities, finals.")
+@option("-o", "--output", type=options.Output(""), metavar="HDF5",
+        help="Save here, configuration by configuration; FILE.h5md: positions and velocities as "
+        "H5MD, for other programs, written at the end.")
+@option("--picture", type=options.Output(*PICTURES), metavar="FILE",
+        help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
+        ".svg or .pdf.")
+@option("--part", callback=options.part_of, metavar="K/N",
+        help="Only the K-th of N parts of the configurations; `lorentz merge` joins the parts.")
+@option("--resume", is_flag=True, help="Go on from --output if it is there.")
 @options.seed_option
 @options.workers_option
 @options.json_option
@@ -99,23 +81,23 @@ def simulate(
     until: float | None, picture: Path | None, number_density: float, times: tuple[float, ...],
     observables: str, output: Path | None, as_json: bool, viscoelastic: float | None,
     **arguments: Any,
-) -> None:  # fmt: skip
+) -> None:
     """Follow particles from collision to collision; every estimate with its standard error.
 
     With --output, a run that was stopped in whatever way goes on with --resume to the same bits.
     """
+    # fmt: on
     import particles
 
     times = options.times_until(times, until)
     names = options.names_in(observables)
     told = arguments["restitution"]
-    arguments["restitution"] = options.impact_law(viscoelastic, particles.Viscoelastic, told)
+    arguments["restitution"] = options.impact_law(viscoelastic, "particles", told)
     h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     if h5md is not None:
         if arguments["resume"]:
             raise ValueError("--resume: an H5MD file is written at the end; give --output FILE.h5")
-        if h5md.exists():
-            raise ValueError(f"output: got {str(h5md)!r}; it exists, and nothing is overwritten")
+        _require_new(h5md)
         output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
     described = {name: arguments.pop(name) for name in OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
@@ -138,22 +120,24 @@ def simulate(
 
 @click.command(epilog=options.UNITS, short_help="Join the parts of a run.")
 @click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
-@click.option(
-    "-o", "--output", type=options.Output(""), metavar="HDF5", required=True,
-    help="Save the whole run here, to the same bits as if it had been run at once.",
-)  # fmt: skip
+@option("-o", "--output", type=options.Output(""), metavar="HDF5", required=True,
+        help="Save the whole run here, to the bits that it has if run at once.")  # fmt: skip
 @options.json_option
 def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
     """Join the files of `lorentz simulate --part K/N -o FILE`: all N of one run, in any order."""
     import particles
 
-    if output.exists():
-        raise ValueError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
+    _require_new(output)
     # Shells of Windows leave *.h5 as it is.
     files = [f for part in parts for f in ([part] if Path(part).exists() else glob(part) or [part])]
     run = particles.Ensemble.merge(files)
     run.save(output)
     _show(run, as_json)
+
+
+def _require_new(output: Path) -> None:
+    if output.exists():
+        raise ValueError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
 
 
 def _show(run: Any, as_json: bool) -> None:
@@ -175,12 +159,10 @@ def make_medium(
     if medium == "boltzmann-grad" and positions is None:
         chosen: Any = 2 if dimension is None else dimension
         return particles.BoltzmannGrad(number_density, dimension=chosen)
-    spheres = medium.endswith("spheres") and positions is None
-    if dimension not in (None, 3 if spheres else 2):
-        others = "boltzmann-grad" if spheres else "boltzmann-grad, hard-spheres or poisson-spheres"
-        raise ValueError(
-            f"dimension = {dimension}: must be {3 if spheres else 2} unless the medium is {others}"
-        )
+    own = 3 if medium.endswith("spheres") and positions is None else 2
+    if dimension not in (None, own):
+        others = "boltzmann-grad" + ", hard-spheres or poisson-spheres" * (own == 2)
+        raise ValueError(f"dimension = {dimension}: must be {own} unless the medium is {others}")
     if positions is not None and box_side is not None:
         return particles.Positions.from_csv(positions, box_side)
     made = getattr(particles, {kind: name for name, kind in KINDS.items()}[medium])
@@ -188,15 +170,14 @@ def make_medium(
 
 
 def write_picture(run: Any, path: Path) -> None:
-    """Draw the paths of the first tracers of the first configuration."""
+    """Draw the paths of the first 8 tracers of the first configuration."""
     from matplotlib.figure import Figure
 
     from kinetics.crosscheck.files import write_together
 
-    figure = Figure(figsize=(6.4, 6.0), layout="constrained")
-    run.plot_trajectories(min(_DRAWN, run.tracers), ax=figure.subplots())
-    file = io.BytesIO()
-    figure.savefig(file, format=path.suffix[1:].lower(), dpi=_DOTS_PER_INCH, bbox_inches="tight")
+    figure, file = Figure(figsize=(6.4, 6.0), layout="constrained"), io.BytesIO()
+    run.plot_trajectories(min(8, run.tracers), ax=figure.subplots())
+    figure.savefig(file, format=path.suffix[1:].lower(), dpi=160, bbox_inches="tight")
     write_together(path.parent, {path.name: file.getvalue()})
 
 
@@ -219,13 +200,10 @@ def _document(run: Any) -> dict[str, Any]:
     """What --json prints."""
     estimates = ["mean_free_path", *ESTIMATES]
     if run.field:
-        estimates += ["drift_of_moving", "trapped_fraction"]
-        estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
-        estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
-    if run.plan.depth is not None:
-        estimates += ["passed", "mean_passage_time"]
-    if run.plan.capture_speed and not run.field:
-        estimates.append("trapped_fraction")
+        estimates += ["drift_of_moving", "trapped_fraction", "drift", "mean_velocity"]
+        estimates += ["velocity_tensor", "mean_displacement", *DISPERSION]
+    estimates += ["passed", "mean_passage_time"] if run.plan.depth is not None else []
+    estimates += ["trapped_fraction"] if run.plan.capture_speed and not run.field else []
     law = ["tangential_restitution", "number_density", "field"]
     law += [name for name in options.DRIVES if getattr(run, name)]
     law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
@@ -250,16 +228,15 @@ def _text(run: Any) -> str:
         return f"{what}: {estimate.value:.6g} +- {estimate.error:.2g} {unit}"
 
     lines, heads, values = [], ["t [d/U]"], [run.times]
-    shown = dict(IN_FIELD if run.field else ESTIMATES)
-    if run.plan.depth is not None:
-        shown["passed"] = f"passed {run.plan.depth:g} d"
-    for name, head in shown.items() if run.times.size else ():
-        heads += [head, "+-"]
-        values += _value_and_error(getattr(run, name)).values()
+    shown, depth = dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
+    shown |= {} if depth is None else {"passed": f"passed {depth:g} d"}
     if run.times.size:
+        for name, head in shown.items():
+            heads += [head, "+-"]
+            values += _value_and_error(getattr(run, name)).values()
         lines.append(options.columns(heads, values))
     lines.append(line("mean free path", run.mean_free_path, "d"))
-    if run.plan.depth is not None and run.times.size:
+    if depth is not None and run.times.size:
         lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))
     names = [name for name in ENDS if name != "captured" or run.capture_speed]
     ends = (f"{getattr(run.statuses, name)} {name}" for name in names)

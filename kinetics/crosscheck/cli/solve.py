@@ -5,6 +5,7 @@ import math
 import os
 import textwrap
 from contextlib import suppress
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -42,15 +43,17 @@ IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in (*HEADS, *TENSORS))  
 DRIVEN = tuple(name for name in DRIVEN_OUTPUTS if name in (*HEADS, *TENSORS))
 BY_COLLISION = ("thermal_speed", "a2", "msd")  # those that are printed by collision number as well
 STATES = ("gaussian", "monoenergetic", "beam", "rest")
-SCALED = ("cooling_rate", "a2", "error_estimate", "nodes")
+SCALED = ("cooling_rate", "a2", "nodes")
 STEADY = (
     "drift", "mean_square_speed", "mean_square_along", "mean_speed", "diffusion_parallel",
-    "diffusion_perpendicular", "error_estimate", "message",
+    "diffusion_perpendicular",
 )  # fmt: skip
 IN_STEADY = (
     "thermal_speed", "a2", "drift", "mean_square_along", "collision_rate", "diffusion_coefficient",
     "diffusion_parallel", "diffusion_perpendicular", "mobility", "capture_time", "capture_depth",
 )  # fmt: skip
+MODES = {"--scaled": ("solve_scaled", SCALED), "--field-steady": ("solve_field", STEADY),
+         "--steady": ("solve_steady", IN_STEADY)}  # fmt: skip
 EXAMPLE = """Example, a tracer in a bath of scatterers four times as heavy: lorentz solve --steady
 -e 0.7 --bath-speed 1 --mass-ratio 4; the same over time, without --steady."""
 _LARGEST = 10_000_000  # bytes of a table of speeds
@@ -114,15 +117,16 @@ def solve(
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
     # fmt: on
-    modes = {"--scaled": scaled, "--field-steady": field_steady, "--steady": steady}
-    mode = next((name for name, chosen in modes.items() if chosen), "")
+    chosen = zip(MODES, (scaled, field_steady, steady), strict=True)
+    mode = next((name for name, given in chosen if given), "")
     if mode:
         nothing = {*OVER_TIME, *options.DRIVES, "viscoelastic"}
         if steady:
             nothing = {*OVER_TIME, "tangential_restitution"} - {"field"}
-        others = [name[2:].replace("-", "_") for name in modes if name != mode]
+        others = [name[2:].replace("-", "_") for name in MODES if name != mode]
         options.refuse_given((*sorted(nothing), *others, *(() if scaled else MEDIUM)), mode)
-    system["restitution"] = _restitution(viscoelastic, system["restitution"])
+    told = system["restitution"]
+    system["restitution"] = options.impact_law(viscoelastic, "kinetics", told)
     drives = {name: x for name in options.DRIVES if (x := system[name])}
     system["times"] = options.times_until(system["times"], until)
     asked: dict[str, Any] = {}
@@ -135,16 +139,15 @@ def solve(
     law = {name: system[name] for name in LAW if name in system}
     if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
         raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")
-    if steady:
-        del law["tangential_restitution"]
-        drives |= {"field": system["field"]} if system["field"] else {}
-        result, found = driven_state(law | drives, rtol)
-    elif field_steady:
-        result, found = steady_state(law, field_units, rtol)
-    elif scaled:
-        if system["scatterers"] != "dilute":
+    if mode:
+        if steady:
+            del law["tangential_restitution"]
+            law |= drives | ({"field": system["field"]} if system["field"] else {})
+        elif system["scatterers"] != "dilute":
             law |= {name: system[name] for name in MEDIUM}
-        result, found = scaled_state(law, rtol)
+        result, found = solved_state(*MODES[mode], law, rtol)
+        if field_units:
+            found["in_units"] = asdict(result.in_units(*field_units))
     else:
         points = {"speeds": speeds, "scaled_radii": radii, "wave_numbers": wave_numbers}
         asked = {name: at for name, at in points.items() if at}
@@ -218,53 +221,24 @@ def text_over_time(found: dict[str, Any]) -> str:
     return "\n".join([*lines, *textwrap.wrap(f"status: {found['message']}", options.WIDTH)])
 
 
-def scaled_state(law: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]:
-    """The scaling state: h, a2 and the moments <c> to <c^6>."""
-    from kinetics import solve_scaled
-
-    state = solve_scaled(**law, rtol=rtol)
-    found = law | {name: getattr(state, name) for name in SCALED}
-    moments = {f"{p}": state.moment(p) for p in range(1, 7)}
-    return state, found | {"status": state.status.name.lower(), "moments": moments}
-
-
-def steady_state(
-    law: dict[str, Any], units: tuple[float, ...], rtol: float
+def solved_state(
+    solver: str, names: tuple[str, ...], asked: dict[str, Any], rtol: float
 ) -> tuple[Any, dict[str, Any]]:
-    """The steady state in a field, in units of g and l, and in the user's own: g, d, rho0."""
-    from dataclasses import asdict
+    """A state without time and its JSON document; what tracers that stick lack is left out.
 
-    from kinetics import solve_field
-
-    state = solve_field(**law, rtol=rtol)
-    found = law | {name: getattr(state, name) for name in STEADY}
-    found |= {"status": state.status.name.lower(), "plan": [asdict(step) for step in state.plan]}
-    return state, found | ({"in_units": asdict(state.in_units(*units))} if units else {})
-
-
-def driven_state(asked: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]:
-    """The steady state of a driven tracer, lengths in l; what tracers that stick lack is left out.
-
-    asked : arguments of `solve_steady`
+    solver, asked : a function of kinetics, and its arguments
     """
-    from dataclasses import asdict
+    import kinetics
 
-    from kinetics import solve_steady
-
-    state = solve_steady(**asked, rtol=rtol)
+    state = getattr(kinetics, solver)(**asked, rtol=rtol)
     found = asked | options.law_keys(asked["restitution"])
-    found |= {name: x for name in IN_STEADY if math.isfinite(x := getattr(state, name))}
-    found |= {"error_estimate": state.error_estimate, "message": state.message}
-    found |= {"status": state.status.name.lower(), "plan": [asdict(step) for step in state.plan]}
-    return state, found | {"unit_of_length": "l"}
-
-
-def _restitution(viscoelastic: float | None, told: float) -> Any:
-    if viscoelastic is None:
-        return told
-    from kinetics import Viscoelastic
-
-    return options.impact_law(viscoelastic, Viscoelastic, told)
+    values = {name: getattr(state, name) for name in (*names, "error_estimate")}
+    found |= {n: x for n, x in values.items() if not isinstance(x, float) or math.isfinite(x)}
+    found["status"] = state.status.name.lower()
+    if solver == "solve_scaled":
+        return state, found | {"moments": {f"{p}": state.moment(p) for p in range(1, 7)}}
+    found |= {"unit_of_length": "l"} if solver == "solve_steady" else {}
+    return state, found | {"message": state.message, "plan": [asdict(x) for x in state.plan]}
 
 
 def state_text(found: dict[str, Any]) -> str:

@@ -174,10 +174,8 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
             return read_ensemble(path)
         if _own(file, "h5md") and _own(file, "particles"):
             return _h5md(where, file["particles"], asked)
-        names = {}
-        for name in (name for name in file if _own(file, name, h5py.Dataset)):
-            unit = _unit_of(file[name])
-            names[f"{name} [{unit}]" if unit else name] = name
+        plain = [name for name in file if _own(file, name, h5py.Dataset)]
+        names = {f"{n} [{u}]" if (u := _unit_of(file[n])) else n: n for n in plain}
         chosen = _chosen(where, list(names), asked)
         return _arrays(where, {k: _dataset(where, file, names[k])[()] for k in chosen}, asked)
 
@@ -293,16 +291,19 @@ class _Lines:
         """
         for name in (name for name in wanted if names.count(name) != 1):
             bad(self.where, f"column {name!r} {names.count(name)} times", "once")
-        rows = [line.split() for line in islice(self._file, count)]
-        first, self._number = self._number + 1, self._number + len(rows)
-        texts = ("type", "element")
-        used = {name: (names.index(name), str if name in texts else float) for name in wanted}
+        rows, first = list(islice(self._file, count)), self._number + 1
+        self._number += len(rows)
+        places = {name: names.index(name) for name in wanted}
+        kinds = [(name, "U64" if name in ("type", "element") else float) for name in wanted]
+        found = np.empty(0, kinds)
         with suppress(ValueError):
-            found = np.array(rows) if rows else np.empty((0, len(names)))
-            if found.shape == (count, len(names)):
-                return {name: found[:, k].astype(kind) for name, (k, kind) in used.items()}
-        numbers = {name: k for name, (k, kind) in used.items() if kind is float}
-        _require_rows(self._name, enumerate(rows, first), names, numbers, "nan")
+            if rows:
+                found = np.loadtxt(rows, kinds, None, usecols=[*places.values()], ndmin=1)
+            if found.size == count:
+                return {name: found[name] for name in wanted}
+        numbers = {name: places[name] for name, kind in kinds if kind is float}
+        cells = ((line, text.split()) for line, text in enumerate(rows, first))
+        _require_rows(self._name, cells, names, numbers, "nan")
         bad(self.where, f"the end of the file after {len(rows)} rows", f"{count} rows")
 
 
@@ -356,23 +357,21 @@ def _lammps_frame(
 ) -> tuple[dict[str, Any], bool]:
     """The columns of one frame, and whether positions may be wrapped."""
     axes = AXES[: asked.dimension or 2]
-    kinds = ("{}u", "{}su", "{}", "{}s")
-    chosen = [[kind.format(a) for kind in kinds if kind.format(a) in names] for a in axes]
-    used = {a: (found or [f"{a}u"])[0] for a, found in zip(axes, chosen, strict=True)}
+    kinds = {a: [f"{a}{kind}" for kind in ("u", "su", "", "s")] for a in axes}
+    used = {a: next((x for x in every if x in names), every[0]) for a, every in kinds.items()}
     flags = [f"i{a}" for a, x in used.items() if f"i{a}" in names and "u" not in x]
     speeds = [v for v in SPEEDS if v in names or v[1] in axes]
     kind = [] if asked.type is None else ["element" if "type" not in names else "type"]
+    if "length" not in head and (flags or any("s" in name for name in used.values())):
+        bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
     table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
-    out = {"tracer": table["id"]} | {v: table[v] for v in speeds}
-    out |= dict(zip(("type",), (table[k] for k in kind), strict=False))
+    out = {v: table[v] for v in speeds} | {"tracer": table["id"]}
+    out |= {"type": table[kind[0]]} if kind else {}
     for k, (axis, name) in enumerate(used.items()):
-        scaled, flagged = "s" in name, f"i{axis}" in flags
-        if (scaled or flagged) and "length" not in head:
-            bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
         out[axis] = table[name]
-        if scaled:  # in units of the box
+        if "s" in name:  # in units of the box
             out[axis] = out[axis] * head["length"][k] + head["low"][k]
-        if flagged:
+        if f"i{axis}" in flags:
             out[axis] = out[axis] + table[f"i{axis}"] * head["length"][k]
     return out, len(flags) < len(axes) and not all("u" in name for name in used.values())
 

@@ -12,7 +12,7 @@ from kinetics.crosscheck.data.formats import read
 from kinetics.crosscheck.data.sample import Law, Sample, of_averages, reduced, size_of_vectors
 from kinetics.crosscheck.data.tracks import Asked, Averages, Table, Tracks, bad, joined, name_of
 from kinetics.crosscheck.data.tracks import unwrapped as _unwrapped
-from kinetics.crosscheck.data.units import are_own, conversion
+from kinetics.crosscheck.data.units import are_mixed, are_own
 from kinetics.crosscheck.words import numeral
 
 
@@ -149,16 +149,18 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
         if not 0.0 < unit < np.inf:
             bad("speed_unit", "'data'", "a number where <v²> at time 0 is beyond double precision")
         warnings += (f"U is {unit:.6g} of the data's unit, from <v²> at time 0.",)
-    factor, time_unit = conversion(units), asked.time_unit
+    time_unit = asked.time_unit
     if time_unit is None:
-        time_unit = asked.diameter / unit * (factor or 1.0)
+        said = ", ".join(f"{kind}s in {one}" for kind, one in units.items())
+        if are_mixed(units):
+            bad(", ".join(sample.names), said, "units that belong together, or say --time-unit")
+        time_unit = asked.diameter / unit
     sizes = {"speed": unit, "length": asked.diameter, "time": time_unit}
     if units and not (are_own(units) and asked.diameter == unit == 1.0):
-        known = "" if factor else " Not all of these are known here, and nothing was converted."
         u, d, t = (numeral(value, ".6g") for value in sizes.values())
         warnings += (
             f"The file states {', '.join(f'{kind}s in {one}' for kind, one in units.items())}."
-            f"{known} Taken were d = {d}, U = {u} and d/U = {t} in the data's units; other values "
+            f" Taken were d = {d}, U = {u} and d/U = {t} in the data's units; other values "
             "are given by --length-unit, --speed-unit and --time-unit.",
         )
     own = {k: (size, units.get(k, "")) for k, size in sizes.items()}

@@ -186,18 +186,15 @@ class Sample:
             one and one._replace(edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
         )
-        sizes = {"free_path": length, "free_time": 1 / factor}
-        completed = {
-            name: one._replace(edges=one.edges / sizes[name])
-            for name, one in self.free_flights.items()
-        }
+        units = {"free_path": length, "free_time": 1 / factor}
+        flights = {n: x._replace(edges=x.edges / units[n]) for n, x in self.free_flights.items()}
         flown = [
             Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
             for one in self.flights
         ]
         return replace(
             self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
-            free_flights=completed, law=self.law.scaled(speed, length),
+            free_flights=flights, law=self.law.scaled(speed, length),
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
             start=start and start._replace(squares=start.squares / speed**2),
@@ -206,7 +203,7 @@ class Sample:
 
 def size_of_vectors(vectors: Any) -> Any:
     """The length of vectors (n, d), also of 1e200."""
-    plane = np.hypot(vectors[:, 0], vectors[:, 1])
+    plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
     return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
 
 
@@ -228,12 +225,11 @@ def reduced(
         flights.append(straight_flights(time, sizes[1], sizes[0]))
         scales[:, k] = [_scale(size) for size in sizes]
         v, r = (size / scale for size, scale in zip(sizes, scales[:, k], strict=True))
-        powers = [None, v * v, (v * v) ** 2, r * r, (r * r) ** 2]
+        powers = [None, v**2, (v**2) ** 2, r**2, (r**2) ** 2]
         if with_field:
             x = place[:, 0] / scales[1, k]
-            powers += [velocity[:, 0] / scales[0, k], x, x * x]
-        for column, power in enumerate(powers):
-            sums[:, k, column] = np.bincount(mine, power, MOST_GROUPS)
+            powers += [velocity[:, 0] / scales[0, k], x, x**2]
+        sums[:, k] = np.transpose([np.bincount(mine, power, MOST_GROUPS) for power in powers])
         for out, values in zip(counts, (v, r), strict=True):
             bins = _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
             cells = mine % HISTOGRAM_GROUPS * (_BINS + 2) + bins
@@ -420,11 +416,11 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
         "number_density": ensemble.number_density,
     }
     if plan.rest or plan.velocities is None:
-        start = "monoenergetic" if plan.monoenergetic else "gaussian"
-        told["initial"] = "rest" if plan.rest else start
-    for kind, scatterers in ((HardDisks, "hard disks"), (Poisson, "overlapping")):
-        if isinstance(medium, kind):
-            told["scatterers"] = scatterers
+        told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
+        told["initial"] = "rest" if plan.rest else told["initial"]
+    scatterers = {HardDisks: "hard disks", Poisson: "overlapping"}
+    if type(medium) in scatterers:
+        told["scatterers"] = scatterers[type(medium)]
     law = Law(
         ensemble.tangential_restitution, medium.dimension, ensemble.field,
         varies=bool(ensemble.plan.varies), mass_ratio=ensemble.mass_ratio,
@@ -433,12 +429,10 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     if law.is_driven and not free:
         bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
     flown, ends = {}, ensemble.statuses
-    for one in ("free_path", "free_time"):
-        key = f"{one}_histogram"
-        # where tracers end before the last time, the theory has more flights
-        if law.is_driven or law.varies:
-            continue  # their theory has no flights
-        if key in ensemble.outputs and ends.finished == ensemble.media * ensemble.tracers:
+    # where tracers end before the last time the theory has more flights; none of what is driven
+    whole = ends.finished == ensemble.media * ensemble.tracers and not law.is_driven
+    for one in ("free_path", "free_time") if whole else ():
+        if (key := f"{one}_histogram") in ensemble.outputs:
             counted, flights = getattr(ensemble, key), stored[f"histograms/{key}/samples"][0, 0]
             share = counted.probability
             flown[one] = FreeFlights(
@@ -452,9 +446,6 @@ def _impact_law(restitution: Any) -> Any:
     """The solver's restitution for the particles' own: a number, or of the impact speed."""
     if isinstance(restitution, float):
         return restitution
-    b = getattr(restitution, "b", None)
-    return (
-        impact_restitution((restitution.speeds, restitution.values))
-        if b is None
-        else Viscoelastic(b)
-    )
+    if hasattr(restitution, "b"):
+        return Viscoelastic(restitution.b)
+    return impact_restitution((restitution.speeds, restitution.values))

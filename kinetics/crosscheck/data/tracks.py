@@ -52,7 +52,7 @@ class Asked:
     positions : "displacement": x, y are relative to the place at time 0; "absolute": they are
         places, with a column `tracer` and rows at time 0; "auto": as the rows at time 0 say
     speed_unit, diameter : U and d in the data's units; "data": U from <v^2> at time 0
-    time_unit : d/U in the data's unit of time; None: diameter/speed_unit, in stated units, if any
+    time_unit : d/U in the data's unit of time; None: diameter/speed_unit
     columns : names of columns in the files by ours, {"time": "t_sim"} or "time=t_sim"
     timestep : the time of one step, for formats whose frames give steps
     dimension : 2 or 3; None: that of an Ensemble, or 2
@@ -74,10 +74,9 @@ class Asked:
 
     def __post_init__(self) -> None:
         one_of("positions", self.positions, ("auto", "displacement", "absolute"))
-        for name in ("speed_unit", "diameter", "time_unit", "timestep"):
-            value = getattr(self, name)
-            told = "data" if name == "speed_unit" else None if name != "diameter" else 0.0
-            if type(value) is not type(told) or value != told:
+        units = {"speed_unit": "data", "diameter": "", "time_unit": None, "timestep": None}
+        for name, said in units.items():
+            if (value := getattr(self, name)) != said or type(value) is not type(said):
                 # a unit enters as its square and its cube, which must be finite
                 object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):

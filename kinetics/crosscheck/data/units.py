@@ -1,5 +1,5 @@
 """Units that files state beside their numbers: mm, m/s and s do not belong together, and d/U is
-then not the diameter over U in numbers, and is converted.
+then not the diameter over U in numbers: it must be told.
 """
 
 import re
@@ -8,17 +8,6 @@ from typing import Any
 
 from kinetics.errors import InputError, short
 
-SIZES = {
-    "length": {
-        "km": 1e3, "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6,
-        "nm": 1e-9, "pm": 1e-12, "angstrom": 1e-10, "å": 1e-10,
-    },
-    "time": {
-        "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
-        "ns": 1e-9, "ps": 1e-12, "fs": 1e-15,
-    },
-}  # fmt: skip
-"""In metres and in seconds."""
 OWN = {"length": ("d",), "speed": ("u",), "time": ("d/u", "d u-1", "u-1 d")}
 """The units of this package, in lower case."""
 KINDS = {
@@ -51,28 +40,15 @@ def stated(where: str, units: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
-def size_of(kind: str, unit: str) -> float | None:
-    """The size of a unit in metres, seconds or metres per second; None if it is not known."""
-    plain = unit.strip().lower()
-    if kind != "speed":
-        return SIZES[kind].get(plain)
-    if (found := _SPEED.fullmatch(plain)) is None:
-        return None
-    length, time = size_of("length", found[1]), size_of("time", found[2] or found[3])
-    return None if length is None or time is None else length / time
-
-
 def are_own(units: Mapping[str, str]) -> bool:
     """Whether those that are stated are those of this package."""
     return all(unit.strip().lower() in OWN[kind] for kind, unit in units.items())
 
 
-def conversion(units: Mapping[str, str]) -> float | None:
-    """The unit of length over that of speed, in units of time: 1 where they belong together.
-
-    None where one of them is not stated or not known.
-    """
-    if are_own(units):
-        return 1.0
-    length, speed, time = (size_of(k, units.get(k, "")) for k in ("length", "speed", "time"))
-    return None if length is None or speed is None or time is None else length / speed / time
+def are_mixed(units: Mapping[str, str]) -> bool:
+    """Whether a speed is stated in other units than those of length and time: mm, m/s and s."""
+    kinds = ("length", "speed", "time")
+    length, speed, time = (units.get(kind, "").strip().lower() for kind in kinds)
+    found = _SPEED.fullmatch(speed)
+    own = found is None or (found[1], found[2] or found[3]) == (length, time)
+    return bool(length and time) and not (own or are_own(units))

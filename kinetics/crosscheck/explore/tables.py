@@ -172,7 +172,9 @@ def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     found = tables(("v0", "msd"), lambda e, s: _over_factors(e, None, s), one, 24, log_t)
     found |= tables(("ln F",), lambda e, s: _log_density(e, None, s), one, 40, xi)
     tell("hard disks: v0, <r^2>")
-    found |= tables(("hard H", "hard A"), _at_each(_limits), breaks, 16, root_n)
+    # H/(1 - e) has a limit for e -> 1
+    limits = _at_each(lambda e, n: np.array(rates(e, n)) / [1.0 - e, 1.0])
+    found |= tables(("hard H", "hard A"), limits, breaks, 16, root_n)
     found |= tables(("hard v0", "hard msd"), _at_each(_over_factors), breaks, 16, root_n, log_t)
     tell("hard disks: F(c)")
     found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, small_n, hard_xi)
@@ -193,11 +195,6 @@ def _at_each(function: Callable[..., Any]) -> Callable[..., Array]:
 def _over_factors(e: float, n: float | None, log_t: Array) -> Array:
     t = np.exp(log_t)
     return np.asarray(solved(e, n, t) / factors(*rates(e, n), t))
-
-
-def _limits(e: float, n: float) -> Array:
-    """H/(1 - e), which has a limit for e -> 1, and A."""
-    return np.array(rates(e, n)) / [1.0 - e, 1.0]
 
 
 def scaled_density(e: float, n: float | None, xi: Array) -> Array:
@@ -250,10 +247,10 @@ def errors(made: Tables, seed: int = 1, points: int = 24) -> dict[str, float]:
         note(DILUTE, read_averages(made, e, None, t) / solved(e, None, t) - 1.0)
         note(HARD, read_averages(made, e, n, t) / solved(e, n, t) - 1.0)
         xi = np.linspace(*WIDTHS[HARD], 41)
-        exact, read = scaled_density(e, None, xi), made["ln F"].at(e, xi)
-        note("F(c)", (np.exp(read) - exact) / exact.max())
-        exact, read = scaled_density(e, n, xi), made["hard ln F"].at(e, math.sqrt(n), xi)[0]
-        note("F(c), hard disks", (np.exp(read) - exact) / exact.max())
+        for name, table, density in (("F(c)", "ln F", None), ("F(c), hard disks", "hard ln F", n)):
+            exact = scaled_density(e, density, xi)
+            read = made[table].at(e, *([] if density is None else [math.sqrt(density)]), xi)
+            note(name, (np.exp(read.reshape(xi.shape)) - exact) / exact.max())
     for e in rng.uniform(0.0, HIGHEST_IN_FIELD, points // 4).tolist():
         read = np.array([made[k].at(e) for k in ("drift", "parallel", "perpendicular")])
         note("field", read / _in_field(e) - 1.0)

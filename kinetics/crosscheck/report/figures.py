@@ -25,19 +25,7 @@ from numpy.typing import ArrayLike
 
 from kinetics import ScalingSolution, sonine
 from kinetics.crosscheck.report import runs
-from kinetics.crosscheck.report.rows import PAPER_KURTOSIS
-from kinetics.crosscheck.report.runs import (
-    EXACT,
-    FIT,
-    FREE,
-    KINETIC,
-    SOLVER,
-    SONINE,
-    Array,
-    Case,
-    Measured,
-    Results,
-)
+from kinetics.crosscheck.report.rows import PAPER_KURTOSIS, kept
 from kinetics.crosscheck.report.systems import SCATTERERS, Driven
 from kinetics.crosscheck.words import numeral
 
@@ -52,9 +40,9 @@ VARIABLES |= {colour: f"var(--group-{i})" for i, colour in enumerate(GROUPS)}
 MARKERS = "os^DvP"
 STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
 _DASHES: dict[str, Any] = {
-    **dict.fromkeys((SONINE, "paper, tail"), (0, (4, 2))),
+    **dict.fromkeys((runs.SONINE, "paper, tail"), (0, (4, 2))),
     **dict.fromkeys(("paper's integral", "limiting law"), (0, (1, 1.5))),
-    **dict.fromkeys((FIT, "paper, peak", "Gaussian"), (0, (6, 1.5, 1, 1.5))),
+    **dict.fromkeys((runs.FIT, "paper, peak", "Gaussian"), (0, (6, 1.5, 1, 1.5))),
 }
 _WIDTH = 5.0  # inches, as are all lengths
 _TIME, _RESTITUTION, _FIELD_TIME = "time $t$  [d/U]", "restitution $e$", "time $t$  [√(l/g)]"
@@ -103,10 +91,9 @@ class _Sheet:
     """Axes in a grid of rows of these heights, and a legend of all that is drawn on them."""
 
     def __init__(
-        self, order: Sequence[float], heights: Sequence[float] = (2.9,), columns: int = 1,
-        panels: bool = False,
-    ) -> None:  # fmt: skip
-        self.figure, self.order, self.columns = Figure(layout="constrained"), list(order), columns
+        self, system: Any, heights: Sequence[float] = (2.9,), columns: int = 1, panels: bool = False
+    ) -> None:
+        self.figure, self.system, self.columns = Figure(layout="constrained"), system, columns
         FigureCanvasAgg(self.figure)  # knows the other formats as well
         self.tall = sum(heights) + len(heights) * (0.35 if panels else 0.15)  # panels have titles
         axes = self.figure.subplots(
@@ -120,7 +107,7 @@ class _Sheet:
         """Colour and marker of a restitution, of a group (its name and number), or ink."""
         if key is None:
             return INK, "o"
-        k = key[1] if isinstance(key, tuple) else self.order.index(key)
+        k = key[1] if isinstance(key, tuple) else self.system.restitutions.index(key)
         colours = GROUPS if isinstance(key, tuple) else COLOURS
         return colours[k % len(colours)], MARKERS[k % len(MARKERS)]
 
@@ -128,7 +115,7 @@ class _Sheet:
         self._legend.setdefault(source, {"color": INK, **stroke})
         if key is not None and named:
             colour, marker = self.style(key)
-            label = key[0] if isinstance(key, tuple) else f"e = {key:g}"
+            label = key[0] if isinstance(key, tuple) else f"{self.system.parameter} = {key:g}"
             self._legend.setdefault(label, {"color": colour, "marker": marker, "linestyle": "-"})
 
     def line(
@@ -141,7 +128,7 @@ class _Sheet:
         self._enter(source, stroke, key, named)
 
     def points(
-        self, ax: Any, source: str, x: ArrayLike, measured: Measured, key: Any = None,
+        self, ax: Any, source: str, x: ArrayLike, measured: runs.Measured, key: Any = None,
         named: bool = True, largest: float = math.inf,
     ) -> None:  # fmt: skip
         """Points with bars of one standard error; without those of a larger error."""
@@ -194,12 +181,12 @@ class _Sheet:
         return self.figure
 
 
-def figures(results: Results) -> list[Drawn]:
+def figures(results: runs.Results) -> list[Drawn]:
     """Every figure that the results allow; the first three are those of the head of the page.
 
-    The docstring of each has its title and its caption, in which "{words}" are filled.
+    The "figures" of `kept` have title and caption of each, in which "{words}" are filled.
     """
-    chosen: list[Callable[[Results], Made]] = [msd, position, kurtosis]
+    chosen: list[Callable[[runs.Results], Made]] = [msd, position, kurtosis]
     if results.system.in_field:
         chosen = [drift, dispersion]
         chosen += [from_rest] if results.more["approach"] else []
@@ -213,17 +200,17 @@ def figures(results: Results) -> list[Drawn]:
     with mpl.rc_context(fname=STYLE):
         for make in chosen:
             figure, words = make(results)
-            title, caption = (make.__doc__ or "").split("\n\n")
-            caption = " ".join(caption.split()).format(**words).strip()
-            drawn.append(Drawn(make.__name__.replace("_", "-"), title, caption, figure))
+            title, caption = kept()["figures"][make.__name__]
+            name, caption = make.__name__.replace("_", "-"), caption.format(**words).strip()
+            drawn.append(Drawn(name, title, caption, figure))
     return drawn
 
 
-def _panels(results: Results, cases: Sequence[Case]) -> tuple[_Sheet, list[tuple[Case, Any]]]:
-    """A sheet with a panel for each restitution."""
+def _panels(results: runs.Results, cases: Sequence[runs.Case]) -> tuple[_Sheet, list[Any]]:
+    """A sheet with a panel for each restitution, and pairs of a case and its panel."""
     across = min(2, len(cases))
     tall = (1.75,) * math.ceil(len(cases) / across)
-    sheet = _Sheet(results.system.restitutions, tall, across, panels=True)
+    sheet = _Sheet(results.system, tall, across, panels=True)
     for spare in sheet.axes[len(cases) :]:
         spare.set_axis_off()
     for case, ax in zip(cases, sheet.axes, strict=False):
@@ -233,33 +220,29 @@ def _panels(results: Results, cases: Sequence[Case]) -> tuple[_Sheet, list[tuple
 
 
 @cache
-def exact_rates(tangential: float, dimension: int) -> tuple[Array, Array]:
+def exact_rates(tangential: float, dimension: int) -> tuple[runs.Array, runs.Array]:
     """Restitutions from 0 to 1, with that from which on the printed a2 is real, and exact h."""
     e = np.sort([*np.linspace(0.0, 0.99, 67), 0.999, sonine.THRESHOLD_RESTITUTION + 1e-12])
     states = (ScalingSolution(float(x), tangential, dimension) for x in e)
     return e, np.array([state.cooling_rate for state in states])
 
 
-def cooling_rate(results: Results) -> Made:
-    """Cooling rate
-
-    {over} over e; below, all over the exact rate of late times.{said} Particles: the slope of 1/v₀
-    over their last decade of time, read with the l of the dilute limit.
-    """
+def cooling_rate(results: runs.Results) -> Made:
+    """h over e, and over the exact rate of late times."""
     system: Any = results.system
-    sheet, smooth, said = _Sheet(system.restitutions, (2.4, 1.15)), system.is_smooth, ""
+    sheet, smooth, said = _Sheet(system, (2.4, 1.15)), system.is_smooth, ""
     e, exact = exact_rates(system.tangential_restitution, system.dimension)
     for ax, scale in zip(sheet.axes, (1 - e if smooth else e**0, exact), strict=True):
         sheet.line(ax, "exact", e, exact / scale)
         if system.is_papers_law:
-            sheet.line(ax, FIT, e, sonine.cooling_rate_fitted(e) / scale)
-            sheet.line(ax, SONINE, e, sonine.cooling_rate(e) / scale)
+            sheet.line(ax, runs.FIT, e, sonine.cooling_rate_fitted(e) / scale)
+            sheet.line(ax, runs.SONINE, e, sonine.cooling_rate(e) / scale)
             said = " Exactly it is √2 at e = 0 and 4/3 as e → 1; Sonine exists above e = 0.58."
     for case in results.cooling:
-        x, limit = case.restitution, case.theory[EXACT]["cooling_rate"]
+        x, limit = case.restitution, case.theory[runs.EXACT]["cooling_rate"]
         for ax, scale in zip(sheet.axes, (1 - x if smooth else 1.0, limit), strict=True):
-            sheet.marks(ax, "solver", x, case.theory[SOLVER]["cooling_rate"] / scale, "x")
-            same = case.theory[KINETIC]["cooling_rate"] / scale
+            sheet.marks(ax, "solver", x, case.theory[runs.SOLVER]["cooling_rate"] / scale, "x")
+            same = case.theory[runs.KINETIC]["cooling_rate"] / scale
             sheet.marks(ax, "equation, same times", x, same, "_")
             for source, found in case.measured.items():
                 sheet.points(ax, source, x, found["cooling_rate"] / scale, x, named=False)
@@ -267,47 +250,50 @@ def cooling_rate(results: Results) -> Made:
     return sheet.done(_RESTITUTION, y, "over exact"), {"over": over, "said": said}
 
 
-def msd(results: Results) -> Made:
-    """Mean square displacement
-
-    ⟨r²⟩ over time; below, hard scatterers over the dilute equation, which forgets every scatterer.
-    {said}
-    """
-    system: Any = results.system
-    sheet, hard, said = _Sheet(system.restitutions, (2.4, 1.15)), f"hard {system.scatterers}", ""
+def _over_time(results: runs.Results, name: str, against: str, source: str, scale: str) -> _Sheet:
+    """An average over time; below, what a source measured over the theory."""
+    sheet = _Sheet(results.system, (2.4, 1.15))
     top, below = sheet.axes
-    top.set_xscale("log")
+    top.set(xscale="log", yscale=scale)
     for case in results.cases:
-        e, t, kinetic = case.restitution, case.times, case.theory[KINETIC]["msd"]
-        sheet.line(top, KINETIC, t, kinetic, e)
-        for source, found in case.measured.items():
-            sheet.points(top, source, t, found["msd"], e)
-        sheet.points(below, hard, t, case.measured[hard]["msd"] / kinetic, e, largest=0.1)
-        if case.solved.dense is not None:
-            sheet.line(below, "corrected equation", t, case.solved.dense.msd / kinetic, e)
+        e, t, theory = case.restitution, case.times, case.theory[against][name]
+        sheet.line(top, against, t, theory, e)
+        for who, found in case.measured.items():
+            sheet.points(top, who, t, found[name], e)
+        sheet.points(below, source, t, case.measured[source][name] / theory, e, largest=0.1)
+    below.axhline(1, color=INK, linewidth=0.8)
+    return sheet
+
+
+def msd(results: runs.Results) -> Made:
+    """<r^2> over time, and over the dilute equation."""
+    system: Any = results.system
+    sheet = _over_time(results, "msd", runs.KINETIC, f"hard {system.scatterers}", "linear")
+    said, (top, below) = "", sheet.axes
+    for case in results.cases:
+        e, t, dense, theory = case.restitution, case.times, case.solved.dense, case.theory
+        if dense is not None:
+            over = dense.msd / theory[runs.KINETIC]["msd"]
+            sheet.line(below, "corrected equation", t, over, e)
             said = "Lines there: the equation of hard disks at this density, with nothing fitted"
             said += " here."
         if system.is_papers_law:
-            sheet.line(top, FIT, t, case.theory[FIT]["msd"], e)
-    below.axhline(1, color=INK, linewidth=0.8)
+            sheet.line(top, runs.FIT, t, theory[runs.FIT]["msd"], e)
     return sheet.done(_TIME, r"$\langle r^2\rangle$  [d²]", "over dilute"), {"said": said}
 
 
-def vdf(results: Results) -> Made:
-    """Scaled velocity distribution
-
-    F(c), c = v/v₀, at the last time; for e > 0 it vanishes at c = 0.{reason}
-    """
+def vdf(results: runs.Results) -> Made:
+    """F(c) at the last time."""
     sheet, panels = _panels(results, results.cooling)
     hard, near, reason = f"hard {results.system.scatterers}", [], ""
     c, at = np.linspace(0.01, 2.5, 120), runs.SPEEDS
     for case, ax in panels:
         e, inside = case.restitution, at < c[-1]
-        sheet.line(ax, KINETIC, c, runs.last_vdf(case.solved.kinetic)(c), e, named=False)
+        sheet.line(ax, runs.KINETIC, c, runs.last_vdf(case.solved.kinetic)(c), e, named=False)
         for source, found in case.measured.items():
             sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
         sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, case.dimension))
-        first, equation = case.measured[hard]["scaled_vdf"], case.theory[KINETIC]["scaled_vdf"]
+        first, equation = case.measured[hard]["scaled_vdf"], case.theory[runs.KINETIC]["scaled_vdf"]
         near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
     most, error, expected, e = max(near)
     if most > 3 * expected:
@@ -319,19 +305,15 @@ def vdf(results: Results) -> Made:
     return sheet.done("scaled speed $c = v/v_0$", "$F(c)$"), {"reason": reason}
 
 
-def position(results: Results) -> Made:
-    """Scaled displacement distribution
-
-    G(R), R = r/√⟨r²⟩, a density over R, at the last time. The forms of the paper have fitted
-    constants (peak η = 0.75, tail η = 0.25, γ = 7.39); they are of smooth disks.
-    """
+def position(results: runs.Results) -> Made:
+    """G(R) at the last time."""
     sheet, panels = _panels(results, results.cases)
     r, at = np.linspace(0.04, 6.0, 120), runs.DISTANCES
     for case, ax in panels:
         e, d = case.restitution, case.dimension
         ax.set(yscale="log", ylim=(1e-5, 3.0))
         g = case.solved.position.scaled_position_density(r)[-1]
-        sheet.line(ax, KINETIC, r, np.where(g > 0, g, np.nan), e, named=False)
+        sheet.line(ax, runs.KINETIC, r, np.where(g > 0, g, np.nan), e, named=False)
         for source, found in case.measured.items():
             sheet.points(ax, source, at, found["position"], e, named=False)
         if results.system.is_papers_law:
@@ -344,17 +326,14 @@ def position(results: Results) -> Made:
     return sheet.done("scaled distance $R$", "$G(R)$"), {}
 
 
-def kurtosis(results: Results) -> Made:
-    """Kurtosis of the displacement
-
-    ⟨r⁴⟩/⟨r²⟩²: were G(R) the same at all times, it would be constant.
-    """
-    sheet = _Sheet(results.system.restitutions)
+def kurtosis(results: runs.Results) -> Made:
+    """<r^4>/<r^2>^2 over time."""
+    sheet = _Sheet(results.system)
     (ax,) = sheet.axes
     ax.set_xscale("log")
     for case in results.cases:
         late = case.solved.late
-        sheet.line(ax, KINETIC, late.times, late.kurtosis, case.restitution)
+        sheet.line(ax, runs.KINETIC, late.times, late.kurtosis, case.restitution)
         for source, found in case.measured.items():
             sheet.points(ax, source, case.times, found["kurtosis"], case.restitution)
     ends = [results.cases[0].times[0], runs.LATEST]
@@ -364,12 +343,8 @@ def kurtosis(results: Results) -> Made:
     return sheet.done(_TIME, r"$\langle r^4\rangle/\langle r^2\rangle^2$"), {}
 
 
-def picture(results: Results) -> Made:
-    """The system
-
-    Tracers among hard disks, {said}, coloured by their speed, from the open circle to the dots.
-    Shaded: where no centre of a tracer can be.
-    """
+def picture(results: runs.Results) -> Made:
+    """Paths of tracers among hard disks."""
     run, said = runs.picture(results.system)
     figure = Figure(figsize=(_WIDTH, 0.85 * _WIDTH), layout="constrained")
     ax = figure.add_subplot()
@@ -384,118 +359,86 @@ def picture(results: Results) -> Made:
 
 
 # -- tracers in a field ----------------------------------------------------------------------------
-def _steady(results: Results, dimension: int, name: str) -> tuple[Array, Measured, Array]:
-    """Restitutions, what particles say, and what the solver says."""
-    cases = [c for c in results.cases if c.dimension == dimension and "drift" in c.theory[SOLVER]]
-    found = [c.measured[FREE][name] for c in cases]
-    measured = Measured(*(np.array([getattr(x, k) for x in found]) for k in ("value", "error")))
-    e, solved = np.array([(c.restitution, c.theory[SOLVER][name]) for c in cases]).T
-    return e, measured, solved
+def _steady(results: runs.Results, dimension: int, name: str) -> tuple[Any, runs.Measured, Any]:
+    """Restitutions, what particles say, and what the solver says, (n,) each."""
+    found = [
+        (c.restitution, x.value, x.error, c.theory[runs.SOLVER][name])
+        for c in results.cases
+        if c.dimension == dimension and (x := c.measured[runs.FREE].get(name))
+    ]
+    e, value, error, solved = np.array(found).T
+    return e, runs.Measured(value, error), solved
 
 
-def drift(results: Results) -> Made:
-    """Drift over the restitution
-
-    The mean velocity u along the field in the steady state. Dotted: the law of nearly elastic
-    collisions. Below, particles of the dilute limit over the solver.
-    """
-    sheet = _Sheet((), (2.4, 1.15))
+def drift(results: runs.Results) -> Made:
+    """Drift over e, and particles over the solver."""
+    sheet = _Sheet(results.system, (2.4, 1.15))
     top, below = sheet.axes
     for d, line in results.more["lines"].items():
         group = (SCATTERERS[d], d - 2)
-        sheet.line(top, SOLVER, line["restitution"], line["drift"], group)
+        sheet.line(top, runs.SOLVER, line["restitution"], line["drift"], group)
         sheet.line(top, "limiting law", _FINE, runs.near_elastic(_FINE, d)["drift"], group)
         e, measured, solved = _steady(results, d, "drift")
-        sheet.points(top, FREE, e, measured, group)
+        sheet.points(top, runs.FREE, e, measured, group)
         beside = 0.004 * (2 * d - 5)  # so that disks and spheres are both seen
-        sheet.points(below, FREE, e + beside, measured / solved, group)
+        sheet.points(below, runs.FREE, e + beside, measured / solved, group)
     below.axhline(1, color=INK, linewidth=0.8)
     top.set(ylim=(0, None), xlim=(-0.02, 1.0))
     return sheet.done(_RESTITUTION, "drift $u$  [√(gl)]", "over the solver"), {}
 
 
-def dispersion(results: Results) -> Made:
-    """Dispersion about the drift
-
-    Half the growth rate of the variance of the displacement along the field and in one direction
-    across it. Dotted: the law of nearly elastic collisions.
-    """
+def dispersion(results: runs.Results) -> Made:
+    """Both coefficients over e."""
     lines = results.more["lines"]
-    sheet = _Sheet((), columns=len(lines), panels=True)
+    sheet = _Sheet(results.system, columns=len(lines), panels=True)
     for ax, (d, line) in zip(sheet.axes, lines.items(), strict=True):
         laws = runs.near_elastic(_FINE, d)
         for k, name in enumerate(("diffusion_parallel", "diffusion_perpendicular")):
             group = (("$D_∥$, along", "$D_⊥$, across")[k], k)
-            sheet.line(ax, SOLVER, line["restitution"], line[name], group)
+            sheet.line(ax, runs.SOLVER, line["restitution"], line[name], group)
             sheet.line(ax, "limiting law", _FINE, laws[name], group)
-            sheet.points(ax, FREE, *_steady(results, d, name)[:2], group)
+            sheet.points(ax, runs.FREE, *_steady(results, d, name)[:2], group)
         ax.set(ylim=(0.0, 1.05), xlim=(-0.02, 1.0))
         ax.set_title(SCATTERERS[d], loc="left", fontsize=10.5, pad=3)
     return sheet.done(_RESTITUTION, "$D$  [√(gl³)]"), {}
 
 
-def from_rest(results: Results) -> Made:
-    """From rest to the steady state
-
-    Tracers start at rest and first fall freely: they exceed the drift before they collide.
-    """
-    sheet, at = _Sheet((), (1.7, 1.7)), runs.APPROACH_TIMES
+def from_rest(results: runs.Results) -> Made:
+    """Approach to the steady state."""
+    sheet, at = _Sheet(results.system, (1.7, 1.7)), runs.APPROACH_TIMES
     sheet.axes[0].set_xscale("log")
     for ax, name in zip(sheet.axes, ("drift_from_rest", "square_from_rest"), strict=True):
         for k, case in enumerate(results.more["approach"]):
             group = (f"{SCATTERERS[case.dimension]}, e = {case.restitution:g}", k)
-            sheet.line(ax, SOLVER, at, case.theory[SOLVER][name], group)
-            sheet.points(ax, FREE, at[::2], case.measured[FREE][name][::2], group)
+            sheet.line(ax, runs.SOLVER, at, case.theory[runs.SOLVER][name], group)
+            sheet.points(ax, runs.FREE, at[::2], case.measured[runs.FREE][name][::2], group)
     return sheet.done(_FIELD_TIME, "$⟨v_z⟩$  [√(gl)]", "$⟨v^2⟩$  [gl]"), {}
 
 
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------
-def _over_time(results: Results, name: str, label: str, log: bool) -> Made:
-    """An average over time; below, particles over the solver."""
-    sheet = _Sheet((), (2.4, 1.15))
-    top, below = sheet.axes
-    top.set(xscale="log", yscale="log" if log else "linear")
-    for k, case in enumerate(results.cases):
-        group, said = _group(results, k), case.theory[SOLVER][name]
-        sheet.line(top, SOLVER, case.times, said, group)
-        sheet.points(top, FREE, case.times, case.measured[FREE][name], group)
-        sheet.points(below, FREE, case.times, case.measured[FREE][name] / said, group, largest=0.1)
-    below.axhline(1, color=INK, linewidth=0.8)
-    return sheet.done("time $t$  [l/U]", label, "over the solver"), {}
+def thermal_speed(results: runs.Results) -> Made:
+    """v0(t), and particles over the solver."""
+    scale = "log" if results.cases[0].solved.state is None else "linear"
+    sheet = _over_time(results, "thermal_speed", runs.SOLVER, runs.FREE, scale)
+    return sheet.done("time $t$  [l/U]", "$v_0$  [U]", "over the solver"), {}
 
 
-def _group(results: Results, k: int) -> tuple[str, int]:
-    return f"{results.system.parameter} = {results.cases[k].restitution:g}", k
+def spread(results: runs.Results) -> Made:
+    """<r^2>(t), and particles over the solver."""
+    sheet = _over_time(results, "msd", runs.SOLVER, runs.FREE, "log")
+    return sheet.done("time $t$  [l/U]", r"$\langle r^2\rangle$  [l²]", "over the solver"), {}
 
 
-def thermal_speed(results: Results) -> Made:
-    """Thermal speed over time
-
-    v₀(t) from a Gaussian start; below, particles of the dilute limit over the solver.
-    """
-    return _over_time(results, "thermal_speed", "$v_0$  [U]", results.cases[0].solved.state is None)
-
-
-def spread(results: Results) -> Made:
-    """Mean square displacement
-
-    ⟨r²⟩ over time; below, particles of the dilute limit over the solver.
-    """
-    return _over_time(results, "msd", r"$\langle r^2\rangle$  [l²]", True)
-
-
-def speeds(results: Results) -> Made:
-    """Scaled velocity distribution
-
-    F(c), c = v/v₀, {said}.
-    """
-    sheet, c, at = _Sheet(()), np.linspace(0.01, 3.5, 120), runs.SPEEDS
+def speeds(results: runs.Results) -> Made:
+    """F(c) of driven tracers."""
+    sheet, c, at = _Sheet(results.system), np.linspace(0.01, 3.5, 120), runs.SPEEDS
     (ax,) = sheet.axes
     ax.set(yscale="log", ylim=(1e-5, 1.0))
-    for k, case in enumerate(results.cases):
-        inside, group = at < c[-1], _group(results, k)
-        sheet.line(ax, SOLVER, c, case.solved.vdf(c), group)
-        sheet.points(ax, FREE, at[inside], case.measured[FREE]["scaled_vdf"][inside], group)
+    for case in results.cases:
+        e, inside = case.restitution, at < c[-1]
+        found = case.measured[runs.FREE]["scaled_vdf"][inside]
+        sheet.line(ax, runs.SOLVER, c, case.solved.vdf(c), e)
+        sheet.points(ax, runs.FREE, at[inside], found, e)
     sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, results.cases[0].dimension))
     said = "in the steady state, a density in the plane or in space"
     known = [case.solved.speeds for case in results.cases if case.solved.speeds is not None]

@@ -12,21 +12,12 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import repeat
 from typing import Any
 
 from kinetics.crosscheck.report.rows import kept, scale_of
 from kinetics.crosscheck.words import Verdict, number, numeral
 
-_OF_PAPER = ("averages", "cooling", "diffusion")
-_OF_LAW = {
-    2: ("one_collision", "measure_plane", "moments", "slope"),
-    3: ("one_collision", "measure_space", "averages_space", "moments", "slope"),
-}
-_ANY_LAW = ("rule", "one-collision", "any-moments", "any-slope")
-_IN_DIMENSION = {
-    2: ("measure-plane", "plane-equal"),
-    3: ("measure-space", "space-power", "space-log", "space-cosine", "space-e-zero"),
-}
 _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", "collision")
 """Labels of the paper that are words or symbols too: they are labels only after "eq."."""
 
@@ -35,31 +26,28 @@ _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", 
 def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
     """Derive the formulas of the report in a process of its own; gives a function that waits.
 
-    It ends with the context; RuntimeError with its last line if it fails. None are of a field.
+    It ends with the context; RuntimeError if it fails. None are of a field.
     """
-    more: tuple[str, ...] | None = getattr(system, "algebra", None)
+    more: Sequence[str] | None = getattr(system, "algebra", None)
     if more is None and not system.in_field:
-        more = () if system.is_papers_law else _ANY_LAW + _IN_DIMENSION[system.dimension]
+        more = () if system.is_papers_law else kept()["algebra"][str(system.dimension)]
     elif not more:
         yield list
         return
-    assert more is not None
-    # The child must find the packages where this process did, installed or not.
-    paths = os.pathsep.join(p for p in sys.path if p)
+    command = [sys.executable, "-P", "-m", __name__, *(f"beyond:{name}" for name in more or ())]
+    # the child must find the packages where this process did, installed or not, and Ctrl-C reach
+    # this process alone, which then ends the child
+    path = os.pathsep.join(filter(None, sys.path))
     with subprocess.Popen(
-        [sys.executable, "-P", "-m", __name__, *(f"beyond:{name}" for name in more)],
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env=dict(os.environ, PYTHONPATH=paths),
-        start_new_session=True,  # Ctrl-C reaches the parent alone, which then ends the child
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, env=dict(os.environ, PYTHONPATH=path), start_new_session=True,
     ) as process:  # fmt: skip
 
         def wait() -> list[dict[str, Any]]:
             out, err = process.communicate()
             if process.returncode:
-                last = (err.strip().splitlines() or ["no message"])[-1]
-                raise RuntimeError(f"the derivations failed: {last}")
-            found: list[dict[str, Any]] = json.loads(out)
-            return found
+                raise RuntimeError(f"the derivations failed: {err.strip().rpartition(chr(10))[2]}")
+            return list(json.loads(out))
 
         try:
             yield wait
@@ -138,7 +126,7 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
     settings = document["settings"]
     cools, dimension = "tangential_restitution" in settings, settings.get("dimension", 2)
     papers_law = cools and dimension == 2 and settings["tangential_restitution"] == 1
-    below = () if not cools else _OF_PAPER if papers_law else _OF_LAW[dimension]
+    below = kept()["below"]["paper" if papers_law else str(dimension)] if cools else ()
 
     def equation(name: str) -> tuple[str, Markup]:
         return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))
@@ -154,16 +142,15 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
 
 def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Restitutions, and for each quantity its name and a cell for each of them."""
-    rows: list[dict[str, Any]] = document["tables"]["summary"]
     lines: dict[str, dict[float, str]] = {}
-    for row in rows:
-        sign, shown = "+" if row["quantity"].endswith("%") else "", number(row["value"], digits=4)
+    for row in document["tables"]["summary"]:
+        name, value = row["quantity"], row["value"]
+        sign = "+" if name.endswith("%") else ""
+        shown = numeral(value, "+.1f") if sign else number(value, digits=4)
         if row["error"]:
-            shown = number(row["value"], row["error"], sign)
-        elif sign:
-            shown = numeral(row["value"], "+.1f")
-        lines.setdefault(row["quantity"], {})[row["restitution"]] = shown
-    every = sorted({row["restitution"] for row in rows})
+            shown = number(value, row["error"], sign)
+        lines.setdefault(name, {})[row["restitution"]] = shown
+    every = sorted({e for cells in lines.values() for e in cells})
     return [f"{document['parameter']} = {e:g}" for e in every], [
         [quantity, *(cells.get(e, "–") for e in every)] for quantity, cells in lines.items()
     ]
@@ -171,26 +158,18 @@ def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
 
 def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The folded tables: id, title, note, head and lines; a line of one cell is a heading."""
-    rows, every = document["rows"], sorted({row["restitution"] for row in document["rows"]})
-    e_or_b = document["parameter"]
-    titles, verdicts, detail = kept()["observables"], list[list[Any]](), list[list[Any]]()
-    for (observable, system), whos in matrix(rows).items():
-        verdicts.append([f"{titles[observable][0]}, {system}"])
-        verdicts += [[w, *(cells.get(e, "–") for e in every)] for w, cells in whos.items()]
+    rows, e_or_b, titles = document["rows"], document["parameter"], kept()["observables"]
+    every = sorted({row["restitution"] for row in rows})
+    groups: dict[str, list[Mapping[str, Any]]] = {}
     for row in rows:
-        heading = [f"{titles[row['observable']][0]}, {row['system']}"]
-        if heading not in detail:
-            detail.append(heading)
-        names = (("distance", "R"), ("time", "t"), ("c", "c"))
-        at = [f"{name} = {numeral(row[key], '.3g')}" for key, name in names if row[key] is not None]
-        at = at[:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
-        sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
-        detail.append([
-            f"{e_or_b} = {row['restitution']:g}", f"{row['source']} / {row['against']}",
-            ", ".join(at),
-            number(row["value"], row["error"]), number(row["theory"]),
-            *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
-        ])  # fmt: skip
+        groups.setdefault(f"{titles[row['observable']][0]}, {row['system']}", []).append(row)
+    verdicts, detail = list[list[Any]](), list[list[Any]]()
+    for heading, those in groups.items():
+        whos: dict[str, dict[float, Any]] = {}
+        for row in those:
+            whos.setdefault(_who(row), {})[row["restitution"]] = row
+        verdicts += [[heading], *([w, *map(x.get, every, repeat("–"))] for w, x in whos.items())]
+        detail += [[heading], *(_line(row, e_or_b) for row in those)]
     head = [e_or_b, "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
     note = "Who against whom: relative differences ± one standard error."
     return [
@@ -201,13 +180,21 @@ def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], dict[str, dict[Any, Any]]]:
-    """Rows by (observable, system), then by "source / against", then by restitution."""
-    found: dict[tuple[str, str], dict[str, dict[Any, Any]]] = {}
-    for row in rows:
-        whos = found.setdefault((row["observable"], row["system"]), {})
-        whos.setdefault(f"{row['source']} / {row['against']}", {})[row["restitution"]] = row
-    return found
+def _who(row: Mapping[str, Any]) -> str:
+    return f"{row['source']} / {row['against']}"
+
+
+def _line(row: Mapping[str, Any], parameter: str) -> list[Any]:
+    """The cells of a row, and the row, of which the page takes the verdict and the note."""
+    names = (("distance", "R"), ("time", "t"), ("c", "c"))
+    at = [f"{name} = {numeral(row[key], '.3g')}" for key, name in names if row[key] is not None]
+    at = at[:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
+    sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
+    return [
+        f"{parameter} = {row['restitution']:g}", _who(row), ", ".join(at),
+        number(row["value"], row["error"]), number(row["theory"]),
+        *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
+    ]  # fmt: skip
 
 
 _MARK = {Verdict.DIFFERS: "!", Verdict.UNCLEAR: "?", Verdict.NOT_TESTED: "-"}

@@ -22,7 +22,7 @@ from kinetics.crosscheck.words import Verdict, numeral
 
 @cache
 def kept() -> dict[str, Any]:
-    """Words and formulas of the page: "observables", "equations", "numbers", "mathml"."""
+    """Words and formulas of the page: "observables", "story", "figures", "equations" and more."""
     file = files("kinetics.crosscheck") / "templates" / "report.json"
     found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
     return found
@@ -158,69 +158,61 @@ def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
 def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     (free, hard), theory, found = case.measured, case.theory, case.solved
     times, early, paper = case.times, found.early, system.is_papers_law
-    left = "what remains is beyond the free path: recollisions, corners, correlated free paths"
 
     def particles(name: str, note: str = "") -> Iterable[dict[str, Any]]:
         yield from _measured(case, name, free, runs.KINETIC, note)
-        yield from _measured(case, name, hard, runs.KINETIC, "finite density")
-        yield from _measured(case, name, hard, runs.RESCALED, left)
+        yield from _measured(case, name, hard, runs.KINETIC, noted("finite"))
+        yield from _measured(case, name, hard, runs.RESCALED, noted("left"))
 
     def printed(name: str, source: str, against: str = runs.EXACT, **where: Any) -> dict[str, Any]:
-        value, of = theory[source][name], theory[against][name]
-        value, of = float(np.ravel(value)[-1]), float(np.ravel(of)[-1])
-        return _row(name, "approximation", source, against, value, of, **where)
+        values = (float(np.ravel(theory[who][name])[-1]) for who in (source, against))
+        return _row(name, "approximation", source, against, *values, **where)
 
-    of = "2d" if system.dimension == 2 else "πd²"
-    author = "Henderson's" if system.dimension == 2 else "Carnahan and Starling's"
-    sooner = f"{system.scatterers} that exclude each other are met sooner; not in the equation"
-    contact = f"g: {author} contact value of hard {system.scatterers} in equilibrium"
+    of, author = "2d", "Henderson's"
+    if system.dimension == 3:
+        of, author = "πd²", "Carnahan and Starling's"
+    words: dict[str, Any] = {"scatterers": system.scatterers, "author": author}
     path, said = "free_path", f"1/({of}ρ₀)"
     yield from _measured(case, path, free, runs.KINETIC, said=said)
-    yield from _measured(case, path, hard, runs.KINETIC, sooner, said=said)
+    yield from _measured(case, path, hard, runs.KINETIC, noted("sooner", **words), said=said)
+    contact = noted("contact", **words)
     yield from _measured(case, path, hard, "contact", contact, said=f"1/({of}ρ₀g)")
     if case.cools:
         for name in ("cooling_rate", "a2"):
             yield _numerical(name, theory[runs.SOLVER][name], theory[runs.EXACT][name], system.rtol)
-        note = (
-            f"slope of 1/v0 from t = {times[early]:.4g} to {times[-1]:.4g} d/U; "
-            f"the exact h of late times is {found.exact.cooling_rate:.5f}"
-        )
-        yield from particles("cooling_rate", note)
-        yield from _vdf(case, system)
         exact = theory[runs.EXACT]["msd_slope"]
-        reached = numeral(found.late.msd_slope[-1] / exact - 1, ".0e")
-        note = (
-            f"from t = {times[early]:.4g} to {times[-1]:.4g} d/U; the exact limit is "
-            f"{exact:.5g} d², reached to {reached} at t = {numeral(runs.LATEST, '.0e')} d/U"
-        )
-        yield from particles("msd_slope", note)
+        words = {
+            "first": times[early], "last": times[-1], "rate": found.exact.cooling_rate,
+            "exact": exact, "latest": numeral(runs.LATEST, ".0e"),
+            "reached": numeral(found.late.msd_slope[-1] / exact - 1, ".0e"),
+        }  # fmt: skip
+        yield from particles("cooling_rate", noted("slope", **words))
+        yield from _vdf(case, system)
+        yield from particles("msd_slope", noted("msd_slope", **words))
     for name in ("a2", "thermal_speed", "msd", "kurtosis"):
         yield from particles(name)
-    for run, note in ((free, ""), (hard, "finite density")):
+    for run, note in ((free, ""), (hard, noted("finite"))):
         share = theory[runs.KINETIC]["position"]
-        filled = _filled(share, case.samples(run), np.diff(runs.POSITION_EDGES))
-        yield from _measured(case, "position", run, runs.KINETIC, note, filled)
+        shown = runs.filled(share, case.samples(run), np.diff(runs.POSITION_EDGES))
+        yield from _measured(case, "position", run, runs.KINETIC, note, shown)
     if not paper:
         return
     end: dict[str, Any] = {"time": float(times[-1])}
     late = np.where(np.arange(times.size) >= early, theory[runs.FIT]["msd"], np.nan)
-    walk = f"random walk, eq. (22), with l = {sonine.FITTED_FREE_PATH} d"
+    walk = noted("walk", path=sonine.FITTED_FREE_PATH)
     yield printed("msd", runs.FIT, runs.KINETIC, **end, note=walk)
-    yield printed("msd", runs.SONINE, runs.KINETIC, **end, note="eq. (C9)")
-    claim = "the paper's own claim, for late times: here the last decade"
-    yield from _measured(case, "msd", hard, runs.FIT, claim, late)
+    yield printed("msd", runs.SONINE, runs.KINETIC, **end, note=noted("msd"))
+    yield from _measured(case, "msd", hard, runs.FIT, noted("claim"), late)
     if not case.cools:
         return
     yield printed("cooling_rate", runs.SONINE)
     yield printed("cooling_rate", runs.FIT)
-    yield from _measured(case, "cooling_rate", hard, runs.FIT, "the paper's own claim")
+    yield from _measured(case, "cooling_rate", hard, runs.FIT, noted("own"))
     yield printed("a2", runs.SONINE)
-    yield printed("msd_slope", runs.FIT, note="limit of late times")
-    yield printed("msd_slope", runs.SONINE, note="limit of late times")
-    kurtosis = float(found.kinetic.kurtosis[-1])
-    note = "eq. (53) has 4 at every time; a Gaussian has 2, which is the limit of late times"
-    who = ("paper's integral", runs.KINETIC, PAPER_KURTOSIS, kurtosis)
-    yield _row("kurtosis", "approximation", *who, **end, note=note)
+    yield printed("msd_slope", runs.FIT, note=noted("limit"))
+    yield printed("msd_slope", runs.SONINE, note=noted("limit"))
+    who = ("paper's integral", runs.KINETIC, PAPER_KURTOSIS, float(found.kinetic.kurtosis[-1]))
+    yield _row("kurtosis", "approximation", *who, **end, note=noted("kurtosis"))
     for source, form, low, high, note in POSITION_FORMS:
         r, density = sure_density(case, np.linspace(low, high, 61))
         if r.size:
@@ -232,32 +224,27 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
             )  # fmt: skip
 
 
+def noted(name: str, **words: Any) -> str:
+    """A note of `kept`, with words filled in."""
+    return str(kept()["notes"][name]).format(**words)
+
+
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     """F(c): the solver against the closed form, relative to its peak; particles in bins."""
     c, solved = runs.SPEEDS, case.solved
     # the solver gives 0 where F is below its reach
     exact, solver = np.asarray(solved.exact.vdf(c)), np.asarray(solved.scaled.reached_vdf(c))
-    k = int(np.argmax(np.abs(solver - exact)))
-    most = float(np.max(exact))
+    k, most = int(np.argmax(np.abs(solver - exact))), float(np.max(exact))
     row = _numerical("scaled_vdf", float(solver[k]), float(exact[k]), system.rtol, most)
-    note = f"worst bin centre, relative to the peak; {row['note']}"
-    yield row | {"c": float(c[k]), "looks": len(c), "note": note}
+    yield row | {"c": float(c[k]), "looks": len(c), "note": noted("peak", asked=row["note"])}
     kinetic = case.theory[runs.KINETIC]["scaled_vdf"]
     final = runs.bin_average(solved.scaled.reached_vdf, case.dimension)
     change = float(np.max(np.abs(kinetic - final)) / np.max(final))
-    note = (
-        f"mean over a bin of c at the last time, bins of {runs.LEAST_EXPECTED} samples or more; "
-        f"still to change by {change:.1%} of the peak"
-    )
+    note = noted("vdf", least=runs.LEAST_EXPECTED, change=change)
     for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
         expected = case.theory[against]["scaled_vdf"]
-        filled = _filled(expected, case.samples(run), runs.bin_measure(case.dimension))
-        yield from _measured(case, "scaled_vdf", run, against, note, filled)
-
-
-def _filled(density: Array, samples: int, measure: Array) -> Array:
-    """The density in those bins in which it expects enough samples, NaN in others."""
-    return np.where(samples * density * measure >= runs.LEAST_EXPECTED, density, np.nan)
+        shown = runs.filled(expected, case.samples(run), runs.bin_measure(case.dimension))
+        yield from _measured(case, "scaled_vdf", run, against, note, shown)
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:

@@ -8,22 +8,15 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics import (
-    ScalingSolution,
-    Scene,
-    Solution,
-    solve,
-    solve_field,
-    solve_scaled,
-    solve_steady,
-    sonine,
-)
+import kinetics
+from kinetics import Scene, Solution, sonine
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.collision.medium import HIGHEST_DENSITY
 from kinetics.crosscheck.compare.statistics import errors as jackknife_error
@@ -39,7 +32,9 @@ EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
 FREE, LIMIT = "Boltzmann-Grad", "limit e → 1"
 # what the theory of a finite density knows, each with what the one before it has
 PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
-OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")  # without a field, at each time
+AVERAGES = "thermal_speed a2 msd kurtosis"  # without a field, at each time
+OVER_TIME = tuple(AVERAGES.split())
+FALL: dict[str, Any] = {"initial": "rest", "field": 1.0}  # how tracers start in a field
 LATEST = 1e9  # last time in d/U of the equation alone
 # of the approach to the steady state in a field, in sqrt(l/g)
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
@@ -150,9 +145,8 @@ def ball(dimension: int) -> float:
 
 def gaussian_vdf(c: ArrayLike, dimension: int) -> Array:
     """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
-    if dimension == 2:
-        return sonine.vdf(c, 0.0)
-    return np.asarray((1.5 / math.pi) ** 1.5 * np.exp(-1.5 * np.square(c)))
+    d = dimension
+    return np.asarray((d / 2 / math.pi) ** (d / 2) * np.exp(-d / 2 * np.square(c)))
 
 
 def bin_measure(dimension: int) -> Array:
@@ -174,6 +168,11 @@ def bin_average(vdf: Callable[[Array], ArrayLike], dimension: int) -> Array:
     return np.asarray(shares.reshape(-1, 8).sum(axis=1) / np.diff(SPEED_EDGES**dimension))
 
 
+def filled(density: Array, samples: int, measure: Array) -> Array:
+    """The density in those bins in which it expects enough samples, NaN in others."""
+    return np.where(samples * density * measure >= LEAST_EXPECTED, density, np.nan)
+
+
 def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
     """Density of samples (n_groups, n_in_group) over their own root mean square, per bin.
 
@@ -189,6 +188,18 @@ def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
 
     replicates = np.array([density(group) for group in by_group])
     return Measured(density(every[:0]), jackknife_error(replicates))
+
+
+def jackknifed(
+    by_group: Mapping[str, Array], quantities: Callable[[Mapping[str, Array]], dict[str, Array]]
+) -> dict[str, Measured]:
+    """Quantities of averages, which are given for each group, (n_groups,).
+
+    Both sides of a relation come from the same tracers: their ratio is formed first.
+    """
+    without = quantities({n: (x.sum() - x) / (x.size - 1) for n, x in by_group.items()})
+    found = quantities({n: x.mean() for n, x in by_group.items()})
+    return {n: Measured(x, jackknife_error(without[n])) for n, x in found.items()}
 
 
 # -- a gas that cools ------------------------------------------------------------------------------
@@ -213,9 +224,7 @@ def cooling_case(
     early = int(np.searchsorted(times, last / 10))
     seed, hard = system.seed + 2 * system.restitutions.index(e), f"hard {system.scatterers}"
     free_media = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
-    dense: Medium = HardDisks(system.number_density, system.count)
-    if d == 3:
-        dense = HardSpheres(system.number_density, count=system.count)
+    packed_media: Any = HardSpheres if d == 3 else HardDisks
 
     def followed(medium: Medium, seed: int, media: int, tracers: int) -> Ensemble:
         return simulate(
@@ -226,7 +235,8 @@ def cooling_case(
 
     tell(f"e = {e:g}: {hard}")
     solving = beside.submit(_solutions, law, times, system)
-    packed = followed(dense, seed + 1, system.media, system.tracers)
+    medium = packed_media(system.number_density, count=system.count)
+    packed = followed(medium, seed + 1, system.media, system.tracers)
     path = float(packed.mean_free_path.value)
     if not np.isfinite(path):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")
@@ -236,7 +246,7 @@ def cooling_case(
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
     thinner = 1 / (2 * path) / half_section(d)
-    found.rescaled = _solved(law, thinner, times, (*OVER_TIME, "speed_density"), system.rtol)
+    found.rescaled = _solved(law, thinner, times, f"{AVERAGES} speed_density", system.rtol)
     found.early = early
     measured, differences = _reduced(packed, early, half_rate, found.rescaled)
     position, edges = found.position, POSITION_EDGES
@@ -264,15 +274,13 @@ def cooling_case(
     )  # fmt: skip
 
 
-def _solved(
-    law: CollisionLaw, density: float, times: Array, outputs: tuple[str, ...], rtol: float,
-    **more: Any,
-) -> Solution:  # fmt: skip
+def _solved(law: Any, density: float, times: Array, outputs: str, rtol: float, **more: Any) -> Any:
     """The kinetic equation from a Gaussian start; times in d/U, density in d^-2 or d^-3."""
-    scene = Scene(number_density=density, times=times, outputs=outputs, **law.arguments, **more)
+    told = law.arguments if isinstance(law, CollisionLaw) else {"restitution": law}
+    told |= {"number_density": density, "times": times, "outputs": tuple(outputs.split())}
     with warnings.catch_warnings():  # a page of rows shows what deviates
         warnings.simplefilter("ignore", ToleranceWarning)
-        return solve(scene, rtol=rtol)
+        return kinetics.solve(Scene(**told, **more), rtol=rtol)
 
 
 def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamespace:
@@ -280,16 +288,16 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     density, rtol = system.number_density, system.rtol
     found = SimpleNamespace(exact=None, scaled=None, dense=None, dense_slope=None, levels={})
     if not law.is_elastic:  # the scaling state, in closed form and as solved
-        found.exact = ScalingSolution(**law.arguments)
-        found.scaled = solve_scaled(**law.arguments, rtol=rtol)
-    found.kinetic = _solved(law, density, times, (*OVER_TIME, "speed_density"), rtol)
+        found.exact = kinetics.ScalingSolution(**law.arguments)
+        found.scaled = kinetics.solve_scaled(**law.arguments, rtol=rtol)
+    found.kinetic = _solved(law, density, times, f"{AVERAGES} speed_density", rtol)
     late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), 55)
-    found.late = _solved(law, density, late, (*OVER_TIME, "diffusion_coefficient"), rtol)
-    place = ("msd", "position_density")
-    found.position = _solved(law, density, times[-1:], place, system.position_rtol)
+    found.late = _solved(law, density, late, f"{AVERAGES} diffusion_coefficient", rtol)
+    place, last = "msd position_density", times[-1:]
+    found.position = _solved(law, density, last, place, system.position_rtol)
     if not system.is_papers_law or density > HIGHEST_DENSITY:
         return found
-    outputs, medium = ("thermal_speed", "a2", "msd"), {"scatterers": "hard disks"}
+    outputs, medium = "thermal_speed a2 msd", {"scatterers": "hard disks"}
     found.dense = _solved(law, density, times, outputs, rtol, **medium)
     if found.exact is not None:
         ends = np.array([LATEST / 10, LATEST])
@@ -297,9 +305,9 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     # <r^2> at the last time, in d^2, by what is known of hard disks
     leading = law_in_medium(law, "hard disks", density, 1.0, "leading")
     thinner = 0.5 / leading.mean_free_path(density, 1.0)
-    found.levels[PATH] = _solved(law, thinner, times[-1:], ("msd",), rtol).msd[-1]
+    found.levels[PATH] = _solved(law, thinner, last, "msd", rtol).msd[-1]
     for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
-        one = _solved(law, density, times[-1:], ("msd",), rtol, density_order=order, **medium)
+        one = _solved(law, density, last, "msd", rtol, density_order=order, **medium)
         found.levels[name] = one.msd[-1]
     return found
 
@@ -413,7 +421,7 @@ def _in_field(system: Falling, tell: Tell) -> Results:
     for d in system.dimensions:
         tell(f"{SCATTERERS[d]}: solver")
         at = np.unique([*system.line, *system.restitutions])
-        states = [solve_field(float(e), d, rtol=1e-6) for e in at]
+        states = [kinetics.solve_field(float(e), d, rtol=1e-6) for e in at]
         names = ("drift", "diffusion_parallel", "diffusion_perpendicular")
         line = {name: np.array([getattr(state, name) for state in states]) for name in names}
         more["lines"][d] = {"restitution": at, **line}
@@ -426,96 +434,88 @@ def _in_field(system: Falling, tell: Tell) -> Results:
     return Results(system, [*cases, *more["approach"]], more)
 
 
-def _fallen(state: Any, times: Array, system: Falling, *observables: str) -> Ensemble:
-    """Boltzmann-Grad tracers from rest."""
-    d, e, n = state.dimension, float(state.restitution), float(times[-1]) * state.mean_speed
-    seed = system.seed + 1000 * d + round(1e6 * e)
-    more = {"initial": "rest", "field": 1.0}
-    return _dilute(e, d, times, n, system, seed, observables, **more)
-
-
 def _dilute(
-    restitution: Any, d: int, times: Array, each: float, system: Falling | Driven, seed: int,
-    observables: tuple[str, ...], **more: Any,
+    restitution: Any, parameter: float, d: int, times: Array, each: float,
+    system: Falling | Driven, observables: Sequence[str], beside: int = 0, **more: Any,
 ) -> Ensemble:  # fmt: skip
     """So many tracers, of about `each` collisions, that they make the collisions asked for."""
     wanted = system.collisions / each
     tracers = max(2, round(min(wanted, system.most_tracers) / system.groups))
     # the density at which l = d, so that lengths in d are lengths in l
     medium = BoltzmannGrad(0.5 / half_section(d), dimension=3 if d == 3 else 2)
+    seed = system.seed + beside + 1000 * d + round(1e6 * parameter)
     return simulate(
         medium, restitution, times=times, media=system.groups, tracers=tracers, seed=seed,
         workers=system.workers, observables=observables, **more,
     )  # fmt: skip
 
 
+def _vectors(run: Ensemble, name: str) -> Array:
+    """Its velocities or positions, (n_times, n_groups, n_in_group, d)."""
+    found: Array = getattr(run, name)
+    return found.reshape(len(found), run.media, run.tracers, -1)
+
+
 def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     """Solve, follow particles until they have forgotten their start, and average from there on."""
-    state = solve_field(restitution, dimension, rtol=system.rtol)
+    state = kinetics.solve_field(restitution, dimension, rtol=system.rtol)
     # d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively: after
     # ten such times e^-10 of the start is left, as far as the energy remembers it
     first = 10.0 / (1.5 * float(state.law.decay_rate(2.0)) * state.mean_speed)
     times = np.linspace(first, 3.0 * first, 9)
-    run = _fallen(state, times, system, "positions", "velocities")
-    law, d, n = state.law, dimension, times.size
-    v = run.velocities.reshape(n, run.media, run.tracers, d)
-    r = run.positions.reshape(n, run.media, run.tracers, d)[[0, -1]]
+    each, both = float(times[-1]) * state.mean_speed, ("positions", "velocities")
+    run = _dilute(restitution, restitution, dimension, times, each, system, both, **FALL)
+    law, v, r = state.law, _vectors(run, "velocities"), _vectors(run, "positions")
     speed, along = np.linalg.norm(v, axis=-1), v[..., 0]
-
-    s = {
-        "v_z": along, "v": speed, "v^2": speed**2, "v^3": speed**3, "v^4": speed**4,
-        "v_z^2": along**2, "v v_z": speed * along, "cos": along / speed,
-    }  # fmt: skip
-    for k in (0, 1):
-        z = r[k : k + 1, ..., 0]
-        s |= {f"z{k}": z, f"zz{k}": z**2, f"xx{k}": (r[k : k + 1, ..., 1:] ** 2).mean(axis=-1)}
+    s: dict[Any, Array] = {(p, 0): speed**p for p in (1, 2, 3, 4)}
+    s |= {(0, 1): along / speed, (1, 1): along, (2, 1): speed * along, (2, 2): along**2}
+    for k, at in enumerate((r[:1], r[-1:])):
+        z = at[..., 0]
+        s |= {f"z{k}": z, f"zz{k}": z**2, f"xx{k}": (at[..., 1:] ** 2).mean(axis=-1)}
     s = {name: x.mean(axis=(0, 2)) for name, x in s.items()}  # of each group
     elapsed = float(run.times[-1] - run.times[0])
-    loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
 
-    def quantities(s: dict[str, Array]) -> dict[str, Array]:
+    def quantities(s: Mapping[Any, Array]) -> dict[str, Array]:
         along = s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2
         return {
             "drift": (s["z1"] - s["z0"]) / elapsed,
-            "mean_square_speed": s["v^2"],
-            "mean_square_along": s["v_z^2"],
-            "mean_speed": s["v"],
+            "mean_square_speed": s[2, 0],
+            "mean_square_along": s[2, 2],
+            "mean_speed": s[1, 0],
             "diffusion_parallel": along / (2 * elapsed),
             "diffusion_perpendicular": (s["xx1"] - s["xx0"]) / (2 * elapsed),
-            "momentum": s["v v_z"],
-            "energy": loss[2] * s["v^3"] / (2 * s["v_z"]),
-            "cube": loss[3] * s["v^4"] / (3 * s["v v_z"]),
-            "direction": s["cos"] / (loss[1] * s["v^2"]),
+            **relations(law, lambda p, k: s[p, k]),
         }
 
-    # both sides of a relation come from the same tracers: their ratio is formed first
-    without = quantities({n: (x.sum() - x) / (run.media - 1) for n, x in s.items()})
-    measured = {
-        name: Measured(value, jackknife_error(without[name]))
-        for name, value in quantities({n: x.mean() for n, x in s.items()}).items()
-    }
+    measured = jackknifed(s, quantities)
     averages = {name: float(getattr(state, name)) for name in [*measured][:6]}
     solved, exact = exact_relations(state)
-    theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
-    name = f"{SCATTERERS[d]} in a field"
+    theory = {SOLVER: averages | solved, EXACT: exact}
+    theory[LIMIT] = near_elastic(restitution, dimension)
+    name, d = f"{SCATTERERS[dimension]} in a field", dimension
     return Case(name, restitution, d, times, {FREE: measured}, theory, {FREE: run}, solved=state)
 
 
-def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """Both sides of each exact relation between averages, solver and closed form: moments of the
-    equation for v v_z, v^2, v^3, v, ln v and 1/v, which do not change.
+def relations(law: CollisionLaw, moment: Callable[[int, int], Any]) -> dict[str, Any]:
+    """What moments <v^p cos^k> give for 1/lambda_1(1), and then for 1: the equations for the
+    moments v v_z, v^2, v^3 and v, which do not change.
     """
-    law, moment, e = state.law, state.moment, float(state.restitution)
-    loss = {p: float(law.decay_rate(float(p))) for p in (-1, 1, 2, 3) if p > law.lowest_power}
-    solved = {
-        "momentum": moment(2.0, 1),
-        "energy": loss[2] * moment(3.0, 0) / (2.0 * moment(1.0, 1)),
-        "cube": loss[3] * moment(4.0, 0) / (3.0 * moment(2.0, 1)),
-        "direction": moment(0.0, 1) / (loss[1] * moment(2.0, 0)),
-        "logarithm": moment(-1.0, 1) / (law.mean_log_loss * moment(1.0, 0)),
+    loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
+    return {
+        "momentum": moment(2, 1),
+        "energy": loss[2] * moment(3, 0) / (2 * moment(1, 1)),
+        "cube": loss[3] * moment(4, 0) / (3 * moment(2, 1)),
+        "direction": moment(0, 1) / (loss[1] * moment(2, 0)),
     }
+
+
+def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
+    """Both sides of `relations`, solver and closed form, and those of ln v and 1/v besides."""
+    law, moment, e = state.law, state.moment, float(state.restitution)
+    solved = relations(law, moment)
+    solved["logarithm"] = moment(-1, 1) / (law.mean_log_loss * moment(1, 0))
     if e > 0.0:
-        solved["inverse"] = moment(-2.0, 1) / -loss[-1]
+        solved["inverse"] = moment(-2, 1) / -float(law.decay_rate(-1.0))
     exact = dict.fromkeys(solved, 1.0)
     exact["momentum"] = (1.5 if state.dimension == 2 else 2.0) / (1.0 + e)
     return solved, exact
@@ -547,11 +547,12 @@ def near_elastic(restitution: Any, dimension: int) -> dict[str, Any]:
 
 def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
     """Solver and particles from rest, at `APPROACH_TIMES`."""
-    state = solve_field(restitution, dimension, rtol=system.rtol)
-    run = _fallen(state, APPROACH_TIMES, system)
-    density, outputs = 0.5 / half_section(dimension), ("mean_velocity", "thermal_speed")
-    more = {"field": 1.0, "initial": "rest"}
-    solved = _solved(state.law, density, APPROACH_TIMES, outputs, system.time_rtol, **more)
+    times = APPROACH_TIMES
+    state = kinetics.solve_field(restitution, dimension, rtol=system.rtol)
+    each, density = float(times[-1]) * state.mean_speed, 0.5 / half_section(dimension)
+    run = _dilute(restitution, restitution, dimension, times, each, system, (), **FALL)
+    names = "mean_velocity thermal_speed"
+    solved = _solved(state.law, density, times, names, system.time_rtol, **FALL)
     second = Measured.of(run.thermal_speed)
     measured = {
         "drift_from_rest": Measured.of(run.drift),
@@ -561,86 +562,69 @@ def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
         "drift_from_rest": solved.mean_velocity[:, 0],
         "square_from_rest": solved.thermal_speed**2,
     }}  # fmt: skip
-    return Case(
-        f"{SCATTERERS[dimension]} in a field", restitution, dimension, APPROACH_TIMES,
-        {FREE: measured}, theory, {FREE: run},
-        {name: ("time", APPROACH_TIMES) for name in measured}, solved=state,
-    )  # fmt: skip
+    places = {name: ("time", times) for name in measured}
+    name, ran = f"{SCATTERERS[dimension]} in a field", {FREE: run}
+    found = {FREE: measured}
+    return Case(name, restitution, dimension, times, found, theory, ran, places, solved=state)
 
 
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------
 def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
     """The equation over time and particles, and the steady state where something drives."""
     d, drive, law = system.dimension, system.drive, system.law(parameter)
-    of = f"{parameter:g} among {system.scatterers}"
-    tell(f"{system.parameter} = {of}: kinetic equation")
-    state: Any = solve_steady(law, d, **drive, rtol=system.rtol) if drive else None
+    of = f"{system.parameter} = {parameter:g} among {system.scatterers}"
+    tell(f"{of}: kinetic equation")
+    state: Any = kinetics.solve_steady(law, d, **drive, rtol=system.rtol) if drive else None
     times, first, at = np.geomspace(0.1, 1000.0, 25), 0, 12  # F(c) at t = 10
     if state is not None:
         # as in `_steady`: after `start` the energy has forgotten how it began
         rate = law_of(parameter, 1.0, d).decay_rate(2.0) * state.moment(1.0)
         start, first, at = 10.0 / (1.5 * float(rate)), 13, -1
         times = np.append(np.geomspace(start / 60, start, 14), start * np.linspace(1.5, 4.0, 6))
-
-    def solved(times: Array, *outputs: str) -> Solution:
-        asked: dict[str, Any] = {"times": times, "dimension": d, "outputs": outputs, **drive}
-        scene = Scene(law, 0.5 / half_section(d), **asked)
-        with warnings.catch_warnings():  # a page of rows shows what deviates
-            warnings.simplefilter("ignore", ToleranceWarning)
-            return solve(scene, rtol=system.time_rtol)
-
-    names = ("thermal_speed", "a2", "msd", "collisions")
-    averages = solved(times, *names)
-    # later the solver knows the density of speeds less well
-    speeds = solved(times[[at]], "thermal_speed", "speed_density") if state is None else None
-    tell(f"{system.parameter} = {of}: {FREE} particles")
-    seed, each = system.seed + 1000 * d + round(1e6 * parameter), float(averages.collisions[-1])
-    run = _dilute(law, d, times, each, system, seed, ("positions", "velocities"), **drive)
-    measured = {name: Measured.of(getattr(run, name)) for name in names}
-    theory: dict[str, dict[str, Any]] = {
-        SOLVER: {n: getattr(averages, n) for n in names},
-        EXACT: {},
-    }
-    v, r = (x.reshape(-1, run.media, run.tracers, d) for x in (run.velocities, run.positions))
-    speed = np.linalg.norm(v, axis=-1)
-    measured["scaled_vdf"] = scaled_density(speed[at], SPEED_EDGES, bin_measure(d))
+    names, rtol = "thermal_speed a2 msd collisions", system.time_rtol
+    density = 0.5 / half_section(d)
+    averages = _solved(law, density, times, names, rtol, dimension=d, **drive)
+    said = {name: getattr(averages, name) for name in names.split()}
+    places = {name: ("time", times) for name in said} | {"scaled_vdf": ("c", SPEEDS)}
+    speeds = None
+    if state is None:  # later the solver knows the density of speeds less well
+        names = "thermal_speed speed_density"
+        speeds = _solved(law, density, times[[at]], names, rtol, dimension=d)
     vdf = steady_vdf(state) if speeds is None else last_vdf(speeds)
-    share = bin_average(vdf, d)
-    filled = run.media * run.tracers * share * bin_measure(d) >= LEAST_EXPECTED
-    theory[SOLVER]["scaled_vdf"] = np.where(filled, share, np.nan)
-    places = {name: ("time", times) for name in names} | {"scaled_vdf": ("c", SPEEDS)}
+    tell(f"{of}: {FREE} particles")
+    each = float(averages.collisions[-1])
+    followed: Any = partial(_dilute, law, parameter, d, each=each, system=system, **drive)
+    run = followed(times, observables=("positions", "velocities"))
+    measured = {name: Measured.of(getattr(run, name)) for name in said}
+    speed, r = np.linalg.norm(_vectors(run, "velocities"), axis=-1), _vectors(run, "positions")
+    measured["scaled_vdf"] = scaled_density(speed[at], SPEED_EDGES, bin_measure(d))
+    said["scaled_vdf"] = filled(bin_average(vdf, d), run.media * run.tracers, bin_measure(d))
+    theory: dict[str, dict[str, Any]] = {SOLVER: said, EXACT: {}}
     if state is not None:
-        weak = system.field
-        end = times[[first, -1]]
-        drifting = _dilute(law, d, end, each, system, seed + 1, ("positions",), field=weak, **drive)
-        path = drifting.positions.reshape(2, run.media, run.tracers, d)[..., 0].mean(axis=2)
-        late, elapsed = speed[first:], float(end[1] - end[0])
-        s = {f"v^{p}": (late**p).mean(axis=(0, 2)) for p in (2, 3, 4, 5)}
-        s |= {"r": (r[-1] ** 2 - r[first] ** 2).sum(axis=-1).mean(axis=1), "x": path[1] - path[0]}
-        known = elapsed, parameter, system
-        rest = {n: (x.sum() - x) / (x.size - 1) for n, x in s.items()}
-        without, found = (
-            _steady_averages(each, *known) for each in (rest, {n: x.mean() for n, x in s.items()})
-        )
-        measured |= {n: Measured(x, jackknife_error(without[n])) for n, x in found.items()}
-        pushed = solve_steady(law, d, **drive, field=weak, rtol=1e-6)
+        end, weak = times[[first, -1]], {"field": system.field}
+        drifting = followed(end, observables=("positions",), beside=1, **weak)
+        x = _vectors(drifting, "positions")[..., 0].mean(axis=2)
+        elapsed = float(end[1] - end[0])
+        s = {f"v^{p}": (speed[first:] ** p).mean(axis=(0, 2)) for p in (2, 3, 4, 5)}
+        s |= {"r": (r[-1] ** 2 - r[first] ** 2).sum(axis=-1).mean(axis=1), "x": x[1] - x[0]}
+        quantities = partial(_steady_averages, elapsed, parameter, system)
+        measured |= jackknifed(s, quantities)
+        pushed = kinetics.solve_steady(law, d, **drive, **weak, rtol=1e-6)
         moments = {f"v^{p}": state.moment(float(p)) for p in (2, 3, 4, 5)}
-        moments |= {"r": 2 * d * elapsed * state.diffusion_coefficient,
-                    "x": pushed.drift * elapsed}  # fmt: skip
-        theory[SOLVER] |= _steady_averages(moments, *known)
+        moments |= {"r": 2 * d * elapsed * state.diffusion_coefficient, "x": pushed.drift * elapsed}
+        theory[SOLVER] |= quantities(moments)
         theory[EXACT] = dict.fromkeys(("noise_energy", "noise_fourth"), 1.0)
-        if system.bath_speed:
-            k = 1.0 + parameter
-            square = system.bath_speed**2 * k / (2.0 - k)
-            ratio = state.mobility * square / state.diffusion_coefficient
-            relative = math.sqrt(square + system.bath_speed**2)  # Gaussian, of tracer and scatterer
-            rate = relative * (math.sqrt(math.pi / 2) if d == 2 else math.sqrt(8 / math.pi))
+        if w := system.bath_speed:
+            square = w**2 * (1.0 + parameter) / (1.0 - parameter)
+            # of the relative velocity, which is Gaussian
+            rate = math.sqrt(square + w**2) * math.sqrt(math.pi / 2 if d == 2 else 8 / math.pi)
             theory[EXACT] = {"steady_speed": math.sqrt(d * square), "steady_a2": 0.0,
                              "steady_rate": rate, "einstein": 1.0}  # fmt: skip
+            ratio = state.mobility * square / state.diffusion_coefficient
             theory[SOLVER] |= {"steady_rate": state.collision_rate, "einstein": ratio}
-    kind = f"{system.scatterers}, {system.name}"
-    return Case(kind, parameter, d, times, {FREE: measured}, theory, {FREE: run}, places,
-                solved=SimpleNamespace(state=state, vdf=vdf, speeds=speeds))  # fmt: skip
+    solved = SimpleNamespace(state=state, vdf=vdf, speeds=speeds)
+    kind, ran = f"{system.scatterers}, {system.name}", {FREE: run}
+    return Case(kind, parameter, d, times, {FREE: measured}, theory, ran, places, solved=solved)
 
 
 def steady_vdf(state: Any) -> Callable[[Array], Array]:
@@ -650,7 +634,7 @@ def steady_vdf(state: Any) -> Callable[[Array], Array]:
 
 
 def _steady_averages(
-    s: Mapping[str, Any], elapsed: float, restitution: float, system: Driven
+    elapsed: float, restitution: float, system: Driven, s: Mapping[str, Any]
 ) -> dict[str, Array]:
     """What is compared in the steady state, of moments <v^p>, and growths of <r^2> and <x>."""
     d, law = system.dimension, law_of(restitution, 1.0, system.dimension)
@@ -664,4 +648,4 @@ def _steady_averages(
         found["noise_energy"] = law.decay_rate(2.0) * s["v^3"] / (2 * d * noise)
         fourth = 4 * (d + 2) * noise * s["v^2"]
         found["noise_fourth"] = law.decay_rate(4.0) * s["v^5"] / fourth
-    return {name: np.asarray(x) for name, x in found.items()}
+    return found

@@ -6,9 +6,8 @@ everything after this file takes any. InputError for what cannot be used.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.driven.restitution import Viscoelastic
@@ -30,19 +29,24 @@ def half_cross_section(dimension: int) -> float:
 
 @dataclass
 class _System:
-    restitutions: tuple[float, ...] = ()
+    restitutions: tuple[float, ...] = ()  # none: those that the system has by itself
     rtol: float = 1e-10  # asked of the solver
     seed: int = 1
     workers: int | None = None  # threads
 
-    _least: ClassVar[Mapping[str, int]] = {}
     name: ClassVar[str] = "report"  # of its files
     in_field: ClassVar[bool] = False
+    is_papers_law: ClassVar[Any] = False  # are scatterers smooth disks, as those of the paper?
     parameter: ClassVar[str] = "e"  # what `restitutions` are
+    _least: ClassVar[Any] = {}  # of counts
+    # of a quick report: counts at most, and tolerances at least
+    _quick: ClassVar[Any] = {}
 
-    def _checked(self, default: tuple[float, ...]) -> tuple[float, ...]:
-        """The restitutions, or the default; checks the counts and tolerances too."""
-        found = tuple(check_restitution(e) for e in self.restitutions or default)
+    def _check(self, default: tuple[float, ...], dimensions: tuple[int, ...] = ()) -> None:
+        """Set the restitutions, or the default; InputError for what cannot be used."""
+        self.restitutions = found = tuple(
+            check_restitution(e) for e in self.restitutions or default
+        )
         if len(set(found)) != len(found):
             refuse("restitutions", found, "each may stand only once")
         for name, low in {**self._least, "seed": 0}.items():
@@ -51,7 +55,18 @@ class _System:
             whole_number("workers", self.workers, 1, 2**31)
         for name in ("rtol", "position_rtol", "time_rtol"):
             check_rtol(getattr(self, name, 1e-6))
-        return found
+
+    @property
+    def scatterers(self) -> str:
+        """What tracers hit: "disks", "spheres", or "disks and spheres"."""
+        own: Any = self
+        every = own.dimensions if self.in_field else (own.dimension,)
+        return " and ".join(SCATTERERS[d] for d in every)
+
+    def quick(self) -> Self:
+        """The same system with fewer samples, and with fewer digits of what costs most."""
+        bounds = {n: (min if x > 1 else max)(getattr(self, n), x) for n, x in self._quick.items()}
+        return replace(self, **bounds)
 
 
 @dataclass
@@ -73,21 +88,26 @@ class Cooling(_System):
     tangential_restitution: Any = 1.0
     dimension: int = 2  # 3: spheres
 
-    _least: ClassVar[Mapping[str, int]] = {
-        "count": 1, "media": 2, "tracers": 1, "free_tracers": 2, "n_times": 2,
-    }  # fmt: skip
+    _least: ClassVar[Any] = {"count": 1, "media": 2, "tracers": 1, "free_tracers": 2, "n_times": 2}
+    _quick: ClassVar[Any] = {
+        "media": 40,
+        "tracers": 25,
+        "free_tracers": 20_000,
+        "position_rtol": 1e-5,
+    }
 
     def __post_init__(self) -> None:
-        self.restitutions = found = self._checked(tuple(PAPER_FINAL_TIME))
+        self._check(tuple(PAPER_FINAL_TIME))
+        found = self.restitutions
         default = tuple(PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in found)
         times = tuple(check_positive("until", t) for t in self.final_times or default)
-        times = times * len(found) if len(times) == 1 else times
-        if len(times) != len(found):
+        self.final_times = times * len(found) if len(times) == 1 else times
+        if len(self.final_times) != len(found):
             refuse("until", len(times), f"there must be one for each of {len(found)} restitutions")
         check_positive("number_density", self.number_density)
-        law = law_of(found[0], self.tangential_restitution, self.dimension)
-        self.final_times, self.dimension = times, law.dimension
-        self.tangential_restitution = law.tangential_restitution
+        law = self.law(found[0])
+        self.tangential_restitution, self.dimension = law.tangential_restitution, law.dimension
+        self.stages = 3 * len(found) + 2  # how often a report tells progress
 
     def law(self, restitution: float) -> CollisionLaw:
         """The collision law of one restitution."""
@@ -104,118 +124,88 @@ class Cooling(_System):
         return self.is_smooth and self.dimension == 2
 
     @property
-    def scatterers(self) -> str:
-        """What tracers hit: "disks" or "spheres"."""
-        return SCATTERERS[self.dimension]
-
-    @property
     def half_rate(self) -> float:
         """1/(2 l) in 1/d, l the mean free path of the kinetic equation: in the plane d rho0."""
         return self.number_density * half_cross_section(self.dimension)
 
-    @property
-    def stages(self) -> int:
-        """How often a report of it tells progress."""
-        return 3 * len(self.restitutions) + 2
 
-    def quick(self) -> "Cooling":
-        """The same system with fewer samples, and G(R) to fewer digits."""
-        return replace(
-            self, media=min(self.media, 40), tracers=min(self.tracers, 25),
-            free_tracers=min(self.free_tracers, 20_000),
-            position_rtol=max(self.position_rtol, 1e-5),
-        )  # fmt: skip
+@dataclass
+class _Dilute(_System):
+    """What is compared in the dilute limit alone, and has a steady state below e = 1."""
+
+    rtol: float = 1e-8
+    collisions: int = 10_000_000  # about so many in each run, which sets its tracers
+    most_tracers: int = 200_000
+    groups: int = 100  # independent ones of tracers, behind the errors
+    time_rtol: float = 1e-6  # asked of the solver over time
+
+    _least: ClassVar[Any] = {"groups": 10, "collisions": 1, "most_tracers": 100}
+    _quick: ClassVar[Any] = {"collisions": 500_000, "most_tracers": 10_000, "time_rtol": 1e-5}
+
+    def _check(self, default: tuple[float, ...], dimensions: tuple[int, ...] = ()) -> None:
+        super()._check(default)
+        self.restitutions = tuple(sorted(self.restitutions))
+        if self.restitutions[-1] == 1.0 and self.parameter == "e":
+            allowed = "each must be below 1: elastic tracers reach no steady state"
+            refuse("restitutions", self.restitutions, allowed)
+        for dimension in dimensions:
+            CollisionLaw(0.5, 1.0, dimension)
 
 
 @dataclass
-class Falling(_System):
+class Falling(_Dilute):
     """Tracers that fall from rest in a uniform field among smooth disks, and among spheres.
 
     Speeds are in sqrt(g l), times in sqrt(l/g). Restitutions below 1; none: `FIELD_RESTITUTIONS`.
     """
 
-    rtol: float = 1e-8
+    collisions: int = 8_000_000
     dimensions: tuple[int, ...] = (2, 3)
     approach: tuple[float, ...] | None = None  # restitutions followed over time; None for two
     line: tuple[float, ...] = _LINE  # restitutions at which the solver alone is drawn
-    collisions: int = 8_000_000  # about so many in each run, which sets its tracers
-    most_tracers: int = 200_000
-    groups: int = 100  # independent ones of tracers, behind the errors
-    time_rtol: float = 1e-6  # asked of the solver over time
 
-    name: ClassVar[str] = "field"
-    in_field: ClassVar[bool] = True
-    is_papers_law: ClassVar[bool] = False
-    _least: ClassVar[Mapping[str, int]] = {
-        "groups": 10, "collisions": 1, "most_tracers": 100,
-    }  # fmt: skip
+    name = "field"
+    in_field = True
+    _quick: ClassVar[Any] = {**_Dilute._quick, "rtol": 1e-6, "time_rtol": 1e-4}
 
     def __post_init__(self) -> None:
-        self.restitutions = found = tuple(sorted(self._checked(FIELD_RESTITUTIONS)))
-        if found[-1] == 1.0:
-            allowed = "each must be below 1: elastic tracers reach no steady state in a field"
-            refuse("restitutions", found, allowed)
-        for dimension in self.dimensions:
-            CollisionLaw(0.5, 1.0, dimension)
+        self._check(FIELD_RESTITUTIONS, self.dimensions)
+        found = self.restitutions
         if self.approach is None:
             ends = tuple(dict.fromkeys((found[0], found[-1])))
             self.approach = (0.5, 0.9) if found == FIELD_RESTITUTIONS else ends
-
-    @property
-    def scatterers(self) -> str:
-        """What tracers hit."""
-        return " and ".join(SCATTERERS[d] for d in self.dimensions)
-
-    @property
-    def stages(self) -> int:
-        """How often a report of it tells progress."""
-        each = 1 + len(self.restitutions) + len(self.approach or ())
-        return len(self.dimensions) * each + 2
+        self.stages = len(self.dimensions) * (1 + len(found) + len(self.approach)) + 2
 
     def quick(self) -> "Falling":
         """The same with fewer restitutions, unless others were asked for, and fewer samples."""
         every = self.restitutions == FIELD_RESTITUTIONS
-        return replace(
-            self, restitutions=(0.0, 0.5, 0.9) if every else self.restitutions,
-            approach=(self.approach or ())[:1], line=_QUICK_LINE,
-            collisions=min(self.collisions, 500_000),
-            most_tracers=min(self.most_tracers, 10_000), rtol=max(self.rtol, 1e-6),
-            time_rtol=max(self.time_rtol, 1e-4),
-        )  # fmt: skip
+        found, approach = (0.0, 0.5, 0.9) if every else self.restitutions, self.approach or ()
+        fewer = replace(self, restitutions=found, approach=approach[:1], line=_QUICK_LINE)
+        return super(Falling, fewer).quick()
 
 
 @dataclass
-class Driven(_System):
+class Driven(_Dilute):
     """Tracers of the dilute limit from a Gaussian start, in a bath, heated, or viscoelastic.
 
     Lengths are in l, times in l/U. Restitutions below 1; of the viscoelastic ones they are b.
     """
 
-    rtol: float = 1e-8
     dimension: int = 2
     bath_speed: float = 0.0
     heating: float = 0.0
     field: float = 0.3  # in U^2/l, weak, in which the drift is compared
-    collisions: int = 10_000_000  # about so many in each run, which sets its tracers
-    most_tracers: int = 200_000
-    groups: int = 100
-    time_rtol: float = 1e-6
 
     algebra: ClassVar[tuple[str, ...]] = ()  # labels of derivations
-    is_papers_law: ClassVar[bool] = False
-    _least: ClassVar[Mapping[str, int]] = Falling._least
 
     def __post_init__(self) -> None:
-        self.restitutions = tuple(sorted(self._checked((0.5,) if self.drive else (0.45,))))
-        if self.drive and self.restitutions[-1] == 1.0:
-            allowed = "each must be below 1: elastic tracers reach no steady state"
-            refuse("restitutions", self.restitutions, allowed)
-        self.dimension = CollisionLaw(0.5, 1.0, self.dimension).dimension
+        self._check((0.5,) if self.drive else (0.45,), (self.dimension,))
         for x in self.restitutions:
             self.law(x)
+        self.stages = 2 * len(self.restitutions) + 2
 
     @property
-    def drive(self) -> dict[str, float]:
+    def drive(self) -> dict[str, Any]:
         """What drives the tracers, as a Scene and `simulate` take it."""
         found = {"bath_speed": self.bath_speed, "heating": self.heating}
         return {name: value for name, value in found.items() if value}
@@ -224,31 +214,14 @@ class Driven(_System):
         """The restitution, as a Scene and `simulate` take it."""
         return restitution if self.drive else Viscoelastic(restitution)
 
-    @property
-    def scatterers(self) -> str:
-        """What tracers hit."""
-        return SCATTERERS[self.dimension]
-
-    @property
-    def stages(self) -> int:
-        """How often a report of it tells progress."""
-        return 2 * len(self.restitutions) + 2
-
-    def quick(self) -> "Driven":
-        """The same with fewer samples, and times to fewer digits."""
-        return replace(
-            self, collisions=min(self.collisions, 500_000),
-            most_tracers=min(self.most_tracers, 10_000), time_rtol=max(self.time_rtol, 1e-5),
-        )  # fmt: skip
-
 
 @dataclass
 class Bath(Driven):
     """Scatterers that move, infinitely heavy, with Gaussian velocities."""
 
     bath_speed: float = 1.0
-    name: ClassVar[str] = "bath"
-    algebra: ClassVar[tuple[str, ...]] = ("bath-temperature", "bath-einstein")
+    name = "bath"
+    algebra = ("bath-temperature", "bath-einstein")
 
 
 @dataclass
@@ -257,16 +230,16 @@ class Heated(Driven):
 
     heating: float = 1.0
     collisions: int = 2_000_000  # noise takes many short steps
-    name: ClassVar[str] = "heated"
-    algebra: ClassVar[tuple[str, ...]] = ("heated-moments",)
+    name = "heated"
+    algebra = ("heated-moments",)
 
 
 @dataclass
 class SoftSpheres(Driven):
     """Viscoelastic impacts: the restitution falls with the impact speed, and nothing drives."""
 
-    name: ClassVar[str] = "viscoelastic"
-    parameter: ClassVar[str] = "b"
+    name = "viscoelastic"
+    parameter = "b"
 
 
 DRIVEN: dict[str, type[Driven]] = {kind.name: kind for kind in (Bath, Heated, SoftSpheres)}

@@ -26,7 +26,7 @@ from kinetics import compare
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample
 from kinetics.crosscheck.data.tracks import Table
-from kinetics.crosscheck.data.units import conversion, size_of
+from kinetics.errors import InputError
 
 SHORT = np.arange(0.0, 61.0, 2.0)
 """Times so near that no tracer crosses half the box in between."""
@@ -175,19 +175,22 @@ def test_binned_times_are_at_their_mean(run: Run) -> None:
     assert found.flights == ()  # which tracers fly alike is not known then
 
 
-def test_units_that_do_not_belong_together_are_converted(run: Run) -> None:
-    assert size_of("speed", "mm/us") == pytest.approx(1e3)
-    assert size_of("speed", "furlongs") is None
-    assert conversion({"length": "mm", "speed": "m/s", "time": "us"}) == pytest.approx(1e3)
+def test_units_that_do_not_belong_together_need_the_unit_of_time(run: Run) -> None:
     data = columns_of(run)
     names = {"t": "t [us]", "x": "x [mm]", "y": "y [mm]", "vx": "vx [m/s]", "vy": "vy [m/s]"}
     size = {"t": 2 / 3 * 1e3, "x": 2.0, "y": 2.0, "vx": 3.0, "vy": 3.0}
     other = {names.get(k, k): v * size.get(k, 1) for k, v in data.items()}
-    found = read_sample([Table(other)], diameter=2.0, speed_unit=3.0)
+    with pytest.raises(InputError, match=r"lengths in mm, speeds in m/s.*--time-unit"):
+        read_sample([Table(other)], diameter=2.0, speed_unit=3.0)
+    told: dict[str, Any] = {"diameter": 2.0, "time_unit": 2 / 3 * 1e3}
+    found = read_sample([Table(other)], speed_unit=3.0, **told)
     np.testing.assert_allclose(found.times, TIMES)
     np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
-    found = read_sample([Table(other)], diameter=2.0, speed_unit="data")
+    found = read_sample([Table(other)], speed_unit="data", **told)
     assert found.speed_scale[0] ** 2 * found.sums[:, 0, V2].sum() == pytest.approx(2 * TRACERS)
+    for unit in ("mm/us", "mm us^-1"):  # these belong together
+        one = {k.replace("m/s", unit): v for k, v in other.items()}
+        np.testing.assert_allclose(read_sample([Table(one)]).times[-1], other["t [us]"].max())
 
 
 def test_a_table_of_averages_has_its_values_and_errors() -> None:
