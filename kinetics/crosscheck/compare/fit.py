@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, errors, whitening
-from kinetics.crosscheck.compare.theory import Expectation, Point, own_covariance, stabilised
+from kinetics.crosscheck.compare.theory import Expectation, Point, own_covariance, stabilised, steadied
 from kinetics.crosscheck.data.sample import Sample
 
 Array = NDArray[np.float64]
@@ -170,10 +170,10 @@ def fit(
     differences, widening = expectation.replicates - theory, 0.0
     if not one_by_one:
         differences = Fit(*parts).moved(differences)
-    left_of = stabilised(names, theory, differences).reshape(groups, -1)[:, tested]
+    left_of = steadied(expectation, theory, differences).reshape(groups, -1)[:, tested]
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
-        spread_of = stabilised(names, theory, expectation.replicates - theory)
+        spread_of = steadied(expectation, theory, expectation.replicates - theory)
         rows = spread_of.reshape(groups, -1)[:, tested]
         widening = statistics.log_widening(rows, known[np.ix_(tested, tested)])
         passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
