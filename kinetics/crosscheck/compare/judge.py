@@ -77,11 +77,12 @@ class Both:
             raise InputError("data: fewer than two groups; there are no standard errors")
         self.theory = expectation.theory(self.point)
         self.difference = expectation.values - self.theory
-        self.replicates = found.moved(expectation.replicates - self.theory)
+        replicates = expectation.replicates - self.theory
+        self.replicates = found.moved(replicates)
         self.known = found.known
         self.error, self.compared = statistics.errors(self.replicates), np.isfinite(self.difference)
         self.shaped = stabilised(self.names, self.theory, self.difference)
-        self.shaped_replicates = steadied(expectation, self.theory, self.replicates)
+        self.shaped_replicates = found.moved(steadied(expectation, self.theory, replicates))
         for k, name in enumerate(self.names):
             if self.point.own_start or name not in _AT_ZERO:
                 self.compared[k] &= self.sample.times > 0
