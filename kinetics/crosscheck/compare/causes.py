@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import LIMITS, Fit, choose, components_of, fit, media_of
+from kinetics.crosscheck.compare.fit import Fit, choose, components_of, fit, media_of
 from kinetics.crosscheck.compare.judge import Both
 from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
@@ -79,8 +79,7 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
     for cause in (one for one in CAUSES if one.in_field == field):
         found: list[Fit] = []
         for change in cause.changes(both, media):
-            one = _fitted(both, cause, change, components, found[0].point if found else None)
-            found += [one] if one else []
+            found += _fitted(both, cause, change, components, found[:1])
         judged = [(_judged(both, cause, one, before), one) for one in found]
         tested += sorted(judged, key=rank)[: 1 if cause.free else None]
     tested.sort(key=rank)
@@ -90,20 +89,18 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
 
 
 def _fitted(
-    both: Both, cause: "Cause", change: dict[str, Any], components: Any, near: Point | None
-) -> Fit | None:
-    """The fit of a cause; near: where it was found in another medium, and is looked for now."""
-    point, free, starts = both.point._replace(**change), cause.free, list[Any]([()])
-    if free:
-        starts = [(x,) for x in cause.starts(both, point)]
-    if free and near is not None:
-        value = getattr(near, free[0])
-        starts = [(value if free[0] in LIMITS else math.log(value),), starts[0]]
+    both: Both, cause: "Cause", change: dict[str, Any], components: Any, near: Sequence[Fit]
+) -> list[Fit]:
+    """The fit of a cause, or none; near: that in another medium, from which it begins."""
+    point = both.point._replace(**change)
+    starts = [(x,) for x in cause.starts(both, point)] if cause.free else [()]
+    if cause.free and near:
+        starts = [near[0].at, starts[0]]
     try:
-        found = fit(both.expectation, point, free, components, starts)
+        found = fit(both.expectation, point, cause.free, components, starts)
     except ValueError:  # a restitution or a density of which there is no theory
-        return None
-    return found if found and found.chi_square else None
+        return []
+    return [found] if found and found.chi_square else []
 
 
 def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explanation:
@@ -112,11 +109,10 @@ def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explan
     assert after is not None
     value, error, clear = None, None, True
     if cause.free:
-        (name,) = cause.free
-        value, error = found.value(name)
-        told = float(getattr(both.point, name))
-        away = value - told if name in LIMITS else value * math.log(value / told)
-        clear = abs(away) > CLEARLY * error and 0 <= found.point.at_rest < 0.85
+        value, error = found.value(*cause.free)
+        away = float((found.at - found.coordinates(both.point))[0])
+        width = CLEARLY * math.sqrt(found.covariance[0, 0])
+        clear = abs(away) > width and 0 <= found.point.at_rest < 0.85
     if after.p_value >= AGREES_ABOVE:
         # Averages that agreed already need no explaining.
         outcome = "explains" if clear and before.p_value < AGREES_ABOVE else "does not"
@@ -168,11 +164,9 @@ def _other_media(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
 
 def _other_starts(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
     """The data's own speeds at time 0, or the other named start."""
-    start, others = both.sample.start, list[Any]()
-    if start is None:
-        others = [name for name in ("gaussian", "monoenergetic") if name != both.point.start]
-    elif not both.point.own_start:
-        others = [SampledStart(start)]
+    start, named = both.sample.start, {"gaussian", "monoenergetic"} - {both.point.start}
+    own: Any = [] if both.point.own_start or start is None else [SampledStart(start)]
+    others = own if start else sorted(named)
     return [{"start": one} | medium for one in others for medium in _media(both, media)]
 
 
@@ -229,16 +223,15 @@ def _factors(name: str) -> Any:
 def _noise(name: str, output: int) -> Any:
     def starts(both: Both, point: Point) -> list[float]:
         found = both.expectation.values[output] ** (2 if output == 0 else 1)
-        known = found[(both.sample.times > 0) & np.isfinite(found) & (found > 0)]
-        smallest = float(known.min()) if known.size else 1.0
-        return [share * smallest / both.sample.law.dimension for share in _SHARES]
+        known = found[(both.sample.times > 0) & (found > 0)]
+        return [s * float(known.min(initial=1e9)) / both.sample.law.dimension for s in _SHARES]
 
     return starts
 
 
 def _offsets(both: Both, point: Point) -> list[float]:
-    first = float(both.sample.times[both.sample.times > 0].min(initial=1.0))
-    return [share * first for share in _LATER]
+    first = both.sample.times[both.sample.times > 0][0]
+    return [share * float(first) for share in _LATER]
 
 
 class Cause(NamedTuple):
@@ -351,9 +344,12 @@ def _traps(both: Both) -> Explanation | None:
 
 
 def _never(both: Both) -> Explanation | None:
-    """Particles that have speed zero at every time."""
+    """Particles that have speed zero at every time: of late times alone one in 100 at least, as
+    tracers may have come to rest before.
+    """
     rest, most = int(both.sample.at_rest.min()), int(both.sample.samples.max())
-    if not rest or both.sample.times.size < 2:
+    late = both.sample.times[0] > 0 and rest < 0.01 * most
+    if not rest or late or both.sample.times.size < 2:
         return None
     headline = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
     text = f"{headline}: are these the scatterers? Choose the tracers by --type, or leave the "

@@ -62,11 +62,15 @@ class Fit:
     chi_square: ChiSquare | None = None
     widening: float = 0.0
 
+    def coordinates(self, point: Point) -> Array:
+        """The parameters `free` of a point, or the logarithms of positive ones, (k,)."""
+        values = {name: getattr(point, name) for name in self.free}
+        return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
+
     @property
     def at(self) -> Array:
-        """The fitted parameters, or the logarithms of positive ones, (k,)."""
-        values = {name: getattr(self.point, name) for name in self.free}
-        return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
+        """The fitted parameters as `coordinates`."""
+        return self.coordinates(self.point)
 
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
