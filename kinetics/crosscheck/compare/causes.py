@@ -93,7 +93,7 @@ def _fitted(
 ) -> list[Fit]:
     """The fit of a cause, or none; near: that in another medium, from which it begins."""
     point = both.point._replace(**change)
-    starts = [(x,) for x in cause.starts(both, point)] if cause.free else [()]
+    starts: list[Any] = [(x,) for x in cause.starts(both, point)] if cause.free else [()]
     if cause.free and near:
         starts = [near[0].at, starts[0]]
     try:
