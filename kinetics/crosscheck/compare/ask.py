@@ -14,7 +14,13 @@ import numpy as np
 
 from kinetics import Solution, SolverStatus
 from kinetics.crosscheck.compare import judge, theory
-from kinetics.crosscheck.compare.causes import AGREES_ABOVE, explained, start_in_words, wrong_unit
+from kinetics.crosscheck.compare.causes import (
+    AGREES_ABOVE,
+    explained,
+    never_move,
+    start_in_words,
+    wrong_unit,
+)
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit, media_of
 from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.statistics import chance, errors, hotelling, spread_out
@@ -171,20 +177,20 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
         rows, tests = tuple(judge.rows_of(both)), tuple(judge.tests_of(both))
         # Rows without spread no test can hold.
         words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-        unit = wrong_unit(sample, point.start)
-        verdict = Verdict.DIFFERS if unit else judge.worst_of(words)
+        wrong = wrong_unit(sample, point.start) or never_move(sample)
+        verdict = Verdict.DIFFERS if wrong else judge.worst_of(words)
         if last or not explain:
             break
-        explanations, medium = explained(both, verdict, unit, media)
+        explanations, medium = explained(both, verdict, wrong, media)
         if medium == point.scatterers or medium not in media:
             break  # else what explains is in another medium: it is the one that is shown
         best = next((one for one in fits if one.point.scatterers == medium), best)
     likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
-    first = unit or (None if verdict is Verdict.AGREES else next(likely, None))
+    first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
     note = [_OWN_START] if point.own_start and both.histograms else []
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
     tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
-    parameters = _parameters(both, unit is not None)
+    parameters = _parameters(both, wrong)
     names = (("restitution", "e"), ("number_density", "ρ₀"))
     fitted = " and ".join(
         f"{symbol} = {number(parameters[name].value, parameters[name].error)}"
@@ -245,10 +251,10 @@ def _sources(data: Any) -> list[Any] | None:
     return [Table(data)] if isinstance(data, Mapping) else None
 
 
-def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
+def _parameters(both: judge.Both, wrong: Explanation | None) -> dict[str, Parameter]:
     """The numbers of the theory; those that were fitted have standard errors."""
     point, law, found = both.point, both.sample.law, both.found
-    left, why = found.chi_square if found.free else None, "a unit is wrong" if wrong_unit else ""
+    left, why = found.chi_square if found.free else None, wrong.headline if wrong else ""
     if left is not None and not why and left.p_value < chance(DIFFERS_ABOVE):
         why = f"the model does not fit (p = {numeral(left.p_value, '.2g')})"
 

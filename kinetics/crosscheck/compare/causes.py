@@ -4,7 +4,7 @@ A cause says which parameters of the theory (`theory.Point`) are other than what
 value, or free. Each is tried in every medium that the scatterers may be. It explains if what it
 leaves agrees and its value lies CLEARLY from what was told; those that explain are ranked by the
 likelihood that they leave (`Fit.criterion`), and only those near the best are said to. Units that
-do not belong together are looked for first: then nothing else is claimed.
+do not belong together, and particles that never move, come first: then nothing else is claimed.
 """
 
 import math
@@ -42,14 +42,14 @@ def start_in_words(start: Any) -> str:
 
 
 def explained(
-    both: Both, verdict: Verdict, unit: Explanation | None, media: Sequence[str]
+    both: Both, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
 ) -> tuple[list[Explanation], str]:
     """What explains a difference or is to be noted, the likeliest first, and in which medium."""
     medium, field = both.point.scatterers, both.sample.law.field
     if both.sample.law.is_driven:
         return [], medium
-    if first := unit or _never(both):
-        return [first], medium
+    if wrong:
+        return [wrong], medium
     notes = [] if field else [note for note in (_traps(both), _missing(both)) if note]
     tested = []
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
@@ -272,11 +272,15 @@ CAUSES = (
 """Everything that may explain a difference. A new cause is one row."""
 
 _NO_OTHER = "No other cause is looked for."
-_PUT_RIGHT = f"put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
+_PUT_RIGHT = f"; put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
 
 
-def _found(name: str, headline: str, text: str, value: float, error: Any = None) -> Explanation:
-    """What the data show by themselves, without a fit."""
+def _found(
+    name: str, headline: str, more: str, value: float, error: Any = None, time: float | None = None
+) -> Explanation:
+    """What the data show by themselves, without a fit, at a time or at all."""
+    text = headline if time is None else f"at t = {numeral(time, '.4g')}, {headline}"
+    text = f"{text[0].upper()}{text[1:]}{more}"
     return Explanation(name, "found", text, True, value, error, headline=headline)
 
 
@@ -286,9 +290,10 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds twice as large as
     at a named start cannot be, nor half as large while most tracers have not collided.
     """
-    field = sample.law.field or sample.law.is_driven
-    flights, unit = sample.flights, sample.units.get("time", (1.0, ""))
-    if not field and flights and abs(math.log(flights[0].ratio)) > 0.005:
+    law, flights, unit = sample.law, sample.flights, sample.units.get("time", (1.0, ""))
+    if law.field or law.is_driven:
+        return None
+    if flights and abs(math.log(flights[0].ratio)) > 0.005:
         at, value = flights[0].time, 1 / flights[0].ratio
         straight = f"tracers that fly straight have r = {numeral(flights[0].ratio, '.5g')} v t"
         # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
@@ -298,22 +303,19 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
             value = (at - true[0]) * unit[0]
             headline = f"{straight} at t = {numeral(at, '.4g')}, as if the clock were "
             headline += f"{numeral(value, '.4g')} {unit[1] or 'd/U'} ahead"
-            text = f"{headline[0].upper()}{headline[1:]}; shift the times. {_NO_OTHER}"
-            return _found("time offset", headline, text, value)
+            return _found("time offset", headline, f"; shift the times. {_NO_OTHER}", value)
         headline = f"{straight}, as if times were {numeral(value, '.5g')} times too long"
-        text = f"At t = {numeral(at, '.4g')}, {headline}; {_PUT_RIGHT}"
-        return _found("time unit", headline, text, value)
-    if field or not isinstance(start, str):
+        return _found("time unit", headline, _PUT_RIGHT, value, time=at)
+    if not isinstance(start, str):
         return None
-    most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
+    most = np.sqrt(law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)
     ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
     early = any(one.share > 0.5 and one.time <= sample.times[:2].max() for one in flights)
     if 0.5 <= ratio <= 2.0 or (ratio < 0.5 and not early):
         return None
     headline = f"speeds at the first time are {ratio:.4g} times those of the start"
-    text = f"At t = {numeral(sample.times[0], '.4g')}, {headline}; {_PUT_RIGHT}"
-    return _found("speed unit", headline, text, ratio)
+    return _found("speed unit", headline, _PUT_RIGHT, ratio, time=sample.times[0])
 
 
 def _traps(both: Both) -> Explanation | None:
@@ -321,39 +323,35 @@ def _traps(both: Both) -> Explanation | None:
     lowest bin: no wrong number, which shifts all speeds a little, puts a tracer there.
     """
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
-    binned = both.sample.speeds
-    for h in [h for h in both.histograms if h.name == SPEED and binned][-1:]:
-        assert binned is not None
-        edges, density = binned.edges[h.place], both.densities[SPEED]
+    binned, found = both.sample.speeds, [h for h in both.histograms if h.name == SPEED]
+    if found and binned is not None:
+        h, density = found[-1], both.densities[SPEED]
+        edges = binned.edges[h.place]
         cut = int(np.searchsorted(edges, h.edges[1] / 8))
         at = int(np.argmin(np.abs(density.times - h.time)))
         count = int(binned.by_group[:, h.place, : cut + 1].sum())
         expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
-        if count < 5 or count - expected < DIFFERS_ABOVE * math.sqrt(max(expected, count)):
-            break
-        share, error = (count - expected) / h.samples, math.sqrt(count) / h.samples
-        text = (
-            f"At t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
-            f"{numeral(edges[cut], '.3g')} U, {_pm(share, error, '.2%', '.2%')} of all too many; "
-            f"{rest} have speed zero: caught between scatterers, or stopped by a program."
-        )
-        headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
-        return _found("traps", headline, text, share, error)
-    text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
-    return _found("traps", f"{rest} tracers come to rest", text, rest / most) if rest else None
+        if count >= 5 and count - expected >= DIFFERS_ABOVE * math.sqrt(max(expected, count)):
+            share, error = (count - expected) / h.samples, math.sqrt(count) / h.samples
+            headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
+            more = f": {count} are slower than {numeral(edges[cut], '.3g')} U, {rest} have speed "
+            more += "zero: caught between scatterers, or stopped by a program."
+            return _found("traps", headline, more, share, error, h.time)
+    more = ": they have speed zero at some time, which only trapped ones have."
+    return _found("traps", f"{rest} tracers come to rest", more, rest / most) if rest else None
 
 
-def _never(both: Both) -> Explanation | None:
+def never_move(sample: Sample) -> Explanation | None:
     """Particles that have speed zero at every time: of late times alone one in 100 at least, as
     tracers may have come to rest before.
     """
-    rest, most = int(both.sample.at_rest.min()), int(both.sample.samples.max())
-    late = both.sample.times[0] > 0 and rest < 0.01 * most
-    if not rest or late or both.sample.times.size < 2:
+    rest, most = int(sample.at_rest.min()), int(sample.samples.max())
+    late = sample.times[0] > 0 and rest < 0.01 * most
+    if not rest or late or sample.times.size < 2 or sample.law.is_driven:
         return None
     headline = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
-    text = f"{headline}: are these the scatterers? Choose the tracers by --type, or leave the "
-    return _found("scatterers", headline, f"{text}others out.", rest / most)
+    more = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
+    return _found("scatterers", headline, more, rest / most)
 
 
 def _missing(both: Both) -> Explanation | None:

@@ -80,12 +80,11 @@ class Both:
         replicates = expectation.replicates - self.theory
         self.replicates = found.moved(replicates)
         self.known = found.known
-        self.error, self.compared = statistics.errors(self.replicates), np.isfinite(self.difference)
+        self.error = statistics.errors(self.replicates)
         self.shaped = stabilised(self.names, self.theory, self.difference)
         self.shaped_replicates = found.moved(steadied(expectation, self.theory, replicates))
-        for k, name in enumerate(self.names):
-            if self.point.own_start or name not in _AT_ZERO:
-                self.compared[k] &= self.sample.times > 0
+        early = np.isin(self.names, () if self.point.own_start else _AT_ZERO)[:, None]
+        self.compared = np.isfinite(self.difference) & (early | (self.sample.times > 0))
         self.usable = self.compared & with_spread(self.error, expectation.values, self.theory)
         own = 0.0 if self.known is None else np.diagonal(self.known).reshape(self.error.shape)
         spread = statistics.errors(self.shaped_replicates)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_data import simulated
+from made_data import Run, columns_of, simulated
 
 from kinetics import Scene, compare, fit, solve
 from kinetics.crosscheck import Comparison
@@ -95,6 +95,16 @@ def test_a_share_of_tracers_at_rest_is_seen_and_counted() -> None:
     found = expected.theory(point._replace(at_rest=0.1))
     wanted = [v0 * np.sqrt(0.9), (1 + a2) / 0.9 - 1, 0.9 * msd, kurtosis / 0.9]
     np.testing.assert_allclose(found[:, 1:], np.array(wanted)[:, 1:], atol=1e-12)
+
+
+def test_scatterers_among_the_tracers_are_no_spread_of_media(run: Run) -> None:
+    """Four media of 40 that never move make errors so large that everything would agree."""
+    place, velocity = run[0].copy(), run[1].copy()
+    place[:, :200], velocity[:, :200] = place[0, :200], 0.0
+    told: dict[str, Any] = {"explain": False, "scatterers": "dilute"}
+    result = compare(columns_of((place, velocity)), 0.75, DENSITY, **told)
+    assert result.verdict == "differs"
+    assert "10.00% of the particles (200) never move" in result.summary
 
 
 @pytest.mark.parametrize("speed", [0.0, 1e-6])
