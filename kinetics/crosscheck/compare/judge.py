@@ -93,8 +93,8 @@ class Both:
         self.error = np.sqrt(self.error**2 + own)
         self.effective = statistics.effective_groups(self.shaped_replicates)
         every = [(name, at) for name, one in densities.items() for at in range(one.times.size)]
-        found_in = (_histogram(self.sample, densities[name], name, at) for name, at in every)
-        self.histograms = [one for one in found_in if one is not None]
+        binned = (_histogram(self.sample, densities[name], name, at) for name, at in every)
+        self.histograms = list(filter(None, binned))
 
     def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None, bool]:
         """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
