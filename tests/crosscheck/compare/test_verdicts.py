@@ -387,7 +387,8 @@ def test_fitted_values_have_honest_errors(medium: str, tracers: int) -> None:
         told = compare(run, **known)
         assert told.verdict != "differs"
         p_values.append([test.p_value for test in told.tests if test.time is None])
-    most = 1.25 if medium == "dilute" else 1.1
+    # many tracers among hard disks: the theory's own error, stated with a margin, is most of it
+    most = 1.1 if medium == "hard disks" and tracers > 500 else 1.25
     assert np.all(np.abs(np.mean(pulls, axis=0)) < (0.3 if medium == "dilute" else 1.0))
     assert np.all(np.std(pulls, axis=0, ddof=1) < most)
     assert np.all(np.mean(np.array(p_values) < 0.05, axis=0) < 0.16)  # 5 sigma above 5 %
