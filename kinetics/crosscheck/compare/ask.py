@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from kinetics import Solution, SolverStatus
-from kinetics.crosscheck.compare import judge, theory
-from kinetics.crosscheck.compare.causes import AGREES_ABOVE, explained, start_in_words, wrong_unit
+from kinetics import Solution, SolverStatus, validation
+from kinetics.crosscheck.compare import causes, judge, theory
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit, media_of
 from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.statistics import chance, errors, hotelling, spread_out
@@ -26,14 +25,7 @@ from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
 from kinetics.driven.restitution import impact_restitution
 from kinetics.driven.system import checked_drives
 from kinetics.errors import InputError
-from kinetics.validation import (
-    check_mass_ratio,
-    check_positive,
-    check_restitution,
-    one_of,
-    real_number,
-    refuse,
-)
+from kinetics.validation import check_positive, one_of, real_number, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
 SCATTERERS = ("dilute", "hard disks", "overlapping")
@@ -124,7 +116,7 @@ def compare_data(
     drives = checked_drives(**drives, capture_speed=capture_speed)
     law = replace(law, **{name: x for name, x in drives.items() if x})
     if mass_ratio != math.inf:
-        law = replace(law, mass_ratio=check_mass_ratio(mass_ratio))
+        law = replace(law, mass_ratio=validation.check_mass_ratio(mass_ratio))
     sample, start = _own_unit(
         replace(sample, law=law), told.get("initial", "auto") if initial == "auto" else initial
     )
@@ -133,7 +125,7 @@ def compare_data(
     else:
         number_density = told.get("number_density") if number_density is None else number_density
     if restitution is not None:
-        restitution = check_restitution(restitution) if impact is None else impact
+        restitution = validation.check_restitution(restitution) if impact is None else impact
     if number_density is not None:
         path = law.free_path(check_positive("number_density", number_density))
     dense = one_of("scatterers", scatterers, ("auto", *SCATTERERS)) in SCATTERERS[1:]
@@ -171,26 +163,26 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
         rows, tests = tuple(judge.rows_of(both)), tuple(judge.tests_of(both))
         # Rows without spread no test can hold.
         words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-        unit = wrong_unit(sample, point.start)
-        verdict = Verdict.DIFFERS if unit else judge.worst_of(words)
+        wrong = causes.wrong_unit(sample, point.start) or causes.never_move(sample)
+        verdict = Verdict.DIFFERS if wrong else judge.worst_of(words)
         if last or not explain:
             break
-        explanations, medium = explained(both, verdict, unit, media)
+        explanations, medium = causes.explained(both, verdict, wrong, media)
         if medium == point.scatterers or medium not in media:
             break  # else what explains is in another medium: it is the one that is shown
         best = next((one for one in fits if one.point.scatterers == medium), best)
     likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
-    first = unit or (None if verdict is Verdict.AGREES else next(likely, None))
+    first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
     note = [_OWN_START] if point.own_start and both.histograms else []
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
     tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
-    parameters = _parameters(both, unit is not None)
+    parameters = _parameters(both, wrong)
     names = (("restitution", "e"), ("number_density", "ρ₀"))
     fitted = " and ".join(
         f"{symbol} = {number(parameters[name].value, parameters[name].error)}"
         for name, symbol in names if parameters[name].error is not None
     )  # fmt: skip
-    start = start_in_words(point.start)
+    start = causes.start_in_words(point.start)
     return Comparison(
         verdict=verdict, summary=judge.summary(
             both, tests, verdict, first, start, f"{fitted}, fitted" * bool(fitted),
@@ -208,7 +200,7 @@ def _likeliest(fits: Sequence[Fit]) -> Fit:
     Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
     Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
-    agree = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE]
+    agree = [f for f in fits if f.chi_square and f.chi_square.p_value >= causes.AGREES_ABOVE]
     fits = agree or fits
     best = min(fits, key=lambda f: f.criterion)
     if not np.isfinite(best.criterion):
@@ -245,10 +237,10 @@ def _sources(data: Any) -> list[Any] | None:
     return [Table(data)] if isinstance(data, Mapping) else None
 
 
-def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
+def _parameters(both: judge.Both, wrong: Explanation | None) -> dict[str, Parameter]:
     """The numbers of the theory; those that were fitted have standard errors."""
     point, law, found = both.point, both.sample.law, both.found
-    left, why = found.chi_square if found.free else None, "a unit is wrong" if wrong_unit else ""
+    left, why = found.chi_square if found.free else None, wrong.headline if wrong else ""
     if left is not None and not why and left.p_value < chance(DIFFERS_ABOVE):
         why = f"the model does not fit (p = {numeral(left.p_value, '.2g')})"
 

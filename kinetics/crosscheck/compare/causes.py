@@ -4,7 +4,7 @@ A cause says which parameters of the theory (`theory.Point`) are other than what
 value, or free. Each is tried in every medium that the scatterers may be. It explains if what it
 leaves agrees and its value lies CLEARLY from what was told; those that explain are ranked by the
 likelihood that they leave (`Fit.criterion`), and only those near the best are said to. Units that
-do not belong together are looked for first: then nothing else is claimed.
+do not belong together, and particles that never move, come first: then nothing else is claimed.
 """
 
 import math
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import LIMITS, Fit, choose, components_of, fit, media_of
+from kinetics.crosscheck.compare.fit import Fit, choose, components_of, fit, media_of
 from kinetics.crosscheck.compare.judge import Both
 from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
@@ -42,14 +42,14 @@ def start_in_words(start: Any) -> str:
 
 
 def explained(
-    both: Both, verdict: Verdict, unit: Explanation | None, media: Sequence[str]
+    both: Both, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
 ) -> tuple[list[Explanation], str]:
     """What explains a difference or is to be noted, the likeliest first, and in which medium."""
     medium, field = both.point.scatterers, both.sample.law.field
     if both.sample.law.is_driven:
         return [], medium
-    if first := unit or _never(both):
-        return [first], medium
+    if wrong:
+        return [wrong], medium
     notes = [] if field else [note for note in (_traps(both), _missing(both)) if note]
     tested = []
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
@@ -79,8 +79,7 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
     for cause in (one for one in CAUSES if one.in_field == field):
         found: list[Fit] = []
         for change in cause.changes(both, media):
-            one = _fitted(both, cause, change, components, found[0].point if found else None)
-            found += [one] if one else []
+            found += _fitted(both, cause, change, components, found[:1])
         judged = [(_judged(both, cause, one, before), one) for one in found]
         tested += sorted(judged, key=rank)[: 1 if cause.free else None]
     tested.sort(key=rank)
@@ -90,20 +89,18 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
 
 
 def _fitted(
-    both: Both, cause: "Cause", change: dict[str, Any], components: Any, near: Point | None
-) -> Fit | None:
-    """The fit of a cause; near: where it was found in another medium, and is looked for now."""
-    point, free, starts = both.point._replace(**change), cause.free, list[Any]([()])
-    if free:
-        starts = [(x,) for x in cause.starts(both, point)]
-    if free and near is not None:
-        value = getattr(near, free[0])
-        starts = [(value if free[0] in LIMITS else math.log(value),), starts[0]]
+    both: Both, cause: "Cause", change: dict[str, Any], components: Any, near: Sequence[Fit]
+) -> list[Fit]:
+    """The fit of a cause, or none; near: that in another medium, from which it begins."""
+    point = both.point._replace(**change)
+    starts: list[Any] = [(x,) for x in cause.starts(both, point)] if cause.free else [()]
+    if cause.free and near:
+        starts = [near[0].at, starts[0]]
     try:
-        found = fit(both.expectation, point, free, components, starts)
+        found = fit(both.expectation, point, cause.free, components, starts)
     except ValueError:  # a restitution or a density of which there is no theory
-        return None
-    return found if found and found.chi_square else None
+        return []
+    return [found] if found and found.chi_square else []
 
 
 def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explanation:
@@ -112,11 +109,10 @@ def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explan
     assert after is not None
     value, error, clear = None, None, True
     if cause.free:
-        (name,) = cause.free
-        value, error = found.value(name)
-        told = float(getattr(both.point, name))
-        away = value - told if name in LIMITS else value * math.log(value / told)
-        clear = abs(away) > CLEARLY * error and 0 <= found.point.at_rest < 0.85
+        value, error = found.value(*cause.free)
+        away = float((found.at - found.coordinates(both.point))[0])
+        width = CLEARLY * math.sqrt(found.covariance[0, 0])
+        clear = abs(away) > width and 0 <= found.point.at_rest < 0.85
     if after.p_value >= AGREES_ABOVE:
         # Averages that agreed already need no explaining.
         outcome = "explains" if clear and before.p_value < AGREES_ABOVE else "does not"
@@ -168,11 +164,9 @@ def _other_media(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
 
 def _other_starts(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
     """The data's own speeds at time 0, or the other named start."""
-    start, others = both.sample.start, list[Any]()
-    if start is None:
-        others = [name for name in ("gaussian", "monoenergetic") if name != both.point.start]
-    elif not both.point.own_start:
-        others = [SampledStart(start)]
+    start, named = both.sample.start, {"gaussian", "monoenergetic"} - {both.point.start}
+    own: Any = [] if both.point.own_start or start is None else [SampledStart(start)]
+    others = own if start else sorted(named)
     return [{"start": one} | medium for one in others for medium in _media(both, media)]
 
 
@@ -229,16 +223,15 @@ def _factors(name: str) -> Any:
 def _noise(name: str, output: int) -> Any:
     def starts(both: Both, point: Point) -> list[float]:
         found = both.expectation.values[output] ** (2 if output == 0 else 1)
-        known = found[(both.sample.times > 0) & np.isfinite(found) & (found > 0)]
-        smallest = float(known.min()) if known.size else 1.0
-        return [share * smallest / both.sample.law.dimension for share in _SHARES]
+        known = found[(both.sample.times > 0) & (found > 0)]
+        return [s * float(known.min(initial=1e9)) / both.sample.law.dimension for s in _SHARES]
 
     return starts
 
 
 def _offsets(both: Both, point: Point) -> list[float]:
-    first = float(both.sample.times[both.sample.times > 0].min(initial=1.0))
-    return [share * first for share in _LATER]
+    first = both.sample.times[both.sample.times > 0][0]
+    return [share * float(first) for share in _LATER]
 
 
 class Cause(NamedTuple):
@@ -279,11 +272,15 @@ CAUSES = (
 """Everything that may explain a difference. A new cause is one row."""
 
 _NO_OTHER = "No other cause is looked for."
-_PUT_RIGHT = f"put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
+_PUT_RIGHT = f"; put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
 
 
-def _found(name: str, headline: str, text: str, value: float, error: Any = None) -> Explanation:
-    """What the data show by themselves, without a fit."""
+def _found(
+    name: str, headline: str, more: str, value: float, error: Any = None, time: float | None = None
+) -> Explanation:
+    """What the data show by themselves, without a fit, at a time or at all."""
+    text = headline if time is None else f"at t = {numeral(time, '.4g')}, {headline}"
+    text = f"{text[0].upper()}{text[1:]}{more}"
     return Explanation(name, "found", text, True, value, error, headline=headline)
 
 
@@ -293,9 +290,10 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds twice as large as
     at a named start cannot be, nor half as large while most tracers have not collided.
     """
-    field = sample.law.field or sample.law.is_driven
-    flights, unit = sample.flights, sample.units.get("time", (1.0, ""))
-    if not field and flights and abs(math.log(flights[0].ratio)) > 0.005:
+    law, flights, unit = sample.law, sample.flights, sample.units.get("time", (1.0, ""))
+    if law.field or law.is_driven:
+        return None
+    if flights and abs(math.log(flights[0].ratio)) > 0.005:
         at, value = flights[0].time, 1 / flights[0].ratio
         straight = f"tracers that fly straight have r = {numeral(flights[0].ratio, '.5g')} v t"
         # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
@@ -305,22 +303,19 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
             value = (at - true[0]) * unit[0]
             headline = f"{straight} at t = {numeral(at, '.4g')}, as if the clock were "
             headline += f"{numeral(value, '.4g')} {unit[1] or 'd/U'} ahead"
-            text = f"{headline[0].upper()}{headline[1:]}; shift the times. {_NO_OTHER}"
-            return _found("time offset", headline, text, value)
+            return _found("time offset", headline, f"; shift the times. {_NO_OTHER}", value)
         headline = f"{straight}, as if times were {numeral(value, '.5g')} times too long"
-        text = f"At t = {numeral(at, '.4g')}, {headline}; {_PUT_RIGHT}"
-        return _found("time unit", headline, text, value)
-    if field or not isinstance(start, str):
+        return _found("time unit", headline, _PUT_RIGHT, value, time=at)
+    if not isinstance(start, str):
         return None
-    most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
+    most = np.sqrt(law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)
     ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
     early = any(one.share > 0.5 and one.time <= sample.times[:2].max() for one in flights)
     if 0.5 <= ratio <= 2.0 or (ratio < 0.5 and not early):
         return None
     headline = f"speeds at the first time are {ratio:.4g} times those of the start"
-    text = f"At t = {numeral(sample.times[0], '.4g')}, {headline}; {_PUT_RIGHT}"
-    return _found("speed unit", headline, text, ratio)
+    return _found("speed unit", headline, _PUT_RIGHT, ratio, time=sample.times[0])
 
 
 def _traps(both: Both) -> Explanation | None:
@@ -328,36 +323,35 @@ def _traps(both: Both) -> Explanation | None:
     lowest bin: no wrong number, which shifts all speeds a little, puts a tracer there.
     """
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
-    binned = both.sample.speeds
-    for h in [h for h in both.histograms if h.name == SPEED and binned][-1:]:
-        assert binned is not None
-        edges, density = binned.edges[h.place], both.densities[SPEED]
+    binned, found = both.sample.speeds, [h for h in both.histograms if h.name == SPEED]
+    if found and binned is not None:
+        h, density = found[-1], both.densities[SPEED]
+        edges = binned.edges[h.place]
         cut = int(np.searchsorted(edges, h.edges[1] / 8))
         at = int(np.argmin(np.abs(density.times - h.time)))
         count = int(binned.by_group[:, h.place, : cut + 1].sum())
         expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
-        if count < 5 or count - expected < DIFFERS_ABOVE * math.sqrt(max(expected, count)):
-            break
-        share, error = (count - expected) / h.samples, math.sqrt(count) / h.samples
-        text = (
-            f"At t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
-            f"{numeral(edges[cut], '.3g')} U, {_pm(share, error, '.2%', '.2%')} of all too many; "
-            f"{rest} have speed zero: caught between scatterers, or stopped by a program."
-        )
-        headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
-        return _found("traps", headline, text, share, error)
-    text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
-    return _found("traps", f"{rest} tracers come to rest", text, rest / most) if rest else None
+        if count >= 5 and count - expected >= DIFFERS_ABOVE * math.sqrt(max(expected, count)):
+            share, error = (count - expected) / h.samples, math.sqrt(count) / h.samples
+            headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
+            more = f": {count} are slower than {numeral(edges[cut], '.3g')} U, {rest} have speed "
+            more += "zero: caught between scatterers, or stopped by a program."
+            return _found("traps", headline, more, share, error, h.time)
+    more = ": they have speed zero at some time, which only trapped ones have."
+    return _found("traps", f"{rest} tracers come to rest", more, rest / most) if rest else None
 
 
-def _never(both: Both) -> Explanation | None:
-    """Particles that have speed zero at every time."""
-    rest, most = int(both.sample.at_rest.min()), int(both.sample.samples.max())
-    if not rest or both.sample.times.size < 2:
+def never_move(sample: Sample) -> Explanation | None:
+    """Particles that have speed zero at every time: of late times alone one in 100 at least, as
+    tracers may have come to rest before.
+    """
+    rest, most = int(sample.at_rest.min()), int(sample.samples.max())
+    late = sample.times[0] > 0 and rest < 0.01 * most
+    if not rest or late or sample.times.size < 2 or sample.law.is_driven:
         return None
     headline = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
-    text = f"{headline}: are these the scatterers? Choose the tracers by --type, or leave the "
-    return _found("scatterers", headline, f"{text}others out.", rest / most)
+    more = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
+    return _found("scatterers", headline, more, rest / most)
 
 
 def _missing(both: Both) -> Explanation | None:

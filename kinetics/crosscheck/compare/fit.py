@@ -15,7 +15,13 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, errors, whitening
-from kinetics.crosscheck.compare.theory import Expectation, Point, own_covariance, stabilised
+from kinetics.crosscheck.compare.theory import (
+    Expectation,
+    Point,
+    own_covariance,
+    stabilised,
+    steadied,
+)
 from kinetics.crosscheck.data.sample import Sample
 
 Array = NDArray[np.float64]
@@ -56,11 +62,15 @@ class Fit:
     chi_square: ChiSquare | None = None
     widening: float = 0.0
 
+    def coordinates(self, point: Point) -> Array:
+        """The parameters `free` of a point, or the logarithms of positive ones, (k,)."""
+        values = {name: getattr(point, name) for name in self.free}
+        return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
+
     @property
     def at(self) -> Array:
-        """The fitted parameters, or the logarithms of positive ones, (k,)."""
-        values = {name: getattr(self.point, name) for name in self.free}
-        return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
+        """The fitted parameters as `coordinates`."""
+        return self.coordinates(self.point)
 
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
@@ -75,7 +85,9 @@ class Fit:
         return float(left + self.widening + 2 * len(self.free))
 
     def moved(self, replicates: Array) -> Array:
-        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
+        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off:
+        of `steadied` ones exactly, as these are logarithms where they are fitted.
+        """
         flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
         shift = (flat - flat.mean(axis=0)) @ self.influence.T
         return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
@@ -167,15 +179,13 @@ def fit(
         if one_by_one:  # errors for the worst correlation
             spread = np.diag(np.abs(influence) @ errors(replicates)) ** 2
     parts = (at, tuple(free), theory, known, spread, slope, influence, chosen)
-    differences, widening = expectation.replicates - theory, 0.0
-    if not one_by_one:
-        differences = Fit(*parts).moved(differences)
-    left_of = stabilised(names, theory, differences).reshape(groups, -1)[:, tested]
+    widening, rows = 0.0, steadied(expectation, theory, expectation.replicates - theory)
+    moved = rows if one_by_one else Fit(*parts).moved(rows)
+    left_of = moved.reshape(groups, -1)[:, tested]
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
-        spread_of = stabilised(names, theory, expectation.replicates - theory)
-        rows = spread_of.reshape(groups, -1)[:, tested]
-        widening = statistics.log_widening(rows, known[np.ix_(tested, tested)])
+        spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
+        widening = statistics.log_widening(spread_of, own)
         passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
         passed[:, chosen] -= slope[tested] @ influence
         usable = np.any(passed != 0, axis=0)

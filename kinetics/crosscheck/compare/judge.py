@@ -21,6 +21,7 @@ from kinetics.crosscheck.compare.theory import (
     bin_shares,
     rtol_of,
     stabilised,
+    steadied,
 )
 from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.words import Verdict, numeral
@@ -61,6 +62,8 @@ class Both:
     """A sample and its theory side by side: what rows, tests and causes are made of.
 
     theory, difference, error (n_names, n_times); replicates (G, n_names, n_times) of the difference
+    shaped, shaped_replicates, sigmas, effective : differences as `stabilised`, these in standard
+        errors, and the groups that the errors are as good as
     known (p_all, p_all) : covariance of the theory's own error, None where it has none
     compared : where there is something to compare; usable : and where it has spread
     """
@@ -74,21 +77,24 @@ class Both:
             raise InputError("data: fewer than two groups; there are no standard errors")
         self.theory = expectation.theory(self.point)
         self.difference = expectation.values - self.theory
-        self.replicates = found.moved(expectation.replicates - self.theory)
+        replicates = expectation.replicates - self.theory
+        self.replicates = found.moved(replicates)
         self.known = found.known
-        self.error, self.compared = statistics.errors(self.replicates), np.isfinite(self.difference)
+        self.error = statistics.errors(self.replicates)
         self.shaped = stabilised(self.names, self.theory, self.difference)
-        self.shaped_replicates = stabilised(self.names, self.theory, self.replicates)
-        for k, name in enumerate(self.names):
-            if self.point.own_start or name not in _AT_ZERO:
-                self.compared[k] &= self.sample.times > 0
+        self.shaped_replicates = found.moved(steadied(expectation, self.theory, replicates))
+        early = np.isin(self.names, () if self.point.own_start else _AT_ZERO)[:, None]
+        self.compared = np.isfinite(self.difference) & (early | (self.sample.times > 0))
         self.usable = self.compared & with_spread(self.error, expectation.values, self.theory)
-        if self.known is not None:
-            own = np.diagonal(self.known).reshape(self.error.shape)
-            self.error = np.sqrt(self.error**2 + own)
+        own = 0.0 if self.known is None else np.diagonal(self.known).reshape(self.error.shape)
+        spread = statistics.errors(self.shaped_replicates)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.sigmas = self.shaped / np.sqrt(spread**2 + own)
+        self.error = np.sqrt(self.error**2 + own)
+        self.effective = statistics.effective_groups(self.shaped_replicates)
         every = [(name, at) for name, one in densities.items() for at in range(one.times.size)]
-        found_in = (_histogram(self.sample, densities[name], name, at) for name, at in every)
-        self.histograms = [one for one in found_in if one is not None]
+        binned = (_histogram(self.sample, densities[name], name, at) for name, at in every)
+        self.histograms = list(filter(None, binned))
 
     def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None, bool]:
         """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
@@ -184,7 +190,7 @@ def _merged(
 
 def rows_of(both: Both) -> Iterator[Row]:
     """One row per observable and time, and per bin of a density; see `Comparison.rows`."""
-    sample, effective = both.sample, statistics.effective_groups(both.replicates)
+    sample = both.sample
     counts = 0 * sample.samples if sample.tabulated else sample.samples
     for i, name in enumerate(both.names):
         looks = int(both.usable[i].sum())
@@ -194,7 +200,8 @@ def rows_of(both: Both) -> Iterator[Row]:
             sigmas, corrected, count = None, None, int(counts[k])
             if both.usable[i, k]:
                 sigmas = float(both.difference[i, k] / error)
-                corrected = words.corrected_sigmas(sigmas, float(effective[i, k]), looks)
+                shaped, groups = float(both.sigmas[i, k]), float(both.effective[i, k])
+                corrected = words.corrected_sigmas(shaped, groups, looks)
                 verdict = words.judge_sigmas(corrected)
             elif sample.groups < 3 or ((sample.law.field or sample.law.is_driven) and time > 0):
                 # One tracer is always like itself, and falls before its first collision as others.
@@ -245,7 +252,8 @@ def _over_times(both: Both, i: int) -> ChiSquare | None:
     error = both.error[i, times]
     if both.sample.tabulated:
         return statistics.of_the_worst(difference / error)
-    count = min(times.size, statistics.most_freedom(both.sample.groups))
+    effective = float(statistics.effective_groups(replicates).mean())
+    count = min(times.size, statistics.most_freedom(int(effective)))
     together = np.zeros((count, times.size))
     together[np.arange(times.size) * count // times.size, range(times.size)] = 1 / error
     known = None if known is None else together @ known @ together.T
@@ -258,8 +266,7 @@ def _of_single_times(both: Both, i: int) -> tuple[Verdict, float]:
     """
     usable, looks = both.usable[i], 2 * int(both.usable.sum())
     difference, error = both.difference[i, usable], both.error[i, usable]
-    effective = statistics.effective_groups(both.replicates[:, i, usable])
-    each = zip((difference / error).tolist(), effective.tolist(), strict=True)
+    each = zip(both.sigmas[i, usable].tolist(), both.effective[i, usable].tolist(), strict=True)
     verdict = worst_of(
         words.judge_sigmas(words.corrected_sigmas(z, groups, looks)) for z, groups in each
     )

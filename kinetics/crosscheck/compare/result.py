@@ -209,21 +209,17 @@ class Comparison(Result):
 
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        def judged(kind: Any, found: Any) -> Any:
-            return kind(**found | {"verdict": Verdict(found["verdict"])})
+        def made(item: Any, kind: Any = dict) -> Any:
+            found = {k: Verdict(v) if k == "verdict" else v for k, v in item.items()}
+            return kind(**{k: tuple(v) if isinstance(v, list) else v for k, v in found.items()})
 
-        found = json.loads(parts["document"])
-        data = found["data"]
-        return cls(
-            verdict=Verdict(found["verdict"]), summary=found["summary"], initial=found["initial"],
-            numbers=tuple(judged(Row, row) for row in found["rows"]),
-            tests=tuple(judged(ComparisonTest, test) for test in found["tests"]),
-            explanations=tuple(Explanation(**item) for item in found["explanations"]),
-            parameters={k: Parameter(**p) for k, p in found["parameters"].items()},
-            warnings=tuple(found["warnings"]), medium=found["medium"],
-            covariance=tuple(map(tuple, found["covariance"])),
-            **data | {"names": tuple(data["names"])},
-        )  # fmt: skip
+        found = made(json.loads(parts["document"]))
+        del found["schema"], found["title"]
+        kinds = {"rows": Row, "tests": ComparisonTest, "explanations": Explanation}
+        found |= {name: tuple(made(x, kind) for x in found[name]) for name, kind in kinds.items()}
+        found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
+        found["covariance"] = tuple(map(tuple, found["covariance"]))
+        return cls(numbers=found.pop("rows"), **made(found.pop("data")), **found)
 
     def __repr__(self) -> str:
         """The verdict first, and the tests of averages."""

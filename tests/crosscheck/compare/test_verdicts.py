@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_data import simulated
+from made_data import Run, columns_of, simulated
 
 from kinetics import Scene, compare, fit, solve
 from kinetics.crosscheck import Comparison
@@ -63,6 +63,7 @@ def test_what_is_wrong_is_seen_and_named(name: str) -> None:
     if "unit" in name:  # straight flights would tell it: only times after all have collided
         late = data["times"] > (0 if name == "speed unit" else 200)
         data = {k: v[late] for k, v in data.items()}
+        data["velocities"][:, :3] = 0.0  # caught before: no reason to look for nothing else
         told = told | {"positions": "displacement"}
     result = compare(data, **{"restitution": 0.75, "number_density": DENSITY} | told)
     assert result.verdict == "differs"
@@ -94,6 +95,16 @@ def test_a_share_of_tracers_at_rest_is_seen_and_counted() -> None:
     found = expected.theory(point._replace(at_rest=0.1))
     wanted = [v0 * np.sqrt(0.9), (1 + a2) / 0.9 - 1, 0.9 * msd, kurtosis / 0.9]
     np.testing.assert_allclose(found[:, 1:], np.array(wanted)[:, 1:], atol=1e-12)
+
+
+def test_scatterers_among_the_tracers_are_no_spread_of_media(run: Run) -> None:
+    """Four media of 40 that never move make errors so large that everything would agree."""
+    place, velocity = run[0].copy(), run[1].copy()
+    place[:, :200], velocity[:, :200] = place[0, :200], 0.0
+    told: dict[str, Any] = {"explain": False, "scatterers": "dilute"}
+    result = compare(columns_of((place, velocity)), 0.75, DENSITY, **told)
+    assert result.verdict == "differs"
+    assert "10.00% of the particles (200) never move" in result.summary
 
 
 @pytest.mark.parametrize("speed", [0.0, 1e-6])
@@ -368,15 +379,16 @@ def test_fitted_values_have_honest_errors(medium: str, tracers: int) -> None:
     for seed in range(100):
         run = simulated(medium=kind, restitution=0.75, times=np.geomspace(0.3, 100, 10) * PATH,
                         media=50, tracers=tracers // 50, seed=5000 + seed)  # fmt: skip
-        data = arrays_of(run)
-        known: Any = {"positions": "displacement", "scatterers": medium, "explain": False}
-        found = compare(data, **known).parameters
+        known: Any = {"scatterers": medium, "explain": False}
+        found = compare(run, fitted=True, **known).parameters
         e, path = found["restitution"], found["mean_free_path"]
         width = path.error / path.value
         pulls.append([(e.value - 0.75) / e.error, np.log(path.value / PATH) / width])
-        told = compare(data, 0.75, DENSITY, **known)
+        told = compare(run, **known)
+        assert told.verdict != "differs"
         p_values.append([test.p_value for test in told.tests if test.time is None])
-    most = 1.25 if medium == "dilute" else 1.1
+    # many tracers among hard disks: the theory's own error, stated with a margin, is most of it
+    most = 1.1 if medium == "hard disks" and tracers > 500 else 1.25
     assert np.all(np.abs(np.mean(pulls, axis=0)) < (0.3 if medium == "dilute" else 1.0))
     assert np.all(np.std(pulls, axis=0, ddof=1) < most)
     assert np.all(np.mean(np.array(p_values) < 0.05, axis=0) < 0.16)  # 5 sigma above 5 %
