@@ -37,17 +37,6 @@ def test_every_row(name: str) -> None:
     assert steps[row.step]
 
 
-def test_names_and_heads() -> None:
-    assert list(OUTPUTS) == [row.name for row in OUTPUTS.values()]
-    assert OUTPUTS["msd"].head == "<r^2> [d^2]"
-    assert OUTPUTS["a2"].head == "a2"
-    assert [name for name, row in OUTPUTS.items() if row.is_number] == [
-        "thermal_speed", "temperature", "a2", "collisions", "msd", "kurtosis",
-        "velocity_autocorrelation", "diffusion_coefficient",
-    ]  # fmt: skip
-    assert described("msd_slope", 2)[0] == "d^2"
-
-
 def test_the_table_loads_nothing() -> None:
     code = (
         "import sys, kinetics.outputs; print('numpy' in sys.modules, 'dataclasses' in sys.modules)"

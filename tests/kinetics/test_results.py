@@ -20,7 +20,6 @@ import xarray
 from example_values import TIMES, VALUES, solved, with_densities
 from matplotlib.figure import Figure
 
-import kinetics
 from kinetics import (
     Beam,
     CollisionLaw,
@@ -40,6 +39,9 @@ FUNCTIONS = [name for name in VALUES if name.endswith(("density", "harmonics"))]
 SAVED = {name: make for name, make in VALUES.items() if name not in FUNCTIONS} | {
     "own law": lambda: Scene(
         CollisionLaw.from_samples([0.25, 0.75], [0.5, 0.9], [0.1, -0.3]), times=TIMES
+    ),
+    "mixture": lambda: Scene(
+        CollisionLaw.mixture([1, 3], [CollisionLaw(0.5), CollisionLaw(0.9, 0.4)]), times=TIMES
     ),
     "in space": lambda: Scene(0.7, times=TIMES, initial=Beam(0.0), dimension=3),
     "by collision": lambda: solve(
@@ -121,13 +123,6 @@ def test_different_questions_give_different_values() -> None:
     assert solve(scene) != solve(scene, rtol=1e-3)
     assert solve_scaled(0.7) != solve_scaled(0.7, 1e-8)
     assert ScalingSolution(0.7) != ScalingSolution(0.8)
-
-
-def test_names_are_shown() -> None:
-    solution = solve(Scene(0.7, times=TIMES, outputs=("msd", "diffusion_coefficient")))
-    assert {"msd", "diffusion_coefficient", "msd_slope", "moment", "save"} <= {*dir(solution)}
-    assert "a2" not in dir(solution)
-    assert dir(kinetics) == sorted(kinetics.__all__)
 
 
 # -- datasets, frames and plots -------------------------------------------------------------------
@@ -233,13 +228,6 @@ def test_every_result_has_them_all(name: str) -> None:
     assert result.plot(drawn, ax=Figure().subplots()).lines
     assert len(result.to_dataframe())
     assert "<table>" in result._repr_html_()
-
-
-def test_what_is_not_there_is_refused(averages: Any) -> None:
-    refused(lambda: averages.plot("speed"), "speed", "thermal_speed")
-    refused(lambda: averages.plot("msd", velocity=[1.0]), "velocity", "speeds")
-    refused(lambda: solve_scaled(0.7).plot("a2"), "a2")
-    refused(lambda: averages.to_dataframe("speed"), "speed")
 
 
 # -- files ----------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import AngularHarmonics, Beam, CollisionLaw, InputError, Scene, solve
+from kinetics import AngularHarmonics, Beam, CollisionLaw, Scene, solve
 from kinetics.moments.by_collision import ByCollision
 from particles import BoltzmannGrad, simulate
 
@@ -94,24 +94,3 @@ def test_harmonics_after_many_collisions() -> None:
         assert found.harmonic(p, m)[-1] == 0.0
     other = AngularHarmonics({0: lambda v: np.exp(-v)})
     assert np.all(after(law, initial=other).harmonic(1.0, 1) == 0.0)
-
-
-@pytest.mark.parametrize("numbers", [[0.5], [-1], [1e300], [np.nan], "many", [[1, 2]], None, [1j]])
-def test_bad_collision_numbers(numbers: Any) -> None:
-    with pytest.raises(
-        InputError, match=r"^collision_numbers: got .*whole, not negative"
-    ) as caught:
-        Scene(0.5, collision_numbers=numbers)
-    assert "\n" not in str(caught.value)
-
-
-def test_what_does_not_exist_is_refused() -> None:
-    with pytest.raises(InputError, match=r"^collision_numbers: the scene has none"):
-        _ = solve(Scene(0.5, times=[1.0])).by_collision
-    stopping = after(CollisionLaw(0.0), [3])
-    with pytest.raises(InputError, match=r"^p: got -1\.0; moments of this scene exist for p > -1"):
-        stopping.moment(-1.0)
-    with pytest.raises(InputError, match=r"^collision_numbers: <1/v> does not exist"):
-        _ = stopping.mean_time
-    with pytest.raises(InputError, match=r"^collision_numbers: a2 overflows"):
-        _ = after(CollisionLaw(0.1), [10**6]).a2

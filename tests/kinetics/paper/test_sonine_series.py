@@ -7,7 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kinetics import CollisionLaw, InputError, ScalingSolution, sonine
+from kinetics import CollisionLaw, ScalingSolution, sonine
 from kinetics.paper.series import SeriesStatus
 
 GAUSS_SPEED = math.sqrt(math.pi) / 2  # <c> of the Gaussian
@@ -212,18 +212,3 @@ def test_diffusion_inherits_the_divergence() -> None:
     # as 70 digits have it, within the rounding that is said
     kept = sonine.diffusion_of_order(0.4, 20)
     assert abs(kept.coefficient / 0.932364706647683 - 1) < kept.rounding < 1e-5
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: sonine.scaled_state(1.0, 2),
-        lambda: sonine.scaled_state(0.5, 0),
-        lambda: sonine.scaled_state(0.5, 2.5),
-        lambda: sonine.diffusion_of_order(0.5, 41),
-    ],
-)
-def test_bad_input_is_one_clear_line(call: Any) -> None:
-    with pytest.raises(InputError) as caught:
-        call()
-    assert "\n" not in str(caught.value)

@@ -69,19 +69,6 @@ def test_two_temperature_gaussian_at_the_start() -> None:
     assert np.max(error) < 1e-5 * np.max(exact * v[:, None])
 
 
-def test_velocity_density_integrates_to_the_averages() -> None:
-    outputs = ("velocity_density", "velocity_tensor")
-    solution = solve(scene(0.6, Gaussian(1.2, 0.8), [0.8], outputs=outputs), rtol=1e-7)
-    node, weight = np.polynomial.legendre.leggauss(60)
-    v, phi = 4.0 * (1.0 + node), 0.5 * np.pi * (1.0 + node)
-    density = solution.velocity_density(v, phi)[0]
-    area = 4.0 * np.pi * weight[:, None] * weight * v[:, None]  # 2 (8/2) (pi/2) v dv dphi
-    mass = (area * density).sum()
-    xx = (area * density * v[:, None] ** 2 * np.cos(phi) ** 2).sum()
-    assert abs(mass - 1.0) < 1e-5
-    assert abs(xx - solution.velocity_tensor[0, 0, 0]) < 1e-5
-
-
 def test_angular_harmonics() -> None:
     """f = g(v) (1 + 0.6 cos(phi) + 0.5 sin(2 phi))/(2 pi v), g the speed density of a Gaussian."""
 
