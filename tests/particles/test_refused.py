@@ -94,8 +94,8 @@ MEDIA: list[tuple[str, Any]] = [
     ("start", lambda: START([[1, 2]], start=(1,))),
     ("start", lambda: START([[1, 2]], start=(0, -1e308))),
     ("b", lambda: Viscoelastic(-1.0)),
-    *((name, lambda n=name, v=value: simulate(**GOOD).trajectories(**{"tracers": 1, n: v})) for name, value in (
-        ("tracers", 9), ("configuration", 2), ("until", -1.0), ("collisions", 1001))),
+    *((n, lambda n=n, v=v: simulate(**GOOD).trajectories(**{"tracers": 1, n: v}))
+      for n, v in (("tracers", 9), ("configuration", 2), ("until", -1.0), ("collisions", 1001))),
 ]  # fmt: skip
 
 
