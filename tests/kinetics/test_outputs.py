@@ -2,12 +2,10 @@
 
 import subprocess
 import sys
-from typing import Any
 
-import numpy as np
 import pytest
 
-from kinetics import Beam, Scene, outputs, solve
+from kinetics import Beam, Scene, solve
 from kinetics.moments.backward import Observable
 from kinetics.outputs import OUTPUTS, described
 
@@ -43,16 +41,3 @@ def test_the_table_loads_nothing() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["False", "False"]
-
-
-def test_the_velocity_of_the_start_is_averaged_over_all_directions() -> None:
-    """<v(0).v(t)> of an isotropic start is not zero, though <v(t)> is."""
-
-    def asked(name: str) -> Any:
-        return [part.start for part in outputs.OUTPUTS[name].made_of(2)]
-
-    assert asked("velocity_autocorrelation") == [0]
-    assert asked("mean_velocity") == [1]
-    solution = solve(Scene(0.7, times=TIMES, outputs=("velocity_autocorrelation", "mean_velocity")))
-    assert solution.velocity_autocorrelation[0] == pytest.approx(2.0, rel=1e-9)
-    assert np.all(solution.mean_velocity == 0.0)

@@ -85,12 +85,6 @@ def test_errors_come_from_configurations() -> None:
     assert 0.85 < np.median(ratio) < 1.15
 
 
-def test_one_configuration_has_no_error_bar() -> None:
-    ensemble = simulate(Poisson(0.1, 1000), 0.7, times=[1.0], media=1, tracers=10)
-    assert np.isinf(ensemble.msd.error).all()
-    assert np.isfinite(ensemble.msd.value).all()
-
-
 def test_a_collision_cap_says_whom_it_leaves_out() -> None:
     ensemble = simulate(
         HardDisks(0.04, 4000), 0.9, times=TIMES, media=5, tracers=50, max_collisions=9

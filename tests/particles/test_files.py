@@ -93,16 +93,6 @@ def test_equal_runs_are_equal_and_others_are_not(whole: Ensemble) -> None:
     assert medium != Positions(disks, 10.0)
 
 
-def test_what_it_shows(ensemble: Ensemble, falling: Ensemble) -> None:
-    for run in (ensemble, falling):
-        assert all(hasattr(run, name) for name in (*dir(run), *run.outputs))
-        for value in (run, run.msd, run.mean_free_path, run.statuses):
-            assert len(repr(value).splitlines()) <= 10
-        refused(lambda run=run: run.plot("mean_free_path"), "name = ")
-        refused(lambda run=run: run.to_dataframe("no"), "name = ")
-    assert {*particles.__all__, "__version__"} <= {*dir(particles)}
-
-
 # -- tables ---------------------------------------------------------------------------------------
 
 

@@ -56,19 +56,6 @@ def test_curves_at_the_extremes_of_the_radius(form: Any) -> None:
 # -- the random walk ------------------------------------------------------------------------------
 
 
-def test_alpha_and_beta_are_those_of_the_paper() -> None:
-    assert float(sonine.alpha()) == pytest.approx(1 / math.sqrt(2))
-    assert float(sonine.beta(0.3)) == pytest.approx(0.058 * 0.7)
-    assert float(sonine.cooling_rate_fitted(0.3)) == pytest.approx(1.45 * 0.7)
-    assert float(sonine.cooling_rate_fitted(0.3, 1.4)) == pytest.approx(1.4 * 0.7)
-    assert float(sonine.beta(0.3, 0.1, 2.0, cooling_rate=0.5)) == pytest.approx(0.1)
-    # its h may be replaced by another
-    changed = sonine.msd_random_walk(500.0, 0.3, cooling_rate=0.9)
-    b = 0.04 * 0.9
-    expected = 13.5**2 * math.log1p(b * math.sqrt(2) * 500) / math.log1p(13.5 * b)
-    assert float(changed) == pytest.approx(expected, rel=1e-13)
-
-
 # -- fits -----------------------------------------------------------------------------------------
 
 

@@ -67,7 +67,6 @@ def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
     assert low[1] / low[0] == pytest.approx(1e-10 ** (-law.lowest_power - dimension), rel=1e-10)
 
 
-@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-9])
 @pytest.mark.parametrize(
     "law",
     [
@@ -83,13 +82,15 @@ def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
         {"restitution": 0.7, "scatterers": "hard disks", "number_density": 0.04},
     ],
 )
-def test_the_estimate_is_above_the_error(law: dict[str, Any], rtol: float) -> None:
+def test_the_estimate_is_above_the_error(law: dict[str, Any]) -> None:
     """Of h, a2 and F(c) from the bulk up to 1e-97 of it, against the closed form."""
-    exact, found = ScalingSolution(**law), solve_scaled(**law, rtol=rtol)
-    h, a2 = found.cooling_rate / exact.cooling_rate, (1.0 + found.a2) / (1.0 + exact.a2)
-    assert max(abs(h - 1.0), abs(a2 - 1.0)) <= found.error_estimate
-    c = np.linspace(1.0, 300.0 * exact.cooling_rate, 300)
+    exact = ScalingSolution(**law)
+    c = np.linspace(1.0, 300.0 * exact.cooling_rate, 100)
     f = exact.vdf(c)
     c, f = c[f > 1e-97], f[f > 1e-97]
-    error = np.abs(found.reached_vdf(c) / f - 1.0).max()
-    assert error <= found.error_estimate + 1e-12 <= rtol
+    for rtol in (1e-2, 1e-4, 1e-6, 1e-9):
+        found = solve_scaled(**law, rtol=rtol)
+        h, a2 = found.cooling_rate / exact.cooling_rate, (1.0 + found.a2) / (1.0 + exact.a2)
+        assert max(abs(h - 1.0), abs(a2 - 1.0)) <= found.error_estimate
+        error = np.abs(found.reached_vdf(c) / f - 1.0).max()
+        assert error <= found.error_estimate + 1e-12 <= rtol
