@@ -86,14 +86,6 @@ def test_a_low_density_is_the_dilute_gas(order: str) -> None:
         assert not np.array_equal(getattr(dense, name), getattr(dilute, name))
 
 
-@pytest.mark.parametrize("e", [1e-309, 1e-100, 0.5])
-def test_the_lowest_power_is_where_the_geometric_series_ends(e: float) -> None:
-    law = law_in_medium(CollisionLaw(e), "hard disks", 0.04, 1.0)
-    p, eps = law.lowest_power, max(abs(law.returns(m)[0]) for m in range(3))
-    of_bounces = 1.0 - CollisionLaw(e).decay_rate(p)
-    assert math.log(eps) + p * math.log(e) + math.log1p(of_bounces) == pytest.approx(0.0, abs=1e-6)
-
-
 @pytest.mark.parametrize("scatterers", ["overlapping", "hard disks"])
 def test_nothing_jumps_where_the_constants_begin(scatterers: str) -> None:
     outputs = ("msd", "thermal_speed", "kurtosis", "collisions")

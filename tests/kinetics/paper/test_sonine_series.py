@@ -107,22 +107,6 @@ def test_for_small_restitution_higher_orders_lead_away() -> None:
     assert a2[-1] == pytest.approx(-0.838, abs=5e-4)
 
 
-@pytest.mark.parametrize(
-    ("e", "orders", "ratios"),
-    [
-        (0.8, (10, 20, 30, 40), (0.9810, 0.9898, 0.9987, 0.9419)),
-        (0.9, (5, 10, 20, 40, 100), (0.9979, 0.9328, 1.0135, 0.9999, 1.0004)),
-        (0.99, (5, 10, 20, 40), (0.9798, 0.8658, 1.1058, 0.9359)),
-    ],
-)
-def test_near_the_elastic_limit_the_orders_come_near_and_leave(
-    e: float, orders: tuple[int, ...], ratios: tuple[float, ...]
-) -> None:
-    exact = ScalingSolution(e).cooling_rate
-    found = [sonine.scaled_state(e, n).cooling_rate / exact for n in orders]
-    np.testing.assert_allclose(found, ratios, atol=1e-4)
-
-
 def test_orders_that_rounding_spoils_say_so() -> None:
     spoilt = sonine.scaled_state(0.4, 60)
     assert spoilt.status is SeriesStatus.ILL_CONDITIONED

@@ -122,19 +122,6 @@ def test_small_wave_numbers(law: CollisionLaw, initial: str) -> None:
         assert abs(f - expected) < 0.02 * abs(k2**2 * fourth / (8 * d * (d + 2)))
 
 
-@pytest.mark.parametrize("law", [LAWS[0], LAWS[2], LAWS[4]], ids=repr)
-@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
-def test_the_scattering_function_is_the_transform_of_the_density(
-    law: CollisionLaw, initial: str
-) -> None:
-    t = 40.0
-    found = solve(scene(law, t, initial), rtol=1e-6)
-    k = np.array([0.0, 0.004, 0.02, 0.06])
-    r, w = bins(np.linspace(0.0, 6.0 * math.sqrt(found.msd[0]), 61))
-    transformed = mean_phase(np.outer(k, r), law.dimension) @ (w * found.position_density(r)[0])
-    assert np.abs(found.intermediate_scattering(k)[0] - transformed).max() < 3e-6
-
-
 # -- directed starts -------------------------------------------------------------------------------
 
 

@@ -148,18 +148,6 @@ def test_the_elastic_density_at_late_times_is_a_mixture_of_gaussians() -> None:
     assert error < 1e-4  # corrections are of order l/(v t)
 
 
-def test_the_late_scaled_density_tends_to_a_gaussian() -> None:
-    """2 R exp(-R^2), with corrections of order 1/ln t."""
-    r = np.linspace(0.1, 3.0, 30)
-    gauss = 2.0 * r * np.exp(-(r**2))
-    apart = [
-        float(np.abs(density(0.6, [t], rtol=1e-4).scaled_position_density(r)[0] - gauss).max())
-        for t in (1e3, 1e30, 1e300)
-    ]
-    assert apart[0] > 5.0 * apart[1] > 20.0 * apart[2]
-    assert apart[2] < 1e-3
-
-
 @pytest.mark.parametrize("e", [0.05, 0.9999, 1.0 - 1e-10, 1.0])
 def test_norm_for_extreme_restitutions(e: float) -> None:
     found = density(e, [1e3], rtol=1e-4)

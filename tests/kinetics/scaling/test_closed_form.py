@@ -83,20 +83,6 @@ def test_exponential_tail_with_its_power_and_amplitude(e: float) -> None:
     assert exact.tail_power == pytest.approx(1 / (1 - e * e) - 2)
 
 
-def test_zero_restitution_in_closed_form() -> None:
-    exact = ScalingSolution(0.0)
-    c = np.array([1e-300, 1e-9, 0.3, 1.0, 20.0, 400.0])
-    f = np.exp(-math.sqrt(2) * c) / (math.sqrt(2) * math.pi * c)
-    np.testing.assert_allclose(exact.vdf(c), f, rtol=1e-13)
-    assert exact.vdf(0.0) == math.inf
-    assert exact.cooling_rate == pytest.approx(math.sqrt(2), rel=1e-15, abs=0.0)
-    assert exact.a2 == pytest.approx(2.0, rel=1e-14, abs=0.0)
-    for p in (-0.9, 0.5, 1.0, 7.0):  # Y is exponential: c^p = Gamma(1+p) 2^(-p/2)
-        assert exact.moment(p) == pytest.approx(
-            math.gamma(1 + p) * 2 ** (-p / 2), rel=1e-13, abs=0.0
-        )
-
-
 def test_low_speeds_are_a_hole() -> None:
     """ln F ~ -(ln c)^2/(2 |ln e|): the second difference of ln F in ln c is 1/ln e."""
     for e in (0.2, 0.6):
