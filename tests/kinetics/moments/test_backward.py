@@ -1,10 +1,13 @@
 """The backward equation: its error estimate, its first guess of nodes, and high moments."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from marking import slow_but
 
 from kinetics import (
+    CollisionLaw,
     Gaussian,
     Monoenergetic,
     ScalingSolution,
@@ -14,7 +17,58 @@ from kinetics import (
     ToleranceWarning,
     solve,
 )
+from kinetics.moments.backward import (
+    DISPLACEMENT_ALONG_START,
+    MEAN_COLLISIONS,
+    MSD_SLOPE,
+    SQUARED_DISPLACEMENT,
+    BackwardEquation,
+    Observable,
+    quartic_displacement,
+    speed_power,
+)
 from kinetics.states.state import State
+
+OBSERVABLES = (
+    speed_power(-0.25),
+    speed_power(1.0),
+    speed_power(2.0),
+    speed_power(3.0),
+    speed_power(4.0),
+    speed_power(1.0, 1),
+    speed_power(2.0, 2),
+    MEAN_COLLISIONS,
+    DISPLACEMENT_ALONG_START,
+    SQUARED_DISPLACEMENT,
+    quartic_displacement(2),
+    MSD_SLOPE,
+)
+RESTITUTIONS = (0.0, 0.15, 0.35, 0.55, 0.7, 0.8, 0.92, 0.98, 0.9999)
+
+
+def evaluate(equation: BackwardEquation, y: Observable, x: Any) -> Any:
+    """y(X) at X = x, on the panels."""
+    return equation.at(y, x)[0]
+
+
+def relative_error(equation: BackwardEquation, exact: BackwardEquation, y: Observable) -> float:
+    x = np.linspace(-1.99, 20.0, 800)
+    truth = evaluate(exact, y, x)
+    scale = evaluate(exact, speed_power(y.degree), x) if y.harmonic and y.is_power else truth
+    return float(np.max(np.abs(evaluate(equation, y, x) - truth) / np.abs(scale)))
+
+
+@pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::2], RESTITUTIONS))
+def test_the_estimate_covers_the_error(e: float) -> None:
+    # against 30 nodes a panel, which other tests hold against mpmath
+    law = CollisionLaw(e)
+    exact = BackwardEquation(law, 22.0, 30)
+    for nodes in range(6, 18):
+        equation = BackwardEquation(law, 22.0, nodes)
+        for y in OBSERVABLES:
+            error = relative_error(equation, exact, y)
+            if 1e-12 < error < 1e-2:
+                assert error <= equation.error_estimate(y) <= 150.0 * error, (nodes, y)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 0.999])
