@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinetics import CollisionLaw
-from kinetics.collision.memory import oscillations, time_to_forget
+from kinetics.collision.memory import common_loss, oscillations, time_to_forget
 
 TWO = CollisionLaw.from_samples([0.4, 0.6], [0.9, 0.4], [0.0, 0.0])
 
@@ -52,6 +52,21 @@ def test_none_is_missed_and_none_is_too_many(law: CollisionLaw) -> None:
         assert found == ()
 
 
+@pytest.mark.parametrize("law", [CollisionLaw(0.6, 0.6), CollisionLaw(0.6, 0.6, 3)])
+def test_one_ratio_oscillates_for_ever(law: CollisionLaw) -> None:
+    step = 2.0 * math.pi / -math.log(0.6)
+    np.testing.assert_allclose(oscillations(law, 40.0), [-1j * step, -2j * step, -3j * step])
+    assert common_loss(law, 40.0) == pytest.approx(-math.log(0.6), rel=1e-12)
+    assert time_to_forget(oscillations(law, 40.0)[0], 2.0) == math.inf
+
+
+def test_losses_with_a_common_divisor() -> None:
+    law = CollisionLaw.from_samples([0.5, 0.2, 0.3], [0.25, 1.0, 0.125], [0.0, 0.0, 0.0])
+    assert common_loss(law, 64.0) == pytest.approx(math.log(2.0), rel=1e-12)
+    assert common_loss(TWO, 64.0) is None
+    assert common_loss(CollisionLaw(0.5), 64.0) is None
+
+
 def test_nearly_one_ratio_against_many_digits() -> None:
     e, et = 0.7, 0.72
     found = oscillations(CollisionLaw(e, et, 3), 64.0)
@@ -68,3 +83,11 @@ def test_nearly_one_ratio_against_many_digits() -> None:
     slow = time_to_forget(found[0], 1e6)
     assert math.exp(found[0].real * slow) * 1e6 == pytest.approx(1.0)
     assert time_to_forget(found[0], 0.5) == 0.0
+
+
+@pytest.mark.slow
+def test_ratios_next_to_zero_overflow_nowhere() -> None:
+    """A thousandth of the bounces leave 1e-300: their tracers come back at rates 1000^(-1/691)."""
+    law = CollisionLaw.from_samples([0.5, 0.499, 0.001], [0.9, 0.4, 1e-300], [0.0, 0.0, 0.0])
+    slowest = max(z.real for z in oscillations(law, 20.0))
+    assert -0.011 < slowest < -0.005
