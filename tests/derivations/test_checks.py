@@ -11,7 +11,7 @@ import sympy as sp
 import derivations
 from derivations import Check, Status, report_subset, verify
 from derivations import symbols as sy
-from derivations.checks import Difference, check, judge
+from derivations.checks import Difference, check, compare, judge
 from derivations.derived import REGISTRY
 from derivations.derived.record import result
 from derivations.formal import eq
@@ -157,6 +157,13 @@ def test_printed_and_derived_know_nothing_of_each_other() -> None:
 )
 def test_how_an_expression_is_judged(expression: sp.Expr, expected: Difference) -> None:
     assert judge(expression) is expected
+
+
+def test_the_worst_member_decides() -> None:
+    good, bad = eq(E, E), eq(E, 2 * E)
+    assert compare(sp.Tuple(good, bad), sp.Tuple(good, good)) is Difference.PRESENT
+    assert compare(sp.Tuple(good), sp.Tuple(good, good)) is Difference.PRESENT
+    assert compare(sp.Le(E, 1, evaluate=False), eq(E, sp.Integer(1))) is Difference.PRESENT
 
 
 @pytest.mark.parametrize(
