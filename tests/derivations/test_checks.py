@@ -11,10 +11,10 @@ import sympy as sp
 import derivations
 from derivations import Check, Status, report_subset, verify
 from derivations import symbols as sy
-from derivations.checks import Difference, check, compare, is_zero, judge
+from derivations.checks import Difference, check, compare, judge
 from derivations.derived import REGISTRY
 from derivations.derived.record import result
-from derivations.formal import Int, eq
+from derivations.formal import eq
 from derivations.printed import ROWS
 
 E = sy.e
@@ -159,21 +159,6 @@ def test_how_an_expression_is_judged(expression: sp.Expr, expected: Difference) 
     assert judge(expression) is expected
 
 
-def test_constants_leave_a_formal_integral() -> None:
-    assert is_zero(
-        Int(2 * sy.d * sy.F(sy.bc) + E, sy.bc)
-        - 2 * sy.d * Int(sy.F(sy.bc), sy.bc)
-        - E * Int(sp.Integer(1), sy.bc)
-    )
-
-
-def test_a_zero_that_is_not_simplified_is_numerical(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("cancel", "radsimp", "simplify"):
-        monkeypatch.setattr(sp, name, lambda expression: expression)
-    assert judge(HARD_ZERO) is Difference.NONE_NUMERICALLY
-    assert judge(HARD_ZERO + E * sp.Rational(1, 10**40)) is Difference.PRESENT
-
-
 def test_the_worst_member_decides() -> None:
     good, bad = eq(E, E), eq(E, 2 * E)
     assert compare(sp.Tuple(good, bad), sp.Tuple(good, good)) is Difference.PRESENT
@@ -201,13 +186,6 @@ def test_the_verdict_follows_the_comparison(
 
 
 # -- a verified row says something: change a coefficient of what is stated and it turns ------------
-
-
-def test_the_mutants_are_those_of_every_number_and_term(mutants) -> None:
-    a, b = sp.symbols("a b")
-    found = {str(mutant) for mutant in mutants(sp.Eq(a, 3 * a**2 + b, evaluate=False))}
-    sides = ["6*a**2 + 2*b", "4*a**2 + b", "3*a**3 + b", "6*a**2 + b", "3*a**2 + 2*b"]
-    assert found == {"Eq(2*a, 3*a**2 + b)", *(f"Eq(a, {side})" for side in sides)}
 
 
 @pytest.mark.parametrize("tried", [2, pytest.param(None, marks=pytest.mark.slow, id="all")])

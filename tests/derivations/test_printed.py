@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 import sympy as sp
-from latex_reader import LatexError, read
+from latex_reader import read
 from marking import slow_but
 
 from derivations import symbols as sy
@@ -63,24 +63,6 @@ def test_a_changed_transcription_is_noticed(label: str, mutants: Mutants) -> Non
     for mutant in mutants(PRINTED[label].formula):
         if mutant != PRINTED[label].formula:
             assert disagreements(PRINTED[label].source, mutant), f"{label} accepts {mutant}"
-
-
-@pytest.mark.parametrize(
-    ("source", "left", "right"),
-    [
-        (r"M_{2}=\frac{3}{8}a_{2}", sy.M2, sp.Rational(3, 8) * sy.a2),
-        (r"h(e)=2-\sqrt{e}d^{2}", sy.h, 2 - sp.sqrt(sy.e) * sy.d**2),
-        (r"v_{0}^{2}(t)=-\ln(1+l\beta)", sy.v0(sy.t) ** 2, -sp.log(1 + sy.l * sy.beta)),
-    ],
-)
-def test_the_reader_reads(source: str, left: sp.Expr, right: sp.Expr) -> None:
-    assert read(source) == [[left, right]]
-
-
-@pytest.mark.parametrize("source", [r"\unknown=1", r"M_{2}=(1", r"M_{2}=3)"])
-def test_the_reader_refuses_what_it_does_not_know(source: str) -> None:
-    with pytest.raises(LatexError):
-        read(source)
 
 
 @pytest.mark.parametrize("formulas", [{}, {"energy": sy.h, "picture": sy.h}])

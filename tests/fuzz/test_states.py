@@ -53,7 +53,7 @@ def test_the_scaled_distribution(e: Any, rtol: Any, nodes: Any, p: Any, c: Any) 
 
 
 @fuzz(
-    10, law=st.fixed_dictionaries(laws), rtol=mostly([1e-2, 1e-4, 1e-8]), p=powers,
+    6, law=st.fixed_dictionaries(laws), rtol=mostly([1e-2, 1e-4, 1e-8]), p=powers,
     m=mostly(st.integers(0, 3)), at=points,
 )  # fmt: skip
 def test_the_steady_state_in_a_field(law: Any, rtol: Any, p: Any, m: Any, at: Any) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import Beam, InputError, Scene, Solution, load, solve
+from kinetics import Beam, Scene, load, solve
 from kinetics.outputs import OUTPUTS
 
 AVERAGES = tuple(row.name for row in OUTPUTS.values() if row.values is not None)
@@ -40,22 +40,3 @@ def test_after_pickling_and_from_a_file(tmp_path: Path) -> None:
     assert pickle.loads(pickle.dumps(solution)).at([100.0]) == expected
     solution.save(tmp_path / "a.h5")
     assert load(tmp_path / "a.h5").at([100.0]) == expected
-
-
-@pytest.mark.parametrize("times", [[1.1e4], [], [-1.0], [2.0, 1.0], ["x"]])
-def test_times_out_of_range_are_refused(times: Any) -> None:
-    with pytest.raises(InputError, match="times"):
-        solve(Scene(0.6, times=[1e4])).at(times)
-
-
-@pytest.mark.parametrize(
-    ("scene", "named"),
-    [
-        (Scene(0.6, times=[1e2], outputs="speed_density"), "outputs"),
-        (Scene(0.6, times=[1.0], field=0.1), "field"),
-    ],
-)
-def test_where_there_is_no_average_it_says_so(scene: Scene, named: str) -> None:
-    solution: Solution = solve(scene, 1e-4)
-    with pytest.raises(InputError, match=named):
-        solution.at([1.0])

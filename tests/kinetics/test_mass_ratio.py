@@ -178,34 +178,6 @@ def test_a_field_of_known_limits() -> None:
     assert limit == pytest.approx(0.897, abs=5e-4)
 
 
-REFUSED = [
-    (dict(mass_ratio=0.0), "mass_ratio: got 0.0; it must be a number, 1e-06 or more, or inf"),
-    (dict(mass_ratio=-math.inf), "mass_ratio: got -inf; it must be a number, 1e-06 or more, or"),
-    (dict(mass_ratio="1"), "mass_ratio: got '1'; it must be a number, 1e-06 or more, or inf"),
-    (
-        dict(mass_ratio=2.0, tangential_restitution=0.5),
-        "mass_ratio: got 2.0; at tangential_restitution 0.5 it must be inf: fixed scatterers",
-    ),
-    (
-        dict(mass_ratio=2.0, scatterers="hard disks", number_density=0.02),
-        "mass_ratio: got 2.0; with scatterers='hard disks' it must be inf: fixed",
-    ),
-]
-
-
-@pytest.mark.parametrize(("arguments", "message"), REFUSED)
-def test_what_is_not_of_this_model_is_refused(arguments: Any, message: str) -> None:
-    asked = [lambda: ScalingSolution(1.0, **arguments), lambda: solve_scaled(1.0, **arguments)]
-    asked.append(lambda: Scene(1.0, times=[1.0], **arguments))
-    if "scatterers" not in arguments:
-        asked.append(lambda: solve_field(1.0, **arguments))
-    for ask in asked:
-        with pytest.raises(InputError) as refused:
-            ask()
-        assert str(refused.value).startswith(message)
-        assert "\n" not in str(refused.value)
-
-
 def test_a_law_brings_its_own_mass_ratio() -> None:
     law = CollisionLaw(1.0, dimension=3, mass_ratio=2.0)
     assert repr(law) == "CollisionLaw(restitution=1.0, dimension=3, mass_ratio=2.0)"

@@ -2,12 +2,10 @@
 
 import subprocess
 import sys
-from typing import Any
 
-import numpy as np
 import pytest
 
-from kinetics import Beam, Scene, outputs, solve
+from kinetics import Beam, Scene, solve
 from kinetics.moments.backward import Observable
 from kinetics.outputs import OUTPUTS, described
 
@@ -37,33 +35,9 @@ def test_every_row(name: str) -> None:
     assert steps[row.step]
 
 
-def test_names_and_heads() -> None:
-    assert list(OUTPUTS) == [row.name for row in OUTPUTS.values()]
-    assert OUTPUTS["msd"].head == "<r^2> [d^2]"
-    assert OUTPUTS["a2"].head == "a2"
-    assert [name for name, row in OUTPUTS.items() if row.is_number] == [
-        "thermal_speed", "temperature", "a2", "collisions", "msd", "kurtosis",
-        "velocity_autocorrelation", "diffusion_coefficient",
-    ]  # fmt: skip
-    assert described("msd_slope", 2)[0] == "d^2"
-
-
 def test_the_table_loads_nothing() -> None:
     code = (
         "import sys, kinetics.outputs; print('numpy' in sys.modules, 'dataclasses' in sys.modules)"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["False", "False"]
-
-
-def test_the_velocity_of_the_start_is_averaged_over_all_directions() -> None:
-    """<v(0).v(t)> of an isotropic start is not zero, though <v(t)> is."""
-
-    def asked(name: str) -> Any:
-        return [part.start for part in outputs.OUTPUTS[name].made_of(2)]
-
-    assert asked("velocity_autocorrelation") == [0]
-    assert asked("mean_velocity") == [1]
-    solution = solve(Scene(0.7, times=TIMES, outputs=("velocity_autocorrelation", "mean_velocity")))
-    assert solution.velocity_autocorrelation[0] == pytest.approx(2.0, rel=1e-9)
-    assert np.all(solution.mean_velocity == 0.0)

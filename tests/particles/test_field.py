@@ -3,15 +3,12 @@
 Units of the exact relations: l = g = 1, so the density is 1/2 in the plane and 1/pi in space.
 """
 
-import re
-
 import numpy as np
 import pytest
 from marking import slow_but
 
 from particles import (
     BoltzmannGrad,
-    HardSpheres,
     simulate,
 )
 
@@ -163,24 +160,3 @@ def test_a_field_the_other_way_turns_everything_round() -> None:
     assert np.array_equal(one.positions, -other.positions)
     assert np.array_equal(one.velocities, -other.velocities)
     assert np.array_equal(one.drift.value, -other.drift.value)
-
-
-BAD = [
-    (dict(field=float("nan")), "field = nan: must be a finite number"),
-    (dict(field="down"), "field = 'down': must be a finite number"),
-    (dict(field=1e200), "field = 1e+200: times the mean free path, and times d, must be 0 or"),
-    (dict(depth=-1.0), "depth = -1.0: must be a number with the sign of the field"),
-    (dict(field=0.0, depth=1.0), "depth = 1.0: must be a number with the sign of the field"),
-    (dict(field=0.0, initial="rest"), "initial = 'rest': needs a field; without one a tracer"),
-    (dict(initial=np.zeros((2, 2)), field=0.0), "initial holds the velocity [0. 0.]"),
-    (dict(observables=["velocity_component_histogram"]), "is of |v_x|, which in a field hides"),
-    (dict(medium=HardSpheres(0.1)), "field = 1.0: is not there for HardSpheres, only for Bol"),
-]
-
-
-@pytest.mark.parametrize(("changes", "message"), BAD, ids=[m[:40] for _, m in BAD])
-def test_bad_input_gets_one_line(changes: dict, message: str) -> None:
-    good = dict(medium=DISKS, restitution=0.5, times=[1.0], media=2, tracers=2, field=1.0)
-    with pytest.raises(ValueError, match=re.escape(message)) as caught:
-        simulate(**(good | changes))
-    assert "\n" not in str(caught.value)

@@ -18,7 +18,6 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from matplotlib.figure import Figure
 
 import particles
 from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, Poisson, Positions, simulate
@@ -93,16 +92,6 @@ def test_equal_runs_are_equal_and_others_are_not(whole: Ensemble) -> None:
     assert medium != Positions(disks, 10.0)
 
 
-def test_what_it_shows(ensemble: Ensemble, falling: Ensemble) -> None:
-    for run in (ensemble, falling):
-        assert all(hasattr(run, name) for name in (*dir(run), *run.outputs))
-        for value in (run, run.msd, run.mean_free_path, run.statuses):
-            assert len(repr(value).splitlines()) <= 10
-        refused(lambda run=run: run.plot("mean_free_path"), "name = ")
-        refused(lambda run=run: run.to_dataframe("no"), "name = ")
-    assert {*particles.__all__, "__version__"} <= {*dir(particles)}
-
-
 # -- tables ---------------------------------------------------------------------------------------
 
 
@@ -150,21 +139,6 @@ def test_everything_is_drawn_at_once(ensemble: Ensemble, falling: Ensemble) -> N
         assert all(ax.lines or ax.patches for ax in axes)
         refused(lambda run=run, ax=axes[0]: run.plot(ax=ax), "ax")
     pyplot.close("all")
-
-
-@pytest.mark.parametrize("name", ["thermal_speed", "a2", "dispersion", *HISTOGRAMS])
-def test_what_is_drawn(ensemble: Ensemble, falling: Ensemble, name: str) -> None:
-    run = falling if name == "dispersion" else ensemble
-    axes = run.plot(name, ax=Figure().subplots())
-    if name in HISTOGRAMS:
-        assert len(axes.patches) == (1 if name.startswith("free") else len(TIMES))
-        assert axes.get_xlabel().endswith(("[U]", "[d]", "[d/U]"))
-    else:
-        value = getattr(run, name).value.reshape(run.times.size, -1)
-        assert axes.lines[0].get_ydata().tolist() == value[:, 0].tolist()
-        assert len(axes.lines) == value.shape[1]
-        assert axes.get_xlabel() == "t [d/U]"
-    axes.figure.canvas.draw()
 
 
 # -- files ----------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import pytest
 from scipy.stats import chi2
 
 from kinetics import Scene, compare, solve, solve_field
-from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Poisson, Positions, simulate
+from particles import BoltzmannGrad, Ensemble, simulate
 from particles.arguments import make_plan
 from particles.events import scatter, scatter_in_space
 
@@ -102,29 +102,6 @@ def test_the_drift_in_a_field(alpha: float, mass: float, dimension: int) -> None
     assert drift.error[0] < 0.003 * drift.value[0]
     state = solve_field(alpha, dimension, mass_ratio=mass)
     assert abs(drift.value[0] - state.drift) < 3.0 * drift.error[0]
-
-
-FIXED = [
-    (HardDisks(0.04), "HardDisks"),
-    (Poisson(0.04), "Poisson"),
-    (HardSpheres(0.04), "HardSpheres"),
-    (Positions(np.array([[1.0, 1.0]]), 6.0), "Positions"),
-]
-
-
-@pytest.mark.parametrize(("medium", "name"), FIXED)
-def test_scatterers_that_have_places_are_fixed(medium: Any, name: str) -> None:
-    allowed = f"^mass_ratio = 2.0: must be inf for {name}, which has fixed scatterers$"
-    with pytest.raises(ValueError, match=allowed):
-        simulate(medium, 0.7, **TINY, mass_ratio=2.0)
-
-
-@pytest.mark.parametrize("value", [0.0, -1.0, 1e-7, float("nan"), "2", None])
-def test_other_mass_ratios_are_refused(value: Any) -> None:
-    with pytest.raises(ValueError, match=r"^mass_ratio = .*: must be a number, 1e-06 or more, or"):
-        simulate(BoltzmannGrad(0.04), 0.7, **TINY, mass_ratio=value)
-    with pytest.raises(ValueError, match=r"^mass_ratio = 2.0: must be inf unless tangential_rest"):
-        simulate(BoltzmannGrad(0.04), 0.7, **TINY, mass_ratio=2.0, tangential_restitution=0.5)
 
 
 def test_it_is_part_of_a_run(tmp_path: Path) -> None:

@@ -1,7 +1,6 @@
 """Where scatterers stand: distances, densities, equilibrium, what cells list; bad media."""
 
 import os
-import re
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,6 @@ from scattered import Around, places
 from scipy.spatial import cKDTree
 
 from particles import (
-    BoltzmannGrad,
     HardDisks,
     HardSpheres,
     Poisson,
@@ -204,41 +202,3 @@ def test_a_set_of_positions_for_each_configuration() -> None:
     assert np.array_equal(together.positions[:, :5], alone.positions)
     with pytest.raises(ValueError, match=r"media = 2: must be 3, the sets of positions given"):
         simulate(Positions(sets, 10.0, start=(8.0, 8.0)), media=2, **arguments)
-
-
-BAD: list[tuple[Any, str]] = [
-    (lambda: Poisson(-1, 10), "number_density = -1: must be a positive finite number"),
-    (lambda: Poisson(1.0, 1), "count = 1: the box would be 1 d wide at number_density = 1.0; it"),
-    (lambda: HardDisks(0.9, 1000), "at most 0.65 for HardDisks of diameter = 1"),
-    (lambda: HardDisks(0.1, 0), "count = 0: must be a whole number from 1 to"),
-    (lambda: HardDisks(0.1, 99, equilibrate=-1), "equilibrate = -1: must be a whole number from 0"),
-    (lambda: HardDisks(0.04, diameter=1e308), "number_density = 0.04: at most"),
-    (lambda: HardDisks(0.04, 10**400), f"count = 1{'0' * 56}...: must be a whole number from 1"),
-    (lambda: HardSpheres(0.1, 2.0), "number_density = 0.1: at most 0.08125 for HardSpheres"),
-    (lambda: HardSpheres(0.1, count=None), "count = None: must be a whole number from 1 to"),
-    (lambda: PoissonSpheres(1.1), "number_density = 1.1: at most 1 for PoissonSpheres"),
-    (lambda: PoissonSpheres(0.1, 0.0), "diameter = 0.0: must be a positive finite number"),
-    (lambda: PoissonSpheres(1e-11), "number_density = 1e-11: 1e-11 scatterers per d^3; at least"),
-    (lambda: PoissonSpheres(0.1, count=5), "count = 5: the box would be 3.68 d wide"),
-    (lambda: BoltzmannGrad(0.1, diameter=float("nan")), "diameter = nan: must be a positive"),
-    (lambda: BoltzmannGrad(10**200, 10**200), "inf scatterers per d^2"),
-    (lambda: BoltzmannGrad(0.1, dimension=4), "dimension = 4: must be 2 or 3"),
-    (lambda: Positions([[1, 2]], 3.0), "box_side = 3.0: must be at least 4 d = 4"),
-    (lambda: Positions([[5.5, 5]], 10), "positions[0] = [5.5 5. ]: covers the start (5, 5)"),
-    (lambda: Positions([[1, 1], [0, 9.2]], 10, start=(0, 0)), "positions[1] = [0.  9.2]: covers"),
-    (lambda: Positions([[1, 1], [np.nan, 2]], 10), "positions[1] = [nan  2.]: must be finite"),
-    (lambda: Positions([[1, 1e14]], 10), "[1.e+00 1.e+14]: must be finite, and at most 1e+12 box"),
-    (lambda: Positions([1, 2, 3], 10), "positions of shape (3,): must be (count, 2)"),
-    (lambda: Positions([["a", "b"]], 10), "positions = [['a', 'b']]: must be an array of real"),
-    (lambda: Positions(np.ones((1, 2), complex), 10), "must be an array of real numbers"),
-    (lambda: Positions(np.ma.masked_all((1, 2)), 10), "must be an array of real numbers"),
-    (lambda: Positions([[1, 2]], 10, start=(1,)), "start = (1,): must be two finite numbers"),
-    (lambda: Positions([[1, 2]], 10, start=(0, -1e308)), "start = (0, -1e+308): must be two"),
-]
-
-
-@pytest.mark.parametrize(("make_bad", "message"), BAD, ids=[m[:40] for _, m in BAD])
-def test_bad_media_get_one_clear_line(make_bad: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(message)) as caught:
-        make_bad()
-    assert "\n" not in str(caught.value)

@@ -85,15 +85,6 @@ def test_a_path_in_a_field_is_a_parabola_until_its_first_collision() -> None:
         assert np.median(abs(flown / np.diff(path.times) / path.speeds - 1.0)) < 1e-3
 
 
-@pytest.mark.parametrize(
-    ("argument", "value"),
-    [("tracers", 9), ("configuration", 2), ("until", -1.0), ("collisions", 1001)],
-)
-def test_what_cannot_be_drawn_is_refused_by_name(argument: str, value: Any) -> None:
-    with pytest.raises(ValueError, match=argument):
-        run(BoltzmannGrad(0.04)).trajectories(**{argument: value})
-
-
 @pytest.mark.parametrize("medium", [HardDisks(0.04, 400), HardSpheres(0.1, count=400)])
 def test_the_picture_has_every_path_the_disks_and_units(medium: Any) -> None:
     axes = Figure().subplots()

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from made_data import Run, columns_of, simulated
+from marking import slow_but
 
 from kinetics import Scene, compare, fit, solve
 from kinetics.crosscheck import Comparison
@@ -55,7 +56,7 @@ WRONG: dict[str, tuple[dict[str, Any], str, float]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", list(WRONG))
+@pytest.mark.parametrize("name", slow_but(["restitution", "length unit", "speed unit"], WRONG))
 def test_what_is_wrong_is_seen_and_named(name: str) -> None:
     """The fitted value is the truth within 3.5 of its errors: once in 2000."""
     told, cause, truth = WRONG[name]
@@ -107,7 +108,7 @@ def test_scatterers_among_the_tracers_are_no_spread_of_media(run: Run) -> None:
     assert "10.00% of the particles (200) never move" in result.summary
 
 
-@pytest.mark.parametrize("speed", [0.0, 1e-6])
+@pytest.mark.parametrize("speed", slow_but([1e-6], [0.0, 1e-6]))
 def test_trapped_tracers_are_seen_and_counted(speed: float) -> None:
     data = {k: v.copy() for k, v in made(0.75).items()}
     for tracer in range(50):
@@ -230,7 +231,7 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
         compare(data, 0.7, field=0.1)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", slow_but([2], [2, 3]))
 def test_another_axis_of_the_field_is_named(dimension: int) -> None:
     """Also where an early time has a direction whose spread is of a few tracers (this seed)."""
     run = simulated(medium=BoltzmannGrad(DENSITY, dimension=dimension), initial="rest", field=0.1,

@@ -20,8 +20,9 @@ from kinetics.crosscheck.report import figures, page, rows
 from kinetics.crosscheck.report.runs import Measured, scaled_density
 from kinetics.crosscheck.report.systems import DRIVEN, Bath, Cooling, Falling, SoftSpheres
 
-KINDS: tuple[Any, ...] = ("paper", "rough", "spheres", "elastic", "field", "heated")
-KINDS += tuple(pytest.param(name, marks=pytest.mark.slow) for name in ("bath", "viscoelastic"))
+KINDS: tuple[Any, ...] = ("paper", "spheres", "elastic", "field", "heated")
+LATE = ("rough", "bath", "viscoelastic")
+KINDS += tuple(pytest.param(name, marks=pytest.mark.slow) for name in LATE)
 MOST_WORDS = 260  # before the first figure
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import CollisionLaw, InputError, ScalingSolution, Scene, solve, solve_scaled
+from kinetics import CollisionLaw, ScalingSolution, Scene, solve, solve_scaled
 from kinetics.collision import law_in_medium
 from tests.kinetics.measurements import density, returns
 
@@ -41,16 +41,6 @@ def test_the_leading_order_is_what_it_is_defined_to_be(scatterers: str) -> None:
     eta = math.pi * n / 4
     ratio = 1.0 if scatterers == "overlapping" else (1 - eta) ** 2 / (1 - 7 * eta / 16)
     assert law.mean_free_path(n, 1.0) == pytest.approx(ratio / (2 * n), rel=1e-15)
-
-
-def test_complex_powers_continue_the_real_ones() -> None:
-    law = law_in_medium(CollisionLaw(0.6), "overlapping", 0.1, 1.0)
-    h = 1e-20
-    slope = (law.decay_rate(1.5 + 1e-6) - law.decay_rate(1.5 - 1e-6)) / 2e-6
-    assert law.decay_rate(1.5 + 1j * h).imag / h == pytest.approx(slope, rel=1e-8)
-    coefficients = law.decay_taylor(np.array([2.0]), 8)
-    near = sum(c[0] * 0.1**k for k, c in enumerate(coefficients))
-    assert near == pytest.approx(law.decay_rate(2.1), rel=1e-9)
 
 
 @pytest.mark.parametrize(("e", "n"), [(0.95, 0.3), (0.7, 0.04), (0.3, 0.1), (0.05, 0.02)])
@@ -94,41 +84,6 @@ def test_a_low_density_is_the_dilute_gas(order: str) -> None:
         # a2 is a difference of terms of order 1
         assert getattr(dense, name) == pytest.approx(getattr(dilute, name), rel=5e-8, abs=5e-9)
         assert not np.array_equal(getattr(dense, name), getattr(dilute, name))
-
-
-@pytest.mark.parametrize("e", [1e-309, 1e-100, 0.5])
-def test_the_lowest_power_is_where_the_geometric_series_ends(e: float) -> None:
-    law = law_in_medium(CollisionLaw(e), "hard disks", 0.04, 1.0)
-    p, eps = law.lowest_power, max(abs(law.returns(m)[0]) for m in range(3))
-    of_bounces = 1.0 - CollisionLaw(e).decay_rate(p)
-    assert math.log(eps) + p * math.log(e) + math.log1p(of_bounces) == pytest.approx(0.0, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ({"scatterers": "spheres"}, "scatterers: got 'spheres'"),
-        ({"scatterers": "overlapping", "number_density": 0.31}, "at most 0.3"),
-        ({"scatterers": "overlapping", "number_density": 0.1, "diameter": 2.0}, "at most 0.3"),
-        ({"scatterers": "hard disks", "dimension": 3}, "smooth disks in the plane only"),
-        ({"scatterers": "hard disks", "tangential_restitution": 0.9}, "in the plane only"),
-        ({"scatterers": "hard disks", "density_order": "third"}, "density_order: got 'third'"),
-        ({"scatterers": "overlapping", "collision_numbers": [1.0]}, "'dilute' only"),
-    ],
-)
-def test_what_is_not_derived_is_refused(arguments: dict[str, Any], says: str) -> None:
-    with pytest.raises(InputError, match=says):
-        Scene(0.7, times=[1.0], **arguments)
-
-
-def test_the_scaled_state_needs_the_density_and_powers_it_knows() -> None:
-    with pytest.raises(InputError, match="number_density"):
-        ScalingSolution(0.7, scatterers="overlapping").a2  # noqa: B018
-    with pytest.raises(InputError, match="number_density"):
-        solve_scaled(0.7, scatterers="overlapping")
-    state = ScalingSolution(0.7, scatterers="overlapping", number_density=0.1)
-    with pytest.raises(InputError, match="p > -"):
-        state.moment(-3.0)
 
 
 @pytest.mark.parametrize("scatterers", ["overlapping", "hard disks"])

@@ -22,7 +22,7 @@ def turns(law: CollisionLaw, top: float) -> int:
         complex(1e-3, -1e-3),
     ]
     corners = [*ends, ends[0]]
-    sides = [np.linspace(a, b, 40_000) for a, b in itertools.pairwise(corners)]
+    sides = [np.linspace(a, b, 12_000) for a, b in itertools.pairwise(corners)]
     value = np.concatenate([law.decay_symbol(side) for side in sides])
     steps = np.angle(value[1:] / value[:-1])
     assert np.abs(steps).max() < 1.5

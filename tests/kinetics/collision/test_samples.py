@@ -1,51 +1,23 @@
 """A law of one's own, and mixtures of laws: averages are known; no law is refused."""
 
-import pickle
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike
+from marking import slow_but
 
 from kinetics import (
     CollisionLaw,
-    InputError,
     Monoenergetic,
     ScalingSolution,
     Scene,
-    load,
     solve,
     solve_field,
     solve_scaled,
 )
 
 GIVEN = ([0.25, 0.75], [0.5, 0.9], [0.3, -1.0])
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_the_nodes_of_a_law_are_that_law(dimension: int) -> None:
-    law = CollisionLaw(0.4, 0.8, dimension)
-    q = law.quadrature_for(10.0, 4)
-    own = CollisionLaw.from_samples(q.weight, q.ratio, q.cosine, dimension)
-    for p, m in [(0.5, 0), (2.0, 0), (1.0, 1), (3.0, 4)]:
-        same = pytest.approx(law.harmonic_decay_rate(p, m), rel=1e-13)
-        assert own.harmonic_decay_rate(p, m) == same
-    assert own.mean_log_loss == pytest.approx(law.mean_log_loss, rel=1e-14)
-    assert own.mean_cosine == pytest.approx(law.mean_cosine, rel=1e-13)
-
-
-def test_two_laws_mix_by_joining_their_samples() -> None:
-    one, other = CollisionLaw(0.9).quadrature, CollisionLaw(0.2).quadrature
-    mixed = CollisionLaw.from_samples(
-        np.concatenate([0.3 * one.weight, 0.7 * other.weight]),
-        np.concatenate([one.ratio, other.ratio]),
-        np.concatenate([one.cosine, other.cosine]),
-    )
-    expected = 0.3 * CollisionLaw(0.9).decay_rate(2.0) + 0.7 * CollisionLaw(0.2).decay_rate(2.0)
-    assert mixed.decay_rate(2.0) == pytest.approx(expected, rel=1e-13)
 
 
 def test_sums_over_samples() -> None:
@@ -64,38 +36,6 @@ def test_sums_over_samples() -> None:
     assert weight @ np.exp(-2.0 * u) == pytest.approx(law.decay_rate(2.0) / 2.0, rel=1e-13)
 
 
-def test_a_law_is_a_value() -> None:
-    law = CollisionLaw.from_samples(*GIVEN)
-    assert law == CollisionLaw.from_samples(*GIVEN)
-    assert hash(law) == hash(CollisionLaw.from_samples(*GIVEN))
-    assert law != CollisionLaw.from_samples(*GIVEN, dimension=3)
-    assert pickle.loads(pickle.dumps(law)) == law
-    assert repr(law) == "CollisionLaw.from_samples(2 samples, dimension=2)"
-    assert repr(CollisionLaw(0.5, 0.8, 3)) == (
-        "CollisionLaw(restitution=0.5, tangential_restitution=0.8, dimension=3)"
-    )
-
-
-@pytest.mark.parametrize(
-    ("samples", "line"),
-    [
-        (([-0.1, 1.1], [0.5, 0.9], [0.0, 0.0]), "weight: got -0.1; weights must not be negative"),
-        (([0.5, 0.4], [0.5, 0.9], [0.0, 0.0]), "weight: got "),
-        (([0.5, 0.5], [0.0, 0.9], [0.0, 0.0]), "ratio: got 0.0; speed ratios must be above 0"),
-        (([0.5, 0.5], [0.5, 0.9], [0.0, 1.1]), "cosine: got 1.1; it must be from -1 to 1"),
-        (([0.5, 0.5], [0.5], [0.0, 1.0]), "ratio: got "),
-        (([], [], []), "weight: got "),
-        (([1.0], [np.nan], [0.0]), "ratio: got "),
-        (([1.0], [0.5], ["x"]), "cosine: got "),
-    ],
-)
-def test_what_is_no_law_is_one_line(samples: tuple[ArrayLike, ...], line: str) -> None:
-    with pytest.raises(InputError) as caught:
-        CollisionLaw.from_samples(*samples)
-    assert str(caught.value).startswith(line)
-    assert "\n" not in str(caught.value)
-
-
 # -- mixtures -------------------------------------------------------------------------------------
 
 PARTS = [
@@ -108,6 +48,14 @@ PARTS = [
 ]
 
 
+@pytest.mark.parametrize(("e", "et", "dimension"), slow_but([PARTS[2]], PARTS))
+def test_the_scaled_speeds_of_a_law_mixed_with_itself(e: float, et: float, dimension: int) -> None:
+    """Where a bounce may stop the tracer, the closed form of a mixture takes 15 s."""
+    law, c = CollisionLaw(e, et, dimension), np.array([0.2, 1.0, 3.0])
+    mixed = ScalingSolution(CollisionLaw.mixture([1.0, 2.0], [law, law]))
+    assert mixed.vdf(c) == pytest.approx(ScalingSolution(law).vdf(c), rel=1e-12)
+
+
 @pytest.mark.parametrize(("e", "et", "dimension"), PARTS)
 def test_a_law_mixed_with_itself_is_that_law(e: float, et: float, dimension: int) -> None:
     law = CollisionLaw(e, et, dimension)
@@ -115,8 +63,6 @@ def test_a_law_mixed_with_itself_is_that_law(e: float, et: float, dimension: int
     one, other = ScalingSolution(law), ScalingSolution(mixed)
     assert other.cooling_rate == pytest.approx(one.cooling_rate, rel=1e-12)
     assert other.a2 == pytest.approx(one.a2, rel=1e-12, abs=1e-12)
-    c = np.array([0.2, 1.0, 3.0])
-    assert other.vdf(c) == pytest.approx(one.vdf(c), rel=1e-12)
     outputs = ("thermal_speed", "a2", "msd", "kurtosis")
     scenes = [
         Scene(x, dimension=dimension, times=[0.5, 10.0, 1e6], outputs=outputs) for x in (law, mixed)
@@ -227,43 +173,3 @@ def test_densities_of_a_mixture() -> None:
     peak = np.exp(-1.0)
     second = float((half * weight * f * v**2).sum())
     assert second + peak == pytest.approx(float(solution.thermal_speed[0]) ** 2, rel=1e-3)
-
-
-def test_a_mixture_is_a_value(tmp_path: Path) -> None:
-    laws = [CollisionLaw(0.5), CollisionLaw.from_samples(*GIVEN)]
-    law = CollisionLaw.mixture([1, 3], laws)
-    assert law == CollisionLaw.mixture([0.25, 0.75], laws)
-    assert hash(law) == hash(CollisionLaw.mixture([1, 3], laws))
-    assert pickle.loads(pickle.dumps(law)) == law
-    assert repr(law) == "CollisionLaw.mixture(2 laws, dimension=2)"
-    solution = solve(Scene(law, times=[1.0]))
-    solution.save(tmp_path / "mixed.nc")
-    assert load(tmp_path / "mixed.nc") == solution
-
-
-@pytest.mark.parametrize(
-    ("weights", "laws", "line"),
-    [
-        ([1, 1], [CollisionLaw(0.5), CollisionLaw(0.5, dimension=3)], "laws: got CollisionLaw("),
-        ([1, 0], [CollisionLaw(0.5)] * 2, "weights: got 0.0; each weight must be above 0"),
-        ([1], [CollisionLaw(0.5)] * 2, "weights: got [1]; it must have as many numbers as laws, 2"),
-        ([1, np.nan], [CollisionLaw(0.5)] * 2, "weights: got "),
-        ([1], [0.5], "laws: got 0.5; give a list of CollisionLaw"),
-        ([], [], "laws: got []; give a list of CollisionLaw"),
-        (1, CollisionLaw(0.5), "laws: got CollisionLaw(restitution=0.5)"),
-    ],
-)
-def test_what_is_no_mixture_is_one_line(weights: ArrayLike, laws: Any, line: str) -> None:
-    with pytest.raises(InputError) as caught:
-        CollisionLaw.mixture(weights, laws)
-    assert str(caught.value).startswith(line)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_mixture_is_dilute() -> None:
-    among = Scene(0.5, scatterers="overlapping", number_density=0.02, times=[1.0]).law
-    with pytest.raises(InputError, match=r"laws: got .* no medium"):
-        CollisionLaw.mixture([1.0, 1.0], [among, CollisionLaw(0.9)])
-    mixed = CollisionLaw.mixture([1.0, 1.0], [CollisionLaw(0.5), CollisionLaw(0.9)])
-    with pytest.raises(InputError, match="scatterers: got 'hard disks'"):
-        Scene(mixed, scatterers="hard disks", number_density=0.02, times=[1.0])

@@ -10,7 +10,6 @@ import pytest
 from kinetics import (
     Beam,
     Gaussian,
-    InputError,
     Monoenergetic,
     Scene,
     SpeedDensity,
@@ -128,26 +127,6 @@ def test_second_order_in_the_moments(e: float) -> None:
     assert errors[-1] < 3e-5, errors
 
 
-@pytest.mark.parametrize("e", [0.2, 0.5, 0.8])
-def test_density_of_the_first_collision(e: float) -> None:
-    """At early times (u t/l) p(s)/u, s = v/u, p(s) = s/(b sqrt(s^2 - e^2)), b = sqrt(1 - e^2)."""
-    u, early = 2.0, 1e-7
-    scene = Scene(
-        restitution=e,
-        number_density=0.5,
-        initial=Monoenergetic(u),
-        times=[early / u],
-        outputs=("speed_density",),
-    )
-    solution = solve(scene, rtol=1e-6, nodes=8000)
-    s = np.linspace(e + 0.1 * (1 - e), 0.99, 41)
-    exact = early * s / np.sqrt((1 - e * e) * (s * s - e * e)) / u
-    assert np.max(np.abs(solution.speed_density(u * s)[0] / exact - 1.0)) < 2e-3
-    below = solution.speed_density(u * e * np.array([0.2, 0.5, 0.9]))[0]
-    assert np.all(below < 1e-6 * exact.min())
-    assert np.all(solution.speed_density([1.1 * u, 3 * u]) == 0.0)
-
-
 @pytest.mark.parametrize("e", [0.3, 0.7])
 def test_a_delta_peak_collision_by_collision(e: float) -> None:
     """Shares of 300,000 tracers in bins of the speed after one or two collisions; 5 sigma."""
@@ -177,40 +156,6 @@ def test_a_delta_peak_collision_by_collision(e: float) -> None:
     counts = np.histogram(speed[hits > 0], edges)[0] / n
     assert np.all(np.abs(counts - shares) < 5 * np.sqrt(shares / n) + 1e-5)
     assert abs(np.mean(hits == 0) - solution.uncollided[0]) < 5 * np.sqrt(0.25 / n)
-
-
-def method_of(solution: Any) -> str:
-    (step,) = [s for s in solution.plan if s.part == "densities"]
-    return str(step.reason)
-
-
-def density_scene(initial: Any, e: float = 0.5) -> Scene:
-    return Scene(restitution=e, initial=initial, times=[0.0, 5.0], outputs=("speed_density",))
-
-
-@pytest.mark.parametrize(
-    ("initial", "method"),
-    [
-        ("gaussian", "spectral"),
-        (Gaussian(2.0, 2.0), "spectral"),
-        (lambda v: v * np.exp(-0.5 * v * v), "spectral"),
-        (Beam(speeds="gaussian"), "spectral"),
-        ("monoenergetic", "conservative"),
-        (Beam(), "conservative"),
-        (stairs, "conservative"),
-        (ROUGH["noise"], "conservative"),
-        (ROUGH["three peaks"], "conservative"),
-    ],
-)
-def test_the_method_that_is_chosen(initial: Any, method: str) -> None:
-    assert method in method_of(solve(density_scene(initial), rtol=1e-3))
-
-
-@pytest.mark.parametrize("name", ["one speed", "steps", "three peaks"])
-def test_too_rough_for_spectral(name: str) -> None:
-    with pytest.raises(InputError, match=r"^method: .*conservative") as error:
-        solve(density_scene(ROUGH[name]), rtol=1e-6, method="spectral")
-    assert "\n" not in str(error.value)
 
 
 def test_harmonics_of_a_peak() -> None:

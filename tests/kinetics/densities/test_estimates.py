@@ -50,7 +50,7 @@ def test_smooth_starts_against_references_in_25_digits(e: str, start: str) -> No
             assert np.max(np.abs(found.at(i, v).real - exact)) <= found.error_estimate * top
 
 
-@pytest.mark.parametrize("e", [0.0, 0.5, 0.7, 0.8, 0.85, 0.9, 0.95, 0.99])
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.8, 0.9, 0.99])
 def test_a_tight_tolerance_is_reached_and_claimed(e: float) -> None:
     scene = Scene(e, times=[1.0, 30.0, 300.0], outputs=("speed_density",))
     found, other = solve(scene, 1e-12), solve(scene, 1e-13)
@@ -152,8 +152,11 @@ ROUGH: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("start", ROUGH)
-@pytest.mark.parametrize("e", [0.0, 0.37, 0.9])
+@pytest.mark.parametrize(
+    ("e", "start"),
+    [(0.0, "one speed"), (0.37, "steps"), (0.9, "ends above zero"), (0.9, "one speed"),
+     (0.37, "smooth")],
+)  # fmt: skip
 def test_the_distribution_function_is_kept(e: float, start: str) -> None:
     """Against many more nodes, or the spectral method, at speeds between nodes too."""
     times = np.array([0.5, 8.0, 100.0])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from kinetics import Scene, solve
-from kinetics.errors import InputError
 from particles import BoltzmannGrad, simulate
 
 EDGES = np.append(0.0, np.geomspace(0.1, 50.0, 40))
@@ -55,14 +54,3 @@ def test_particles_have_the_same_flights(e: float, dimension: int, initial: str)
         off = abs(seen.probability.value[0] - expected)[busy] / seen.probability.error[0, busy]
         assert busy.sum() > 60
         assert off.max() < 4.5  # of about 100 bins, errors from 60 configurations
-
-
-def test_what_has_no_such_flights_is_refused() -> None:
-    good = flights(0.5, [10.0])
-    for edges in ([1.0], [2.0, 1.0], [-1.0, 1.0]):
-        with pytest.raises(InputError, match="edges"):
-            good.free_time_fraction(edges)
-    with pytest.raises(InputError, match="scatterers"):
-        flights(0.5, [10.0], scatterers="hard disks").free_path_fraction(EDGES)
-    with pytest.raises(InputError, match="field"):
-        flights(0.5, [10.0], field=1.0).free_path_fraction(EDGES)

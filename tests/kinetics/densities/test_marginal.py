@@ -21,30 +21,6 @@ def scene(e: float, times: Any, initial: Any = "gaussian", dimension: int = 2) -
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("e", [0.0, 0.7, 1.0])
-def test_gaussian_at_the_start(e: float, dimension: int) -> None:
-    v_x = np.concatenate([[0.0], np.linspace(-4.0, 4.0, 41)])
-    found = solve(scene(e, [0.0], dimension=dimension), rtol=1e-9).velocity_component_density(v_x)
-    assert found.shape == (1, 42)
-    exact = np.exp(-0.5 * v_x * v_x) / np.sqrt(2 * np.pi)
-    assert np.max(np.abs(found[0] - exact)) < 1e-7
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_normalised_with_its_share_of_the_energy(dimension: int) -> None:
-    """The integral is 1 and <v_x^2> = <v^2>/d, at every time."""
-    solution = solve(scene(0.7, [0.0, 4.0, 1e12], dimension=dimension), rtol=1e-8)
-    node, weight = np.polynomial.legendre.leggauss(8)
-    for i, v0 in enumerate(solution.thermal_speed):
-        edges = np.concatenate([[0.0], np.geomspace(1e-3, 16.0, 14)]) * v0
-        v = (edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1 + node)).ravel()
-        w = (np.diff(edges)[:, None] * 0.5 * weight).ravel()
-        density = solution.velocity_component_density(v)[i]
-        assert abs(2 * (density @ w) - 1.0) < 1e-6, i
-        assert abs(2 * (density @ (w * v * v)) / (v0 * v0 / dimension) - 1.0) < 1e-6, i
-
-
 @pytest.mark.parametrize(("e", "t"), [(0.2, 1.0), (0.6, 5.0), (0.9, 20.0)])
 def test_against_quadrature_of_the_speed_density(e: float, t: float) -> None:
     """With v = v_x cosh(u) the integrand is f(v_x cosh u)/pi."""

@@ -43,40 +43,6 @@ def test_far_below_the_thermal_speed_the_density_goes_to_zero(
         assert np.all(f < 3.0 * v / thermal)  # the start is 2 v/v0^2 there, and tracers leave it
 
 
-def test_the_start_is_given_back() -> None:
-    v = np.array([0.0, 1e-3, 0.2, 1.0, 2.0, 5.0])
-    gauss = density(0.6, [0.0, 1.0], rtol=1e-11).speed_density(v)[0]
-    np.testing.assert_allclose(gauss, v * np.exp(-0.5 * v * v), atol=1e-10)
-
-    def gamma(v: Any) -> Any:
-        return 0.5 * v**2 * np.exp(-v)
-
-    found = density(0.6, [0.0, 1.0], initial=gamma, rtol=1e-9).speed_density(v)[0]
-    np.testing.assert_allclose(found, gamma(v), atol=1e-8)
-
-
-@pytest.mark.parametrize("e", [0.0, 0.5, 0.9])
-def test_one_step_of_the_equation(e: float) -> None:
-    """(f(t+h) - f(t-h))/2h = -v f + integral of the gain, taken from the density itself.
-
-    The gain at v: tracers of v/s arrive with weight 1/s, at the rate v/s.
-    """
-    t, h = 15.0, 0.02
-    solution = density(e, [t - h, t, t + h], rtol=1e-12)
-    v = np.array([0.1, 0.4, 0.9, 1.5, 2.5])
-    y, w = np.polynomial.legendre.leggauss(80)
-    # y = z^3 takes up the singularity of 1/s at small e
-    z, w = 0.5 * (y + 1), 0.5 * w
-    y, w = z**3, w * 3 * z**2
-    s = np.sqrt(e * e + (1 - e * e) * y * y)
-    now = np.array([solution.speed_density(u / s)[1] @ (w * u / s**2) for u in v])
-    before, at, after = solution.speed_density(v)
-    slope = (after - before) / (2 * h)
-    right = (now - v * at) / 12.5
-    # the difference quotient is off by h^2 f'''/6
-    np.testing.assert_allclose(slope, right, atol=2e-8)
-
-
 @pytest.mark.parametrize("e", [1e-6, 1e-3, 0.02, 0.045, 0.06])
 def test_small_restitutions_keep_what_is_promised_and_claim_it(e: float) -> None:
     # of speeds above 1e-2 v0 relative to the maximum; below, of the density of ln v

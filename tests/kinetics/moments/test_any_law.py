@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 from kinetics import (
-    AngularHarmonics,
     Beam,
     CollisionLaw,
-    Gaussian,
-    InputError,
     ScalingSolution,
     Scene,
     solve,
@@ -165,39 +162,6 @@ def test_every_output_of_a_beam_of_one_speed(law: tuple[CollisionLaw, Any]) -> N
         (found.mean_displacement[:, 0], exact["x"] * path, path),
     ):
         assert np.max(np.abs(value - values) / unit) <= 1e-11
-
-
-def test_starts_in_space() -> None:
-    """Maxwell: <v^2> = 3, a2 = 0; and a Maxwell distribution with a drift."""
-    t = [0.0, 5.0]
-    maxwell = solve(
-        Scene(0.7, dimension=3, times=t, outputs=("thermal_speed", "temperature", "a2"))
-    )
-    assert maxwell.thermal_speed[0] == pytest.approx(math.sqrt(3.0), rel=1e-10)
-    assert maxwell.temperature[0] == pytest.approx(1.0, rel=1e-10)
-    assert maxwell.a2[0] == pytest.approx(0.0, abs=1e-10)
-
-    def maxwell_speed(v: Any) -> Any:
-        return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
-
-    given = AngularHarmonics({0: maxwell_speed, 1: lambda v: 0.3 * maxwell_speed(v)})
-    drift = solve(Scene(0.7, dimension=3, initial=given, times=t, outputs="mean_velocity"))
-    assert drift.mean_velocity[0, 0] == pytest.approx(0.3 * math.sqrt(8.0 / math.pi), rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        ({"initial": Gaussian(1.0, 2.0)}, "initial: got Gaussian"),
-        ({"initial": Beam(0.5)}, "initial: got Beam"),
-        ({"number_density": 1e-320}, "number_density: got 1e-320"),
-    ],
-)
-def test_what_is_not_available_in_space_is_one_line(arguments: Any, line: str) -> None:
-    with pytest.raises(InputError) as caught:
-        Scene(0.7, dimension=3, times=[1.0], **arguments)
-    assert str(caught.value).startswith(line)
-    assert "\n" not in str(caught.value)
 
 
 def test_one_ratio_goes_on_oscillating() -> None:

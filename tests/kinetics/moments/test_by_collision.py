@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import AngularHarmonics, Beam, CollisionLaw, InputError, Scene, solve
+from kinetics import AngularHarmonics, Beam, CollisionLaw, Scene, solve
 from kinetics.moments.by_collision import ByCollision
 from particles import BoltzmannGrad, simulate
 
-SIGMAS = 4.0  # some 70 comparisons: one in 250 such test files would fail by chance
+SIGMAS = 4.0  # some 500 comparisons: one in 30 such test files would fail by chance
 NUMBERS = (1, 2, 5)
 
 
@@ -49,12 +49,19 @@ def test_the_start_does_not_matter_to_the_displacement() -> None:
 
 
 def check(values: Any, expected: float) -> None:
+    if np.ptp(values) < 1e-13:  # e = et: every collision has the same ratio
+        assert values[0] == pytest.approx(expected, rel=1e-12)
+        return
     sigmas = (values.mean() - expected) / (values.std(ddof=1) / np.sqrt(values.size))
     assert abs(sigmas) < SIGMAS, (sigmas, values.mean(), expected)
 
 
+LAWS = [(0.7, 1.0, 2), (0.5, 0.8, 2), (0.6, 0.8, 3), (0.5, 0.5, 2), (0.7, 0.0, 2), (0.0, 0.9, 3),
+        (0.0, 1.0, 2), (0.4, 1.0, 3), (1.0, 1.0, 3)]  # fmt: skip
+
+
 @pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
-@pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 2), (0.5, 0.8, 2), (0.6, 0.8, 3)])
+@pytest.mark.parametrize(("e", "et", "dimension"), LAWS)
 def test_particles_recorded_by_collision(e: float, et: float, dimension: int, initial: str) -> None:
     law, rho = CollisionLaw(e, et, dimension), 0.5 if dimension == 2 else 1.0 / np.pi
     found = after(law, initial=initial)
@@ -69,7 +76,11 @@ def test_particles_recorded_by_collision(e: float, et: float, dimension: int, in
         gaussian = dimension / (dimension + 2.0)
         check(v**4, (found.a2[i] + 1.0) * found.thermal_speed[i] ** 4 / gaussian)
         check(np.sum(place**2, axis=1), found.msd[i])
-        if initial == "monoenergetic":  # of a Gaussian in the plane <1/v^2> is infinite
+        for coordinate in place.T:
+            check(coordinate, 0.0)
+            check(dimension * coordinate**2, found.msd[i])
+        # of a Gaussian in the plane, and where a bounce may stop a tracer, <1/v^2> is infinite
+        if initial == "monoenergetic" and law.lowest_power == -np.inf:
             check(np.exp(ends[:, 1]), found.mean_time[i])
 
 
@@ -94,24 +105,3 @@ def test_harmonics_after_many_collisions() -> None:
         assert found.harmonic(p, m)[-1] == 0.0
     other = AngularHarmonics({0: lambda v: np.exp(-v)})
     assert np.all(after(law, initial=other).harmonic(1.0, 1) == 0.0)
-
-
-@pytest.mark.parametrize("numbers", [[0.5], [-1], [1e300], [np.nan], "many", [[1, 2]], None, [1j]])
-def test_bad_collision_numbers(numbers: Any) -> None:
-    with pytest.raises(
-        InputError, match=r"^collision_numbers: got .*whole, not negative"
-    ) as caught:
-        Scene(0.5, collision_numbers=numbers)
-    assert "\n" not in str(caught.value)
-
-
-def test_what_does_not_exist_is_refused() -> None:
-    with pytest.raises(InputError, match=r"^collision_numbers: the scene has none"):
-        _ = solve(Scene(0.5, times=[1.0])).by_collision
-    stopping = after(CollisionLaw(0.0), [3])
-    with pytest.raises(InputError, match=r"^p: got -1\.0; moments of this scene exist for p > -1"):
-        stopping.moment(-1.0)
-    with pytest.raises(InputError, match=r"^collision_numbers: <1/v> does not exist"):
-        _ = stopping.mean_time
-    with pytest.raises(InputError, match=r"^collision_numbers: a2 overflows"):
-        _ = after(CollisionLaw(0.1), [10**6]).a2

@@ -4,14 +4,10 @@ import math
 from types import ModuleType
 from typing import Any
 
-import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from kinetics import (
-    InputError,
     ScalingSolution,
     Scene,
     Solution,
@@ -76,20 +72,6 @@ def test_other_starts(e: str, name: str, formulas: ModuleType, numbers: Any) -> 
     assert max(found.values()) <= 2e-12, found
 
 
-def test_slow_tracers_weigh_in_negative_moments(formulas: ModuleType) -> None:
-    """<v^-1/2> by the power series in T: <v^p> = sum_k (-T)^k/k! lambda ... <v^(p+k)>(0)."""
-    times = [0.0, 1.0, 10.0, 40.0]
-    for e in (0.3, 0.8):
-        for name, start in (("monoenergetic", None), ("gaussian", formulas.gaussian_moment)):
-            found = solve(Scene(e, times=times, initial=name), rtol=1e-12).moment(-0.5)
-            with mp.workdps(30):
-                for t, value in zip(times[1:], found[1:], strict=True):
-                    reduced = mp.mpf(t) / formulas.FREE_PATH
-                    p = mp.mpf(-1) / 2
-                    exact = formulas.early_power(e, p, reduced, start) / reduced**p
-                    assert value == pytest.approx(float(exact), rel=1e-11, abs=0.0)
-
-
 @pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
 def test_early_times_and_the_start(e: float, name: str) -> None:
@@ -129,34 +111,6 @@ def test_the_latest_times_are_the_scaling_state(e: float, name: str) -> None:
     np.testing.assert_allclose(rate, 1 / exact.law.mean_log_loss, rtol=1e-9)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
-@given(
-    e=st.floats(0.0, 0.99).filter(lambda e: e == 0.0 or e > 1e-3),
-    rise=st.lists(st.floats(0.01, 1.0), min_size=2, max_size=8),
-    heights=st.lists(st.floats(0.0, 1.0), min_size=9, max_size=9),
-)
-def test_any_table_cools_for_ever(e: float, rise: list[float], heights: list[float]) -> None:
-    v = np.cumsum([0.05, *rise])
-    f = np.array(heights[: v.size]) + 1e-3
-    f /= np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(v))
-    times = [0.0, *np.geomspace(1e-3, 1e9, 40)]
-    scene = Scene(e, times=times, initial=SpeedTable(v, f), outputs=MEANS)
-    solution = solve(scene, rtol=1e-8)
-    # <v^2> of the linear pieces
-    slope = np.diff(f) / np.diff(v)
-    offset = f[:-1] - slope * v[:-1]
-    energy = np.sum(offset * np.diff(v**3) / 3 + slope * np.diff(v**4) / 4)
-    assert solution.temperature[0] == pytest.approx(0.5 * energy, rel=1e-7, abs=0.0)
-    assert np.all(np.diff(solution.temperature) <= 1e-13 * solution.temperature[:-1])
-    assert np.all(np.diff(solution.collisions) >= 0.0)
-    assert np.all(np.diff(solution.msd) >= 0.0)
-    assert np.all(solution.moment(0.0) == pytest.approx(1.0, abs=1e-12))
-    assert np.all(solution.a2 > -0.5 - 1e-8)  # <v^4> >= <v^2>^2
-    assert solution.thermal_speed == pytest.approx(
-        np.sqrt(2 * solution.temperature), rel=1e-14, abs=0.0
-    )
-
-
 @pytest.mark.parametrize("scale", [1e-150, 1e150])
 def test_a_change_of_units_changes_nothing(scale: float) -> None:
     """Speeds times scale, times over scale: v0 times scale, the rest as it was."""
@@ -173,46 +127,3 @@ def test_a_change_of_units_changes_nothing(scale: float) -> None:
         np.testing.assert_allclose(scaled.a2 + 1, plain.a2 + 1, rtol=1e-11)
         np.testing.assert_allclose(scaled.collisions, plain.collisions, rtol=1e-11)
         np.testing.assert_allclose(scaled.msd, plain.msd, rtol=1e-10)
-
-
-def test_many_samples_are_averaged_as_if_one_by_one() -> None:
-    """More samples than are kept one by one, against the sum over one-speed solutions."""
-    rng = np.random.default_rng(5)
-    speed = rng.rayleigh(size=700)
-    times = np.array([0.0, 10.0, 1e3, 1e6])
-    found = solve(Scene(0.6, times=times, initial=SpeedSamples(speed), outputs=MEANS))
-    # one tracer of speed u at t is one of speed 1 at u t: <v^2>, <v^4>, N and <r^2> of speed 1
-    grid = np.concatenate([[0.0], np.sort(np.outer(times[1:], speed).ravel())])
-    one = solve(
-        Scene(
-            0.6, times=grid, initial="monoenergetic", outputs=("collisions", "msd", "temperature")
-        )
-    )
-    for k, t in enumerate(times):
-        at = np.searchsorted(grid, t * speed)
-        v2 = 2 * one.temperature[at] * speed**2
-        assert found.temperature[k] == pytest.approx(0.5 * v2.mean(), rel=1e-11, abs=0.0)
-        assert found.collisions[k] == pytest.approx(one.collisions[at].mean(), rel=1e-11, abs=0)
-        assert found.msd[k] == pytest.approx(one.msd[at].mean(), rel=1e-11, abs=0)
-
-
-def test_moments_that_do_not_exist() -> None:
-    for e, initial, p, message in (
-        (0.5, "gaussian", -2.0, "p > -2"),
-        (0.0, "monoenergetic", -1.0, "p > -1"),
-        (0.0, "gaussian", -1.0, "p > -1"),
-        *((0.5, "gaussian", p, "^p: got ") for p in (math.nan, 41.0, "x", None)),
-    ):
-        with pytest.raises(InputError, match=message):
-            solve(Scene(e, times=[1.0], initial=initial)).moment(p)
-
-
-def test_nearly_elastic_is_nearly_elastic() -> None:
-    times = np.array([0.0, 1.0, 100.0])
-    elastic = solve(Scene(1.0, times=times, outputs=MEANS), rtol=1e-12)
-    for e in (1 - 1e-8, 1 - 1e-12):
-        near = solve(Scene(e, times=times, outputs=MEANS), rtol=1e-12)
-        for name in MEANS:
-            np.testing.assert_allclose(
-                getattr(near, name), getattr(elastic, name), rtol=1e3 * (1 - e) + 1e-11, atol=1e-6
-            )

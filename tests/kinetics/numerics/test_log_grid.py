@@ -21,21 +21,6 @@ def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
     np.testing.assert_allclose(grid.interpolate(wave(grid.x), x), wave(x), atol=1e-13)
 
 
-def test_the_highest_mode_of_an_even_grid_is_a_cosine() -> None:
-    grid = LogGrid(0.0, 0.5, 8)
-    values = np.cos(math.pi * grid.x / grid.spacing)
-    np.testing.assert_allclose(grid.interpolate(values, grid.x), values, atol=1e-13)
-    assert grid.end == 4.0
-
-
-def test_several_rows_at_once() -> None:
-    grid = LogGrid(1.0, 0.2, 20)
-    rows = np.stack([np.cos(grid.wave_numbers[k] * (grid.x - 1.0)) for k in (0, 2, 5)])
-    x = np.array([1.03, 4.4])
-    exact = np.stack([np.cos(grid.wave_numbers[k] * (x - 1.0)) for k in (0, 2, 5)])
-    np.testing.assert_allclose(grid.interpolate(rows, x), exact, atol=1e-13)
-
-
 @pytest.mark.parametrize("start", [-45.3, -43.0, 17.9])
 def test_nodes_near_zero_keep_their_digits(start: float) -> None:
     """Steps between nodes there are exact to their own rounding, not to that of the far end.

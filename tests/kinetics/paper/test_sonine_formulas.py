@@ -3,67 +3,13 @@
 import math
 from typing import Any
 
-import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 from kinetics import sonine
 
-RADII = (1e-8, 1e-3, 0.3, 1.0, 4.0, 30.0)
-ETAS = (0.01, 0.25, 0.5, 0.75, 40.0)
-
-
 # -- G(R) -----------------------------------------------------------------------------------------
-
-
-def printed_tail(r: Any, eta: Any) -> tuple[Any, Any]:
-    """Eq. tailg letter by letter, and the integral of the Gaussian that stands before it."""
-    r, eta = mp.mpf(r), mp.mpf(eta)
-
-    def p(v: Any) -> Any:
-        return mp.log(v) / r**2 + v**2 / r**2 + 1 / (2 * eta * v**2)
-
-    saddle = mp.sqrt(-mp.mpf(1) / 4 + mp.sqrt(eta + 8 * r**2) / (4 * mp.sqrt(eta)))
-    bend = mp.diff(p, saddle, 2)
-    height = mp.exp(-p(saddle) * r**2)
-    assert abs(mp.diff(p, saddle) * saddle) < mp.mpf(10) ** -15 * abs(bend) * saddle**2
-    right = 2 / eta * mp.sqrt(mp.pi / (2 * bend)) * height
-    gaussian = 2 / eta * r * height * mp.sqrt(2 * mp.pi / (bend * r**2))
-    return right, gaussian
-
-
-@pytest.mark.parametrize("eta", ETAS)
-def test_the_tail_is_the_printed_one_and_its_correction_the_gaussian_integral(eta: float) -> None:
-    with mp.workdps(60):
-        pairs = [printed_tail(r, eta) for r in RADII]
-    np.testing.assert_allclose(
-        sonine.position_tail(RADII, eta, 1.0), [float(a) for a, _ in pairs], rtol=1e-12
-    )
-    np.testing.assert_allclose(
-        sonine.position_tail(RADII, eta, 2.0), [float(b) for _, b in pairs], rtol=1e-12
-    )
-
-
-@pytest.mark.parametrize("eta", ETAS)
-def test_the_integral_is_the_bessel_function_with_norm_one_and_second_moment_two_eta(
-    eta: float,
-) -> None:
-    with mp.workdps(30):
-        exact = [
-            float(2 * mp.mpf(r) / eta * mp.besselk(0, r * mp.sqrt(2 / mp.mpf(eta)))) for r in RADII
-        ]
-    np.testing.assert_allclose(sonine.position_integral(RADII, eta), exact, rtol=1e-12, atol=1e-300)
-    scale = math.sqrt(eta)
-    for power, moment in ((0, 1.0), (2, 2 * eta)):
-        found = quad(
-            lambda x, power=power: scale * (scale * x) ** power
-            * float(sonine.position_integral(scale * x, eta)),
-            0,
-            40,
-            limit=200,
-        )[0]  # fmt: skip
-        assert found == pytest.approx(moment, rel=1e-9)
 
 
 def test_far_out_the_forms_meet_as_corrected_and_are_half_as_printed() -> None:
@@ -108,19 +54,6 @@ def test_curves_at_the_extremes_of_the_radius(form: Any) -> None:
 
 
 # -- the random walk ------------------------------------------------------------------------------
-
-
-def test_alpha_and_beta_are_those_of_the_paper() -> None:
-    assert float(sonine.alpha()) == pytest.approx(1 / math.sqrt(2))
-    assert float(sonine.beta(0.3)) == pytest.approx(0.058 * 0.7)
-    assert float(sonine.cooling_rate_fitted(0.3)) == pytest.approx(1.45 * 0.7)
-    assert float(sonine.cooling_rate_fitted(0.3, 1.4)) == pytest.approx(1.4 * 0.7)
-    assert float(sonine.beta(0.3, 0.1, 2.0, cooling_rate=0.5)) == pytest.approx(0.1)
-    # its h may be replaced by another
-    changed = sonine.msd_random_walk(500.0, 0.3, cooling_rate=0.9)
-    b = 0.04 * 0.9
-    expected = 13.5**2 * math.log1p(b * math.sqrt(2) * 500) / math.log1p(13.5 * b)
-    assert float(changed) == pytest.approx(expected, rel=1e-13)
 
 
 # -- fits -----------------------------------------------------------------------------------------

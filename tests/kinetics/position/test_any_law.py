@@ -18,7 +18,6 @@ from kinetics import (
     solve,
 )
 from kinetics.position.directions import mean_phase
-from kinetics.position.tail import PowerTail
 
 FloatArray = NDArray[np.float64]
 PATH = 12.5
@@ -123,19 +122,6 @@ def test_small_wave_numbers(law: CollisionLaw, initial: str) -> None:
         assert abs(f - expected) < 0.02 * abs(k2**2 * fourth / (8 * d * (d + 2)))
 
 
-@pytest.mark.parametrize("law", [LAWS[0], LAWS[2], LAWS[4]], ids=repr)
-@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
-def test_the_scattering_function_is_the_transform_of_the_density(
-    law: CollisionLaw, initial: str
-) -> None:
-    t = 40.0
-    found = solve(scene(law, t, initial), rtol=1e-6)
-    k = np.array([0.0, 0.004, 0.02, 0.06])
-    r, w = bins(np.linspace(0.0, 6.0 * math.sqrt(found.msd[0]), 61))
-    transformed = mean_phase(np.outer(k, r), law.dimension) @ (w * found.position_density(r)[0])
-    assert np.abs(found.intermediate_scattering(k)[0] - transformed).max() < 3e-6
-
-
 # -- directed starts -------------------------------------------------------------------------------
 
 
@@ -176,29 +162,6 @@ def test_directed_starts(initial: Any, dimension: int) -> None:
 
 
 # -- the parts -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("straight", [False, True])
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_the_powers_of_stopped_tracers_and_of_those_on_a_line(
-    dimension: int, straight: bool
-) -> None:
-    """(q^2 + 1)^(-d/2) is the transform of K_0(x), and 2/pi of it in space; (q^2 + 1)^(-1/2)
-    that of exp(-x)/x, and 2/pi K_1(x)/x in space.
-    """
-    from scipy.special import k0, k1
-
-    tail = PowerTail(np.array([1.0]), 1.0, dimension, 1 - dimension if straight else 0)
-    r, step = np.array([0.05, 0.4, 2.0]), 1e-5
-    expected = k0(r) * (1.0 if dimension == 2 else 2.0 / math.pi)
-    if straight:
-        expected = np.exp(-r) / r if dimension == 2 else 2.0 / math.pi * k1(r) / r
-    assert np.allclose(tail.transform(r, 0), expected, rtol=1e-13)
-    slope = (tail.transform(r + step, 0) - tail.transform(r - step, 0)) / (2.0 * step)
-    assert np.allclose(tail.transform(r, 2), -slope, rtol=1e-6)
-    within = [tail.transform(x, 1) * x ** (dimension - 1) for x in (r - step, r + step)]
-    assert np.allclose((within[1] - within[0]) / (2.0 * step), expected * r ** (dimension - 1))
-    assert tail.at(np.array([3.0]))[0] == pytest.approx(10.0 ** (-0.5 * (dimension, 1)[straight]))
 
 
 @pytest.mark.parametrize(("dimension", "t", "rtol"), [(2, 100.0, 1e-5), (3, 8.0, 1e-4)])

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from kinetics import (
     CollisionLaw,
-    InputError,
     Scene,
     Solution,
     SolverStatus,
@@ -21,7 +20,6 @@ from kinetics.collision import ImpactQuadrature
 from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
 from kinetics.numerics.gauss import equal_panels
-from kinetics.position.intermediate_scattering import Scattering
 from kinetics.position.sweep import solve_displacement
 from kinetics.states.kinds import Monoenergetic
 
@@ -109,22 +107,6 @@ def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
     assert np.abs(share - np.array([half, 1.0])).max() < tolerance
 
 
-@pytest.mark.parametrize("t", [0.5, 3.0, 10.0])
-def test_the_isotropic_walk_in_wave_numbers(t: float) -> None:
-    k = np.array([0.3, 0.5])
-    for factor in (1.0, 6.0, 30.0):
-        system = Scattering(Isotropic(1.0), 1.0, Monoenergetic(), np.array([t]))
-        found, _ = system.collided(factor * k, np.array([0]), 1e-10)
-        x, w = np.polynomial.legendre.leggauss(400)
-        # r = t sin(u) takes the singular front away
-        u = 0.25 * math.pi * (1.0 + x)
-        r, weight = t * np.sin(u), 0.25 * math.pi * w * t * np.sin(u)
-        from scipy.special import j0
-
-        exact = j0(np.outer(factor * k, r)) @ (weight * np.exp(t * np.cos(u) - t))
-        assert np.abs(found[0] - exact).max() < 1e-10
-
-
 # -- limits and identities -------------------------------------------------------------------------
 
 
@@ -166,18 +148,6 @@ def test_the_elastic_density_at_late_times_is_a_mixture_of_gaussians() -> None:
     assert error < 1e-4  # corrections are of order l/(v t)
 
 
-def test_the_late_scaled_density_tends_to_a_gaussian() -> None:
-    """2 R exp(-R^2), with corrections of order 1/ln t."""
-    r = np.linspace(0.1, 3.0, 30)
-    gauss = 2.0 * r * np.exp(-(r**2))
-    apart = [
-        float(np.abs(density(0.6, [t], rtol=1e-4).scaled_position_density(r)[0] - gauss).max())
-        for t in (1e3, 1e30, 1e300)
-    ]
-    assert apart[0] > 5.0 * apart[1] > 20.0 * apart[2]
-    assert apart[2] < 1e-3
-
-
 @pytest.mark.parametrize("e", [0.05, 0.9999, 1.0 - 1e-10, 1.0])
 def test_norm_for_extreme_restitutions(e: float) -> None:
     found = density(e, [1e3], rtol=1e-4)
@@ -215,43 +185,6 @@ def test_the_end_of_f_is_right_beyond_the_data(e: float, t: float, initial: obje
 
 
 # -- bad input -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("call", "word"),
-    [
-        (lambda s: s.position_density([-1.0]), "r: got"),
-        (lambda s: s.position_density([]), "r: got"),
-        (lambda s: s.position_density(["a"]), "r: got"),
-        (lambda s: s.scaled_position_density([math.nan]), "scaled_radii: got"),
-        (lambda s: s.position_tail([-0.5]), "scaled_radii: got"),
-        (lambda s: s.position_fraction([1.0]), "edges: got"),
-        (lambda s: s.position_fraction([2.0, 1.0]), "edges: got"),
-        (lambda s: s.intermediate_scattering([]), "wave_numbers: got"),
-        (lambda s: s.intermediate_scattering([-1.0]), "wave_numbers: got"),
-        (lambda s: s.intermediate_scattering([1e9]), "wave_numbers: got up to 1e+09"),
-        (lambda s: s.intermediate_scattering([1.0], direction=math.inf), "direction: got"),
-    ],
-)
-def test_bad_input_gets_one_line(call: Any, word: str) -> None:
-    found = density(0.6, [100.0], rtol=1e-2)
-    with pytest.raises(InputError, match=r"^[^\n]*$") as caught:
-        call(found)
-    assert str(caught.value).startswith(word)
-
-
-def test_what_was_not_asked_for() -> None:
-    found = solve(Scene(0.6, times=[1.0], outputs=("msd",)))
-    for call in (
-        lambda: found.position_density([1.0]),
-        lambda: found.scaled_position_density([1.0]),
-        lambda: found.position_fraction([0.0, 1.0]),
-        lambda: found.position_tail([1.0]),
-        lambda: found.ballistic_front,
-        lambda: found.intermediate_scattering([1.0]),
-    ):
-        with pytest.raises(InputError, match="was not asked for"):
-            call()
 
 
 # -- parts ----------------------------------------------------------------------------------------

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, SpeedTable
-from kinetics.position.density import Uncollided, fastest_speed, fronts
-from kinetics.states.kinds import Gaussian, Monoenergetic, State, as_state
+from kinetics.position.density import Uncollided
+from kinetics.states.kinds import Gaussian, State, as_state
 
 PATH = 12.5
 TIMES = np.array([0.0, 0.3, 40.0, 1e4])
@@ -61,14 +61,3 @@ def test_the_share_within_a_radius(state: State, exact: Any) -> None:
             share = exact(x * x) * np.exp(-x * x * t / PATH) @ (2.0 * x * (half * weight).ravel())
             assert found.within(i, np.array([radius]))[0] == pytest.approx(share, abs=1e-9)
     assert not found.within(0, np.array([1.0])).any()
-
-
-def test_sharp_speeds_have_a_front_and_no_density() -> None:
-    state = Monoenergetic(2.0)
-    found = Uncollided(state, PATH, TIMES)
-    assert not found.at(2, np.array([10.0, 80.0])).any()
-    assert not found.within(2, np.array([10.0, 80.0])).any()
-    radius, weight = fronts(state, PATH, TIMES)
-    np.testing.assert_allclose(radius[:, 0], 2.0 * TIMES)
-    np.testing.assert_allclose(weight[:, 0], np.exp(-2.0 * TIMES / PATH))
-    assert fastest_speed(state, 1e-6) == 2.0

@@ -56,30 +56,6 @@ def test_solver_against_closed_form(e: float, et: float, dimension: int) -> None
     )
 
 
-def test_bounces_without_tangential_velocity_leave_slow_tracers() -> None:
-    """et = 0 in the plane: F(0) is finite."""
-    vdf = solve_scaled(0.5, 1e-10, tangential_restitution=0.0)
-    exact = ScalingSolution(0.5, 0.0)
-    assert vdf.vdf(0.0) == pytest.approx(vdf.vdf(1e-9), rel=1e-8)
-    assert vdf.vdf(0.3) == pytest.approx(exact.vdf(0.3), rel=1e-9)
-
-
-def test_a_mixture_of_two_kinds_of_disks() -> None:
-    one, other = CollisionLaw(0.9).quadrature_for(40.0), CollisionLaw(0.3).quadrature_for(40.0)
-    law = CollisionLaw.from_samples(
-        np.concatenate([0.5 * one.weight, 0.5 * other.weight]),
-        np.concatenate([one.ratio, other.ratio]),
-        np.concatenate([one.cosine, other.cosine]),
-    )
-    exact, vdf = ScalingSolution(law), solve_scaled(law, 1e-10)
-    kappa = 0.5 * (CollisionLaw(0.9).mean_log_loss + CollisionLaw(0.3).mean_log_loss)
-    first = 0.5 * (CollisionLaw(0.9).decay_rate(1.0) + CollisionLaw(0.3).decay_rate(1.0))
-    assert exact.cooling_rate == pytest.approx(2.0 * math.sqrt(kappa * first), rel=1e-13)
-    assert vdf.cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-10)
-    c = np.linspace(0.2, 3.0, 20)
-    assert np.allclose(vdf.vdf(c), exact.vdf(c), rtol=1e-9)
-
-
 @pytest.mark.parametrize(("e", "et", "dimension"), [(0.0, 0.8, 2), (0.0, 0.5, 3), (0.5, 0.0, 2)])
 def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
     """F is a power of c there: moments close to the lowest one, and F far below the solved axis."""
@@ -91,7 +67,6 @@ def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
     assert low[1] / low[0] == pytest.approx(1e-10 ** (-law.lowest_power - dimension), rel=1e-10)
 
 
-@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-9])
 @pytest.mark.parametrize(
     "law",
     [
@@ -107,13 +82,15 @@ def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
         {"restitution": 0.7, "scatterers": "hard disks", "number_density": 0.04},
     ],
 )
-def test_the_estimate_is_above_the_error(law: dict[str, Any], rtol: float) -> None:
+def test_the_estimate_is_above_the_error(law: dict[str, Any]) -> None:
     """Of h, a2 and F(c) from the bulk up to 1e-97 of it, against the closed form."""
-    exact, found = ScalingSolution(**law), solve_scaled(**law, rtol=rtol)
-    h, a2 = found.cooling_rate / exact.cooling_rate, (1.0 + found.a2) / (1.0 + exact.a2)
-    assert max(abs(h - 1.0), abs(a2 - 1.0)) <= found.error_estimate
-    c = np.linspace(1.0, 300.0 * exact.cooling_rate, 300)
+    exact = ScalingSolution(**law)
+    c = np.linspace(1.0, 300.0 * exact.cooling_rate, 100)
     f = exact.vdf(c)
     c, f = c[f > 1e-97], f[f > 1e-97]
-    error = np.abs(found.reached_vdf(c) / f - 1.0).max()
-    assert error <= found.error_estimate + 1e-12 <= rtol
+    for rtol in (1e-2, 1e-4, 1e-6, 1e-9):
+        found = solve_scaled(**law, rtol=rtol)
+        h, a2 = found.cooling_rate / exact.cooling_rate, (1.0 + found.a2) / (1.0 + exact.a2)
+        assert max(abs(h - 1.0), abs(a2 - 1.0)) <= found.error_estimate
+        error = np.abs(found.reached_vdf(c) / f - 1.0).max()
+        assert error <= found.error_estimate + 1e-12 <= rtol

@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kinetics import CollisionLaw, InputError, ScalingSolution, Scene
+from kinetics import CollisionLaw, ScalingSolution
 
 MIXED = CollisionLaw.mixture([0.5, 0.5], [CollisionLaw(1.0), CollisionLaw(0.5)])
 
@@ -112,22 +112,3 @@ def test_a_chain_of_collisions() -> None:
         theta, amplitude = exact.collision_power(z)
         weighed = (z ** number[1]).mean(axis=-1) / (amplitude * times[1] ** theta)
         assert abs(weighed.mean() - 1.0) < 4.0 * weighed.std(ddof=1) / groups**0.5
-
-
-def test_what_is_refused() -> None:
-    exact = ScalingSolution(0.5)
-    for z in (0.0, -1.0, math.inf, math.nan, 1e300, 1e-300):
-        with pytest.raises(InputError, match=r"^z: got "):
-            exact.collision_power(z)
-    with pytest.raises(InputError, match=r"^z: got 2\.0; E\[z\^N\] is no power"):
-        ScalingSolution(MIXED).collision_power(2.0)  # half of the bounces lose nothing
-    for n in (0, 13):
-        with pytest.raises(InputError, match=r"^n: got "):
-            exact.collision_cumulants(n)
-    with pytest.raises(InputError, match=r"^restitution: got 1\.0"):
-        ScalingSolution(1.0).path_cumulants()
-    scene = Scene(0.5, scatterers="overlapping", number_density=0.02, times=[1.0])
-    dense = ScalingSolution(0.5, scatterers="overlapping", number_density=0.02)
-    assert scene.law == dense.law
-    with pytest.raises(InputError, match=r"^scatterers: got 'overlapping'"):
-        dense.collision_power(0.5)

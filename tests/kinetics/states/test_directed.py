@@ -3,7 +3,6 @@
 import itertools
 from typing import Any
 
-import mpmath as mp
 import numpy as np
 import pytest
 from moment_hierarchy import TIMES, gaussian_speed_moment, rates, scene, series, velocities
@@ -12,7 +11,6 @@ from kinetics import (
     AngularHarmonics,
     Beam,
     Gaussian,
-    Monoenergetic,
     PolarGrid,
     SolverStatus,
     VelocitySamples,
@@ -67,19 +65,6 @@ def test_two_temperature_gaussian_at_the_start() -> None:
     # densities are per dv: the error of f in the plane is larger by 1/v
     error = np.abs(found - exact) * v[:, None]
     assert np.max(error) < 1e-5 * np.max(exact * v[:, None])
-
-
-def test_velocity_density_integrates_to_the_averages() -> None:
-    outputs = ("velocity_density", "velocity_tensor")
-    solution = solve(scene(0.6, Gaussian(1.2, 0.8), [0.8], outputs=outputs), rtol=1e-7)
-    node, weight = np.polynomial.legendre.leggauss(60)
-    v, phi = 4.0 * (1.0 + node), 0.5 * np.pi * (1.0 + node)
-    density = solution.velocity_density(v, phi)[0]
-    area = 4.0 * np.pi * weight[:, None] * weight * v[:, None]  # 2 (8/2) (pi/2) v dv dphi
-    mass = (area * density).sum()
-    xx = (area * density * v[:, None] ** 2 * np.cos(phi) ** 2).sum()
-    assert abs(mass - 1.0) < 1e-5
-    assert abs(xx - solution.velocity_tensor[0, 0, 0]) < 1e-5
 
 
 def test_angular_harmonics() -> None:
@@ -188,18 +173,6 @@ def test_velocity_density_after_collisions() -> None:
 
 
 # -- elastic, where there is nothing to discretise -----------------------------------------------
-
-
-@pytest.mark.parametrize("m", range(1, 9))
-def test_elastic_rates(m: int) -> None:
-    """nu_m = 1 - E[cos(m chi)], cos(chi) = 2 y^2 - 1; by hand 4 m^2/(4 m^2 - 1)."""
-    nu = rates(1.0, m)[0]
-    assert abs(nu - mp.mpf(4 * m * m) / (4 * m * m - 1)) < 1e-15
-    times = np.array([0.0, 0.1, 1.0, 20.0, 600.0])
-    solution = solve(scene(1.0, Beam(0.5, Monoenergetic(1.5)), times))
-    with np.errstate(under="ignore"):
-        exact = 1.5**3 * np.exp(-1j * m * 0.5) * np.exp(-float(nu) * 1.5 * times)
-    assert np.allclose(solution.harmonic(3, m), exact, rtol=1e-12, atol=1e-300)
 
 
 def test_elastic_densities() -> None:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from kinetics import (
-    Gaussian,
     Scene,
     SpeedDensity,
     SpeedSamples,
@@ -87,25 +86,6 @@ def test_moments_of_functions(name: str) -> None:
             assert abs(solution.moment(p)[0] / exact(p) - 1.0) < tolerance, (name, p)
         assert np.isclose(solution.thermal_speed[0], np.sqrt(exact(2)), rtol=1e-9)
         assert np.isclose(solution.temperature[0], 0.5 * exact(2), rtol=1e-9)
-
-
-def test_gaussian_by_all_its_names() -> None:
-    """The same start as a name, a state, a function and a table."""
-    v = np.linspace(0.0, 9.0, 9001)
-    f = v * np.exp(-0.5 * v * v)
-    times = [0.0, 1.0, 100.0, 1e5]
-    starts = [
-        Gaussian(),
-        lambda v: v * np.exp(-0.5 * v * v),
-        SpeedTable(v, f / np.trapezoid(f, v)),
-    ]
-    exact = solve(Scene(restitution=0.6, times=times, outputs=BASIC))
-    assert np.allclose(exact.thermal_speed[0], np.sqrt(2), rtol=1e-12)
-    assert abs(exact.a2[0]) < 1e-11
-    for start, error in zip(starts, (1e-15, 1e-9, 1e-6), strict=True):
-        found = solve(Scene(restitution=0.6, initial=start, times=times, outputs=BASIC))
-        assert np.allclose(found.thermal_speed, exact.thermal_speed, rtol=error)
-        assert np.allclose(found.a2, exact.a2, atol=4 * error)
 
 
 # -- tables -----------------------------------------------------------------------------------
