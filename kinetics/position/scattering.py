@@ -278,7 +278,7 @@ class Sweep:
             )
             systems += (used + 1) * size
             known[: used + 1], known[used + 1 :] = found[:, -1], 0.0
-            values.append(np.zeros((kept + 1, n, size)))
+            values.append(np.zeros((min(kept, self.top) + 1, n, size)))
             values[-1][: used + 1] = found[: kept + 1]
             panels[: used + 1, reach + j] = returns.end(j, found) if returns else found
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
