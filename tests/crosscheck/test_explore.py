@@ -197,6 +197,16 @@ def test_the_page_fits_its_width(browser: Any, file: Path, width: int, dark: boo
     outside = f"(t, a = t.{box}, b = t.ownerSVGElement.{box}) => a.x < b.x || a.right > b.right"
     texts = f"[...document.querySelectorAll('figure svg text')].filter(t => ({outside})(t)).length"
     wide = "document.documentElement.scrollWidth"
-    found = ask(browser, file, width, dark, wide=wide, curves=curves, texts=texts)
+    pairs = f"[...f.querySelectorAll('svg text')].map(t => t.{box}).some((a, i, all) => "
+    pairs += "all.some((b, k) => k > i && a.x < b.right && b.x < a.right && a.y + 3 < b.bottom "
+    pairs += "&& b.y + 3 < a.bottom))"  # 3: boxes are higher than digits
+    overlaps = f"[...document.querySelectorAll('figure')].filter(f => {pairs}).length"
+    cut = "[...document.querySelectorAll('.equation')].filter(q => q.scrollWidth > q.clientWidth)"
+    found = ask(
+        browser, file, width, dark, wide=wide, curves=curves, cut=f"{cut}.map(q => [q.scrollWidth, q.clientWidth])",
+        at=f"['nothing', 'field', 'bath', 'noise'].map(drive => (explorer.change({{drive}}), "
+        f"[{wide} > innerWidth, {texts}, {overlaps}]))",
+    )  # fmt: skip
     assert found["wide"] <= width
-    assert (found["curves"], found["texts"]) == (10, 0)
+    assert (found["curves"], found["cut"]) == (10, [])
+    assert found["at"] == [[False, 0, 0]] * 4

@@ -321,11 +321,12 @@ function written(x, digits = 3) {
 
 function ticksOf({ log, low, high }, room) {
   if (log && high / low > 12) {
-    const from = Math.ceil(Math.log10(low) - 1e-9), to = Math.floor(Math.log10(high) + 1e-9);
-    const every = Math.ceil((to - from + 1) / room), found = [];
-    for (let k = from; k <= to; k++)
-      if ((k - from) % every === 0) found.push([10 ** k, k === 0 ? "1" : power(k)]);
-    return found;
+    const from = Math.floor(Math.log10(low)), to = Math.floor(Math.log10(high) + 1e-9);
+    const every = Math.ceil((to - from) / room), found = [], few = high / low < 200;
+    for (let k = to; k >= from; k -= every)
+      for (const z of (few ? [1, 2, 5] : [1]).map((f) => f * 10 ** k))
+        found.push([z, few ? number(z) : k === 0 ? "1" : power(k)]);
+    return found.filter(([z]) => z >= low * 0.999 && z <= high * 1.001);
   }
   const raw = (high - low) / room, base = 10 ** Math.floor(Math.log10(raw));
   const step = base * [1, 2, 5, 10].find((f) => f * base >= raw * 0.999), found = [];
@@ -343,9 +344,9 @@ class Plot {
     this.readout = this.figure.querySelector("output");
     const moved = (event) => {
       if (event.type === "pointerdown") this.svg.setPointerCapture(event.pointerId);
-      const pressed = event.buttons > 0, box = this.svg.getBoundingClientRect();
+      const box = this.svg.getBoundingClientRect();
       const x = this.back((event.clientX - box.left) * (this.width / box.width));
-      if (this.spec && this.spec.pointed) this.spec.pointed(x, pressed);
+      if (this.spec && this.spec.pointed) this.spec.pointed(x, event.buttons > 0);
     };
     this.svg.addEventListener("pointerdown", moved);
     this.svg.addEventListener("pointermove", moved);
@@ -535,8 +536,7 @@ function change(values, again = true) {
   state.curves = Object.fromEntries(SOLVED.map((medium) => [medium, curvesOf(e, n, medium)]));
   state.steady = steadyOf(drive, e);
   for (const name of Object.keys(INPUTS)) byId(name).value = state[name];
-  const pace = (byId("pace-shown").textContent = `× ${2 ** Number(byId("pace").value)}`);
-  byId("pace").setAttribute("aria-valuetext", pace);
+  byId("pace").setAttribute("aria-valuetext", byId("pace-shown").textContent = `× ${2 ** Number(byId("pace").value)}`);
   byId("e-shown").textContent = e.toFixed(3).replace(/0$/, "");
   byId("n-shown").textContent = `${number(n)} d⁻²`;
   byId("g-shown").textContent = `${number(g)} U²/d`;
@@ -546,7 +546,8 @@ function change(values, again = true) {
     radio.disabled = driven && medium !== SOLVED[0];
   }
   byId("drive").value = drive;
-  byId("driven").textContent = drive in DRIVEN ? `${DRIVEN[drive].words} The tracers of this page are not driven by it: they cool.` : "";
+  byId("mass").hidden = drive === "bath"; // no such likeness where scatterers move
+  byId("driven").textContent = drive in DRIVEN ? `${DRIVEN[drive].words} The tracers of this page are not driven by it.` : "";
   if (again) restart();
   if (state.data) fitData();
   writeAddress();
@@ -623,8 +624,8 @@ const measured = (name) => () => gas.records.map(({ t, [name]: [y, error] }) => 
 const rowsOf = (name) => (state.data || []).map((row) => ({ x: row.t, y: row[name], kind: "data" }));
 const moveE = (e, pressed) => { if (pressed) change({ e: Math.round(clamp(e, 0, 1) * 100) / 100 }); };
 const overTime = () => {
-  const last = Math.max(LAST, ...(state.data || []).map((row) => row.t));
-  const low = Math.min(0.1, ...(state.data || []).map((row) => row.t).filter((t) => t > 0));
+  const given = (state.data || []).map((row) => row.t), last = Math.max(LAST, ...given);
+  const low = Math.min(0.1, ...given.filter((t) => t > 0));
   return { log: true, low: Math.max(low, 1e-3), high: Math.min(last, 1e7), name: "time t in d/U" };
 };
 // two curves, the medium that is chosen drawn last and bold
@@ -701,8 +702,8 @@ function plotsDriven() {
 
 function plotsInField() {
   const { e, n, g, steady } = state, l = 1 / (2 * n), speed = Math.sqrt(g * l), spread = speed * l;
-  const none = "No steady state: elastic tracers gain speed for ever.";
-  const x = overTime(), line = (y) => (steady ? [{ f: () => y, kind: "dilute chosen" }] : []);
+  const none = "No steady state: elastic tracers gain speed for ever.", x = overTime();
+  const line = (y) => (steady ? [{ f: () => y, kind: "dilute chosen" }] : []);
   const most = steady ? 2 * steady.drift * speed : 2 * speed;
   const drawn = steady ? [["along", "parallel", "xx", "own"], ["across", "perpendicular", "yy", "own across"]] : [];
   const at = steadyCurve("field");
