@@ -33,7 +33,10 @@ PICTURES = (".png", ".svg", ".pdf")
 _DRAWN, _DOTS_PER_INCH = 8, 160
 
 
-@click.command(epilog=options.UNITS, short_help="Follow particles from collision to collision.")
+@click.command(
+    epilog=options.example("lorentz simulate -e 0.7 --media 10 --times 1:1000:7 -o run.h5"),
+    short_help="Follow particles from collision to collision.",
+)
 @click.option(
     "--medium",
     type=click.Choice([kind for kind in KINDS.values() if kind != "positions"]),
@@ -136,7 +139,10 @@ def simulate(
     _show(run, as_json)
 
 
-@click.command(epilog=options.UNITS, short_help="Join the parts of a run.")
+@click.command(
+    epilog=options.example("lorentz merge part1.h5 part2.h5 -o run.h5"),
+    short_help="Join the parts of a run.",
+)
 @click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
 @click.option(
     "-o", "--output", type=options.Output(""), metavar="HDF5", required=True,
