@@ -694,7 +694,7 @@ function plotsDriven() {
   return Object.fromEntries(figuresOf(drive).map(([name, words, unit, f, range], k) => [Object.keys(plots)[k], {
     x: { low: 0, high: 1, name: "restitution e" }, title: `Steady state: ${name} over e`,
     y: { name: name + (unit && ` in ${unit}`), ...(range === true ? { log: true, ...rangeOf(samples(at(f), OVER_E), true) } : range) },
-    words: `${words[0].toUpperCase()}${words.slice(1)}. ${steady ? "Drag to change e." : "Elastic tracers have no steady state."}`,
+    words: `${words[0].toUpperCase()}${words.slice(1)}. ${steady ? "Drag to change e." : `Drawn up to e = ${DATA.highestDriven}; elastic tracers have no steady state.`}`,
     curves: [{ f: at(f), kind: "dilute chosen" }], pointed: moveE,
     points: () => (steady ? [{ x: e, y: f(steady), kind: "marker" }] : []),
   }]));
@@ -846,7 +846,7 @@ function tick() {
 // -- what the hand does ---------------------------------------------------------------------------
 
 function fitData() {
-  if (state.drive !== DRIVES[0]) return say("Data are compared with tracers that nothing drives: choose that.");
+  if (state.drive !== DRIVES[0]) return say("Data are compared with tracers that nothing drives: set “driven by” to nothing.");
   const { e, deviation } = (state.fit = fitted(state.data, state.n, state.medium));
   byId("fit").hidden = !Number.isFinite(deviation);
   say(Number.isFinite(deviation)
