@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -158,6 +159,17 @@ def test_every_option_has_help(name: str) -> None:
     for parameter in command.params:
         # what an argument is, the command's own text says: click has no help for arguments
         assert not isinstance(parameter, click.Option) or parameter.help, parameter.name
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_help_ends_with_an_example_whose_options_are_known(lorentz: Any, name: str) -> None:
+    _, example = lorentz(name, "--help").split("Example:\n")
+    assert example.count("\n") == 1
+    first, told, *arguments = shlex.split(example)
+    assert (first, told) == ("lorentz", name)
+    command = cli.cli.get_command(click.Context(cli.cli), name)
+    assert command is not None
+    assert command.make_context(name, arguments).params
 
 
 def test_solve_prints_a_table_or_one_json_document(lorentz: Any) -> None:

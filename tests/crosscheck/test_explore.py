@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pages import Page
 
-from kinetics import ScalingSolution, Scene, solve, solve_field
+from kinetics import ScalingSolution, Scene, solve, solve_field, solve_steady
 from kinetics.crosscheck.explore import page, tables
 
 OUTPUTS = ("thermal_speed", "msd")
@@ -24,6 +24,16 @@ def averages(e: float, t: Any, n: float = 0.04, scatterers: str = "dilute") -> A
     """v0 and <r^2> of the solver, in U and d^2."""
     scene = Scene(e, n, times=np.ravel(t), scatterers=scatterers, outputs=OUTPUTS)
     return np.array([getattr(solve(scene, rtol=1e-7), name) for name in OUTPUTS])
+
+
+DRIVES = {"bath": {"bath_speed": 1.0}, "noise": {"heating": 1.0}}
+
+
+def figures(e: float, **told: Any) -> list[float]:
+    """v0, D, 1 + a2 and Einstein's ratio of a driven tracer, l = 1."""
+    state = solve_steady(e, **told)
+    ratio = state.diffusion_coefficient / (state.mobility * state.mean_square_along)
+    return [state.thermal_speed, state.diffusion_coefficient, 1 + state.a2, ratio]
 
 
 @pytest.fixture(scope="module")
@@ -51,16 +61,20 @@ def test_what_is_read_is_what_the_solver_finds(made: tables.Tables) -> None:
         c = np.exp(width * np.linspace(-4, 5, 7))
         read = np.exp(made["ln F"].at(e, np.log(c) / width)) / (2 * np.pi * width * c * c)
         assert read == pytest.approx(ScalingSolution(e).vdf(c), rel=3e-4)
-        read = made["perpendicular"].at(e) / (1 - e) ** 0.25
+        read = tables.read_steady(made, "field", e)[2]
         assert read == pytest.approx(solve_field(e).diffusion_perpendicular, rel=1e-4)
+        for drive, told in DRIVES.items():
+            assert tables.read_steady(made, drive, e) == pytest.approx(figures(e, **told), rel=2e-5)
 
 
 def test_the_error_that_the_page_states_is_found(made: tables.Tables) -> None:
     off = tables.errors(made, seed=2, points=8)
     limits = {"dilute": 2e-4, "hard disks": 5e-4, "F(c)": 2e-4, "F(c), hard disks": 5e-3}
+    limits |= {"field": 1e-4, "bath": 2e-5, "noise": 2e-5}
     assert all(0 < off[name] < limit for name, limit in limits.items()), off
-    worse = replace(made["v0"], coefficients=made["v0"].coefficients + 50)
-    assert tables.errors(made | {"v0": worse}, seed=2, points=8)["dilute"] > 2 * off["dilute"]
+    for name, stated in (("v0", "dilute"), ("noise D", "noise")):
+        worse = replace(made[name], coefficients=made[name].coefficients + 500)
+        assert tables.errors(made | {name: worse}, seed=2, points=8)[stated] > 2 * off[stated]
 
 
 def test_the_page_needs_nothing_beside_it(file: Path) -> None:
@@ -69,6 +83,9 @@ def test_the_page_needs_nothing_beside_it(file: Path) -> None:
     assert found.references == []
     assert not re.search(r"https?:|@import|url\(\"|fetch\(|<img|<link", text)
     assert {"e", "n", "g", "pace"} <= {a.get("for") for tag, a in found.elements if tag == "label"}
+
+
+COUNTED = "document.querySelectorAll('figure %s').length"
 
 
 def ask(browser: Any, file: Path, width: int = 1400, dark: bool = False, **more: str) -> Any:
@@ -85,7 +102,10 @@ def test_the_numbers_of_the_page_are_those_of_the_solver(browser: Any, file: Pat
         browser, file, at=f"{json.dumps(PLACES)}.map(([e, t]) => {read})",
         laws="[0, .01, .5, .9, .99].map(e => [e, explorer.lawOf(e).h, explorer.lawOf(e).a2])",
         hard="explorer.curvesOf(.63, .07, 'hard disks').averages(500)",
-        shape="explorer.curvesOf(.63, .07, 'dilute').F(.8)", drift="explorer.inField(.4).drift",
+        shape="explorer.curvesOf(.63, .07, 'dilute').F(.8)",
+        drift="explorer.steadyOf('field', .4).drift",
+        driven=f"{[*DRIVES]}.map(d => Object.values(explorer.steadyOf(d, .83)))",
+        elastic="explorer.steadyOf('bath', 1)",
     )  # fmt: skip
     for (e, t), pair in zip(PLACES, found["at"], strict=True):
         assert pair == pytest.approx(averages(e, t).ravel(), rel=2e-4), (e, t)
@@ -95,6 +115,9 @@ def test_the_numbers_of_the_page_are_those_of_the_solver(browser: Any, file: Pat
     assert found["hard"] == pytest.approx(averages(0.63, 500, 0.07, "hard disks").ravel(), rel=5e-4)
     assert found["shape"] == pytest.approx(ScalingSolution(0.63).vdf(0.8), rel=2e-4)
     assert found["drift"] == pytest.approx(solve_field(0.4).drift, rel=1e-4)
+    for told, read in zip(DRIVES.values(), found["driven"], strict=True):
+        assert read == pytest.approx(figures(0.83, **told), rel=2e-5)
+    assert found["elastic"] is None
 
 
 def test_the_particles_of_the_page(browser: Any, file: Path) -> None:
@@ -139,12 +162,51 @@ def test_data_address_and_python(browser: Any, file: Path) -> None:
     assert names["scene"] == Scene(0.25, 0.02, **told)
 
 
+def test_what_drives_the_tracer_is_chosen(browser: Any, file: Path) -> None:
+    """Panel, sentence, address and Python follow; field and drive exclude each other."""
+    text = "document.getElementById('%s').textContent"
+    seen = f"[location.hash, {text % 'driven'}, {text % 'numbers'}, {text % 'code'}]"
+    chosen = "[...document.querySelectorAll('#drive option')].map(o => o.value)"
+    found = ask(
+        browser, file, chosen=chosen, bath=f"(explorer.change({{drive: 'bath', e: .5}}), {seen})",
+        noise=f"(explorer.change({{drive: 'noise'}}), {seen})", markers=COUNTED % "circle.marker",
+        field="(explorer.change({g: .03}), explorer.state.drive)",
+        again="(explorer.change({drive: 'noise'}), explorer.state.g)",
+        elastic=f"(explorer.change({{e: 1}}), {seen})", none=COUNTED % "circle.marker",
+        back="(explorer.change({drive: 'nothing'}), location.hash)",
+    )  # fmt: skip
+    assert found["chosen"] == ["nothing", "field", *DRIVES]
+    assert (found["markers"], found["none"]) == (4, 0)
+    assert (found["field"], found["again"]) == ("field", 0)
+    assert "drive" not in found["back"]
+    for (drive, told), shown in zip(DRIVES.items(), ("2.449", "1.799"), strict=True):
+        address, sentence, numbers, python = found[drive]
+        assert address.endswith(f"&drive={drive}")
+        assert "not driven" in sentence
+        assert shown in numbers
+        names: dict[str, Any] = {}
+        exec(python, names)
+        assert names["scene"].number_density == 0.04
+        assert names["steady"].thermal_speed == solve_steady(0.5, **told).thermal_speed
+    assert "solve_steady" not in found["elastic"][3]
+
+
 @pytest.mark.parametrize(("width", "dark"), [(390, True), (1400, False)])
 def test_the_page_fits_its_width(browser: Any, file: Path, width: int, dark: bool) -> None:
     box, curves = "getBoundingClientRect()", "document.querySelectorAll('figure path.curve').length"
     outside = f"(t, a = t.{box}, b = t.ownerSVGElement.{box}) => a.x < b.x || a.right > b.right"
     texts = f"[...document.querySelectorAll('figure svg text')].filter(t => ({outside})(t)).length"
     wide = "document.documentElement.scrollWidth"
-    found = ask(browser, file, width, dark, wide=wide, curves=curves, texts=texts)
+    pairs = f"[...f.querySelectorAll('svg text')].map(t => t.{box}).some((a, i, all) => "
+    pairs += "all.some((b, k) => k > i && a.x < b.right && b.x < a.right && a.y + 3 < b.bottom "
+    pairs += "&& b.y + 3 < a.bottom))"  # 3: boxes are higher than digits
+    overlaps = f"[...document.querySelectorAll('figure')].filter(f => {pairs}).length"
+    cut = "[...document.querySelectorAll('.equation')].filter(q => q.scrollWidth > q.clientWidth)"
+    found = ask(
+        browser, file, width, dark, wide=wide, curves=curves, cut=f"{cut}.length",
+        at=f"['nothing', 'field', 'bath', 'noise'].map(drive => (explorer.change({{drive}}), "
+        f"[{wide} > innerWidth, {texts}, {overlaps}]))",
+    )  # fmt: skip
     assert found["wide"] <= width
-    assert (found["curves"], found["texts"]) == (10, 0)
+    assert (found["curves"], found["cut"]) == (10, 0)
+    assert found["at"] == [[False, 0, 0]] * 4

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from kinetics.crosscheck.cli.options import Output, json_option, progress
+from kinetics.crosscheck.cli.options import Output, example, json_option, progress
 
 CASES = ("scaled", "cooling", "position", "field", "driven", "skipping", "particles")
 
@@ -17,7 +17,10 @@ def _output_option(names: str) -> Any:
     )
 
 
-@click.command(short_help="Measure run time against error, and what skipping saves.")
+@click.command(
+    epilog=example("lorentz bench --quick --case scaled", "Nothing else should run meanwhile."),
+    short_help="Measure run time against error, and what skipping saves.",
+)
 @click.option("--quick", is_flag=True, help="Fewer cases, about a minute; else about ten.")
 @click.option(
     "--case", "cases", multiple=True, type=click.Choice(CASES),
@@ -38,7 +41,10 @@ def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: boo
     _show(report, output, as_json)
 
 
-@click.command(short_help="Drive solvers and particles to their limits; a verdict for each case.")
+@click.command(
+    epilog=example("lorentz stress --quick --group driven", "A wrong --group names the groups."),
+    short_help="Drive solvers and particles to their limits; a verdict for each case.",
+)
 @click.option("--quick", is_flag=True, help="Fewer cases, in one to two minutes.")
 @click.option(
     "--group", "groups", multiple=True, help="Run this group alone; may be repeated. [default: all]"

@@ -25,7 +25,8 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 
 # fmt: off
 @click.command(
-    epilog=COLUMNS, short_help="Compare anybody's particle data with the kinetic equation."
+    epilog=options.example("lorentz compare data.csv -e 0.7 -o compared.html", COLUMNS),
+    short_help="Compare anybody's particle data with the kinetic equation.",
 )
 @click.argument("data", nargs=-1, required=True, type=click.Path(path_type=Path))
 @option("-e", "--restitution", type=float,
@@ -114,7 +115,8 @@ _TOLD = (
     *options.DRIVES,
 )  # fmt: skip
 fit = click.Command(
-    "fit", callback=_fit, help=_fit.__doc__, epilog=COLUMNS, short_help="Find e and the density.",
+    "fit", callback=_fit, help=_fit.__doc__, short_help="Find e and the density.",
+    epilog=options.example("lorentz fit data.csv -o fitted.html", COLUMNS),
     params=[one for one in compare.params if one.name not in _TOLD],
 )  # fmt: skip
 

@@ -6,12 +6,13 @@ from typing import Any
 
 import click
 
+from kinetics.crosscheck.cli import options
 from kinetics.crosscheck.cli.options import Output, json_option, print_json, progress, refuse_given
 
 
 @click.command(
     short_help="Re-derive the paper's equations with sympy.",
-    epilog="Example: lorentz derive --search sonine, then lorentz derive --only B15",
+    epilog=options.example("lorentz derive --only B15", "The option --search finds labels."),
 )
 @click.option(
     "--only", metavar="LABEL", help="One equation, by label or number, with all steps: B15."

@@ -10,8 +10,7 @@ from kinetics.crosscheck.cli import options
 
 
 @click.command(
-    epilog="Example: lorentz explore -o explorer.html, then open the file in a browser. "
-    + options.UNITS,
+    epilog=options.example("lorentz explore -o explorer.html"),
     short_help="Make a page to play with: one HTML file.",
 )
 @click.option(
@@ -21,8 +20,9 @@ from kinetics.crosscheck.cli import options
 def explore(output: Path) -> None:
     """Make one HTML file with a tracer among disks and the exact curves over it.
 
-    Sliders set restitution, density and a field; a table of data that is dropped on the page is
-    drawn over the curves. The solver makes the tables of the curves, which takes some seconds.
+    Sliders set restitution, density and a field, or a bath or noise drives the tracer; a table of
+    data that is dropped on the page is drawn over the curves. The solver makes the tables of the
+    curves, which takes some seconds.
     """
     from kinetics.crosscheck.explore import page, tables
     from kinetics.crosscheck.files import write_together

@@ -21,6 +21,11 @@ UNITS = (
 )
 
 
+def example(line: str, before: str = UNITS) -> str:
+    """The end of a command's help: `before`, then a line to copy, which click does not wrap."""
+    return f"{before}\n\n\b\nExample:\n  {line}"
+
+
 class Numbers(click.ParamType):
     """A tuple of numbers and ranges, "0,1,10:1000:5": A:B:N is N from A to B at equal ratios."""
 

@@ -16,7 +16,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # fmt: off
 @click.command(
-    epilog=options.UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts."
+    epilog=options.example("lorentz report --quick -e 0.7 --until 300 -o report-of-0.7"),
+    short_help="Compare the three on one system: HTML, JSON, verdicts.",
 )
 @option("-o", "--output", type=options.Output(), default=Path("lorentz-report"),
         help="Folder for report.html, report.json and its tables as CSV.")

@@ -35,7 +35,10 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 # fmt: off
-@click.command(epilog=options.UNITS, short_help="Follow particles from collision to collision.")
+@click.command(
+    epilog=options.example("lorentz simulate -e 0.7 --media 10 --times 1:1000:7 -o run.h5"),
+    short_help="Follow particles from collision to collision.",
+)
 @option("--medium", default="hard-disks",
         type=Choice([kind for kind in KINDS.values() if kind != "positions"]),
         help="Disks or spheres that do not overlap, that may, or none: random free paths.")
@@ -118,7 +121,10 @@ def simulate(
     _show(run, as_json)
 
 
-@click.command(epilog=options.UNITS, short_help="Join the parts of a run.")
+@click.command(
+    epilog=options.example("lorentz merge part1.h5 part2.h5 -o run.h5"),
+    short_help="Join the parts of a run.",
+)
 @click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
 @option("-o", "--output", type=options.Output(""), metavar="HDF5", required=True,
         help="Save the whole run here, to the bits that it has if run at once.")  # fmt: skip

@@ -54,8 +54,8 @@ IN_STEADY = (
 )  # fmt: skip
 MODES = {"--scaled": ("solve_scaled", SCALED), "--field-steady": ("solve_field", STEADY),
          "--steady": ("solve_steady", IN_STEADY)}  # fmt: skip
-EXAMPLE = """Example, a tracer in a bath of scatterers four times as heavy: lorentz solve --steady
--e 0.7 --bath-speed 1 --mass-ratio 4; the same over time, without --steady."""
+EPILOG = f"""{options.UNITS} The example is a tracer in a bath of scatterers four times as heavy;
+without --steady the same over time."""
 _LARGEST = 10_000_000  # bytes of a table of speeds
 PICTURES = (".png", ".svg", ".pdf")
 ENDINGS = (".csv", ".parquet", ".nc", ".h5", *PICTURES)
@@ -64,7 +64,10 @@ _points = partial(option, type=options.Numbers(), default="")
 
 
 # fmt: off
-@click.command(epilog=f"{options.UNITS} {EXAMPLE}", short_help="Solve the kinetic equation.")
+@click.command(
+    epilog=options.example("lorentz solve --steady -e 0.7 --bath-speed 1 --mass-ratio 4", EPILOG),
+    short_help="Solve the kinetic equation.",
+)
 @options.restitution_option
 @options.tangential_option
 @options.mass_option

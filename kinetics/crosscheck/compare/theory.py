@@ -245,7 +245,9 @@ def stabilised(names: Sequence[str], theory: Array, difference: Array) -> Array:
             x, power = theory[k] + (name == "a2"), _POWERS[name]
             with np.errstate(divide="ignore", invalid="ignore"):
                 logs = np.log1p(difference[..., k, :] / x)
-                found[..., k, :] = x * (np.expm1(power * logs) / power if power else logs)
+                moved = x * (np.expm1(power * logs) / power if power else logs)
+            # a replicate in which all is at rest has none of these: it stays
+            found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
     return found
 
 

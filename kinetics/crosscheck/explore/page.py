@@ -22,8 +22,8 @@ def render(made: tables.Tables) -> str:
     data: dict[str, Any] = {
         "tables": {name: table.as_json() for name, table in made.items()},
         "speeds": speeds, "weights": weights, "widths": tables.WIDTHS,
-        "densities": tables.DENSITIES, "highestInField": tables.HIGHEST_IN_FIELD,
-        "unit": tables.UNIT,
+        "densities": tables.DENSITIES, "highestDriven": tables.HIGHEST_DRIVEN,
+        "powers": tables.POWERS, "unit": tables.UNIT,
     }  # fmt: skip
     errors = {name: numeral(error, ".2g") for name, error in tables.errors(made).items()}
     environment = Environment(

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebpts1, chebvander
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled
+from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled, solve_steady
 
 Array = NDArray[np.float64]
 Tables = dict[str, "Table"]
@@ -40,8 +40,15 @@ TIMES = (1e-3, 1e6)
 """In l/U: before, v0 and <r^2> are the factors; after, nothing is drawn."""
 DENSITIES = (0.005, 0.1)
 """n of hard disks: up to where their theory was compared with simulations."""
-HIGHEST_IN_FIELD = 0.99
-"""e above which no steady state in a field is kept: elastic tracers have none."""
+HIGHEST_DRIVEN = 0.99
+"""e above which no steady state is kept: elastic tracers, driven by anything here, have none."""
+POWERS = {
+    "field": {"drift": 1 / 4, "parallel": -1 / 4, "perpendicular": -1 / 4},
+    "bath": {"v0": -1 / 2, "D": -1 / 2, "fourth": 0.0, "einstein": 0.0},
+    "noise": {"v0": -1 / 3, "D": -1 / 3, "fourth": 0.0, "einstein": 0.0},
+}
+"""What drives a tracer -> figures of its steady state (`steady`) -> the power of 1 - e that is
+divided out of their tables."""
 WIDTHS = {DILUTE: (-6.0, 6.0), HARD: (-3.0, 5.0)}
 """Of ln(c)/w, between which F(c) is kept. Below, that of hard disks may be negative."""
 _OF_TIMES = (math.log(TIMES[0]), math.log(TIMES[1]))
@@ -178,9 +185,13 @@ def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     found |= tables(("hard v0", "hard msd"), _at_each(_over_factors), breaks, 16, root_n, log_t)
     tell("hard disks: F(c)")
     found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, small_n, hard_xi)
-    tell("steady state in a field")
-    names = ("drift", "parallel", "perpendicular")
-    return found | tables(names, _in_field, (0.0, HIGHEST_IN_FIELD), 20)
+    tell("steady states of driven tracers")
+    for drive, powers in POWERS.items():
+        found |= tables(
+            [f"{drive} {name}" for name in powers],
+            lambda e, drive=drive: steady(drive, e) / _powers(drive, e), (0.0, HIGHEST_DRIVEN), 20,
+        )  # fmt: skip
+    return found
 
 
 def _at_each(function: Callable[..., Any]) -> Callable[..., Array]:
@@ -210,14 +221,33 @@ def _log_density(e: float, n: float | None, xi: Array) -> Array:
     return np.log(np.maximum(scaled_density(e, n, xi), 1e-280))[None]
 
 
-def _in_field(e: float) -> Array:
-    """Drift and both diffusion coefficients, l = g = 1, without their powers of 1 - e."""
-    state, power = solve_field(e, rtol=1e-6), (1.0 - e) ** 0.25
-    found = state.drift / power**2, state.diffusion_parallel, state.diffusion_perpendicular
-    return power * np.array(found)
+def _powers(drive: str, e: float) -> Array:
+    return (1.0 - e) ** np.array([*POWERS[drive].values()])
+
+
+def steady(drive: str, e: float) -> Array:
+    """Figures of a steady state, in the order of `POWERS`; l = 1, and what drives is 1.
+
+    In a field drift and both diffusion coefficients; in a bath of infinitely heavy scatterers and
+    under noise v0, D, <v^4>/(2 v0^4) = 1 + a2, and D/(mu <v_x^2>), 1 by Einstein's relation.
+    """
+    if drive == "field":
+        field = solve_field(e, rtol=1e-6)
+        return np.array([field.drift, field.diffusion_parallel, field.diffusion_perpendicular])
+    bath, noise = float(drive == "bath"), float(drive == "noise")
+    state = solve_steady(e, bath_speed=bath, heating=noise, rtol=1e-6)
+    spread = state.diffusion_coefficient
+    einstein = spread / (state.mobility * state.mean_square_along)
+    return np.array([state.thermal_speed, spread, 1.0 + state.a2, einstein])
 
 
 # -- what the page reads from them, and how far it is off ------------------------------------------
+
+
+def read_steady(made: Tables, drive: str, e: float) -> Array:
+    """The figures of `steady` from the tables, as the page has them."""
+    read = [made[f"{drive} {name}"].at(e) for name in POWERS[drive]]
+    return np.ravel(read) * _powers(drive, e)
 
 
 def read_averages(made: Tables, e: float, n: float | None, t: Array) -> Array:
@@ -237,7 +267,7 @@ def errors(made: Tables, seed: int = 1, points: int = 24) -> dict[str, float]:
     Of F(c) those of the density of ln(c)/w over its largest value.
     """
     rng = np.random.default_rng(seed)
-    off = dict.fromkeys((DILUTE, HARD, "F(c)", "F(c), hard disks", "field"), 0.0)
+    off = dict.fromkeys((DILUTE, HARD, "F(c)", "F(c), hard disks", *POWERS), 0.0)
 
     def note(name: str, difference: Array) -> None:
         off[name] = max(off[name], float(np.abs(difference).max()))
@@ -251,7 +281,7 @@ def errors(made: Tables, seed: int = 1, points: int = 24) -> dict[str, float]:
             exact = scaled_density(e, density, xi)
             read = made[table].at(e, *([] if density is None else [math.sqrt(density)]), xi)
             note(name, (np.exp(read.reshape(xi.shape)) - exact) / exact.max())
-    for e in rng.uniform(0.0, HIGHEST_IN_FIELD, points // 4).tolist():
-        read = np.array([made[k].at(e) for k in ("drift", "parallel", "perpendicular")])
-        note("field", read / _in_field(e) - 1.0)
+    for e in rng.uniform(0.0, HIGHEST_DRIVEN, points // 4).tolist():
+        for drive in POWERS:
+            note(drive, read_steady(made, drive, e) / steady(drive, e) - 1.0)
     return off

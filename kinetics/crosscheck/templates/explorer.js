@@ -93,14 +93,11 @@ function curvesOf(e, n, medium) {
   };
 }
 
-// The steady state in a field: drift in sqrt(g l), diffusion in sqrt(g l^3); null: there is none.
-function inField(e) {
-  if (e > DATA.highestInField + 1e-9) return null;
-  const p = (1 - e) ** 0.25;
-  return {
-    drift: lookUp("drift", e) * p,
-    parallel: lookUp("parallel", e) / p, perpendicular: lookUp("perpendicular", e) / p,
-  };
+// The steady state of what drives the tracer, l = 1 and g, w or D_v = 1; null: there is none.
+function steadyOf(drive, e) {
+  const powers = DATA.powers[drive];
+  if (!powers || e > DATA.highestDriven + 1e-9) return null;
+  return Object.fromEntries(Object.entries(powers).map(([name, p]) => [name, lookUp(`${drive} ${name}`, e) * (1 - e) ** p]));
 }
 
 // -- particles: tracers among hard disks that are placed at random in a periodic box --------------
@@ -235,8 +232,7 @@ class Gas {
   }
 
   fall(i, dt) { // the same in a field along x, in short parabolas
-    const g = this.g;
-    const most = this.hits[i] + 1e5; // of collisions in this time
+    const g = this.g, most = this.hits[i] + 1e5; // of collisions in this time
     for (let left = dt; left > 1e-12 * dt && !this.stuck[i]; this.stuck[i] = this.hits[i] > most ? 1 : 0) {
       const v = this.speed(i), vx = this.vx[i], vy = this.vy[i];
       const h = Math.min(left, 0.1 / (v + Math.sqrt(g)));
@@ -325,11 +321,12 @@ function written(x, digits = 3) {
 
 function ticksOf({ log, low, high }, room) {
   if (log && high / low > 12) {
-    const from = Math.ceil(Math.log10(low) - 1e-9), to = Math.floor(Math.log10(high) + 1e-9);
-    const every = Math.ceil((to - from + 1) / room), found = [];
-    for (let k = from; k <= to; k++)
-      if ((k - from) % every === 0) found.push([10 ** k, k === 0 ? "1" : power(k)]);
-    return found;
+    const from = Math.floor(Math.log10(low)), to = Math.floor(Math.log10(high) + 1e-9);
+    const every = Math.ceil((to - from) / room), found = [], few = high / low < 200;
+    for (let k = to; k >= from; k -= every)
+      for (const z of (few ? [1, 2, 5] : [1]).map((f) => f * 10 ** k))
+        found.push([z, few ? number(z) : k === 0 ? "1" : power(k)]);
+    return found.filter(([z]) => z >= low * 0.999 && z <= high * 1.001);
   }
   const raw = (high - low) / room, base = 10 ** Math.floor(Math.log10(raw));
   const step = base * [1, 2, 5, 10].find((f) => f * base >= raw * 0.999), found = [];
@@ -347,9 +344,9 @@ class Plot {
     this.readout = this.figure.querySelector("output");
     const moved = (event) => {
       if (event.type === "pointerdown") this.svg.setPointerCapture(event.pointerId);
-      const pressed = event.buttons > 0, box = this.svg.getBoundingClientRect();
+      const box = this.svg.getBoundingClientRect();
       const x = this.back((event.clientX - box.left) * (this.width / box.width));
-      if (this.spec && this.spec.pointed) this.spec.pointed(x, pressed);
+      if (this.spec && this.spec.pointed) this.spec.pointed(x, event.buttons > 0);
     };
     this.svg.addEventListener("pointerdown", moved);
     this.svg.addEventListener("pointermove", moved);
@@ -503,7 +500,13 @@ function fitted(data, n, medium) {
 
 const INPUTS = { e: [0.7, 0, 1], n: [0.04, ...DATA.densities], g: [0, 0, 0.1] };
 const LAST = 1e5; // the time at which the particles end
-const state = { medium: SOLVED[0], playing: false, data: null, fit: null, curves: {} };
+// the steady speeds of tracers that are driven without a direction: their unit, and how Python says it
+const DRIVEN = {
+  bath: { unit: "U", asked: "bath_speed=1.0", words: "Bath: infinitely heavy scatterers that move, each velocity component with the standard deviation U." },
+  noise: { unit: "∛(Dᵥl)", asked: "heating=1.0", words: "White noise, ⟨dvᵢdvⱼ⟩ = 2Dᵥδᵢⱼdt." },
+};
+const DRIVES = ["nothing", ...Object.keys(DATA.powers)];
+const state = { medium: SOLVED[0], drive: DRIVES[0], playing: false, data: null, fit: null, curves: {} };
 let gas = null, seed = 1;
 
 function readAddress() {
@@ -513,34 +516,38 @@ function readAddress() {
     state[name] = Number.isFinite(given) ? clamp(given, low, high) : value;
   }
   state.medium = SOLVED[told.get("medium") === "hard-disks" ? 1 : 0];
+  state.drive = state.g > 0 ? "field" : told.get("drive") in DRIVEN ? told.get("drive") : DRIVES[0];
 }
 
 const number = (x) => String(Number(x.toPrecision(6)));
 function writeAddress() {
-  const { e, n, g, medium } = state;
-  const hash = `#e=${number(e)}&n=${number(n)}&g=${number(g)}&medium=${medium.replace(" ", "-")}`;
+  const { e, n, g, medium, drive } = state, more = drive in DRIVEN ? `&drive=${drive}` : "";
+  const hash = `#e=${number(e)}&n=${number(n)}&g=${number(g)}&medium=${medium.replace(" ", "-")}${more}`;
   try { history.replaceState(null, "", hash); } catch { location.replace(hash); }
 }
 
 // Anything that the hand changes comes here; particles begin again where their system changes.
 function change(values, again = true) {
   Object.assign(state, values);
-  const { e, n, g } = state;
-  if (g > 0) state.medium = SOLVED[0]; // the theory in a field is that of dilute scatterers
+  if ("drive" in values) state.g = state.drive === "field" ? state.g || 0.02 : 0;
+  else if ("g" in values) state.drive = state.g > 0 ? "field" : state.drive === "field" ? DRIVES[0] : state.drive;
+  const { e, n, g, drive } = state, driven = drive !== DRIVES[0];
+  if (driven) state.medium = SOLVED[0]; // the theory of driven tracers is that of dilute scatterers
   state.curves = Object.fromEntries(SOLVED.map((medium) => [medium, curvesOf(e, n, medium)]));
-  state.steady = g > 0 ? inField(e) : null;
+  state.steady = steadyOf(drive, e);
   for (const name of Object.keys(INPUTS)) byId(name).value = state[name];
-  const pace = `× ${2 ** Number(byId("pace").value)}`;
-  byId("pace-shown").textContent = pace;
-  byId("pace").setAttribute("aria-valuetext", pace);
+  byId("pace").setAttribute("aria-valuetext", byId("pace-shown").textContent = `× ${2 ** Number(byId("pace").value)}`);
   byId("e-shown").textContent = e.toFixed(3).replace(/0$/, "");
   byId("n-shown").textContent = `${number(n)} d⁻²`;
   byId("g-shown").textContent = `${number(g)} U²/d`;
   for (const medium of SOLVED) {
     const radio = byId("medium-" + medium.replace(" ", "-"));
     radio.checked = state.medium === medium;
-    radio.disabled = g > 0 && medium !== SOLVED[0];
+    radio.disabled = driven && medium !== SOLVED[0];
   }
+  byId("drive").value = drive;
+  byId("mass").hidden = drive === "bath"; // no such likeness where scatterers move
+  byId("driven").textContent = drive in DRIVEN ? `${DRIVEN[drive].words} The tracers of this page are not driven by it.` : "";
   if (again) restart();
   if (state.data) fitData();
   writeAddress();
@@ -557,7 +564,7 @@ function restart() {
 }
 
 function showNumbers() {
-  const { e, n, g, curves, steady } = state, law = lawOf(e), mass = (1 + e) / (1 - e);
+  const { e, n, g, drive, curves, steady } = state, law = lawOf(e), mass = (1 + e) / (1 - e);
   byId("mass").innerHTML = e === 1
     ? "fixed scatterers, elastic: M/m = ∞"
     : `as elastic bounces from scatterers at rest of mass M/m = <b>${written(mass)}</b>: neutrons, A = ${written(mass)}; ions, m/M = ${written(1 / mass)}`;
@@ -568,25 +575,29 @@ function showNumbers() {
     ["l", "1/(2dρ₀), in d", written(1 / (2 * n), 4), ""],
   ];
   const speed = Math.sqrt(g / (2 * n)); // sqrt(g l)
-  if (steady) rows.splice(0, 3,
+  if (steady && g > 0) rows.splice(0, 3,
     ["⟨vₓ⟩", "steady drift, in U", written(steady.drift * speed, 4), ""],
     ["D∥", "along the field, in dU", written((steady.parallel * speed) / (2 * n), 4), ""],
     ["D⊥", "across it, in dU", written((steady.perpendicular * speed) / (2 * n), 4), ""]);
+  else if (drive in DRIVEN) rows.splice(0, 3, ...figuresOf(drive).map(([name, words, unit, f]) =>
+    [name, words + (unit && `, in ${unit}`), steady ? written(f(steady), 4) : "–", ""]));
   byId("numbers").innerHTML = rows.map(([name, words, ...values]) =>
     `<tr><th scope="row">${name} <span>${words}</span></th>${values.map((v) => `<td>${v}</td>`).join("")}</tr>`).join("");
 }
 
 // The Scene of the sliders.
-function codeOf({ e, n, g, medium }) {
-  const more = g > 0 ? `field=${number(g)}` : `scatterers="${medium}"`;
+function codeOf({ e, n, g, medium, drive, steady }) {
+  const { asked, unit } = DRIVEN[drive] || {}, also = { field: ", solve_field", nothing: "" }[drive] ?? ", solve_steady";
+  const more = g > 0 ? `field=${number(g)}` : asked || `scatterers="${medium}"`;
   const outputs = g > 0 ? '"mean_velocity", "displacement_tensor"' : '"thermal_speed", "msd"';
   return [
-    "import numpy as np", `from kinetics import Scene, solve${g > 0 ? ", solve_field" : ""}`, "",
+    "import numpy as np", `from kinetics import Scene, solve${steady ? also : ""}`, "",
     "scene = Scene(", `    restitution=${number(e)}, number_density=${number(n)},`, `    ${more},`,
     "    times=np.geomspace(0.1, 1e4, 51),", `    outputs=(${outputs}),`, ")",
-    "solution = solve(scene)  # in d and U",
-    "print(solution.to_dataframe())",
-    ...(state.steady ? [`steady = solve_field(${number(e)})`, `print(steady.in_units(${number(g)}, 1.0, ${number(n)}).drift)`] : []),
+    "solution = solve(scene)  # in d and U", "print(solution.to_dataframe())",
+    ...(steady && g > 0 ? [`steady = solve_field(${number(e)})`, `print(steady.in_units(${number(g)}, 1.0, ${number(n)}).drift)`] : []),
+    ...(steady && asked ? [`steady = solve_steady(${number(e)}, ${asked})  # lengths in l, speeds in ${unit}`,
+      "print(steady.thermal_speed, steady.diffusion_coefficient, steady.a2)"] : []),
   ].join("\n");
 }
 
@@ -613,8 +624,8 @@ const measured = (name) => () => gas.records.map(({ t, [name]: [y, error] }) => 
 const rowsOf = (name) => (state.data || []).map((row) => ({ x: row.t, y: row[name], kind: "data" }));
 const moveE = (e, pressed) => { if (pressed) change({ e: Math.round(clamp(e, 0, 1) * 100) / 100 }); };
 const overTime = () => {
-  const last = Math.max(LAST, ...(state.data || []).map((row) => row.t));
-  const low = Math.min(0.1, ...(state.data || []).map((row) => row.t).filter((t) => t > 0));
+  const given = (state.data || []).map((row) => row.t), last = Math.max(LAST, ...given);
+  const low = Math.min(0.1, ...given.filter((t) => t > 0));
   return { log: true, low: Math.max(low, 1e-3), high: Math.min(last, 1e7), name: "time t in d/U" };
 };
 // two curves, the medium that is chosen drawn last and bold
@@ -667,15 +678,37 @@ function plotsOfCooling() {
   };
 }
 
+const OVER_E = { low: 0, high: 0.98 };
+const steadyCurve = (drive) => (f) => (e) => { const found = steadyOf(drive, e); return found ? f(found) : NaN; };
+
+// Of a bath or noise: sign, words, unit, value, range of the plot (or whether it has a log scale).
+const figuresOf = (drive, unit = DRIVEN[drive].unit) => [
+  ["v₀", "thermal speed √⟨v²⟩", unit, (z) => z.v0, true],
+  ["D", "diffusion coefficient", unit === "U" ? "lU" : `l${unit}`, (z) => z.D, true],
+  ["a₂", "⟨v⁴⟩/(2v₀⁴) − 1, 0 for a Gaussian", "", (z) => z.fourth - 1, { low: -0.2, high: 0.3 }],
+  ["D/(μ⟨vₓ²⟩)", "1 by Einstein’s relation; μ, the mobility", "", (z) => z.einstein, { low: 0.9, high: 1.15 }],
+];
+
+function plotsDriven() {
+  const { e, drive, steady } = state, at = steadyCurve(drive);
+  return Object.fromEntries(figuresOf(drive).map(([name, words, unit, f, range], k) => [Object.keys(plots)[k], {
+    x: { low: 0, high: 1, name: "restitution e" }, title: `Steady state: ${name} over e`,
+    y: { name: name + (unit && ` in ${unit}`), ...(range === true ? { log: true, ...rangeOf(samples(at(f), OVER_E), true) } : range) },
+    words: `${words[0].toUpperCase()}${words.slice(1)}. ${steady ? "Drag to change e." : `Drawn up to e = ${DATA.highestDriven}; elastic tracers have no steady state.`}`,
+    curves: [{ f: at(f), kind: "dilute chosen" }], pointed: moveE,
+    points: () => (steady ? [{ x: e, y: f(steady), kind: "marker" }] : []),
+  }]));
+}
+
 function plotsInField() {
   const { e, n, g, steady } = state, l = 1 / (2 * n), speed = Math.sqrt(g * l), spread = speed * l;
-  const none = "No steady state: elastic tracers gain speed for ever.";
-  const x = overTime(), line = (y) => (steady ? [{ f: () => y, kind: "dilute chosen" }] : []);
+  const none = "No steady state: elastic tracers gain speed for ever.", x = overTime();
+  const line = (y) => (steady ? [{ f: () => y, kind: "dilute chosen" }] : []);
   const most = steady ? 2 * steady.drift * speed : 2 * speed;
   const drawn = steady ? [["along", "parallel", "xx", "own"], ["across", "perpendicular", "yy", "own across"]] : [];
-  const at = (what, f) => (u) => { const found = inField(u); return found ? f(found[what]) : NaN; };
+  const at = steadyCurve("field");
   const kinds = { parallel: "dilute chosen", perpendicular: "hard chosen" };
-  const all = Object.keys(kinds).flatMap((k) => samples(at(k, (z) => z), { low: 0, high: 0.98 }));
+  const all = Object.keys(kinds).flatMap((k) => samples(at((z) => z[k]), OVER_E));
   const marker = (...names) => () => (steady ? names.map((name) => ({ x: e, y: steady[name], kind: "marker" })) : []);
   return {
     first: {
@@ -695,13 +728,13 @@ function plotsInField() {
     third: {
       x: { low: 0, high: 1, name: "restitution e" }, y: { low: 0, high: 1.05, name: "drift in √(gl)" },
       title: "Drift (percolation velocity) over e", words: "Drag to change e. Open point: mean of the last five times of the own tracers.",
-      curves: [{ f: at("drift", (z) => z), kind: "dilute chosen" }],
+      curves: [{ f: at((z) => z.drift), kind: "dilute chosen" }],
       points: () => [...marker("drift")(), ...lastDrift(speed)], pointed: moveE,
     },
     fourth: {
       x: { low: 0, high: 1, name: "restitution e" }, y: { ...rangeOf([0, ...all], false), name: "D in √(gl³)" },
       title: "Dispersion over e", words: "Half the growth of the variance along (full) and across the field (dashed).",
-      curves: Object.entries(kinds).map(([name, kind]) => ({ f: at(name, (z) => z), kind })),
+      curves: Object.entries(kinds).map(([name, kind]) => ({ f: at((z) => z[name]), kind })),
       points: marker("parallel", "perpendicular"), pointed: moveE,
     },
   };
@@ -721,12 +754,11 @@ function histogram() { // F(c) of the own speeds, each bin over its ring
   });
 }
 
-// A kind of system to come (a bath, heating) is one more function like the two above.
 function drawPlots() {
-  const specs = state.g > 0 ? plotsInField() : plotsOfCooling();
+  const specs = state.g > 0 ? plotsInField() : state.drive in DRIVEN ? plotsDriven() : plotsOfCooling();
   for (const [name, spec] of Object.entries(specs)) plots[name].draw(spec);
-  byId("legend").hidden = state.g > 0;
-  pointAt(pointed);
+  byId("legend").hidden = state.drive !== DRIVES[0];
+  pointAt(state.drive in DRIVEN ? null : pointed);
 }
 
 function pointAt(t) { // one cursor for both plots over time
@@ -814,7 +846,7 @@ function tick() {
 // -- what the hand does ---------------------------------------------------------------------------
 
 function fitData() {
-  if (state.g > 0) return say("Data are compared without a field: set the field to 0.");
+  if (state.drive !== DRIVES[0]) return say("Data are compared with tracers that nothing drives: set “driven by” to nothing.");
   const { e, deviation } = (state.fit = fitted(state.data, state.n, state.medium));
   byId("fit").hidden = !Number.isFinite(deviation);
   say(Number.isFinite(deviation)
@@ -838,6 +870,7 @@ function begin() {
   byId("pace").addEventListener("input", () => change({}, false));
   for (const medium of SOLVED)
     byId("medium-" + medium.replace(" ", "-")).addEventListener("change", () => change({ medium }, false));
+  byId("drive").addEventListener("change", (event) => change({ drive: event.target.value }));
   const step = () => { play(false); gas.step(); drawDisks(); drawPlots(); };
   const actions = { play: () => play(!state.playing), step, restart: () => change({}), copy: copyCode,
     fit: () => change({ e: Number(state.fit.e.toFixed(3)) }) };
@@ -862,6 +895,6 @@ function begin() {
 }
 
 // What tests ask the page.
-window.explorer = { curvesOf, lawOf, inField, averagesOf, fitted, codeOf, change, state, play, Gas, gas: () => gas };
+window.explorer = { curvesOf, lawOf, steadyOf, averagesOf, fitted, codeOf, change, state, play, Gas, gas: () => gas };
 begin();
 })();
