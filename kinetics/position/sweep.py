@@ -23,8 +23,8 @@ from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_
 from kinetics.states.state import State
 
 # The work of all times, in squares of the sizes of the systems, some ten seconds. As much once more
-# is spent at a looser tolerance where what was asked for is missed by more than a factor _FAR_OFF:
-# to ask for more leaves no less. F is solved up to this K, or K T for densities, at most.
+# is spent at looser tolerances where what was asked for is missed by more than a factor _FAR_OFF:
+# to ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
 _MOST_WORK, _FAR_OFF, _LARGEST_OF_PEAKS, _LARGEST = 2e8, 10.0, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
@@ -68,14 +68,17 @@ def solve_displacement(
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
     asked = law, mean_free_path, state, times, root_mean_square
-    found = _attempt(*asked, rtol, _MOST_WORK)
-    missed = found.error_estimate
-    if rtol * _FAR_OFF < missed < math.inf:
-        again = _attempt(*asked, min(missed / 3.0, 1e-2), _MOST_WORK)
-        systems = Counter(found.systems) + Counter(again.systems)
-        best = found if missed <= again.error_estimate else again
-        return replace(best, systems=dict(systems))
-    return found
+    best = _attempt(*asked, rtol, _MOST_WORK)
+    systems, left = Counter(best.systems), _MOST_WORK
+    while rtol * _FAR_OFF < best.error_estimate < math.inf and left > 0.0:
+        aim = min(best.error_estimate / _FAR_OFF, 1e-2)
+        again = _attempt(*asked, max(aim, rtol), left)
+        systems += Counter(again.systems)
+        left -= sum(count * size**2 for size, count in again.systems.items())
+        if again.error_estimate >= best.error_estimate:
+            break
+        best = again
+    return replace(best, systems=dict(systems))
 
 
 def _attempt(
