@@ -8,7 +8,6 @@ budget of work; within it the best result is kept, and what is left unknown is t
 from __future__ import annotations
 
 import math
-from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -67,35 +66,28 @@ def solve_displacement(
 
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
-    asked = law, mean_free_path, state, times, root_mean_square
-    best = _attempt(*asked, rtol, _MOST_WORK)
-    systems, left = Counter(best.systems), _MOST_WORK
-    while rtol * _FAR_OFF < best.error_estimate < math.inf and left > 0.0:
-        aim = min(best.error_estimate / _FAR_OFF, 1e-2)
-        again = _attempt(*asked, max(aim, rtol), left)
-        systems += Counter(again.systems)
-        left -= sum(count * size**2 for size, count in again.systems.items())
+    system = Scattering(law, mean_free_path, state, times)
+    best = _attempt(system, root_mean_square, rtol, _MOST_WORK)
+    most = system.work + _MOST_WORK
+    while rtol * _FAR_OFF < best.error_estimate < math.inf and system.work < most:
+        aim = max(rtol, min(best.error_estimate / _FAR_OFF, 1e-2))
+        again = _attempt(system, root_mean_square, aim, most)
         if again.error_estimate >= best.error_estimate:
             break
         best = again
-    return replace(best, systems=dict(systems))
+    return replace(best, systems=dict(system.systems))
 
 
 def _attempt(
-    law: CollisionLaw,
-    mean_free_path: float,
-    state: State,
-    times: FloatArray,
-    root_mean_square: FloatArray,
-    rtol: float,
-    most_work: float,
+    system: Scattering, root_mean_square: FloatArray, rtol: float, most_work: float
 ) -> Displacement:
-    """`solve_displacement` with a bound on its work."""
+    """`solve_displacement` until the system has done so much work."""
+    law, mean_free_path = system.law, system.mean_free_path
+    state, times = system.state, system.times
     radius, weight = fronts(state, mean_free_path, times)
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed
         reach = np.minimum(times * fastest_speed(state, 0.1 * rtol), _FAR * root_mean_square)
-    system = Scattering(law, mean_free_path, state, times)
     width = root_mean_square / mean_free_path
     sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
     for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
