@@ -220,10 +220,7 @@ class Answer(Value):
         """The distribution of the displacement, if an output needs it."""
         if not any(row.step == POSITION for row in self._rows):
             return None
-        # distributions take returns to be at once, and G(R) has the scale of its own distribution
-        one = self.averages
-        own = replace(one, delayed=False) if one.has_delays else one
-        root = _in_range("msd", root_mean_square(own))
+        root = _in_range("msd", root_mean_square(self.averages))
         rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
         return solve_displacement(*self.scene.problem, root, rtol)
 
@@ -250,9 +247,7 @@ class Answer(Value):
             if self.profiles:
                 message += medium.limits_of_speeds() + self._negative_density()
             if self.displacement is not None:
-                with np.errstate(over="ignore"):
-                    first = self.averages.times[0] / self.averages.mean_free_path
-                message += medium.limits_of_displacements(first)
+                message += medium.limits_of_displacements()
         return status, message
 
     def _negative_density(self) -> str:

@@ -157,21 +157,14 @@ def _return_delay() -> Derived:
     per_path = sp.cancel(return_chance().subs(s.dist, there) * sp.diff(there, s.loop))
     per_path = per_path.subs(s.l, mean_free_path(2))
     a, rate, y = sp.symbols("a rate y", positive=True)
-    each = sp.exp(-a / y - rate * y) / y
-    integral = 2 * sp.besselk(0, 2 * sp.sqrt(a * rate))
-
-    def equation(f: sp.Expr) -> sp.Expr:
-        return sp.diff(rate * sp.diff(f, rate), rate) - a * f
-
-    # the integral of each obeys the equation of the Bessel functions, falls, begins as -ln(rate)
-    zero(
-        sp.simplify(equation(each) + sp.diff(y * sp.exp(-a / y - rate * y), y)), "not a divergence"
-    )
-    zero(sp.simplify(sp.expand_func(equation(integral))), "another equation")
-    must(sp.limit(rate * sp.diff(integral, rate), rate, 0) == -1, "another beginning")
-    whole = sp.factor(sp.cancel(per_path * s.loop)) * integral.subs(
-        {a: s.loop0, rate: s.lost + s.pathz}
-    )
+    # the integral of exp(-rate y)/y over y > a has this slope in the rate, and ends at 0
+    integral = -sp.Ei(-a * rate)
+    slope = sp.integrate(-sp.exp(-rate * y), (y, a, sp.oo))
+    zero(sp.simplify(sp.expand_func(sp.diff(integral, rate)) - slope), "another slope")
+    must(sp.limit(integral, rate, sp.oo) == 0, "another end")
+    # exp(-c y - z (y - a))/y: of the path y, y - a is flown
+    whole = sp.factor(sp.cancel(per_path * s.loop)) * sp.exp(s.loop0 * s.pathz)
+    whole *= integral.subs({a: s.loop0, rate: s.lost + s.pathz})
     small = sp.Symbol("small", positive=True)  # n; a loop begins at a path of the order n
     over = (whole / (s.rho0 * s.d**2)).subs(s.pathz, 0).subs(s.loop0, small)
     return result(
@@ -182,8 +175,8 @@ def _return_delay() -> Derived:
         ),
         ("loops of the path y, there and back, per unit of it", sp.factor(per_path)),
         (
-            "those that are free, by the corridor and by near pairs",
-            sp.exp(-s.loop0 / s.loop - s.lost * s.loop),
+            "those whose corridor is free",
+            sp.exp(-s.lost * s.loop),
         ),
         note="Late, where all loops are closed, returns are the operator above; before the first "
         "loop there are none. What is left of its chance is of the order n, in loops of the size "

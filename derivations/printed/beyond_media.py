@@ -42,8 +42,8 @@ FINITE_DENSITY: dict[str, tuple[Any, ...]] = {
         eq(s.Lnest, sp.log((1 + s.offset / 4) / 2))),
     "beyond:return-delay": ("near pairs of scatterers when a return takes its path: at any path, "
         "summed to n ln(1/n) over all paths, and at none",
-        eq(s.retz(s.pathz), 4 * s.e * _n / (1 + s.e)
-            * sp.besselk(0, 2 * sp.sqrt(s.loop0 * (s.lost + s.pathz)))),
+        eq(s.retz(s.pathz), -2 * s.e * _n / (1 + s.e) * sp.exp(s.loop0 * s.pathz)
+            * sp.Ei(-s.loop0 * (s.lost + s.pathz))),
         eq(s.coefA(s.e), 2 * s.e / (1 + s.e)),
         eq(s.retz(sp.oo), 0)),
     "beyond:free-flight": ("one free flight in Fourier space, harmonic by harmonic",

@@ -25,8 +25,8 @@ Orders of the theory ("density_order"):
 "second" : with terms of the order (n ln n)^2 in the path and in the harmonic m = 1, fitted to
     simulations. The default, because it is the nearest
 
-Averages over time and F(k, t) know that returns take time (`kinetics.moments.delayed`); the
-distribution of the displacement does not.
+What depends on the direction too, in averages over time, F(k, t) and G(R), knows that returns take
+time (`kinetics.moments.delayed`).
 
 The operator is no jump process: at low speeds (c < .1) and high densities the speed density may
 fall below zero.
@@ -50,11 +50,10 @@ SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
 HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
-SETTLED = 30.0  # in l/U: distributions have returns at once, which need some free paths
-# Simulations over n, at n = .04 and .1, both media: the share of tracers nearer than r, e = .4 to
-# .9, before SETTLED; and of those slower than v, less 1 - e, e = .1 to .9, at all times (at most
-# .92, .54, .29, .2 at e = .2, .4, .7, .9)
-_NEAR, _SLOW = 0.5, 1.15
+# Simulations over n, at n = .04 and .1: the share of tracers slower than v, less 1 - e, in both
+# media for e = .1 to .9 (at most .92, .54, .29, .2 at e = .2, .4, .7, .9); and of those nearer than
+# r, among hard disks for e = .4 to 1, from .5 l/U on
+_SLOW, _NEAR = 1.15, 0.2
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
 # Of the order (n ln n)^2, fitted, see tests/kinetics/measurements/density.py. J_1(0) is less by
 # (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 1.5 e (1 - e), and J_1(0), near
@@ -167,14 +166,9 @@ class Medium:
         share = (_SLOW - self.restitution) * self.density
         return f"; the share of tracers slower than v is off by up to {share:.2g}, by slow ones"
 
-    def limits_of_displacements(self, first: float) -> str:
-        """The same of the distribution of the displacement from this time on, in l/U."""
-        if first >= SETTLED:
-            return ""
-        return (
-            f"; before {SETTLED:g} l/U its distribution takes returns to be at once: the share of "
-            f"tracers nearer than r is off by up to {_NEAR * self.density:.2g}"
-        )
+    def limits_of_displacements(self) -> str:
+        """The same of the distribution of the displacement."""
+        return f"; the share of tracers nearer than r is off by up to {_NEAR * self.density:.2g}"
 
 
 def checked_medium(

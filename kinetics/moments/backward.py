@@ -120,12 +120,15 @@ def smaller_ends(values: FloatArray) -> FloatArray:
     return np.maximum(np.maximum(ends, 1e-3 * size.max(axis=1)), 1e-300)
 
 
+def power_series(degree: float, x: FloatArray, coefficients: FloatArray) -> FloatArray:
+    """T^degree times the power series at T = e^x, of the shape of x; the first axis is of terms."""
+    return np.exp(degree * x) * np.polynomial.polynomial.polyval(np.exp(x), coefficients)
+
+
 @lru_cache(maxsize=8)
-def _kept(
-    law: CollisionLaw, nodes: int, width: float, at_once: bool
-) -> tuple[dict[int, Any], dict[int, PanelShifts], dict[Observable, FloatArray]]:
-    """Kernels, shifts and series, which start and times do not change: filled where asked for."""
-    return {}, {}, {}
+def _kept(law: CollisionLaw, nodes: int, width: float, at_once: bool) -> tuple[dict[Any, Any], ...]:
+    """Kernels, shifts, series and the rest that the start does not change: filled as asked for."""
+    return {}, {}, {}, {}
 
 
 @dataclass
@@ -149,7 +152,7 @@ class BackwardEquation:
 
     def __post_init__(self) -> None:
         kept = _kept(self.law, self.nodes, self.width, self._at_once(1))
-        self._kernels, self._shifts, self._series = kept
+        self._kernels, self._shifts, self._series, self._kept = kept
         end = min(self.highest, self._saturation)
         self.count = max(1, math.ceil((end - self.start) / self.width))
 
@@ -201,54 +204,53 @@ class BackwardEquation:
             self._solved[y] = self._solve(y)
         return self._solved[y]
 
-    def _returns(self, y: Observable) -> Any:
-        """What returns that take time add to the panels, one after another; None without them."""
-        return None
-
     def _solve(self, y: Observable) -> FloatArray:
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
         # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
         apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
         loss, gain = self._kernel(y.harmonic)
-        n, one, returns = self.nodes, np.eye(self.nodes), self._returns(y)
-        reach = gain.shape[1] // n
+        n, reach = self.nodes, gain.shape[1] // self.nodes
         # the panels below, and the point where the first one begins; without T^p itself if apart
-        x = self.start + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)
+        x = self._nodes_from(-reach)
         below, rest = np.append(x[:reach], self.start), self.series(y).copy()
         rest[0] *= not apart
-        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
-        drive = np.full((self.count, n), y.constant)
-        for factor, other in y.sources:
-            drive += factor * self.solve(other)
-        found, first = np.empty((self.count, n)), known[-1]
-        table = np.empty((reach + self.count, n))  # what collisions act on
-        table[:reach] = known[:-1].reshape(reach, n)
-        rate = np.exp(x[reach:])
+        known = power_series(y.degree, below, rest)
+        table = np.empty((reach + self.count, n))
+        table[:reach], first = known[:-1].reshape(reach, n), known[-1]
+        drive, (matrix, rate) = self._driven(y), self._rows(y.degree)
         if apart:
             term = np.exp(y.degree * x[reach:])
             drive -= self.law.harmonic_decay_rate(y.degree, y.harmonic) * term
-        # rows are divided by the collision rate where that is large
-        scale = 1.0 / np.maximum(1.0, rate)
-        rate *= scale
-        matrix: Any = scale[:, :, None] * (self.rule.derivative - y.degree * one)
-        if returns is None:
-            matrix += rate[:, :, None] * loss
-            matrix[:, 0] = one[0]
-            matrix = np.linalg.inv(matrix)
+        matrix += rate[:, :, None] * loss
+        matrix[:, 0] = np.eye(n)[0]
+        matrix = np.linalg.inv(matrix)
         for j in range(self.count):
-            come, inverse = gain @ table[j : j + reach].ravel(), matrix[j]
-            if returns is not None:
-                lost, all_come = returns.begin(j, loss[None], come[None, :, None])
-                inverse = matrix[j] + rate[j][:, None] * lost[0]
-                inverse[0], come = one[0], all_come[0, :, 0]
-                inverse = np.linalg.inv(inverse)
-            right = rate[j] * (come + drive[j])
+            right = rate[j] * (gain @ table[j : j + reach].ravel() + drive[j])
             right[0] = first
-            found[j] = table[reach + j] = inverse @ right
-            first = found[j, -1]
-            if returns is not None:
-                table[reach + j] = returns.end(j, found[j][None, :, None])[0, :, 0]
-        return found + term if apart else found
+            table[reach + j] = matrix[j] @ right
+            first = table[reach + j, -1]
+        return table[reach:] + term if apart else table[reach:]
+
+    def _nodes_from(self, first: int) -> FloatArray:
+        """X at the nodes from this panel on, shape (n_panels, nodes)."""
+        panels = np.arange(first, self.count)[:, None]
+        return self.start + self.width * (panels + self.rule.local)
+
+    def _driven(self, y: Observable) -> FloatArray:
+        """What drives y at the nodes of all panels, shape (n_panels, nodes)."""
+        drive = np.full((self.count, self.nodes), y.constant)
+        for factor, other in y.sources:
+            drive += factor * self.solve(other)
+        return drive
+
+    def _rows(self, degree: float) -> tuple[Any, FloatArray]:
+        """d/dX - p and e^X, (n_panels, nodes, nodes) and (n_panels, nodes), each row divided by
+        the collision rate where that is large.
+        """
+        rate = np.exp(self._nodes_from(0))
+        scale = 1.0 / np.maximum(1.0, rate)
+        slopes = self.rule.derivative - degree * np.eye(self.nodes)
+        return scale[:, :, None] * slopes, rate * scale
 
     def series(self, y: Observable) -> FloatArray:
         """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy.
@@ -256,13 +258,7 @@ class BackwardEquation:
         Without the end, which adds nothing up to where the panels begin.
         """
         if y not in self._series:
-            drive = np.zeros(_TERMS)
-            drive[0] = y.constant
-            for factor, other in y.sources:
-                known = self.series(other)[:_TERMS]
-                drive[: known.size] += factor * known
-            law = self.law if self._at_once(y.harmonic) else self.law.without_medium
-            rates = law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
+            drive, rates = self._series_of_sources(y)
             a = [1.0 if y.is_power else 0.0]
             for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
                 a.append((source - rate * a[k]) / (k + 1.0))
@@ -270,6 +266,16 @@ class BackwardEquation:
             kept = np.nonzero(size > 1e-19 * size.max())[0]  # the rest is below rounding
             self._series[y] = np.array(a[: max(8, int(kept[-1]) + 1)])  # the first 4 may vanish
         return self._series[y]
+
+    def _series_of_sources(self, y: Observable) -> tuple[FloatArray, FloatArray]:
+        """Coefficients of what drives y, over T^p, and rates at which terms decay: (n_terms,)."""
+        drive = np.zeros(_TERMS)
+        drive[0] = y.constant
+        for factor, other in y.sources:
+            known = self.series(other)[:_TERMS]
+            drive[: known.size] += factor * known
+        law = self.law if self._at_once(y.harmonic) else self.law.without_medium
+        return drive, law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
 
     def error_estimate(self, observable: Observable) -> float:
         """What the Chebyshev coefficients of a panel leave out, relative to its smaller end.

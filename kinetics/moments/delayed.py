@@ -6,52 +6,54 @@ T = u t/l it takes y c, c = (1 + 1/e)/2, at the speed that the loop begins with,
 left the tracer keeps e (T - y c). With K one collision, for an observable of degree 0,
 
     dY/dT = (K - 1) U + sources,    U = Y + V,
-    V(T) = (-1)^m int dy k(y) [(K - 1) U](e (T - y c)),
+    V(T) = (-1)^m int dy k(y) W(e (T - y c)),    W = (K - 1) U.
 
-where loops that are not yet closed bring nothing. Loops between near pairs of scatterers have
-k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on (one neighbour and back), 0.6 being the mean
-corridor that is known to be empty; the rest of eps, of loops of the size of l, is spread as
-y exp(-y/b). Both begin as exp(-a/y). The integral of k is eps: the late <r^2> grows as with returns
-at once. b is fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at once: with a delay
-a_2 is some 60 n per cent off, without it half of that at most.
+Loops between near pairs of scatterers have k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on (one
+neighbour and back), 0.6 being the mean corridor that is known to be empty; what is flown of them is
+y - 2 n. The rest of eps, of loops of the size of l, is spread as y exp(-y/b). The integral of k is
+eps: the late <r^2> grows as with returns at once. b is fitted to <r^2> of simulations. The harmonic
+m = 0 keeps returns at once: with a delay a_2 is some 60 n per cent off, without it half of that at
+most.
+
+All of k is a sum of exponentials w exp(-s y), so that V is one of modes Z, V = (-1)^m sum w Z, with
+c dZ/dT = W(e T) - s Z. On panels in X = ln T collocation makes small matrices of that.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import exp1
 
+from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium
-from kinetics.moments.backward import START, BackwardEquation, Observable
+from kinetics.moments.backward import START, BackwardEquation, Observable, power_series
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels
-from kinetics.numerics.panels import PanelRule
+from kinetics.numerics.panels import PanelRule, PanelShifts
 
 _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
-_LOOPS = 1.5  # b in l, which loops of the size of l are spread over
-_LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
-_LEAST = 36.0  # near loops that are so many times shorter than those that begin: e^-36
-_POINTS, _WIDE = 2, 2.0  # of the sums over loops: points beside half of the nodes; panels in ln y
-_SHARPEST = 2.0  # e-folds below n: how sharp what follows the first returns is
-
-Operator = tuple[int, FloatArray, FloatArray, FloatArray]
-"""Of a panel: the first panel that loops lead to; what they bring from there on, to itself, near
-and far (2, nodes, n_panels * nodes); their weights (2, nodes, n_early) and times left (nodes,
-n_early) where these are below all panels."""
+_LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over
+_APART = 1e-3  # of two rates about 1/b, whose difference is y exp(-y/b)
+_MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
+_SLOWEST, _FASTEST = 0.02, 12.0  # rates per l, and per 2 n, between which they are
+_TERMS = 24  # of power series, up to where the fastest loops have fallen to 1/e
+_SHORTEST = 1e-3  # in l: near loops that are shorter are taken to be so long
 
 
-def _begin(medium: Medium) -> float:
-    """Length a in l: the integral of exp(-a/y)/y is that of 1/y from 2 n on."""
-    return 2.0 * medium.density * math.exp(-np.euler_gamma)
+def met_again(law: CollisionLaw) -> Medium | None:
+    """The scatterers that a tracer comes back to; None where there are none, as at e = 0."""
+    return law.medium if law.medium is not None and law.medium.restitution else None
 
 
 def _shortest(medium: Medium) -> float:
-    """Loop in l below which there are none to rounding."""
-    return _begin(medium) / _LEAST
+    """The shortest near loop in l."""
+    return max(2.0 * medium.density, _SHORTEST)
 
 
 def _pace(medium: Medium) -> float:
@@ -59,143 +61,159 @@ def _pace(medium: Medium) -> float:
     return 0.5 * (1.0 + 1.0 / medium.restitution)
 
 
-def first_closed(medium: Medium) -> float:
-    """X = ln T below which no loop is closed to rounding."""
-    return math.log(_shortest(medium) * _pace(medium))
+def series_end(medium: Medium) -> float:
+    """X = ln T up to which power series in T hold the fastest loops."""
+    return math.log(_pace(medium) * _shortest(medium) / _FASTEST)
 
 
-def loops(medium: Medium, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """k(y) of near loops, and the shape of those of the size of l, of y in l, in its shape.
+def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
+    """Rates s in 1/l, (n_modes,), and weights w of near loops and of the others, (2, n_modes).
 
-    Near loops have exp(-a/y)/y in place of 1/y from 2 n on, and as many; all loops begin so.
+    The sum of w exp(-s y) is k of near loops; of the others its integral is 1.
     """
-    e, a = medium.restitution, _begin(medium)
-    begin = np.exp(-a / y)
-    near = 2.0 * e / (1.0 + e) * medium.density * np.exp(-_CORRIDOR * y) / y
-    return near * begin, y * np.exp(-y / _LOOPS) * begin
+    e, a = medium.restitution, _shortest(medium)
+    u, step = equal_panels(math.log(_FASTEST / a / _SLOWEST), _MODES, math.inf)
+    grown = np.append(0.5 * _SLOWEST, _SLOWEST * np.exp(u))
+    weight = np.append(_SLOWEST, step * grown[1:]) * np.exp(-(_CORRIDOR + grown) * a)
+    rate = _CORRIDOR + grown
+    weight[-1] += rate[-1] * (exp1(2.0 * _CORRIDOR * medium.density) - (weight / rate).sum())
+    far = (1.0 + _APART * np.array([-1.0, 1.0])) / (_LOOPS * e)
+    apart = far.prod() / (far[1] - far[0])
+    weights = np.zeros((2, rate.size + 2))
+    weights[0, :-2] = 2.0 * e / (1.0 + e) * medium.density * weight
+    weights[1, -2:] = apart, -apart
+    return np.append(rate, far), weights
 
 
-@dataclass(frozen=True)
+@lru_cache(maxsize=16)
+def _modes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
+    """lambda, P and P^-1 of exp(-x) d/dx on a panel without its first node; P^-1 of its column."""
+    rule = PanelRule(nodes, width)
+    slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
+    value, vector = np.linalg.eig(slopes[:, 1:])
+    back = np.linalg.inv(vector)
+    return value, vector, back, back @ slopes[:, 0]
+
+
 class Loops:
-    """What loops bring to the nodes of panels in X = ln T.
+    """What loops bring to panels in X = ln T, as powers T^degree of the time that is left.
+
+    With f = W(e T) at the nodes of a panel and the modes z where it begins, V there is ``come`` @
+    (f, z), and the modes where it ends are ``kept`` z + ``gained`` @ f; f itself is ``below`` @ W
+    on the ``reach`` panels below + ``inside`` @ W on the panel.
 
     medium : the scatterers, e > 0
     rule : the collocation of a panel
-    start : X where the panels begin, not above `first_closed`
-    harmonic : the largest m that is asked for
-    turning : how many times narrower panels in the path of a loop are, for what turns with it
+    start : X where the panels begin, not above `series_end`
+    count : how many panels there are, at most
+    harmonics : the m that are asked for
+
+    shares : factors of kinds of loops, (m, n_kinds); of one harmonic all loops are of one kind
+    weights : of modes, (n_kinds, n_modes)
+    come, kept, gained : of each panel, (n_panels, n_kinds, nodes, nodes + n_modes), (n_panels,
+        n_modes), (n_panels, n_modes, nodes)
     """
 
-    medium: Medium
-    rule: PanelRule
-    start: float
-    harmonic: int
-    turning: float = 1.0
+    def __init__(
+        self,
+        medium: Medium,
+        rule: PanelRule,
+        start: float,
+        count: int,
+        harmonics: range,
+        degree: float = 0.0,
+    ) -> None:
+        self.rule, self.start, self.count, self.degree = rule, start, count, degree
+        self._pace, self._fall = _pace(medium), -math.log(medium.restitution)
+        self._rate, weights = loops(medium)
+        near = float((weights[0] / self._rate).sum())
+        # near and far loops together are eps
+        shares = [((-1.0) ** m, (-1.0) ** m * (medium.returns(m) - near)) for m in harmonics]
+        self.shares, self.weights = np.array(shares), weights
+        if len(shares) == 1:
+            self.weights, self.shares = self.shares @ weights, np.ones((1, 1))
+        n, width = rule.nodes, rule.width
+        value, vector, back, first = _modes(n, width)
+        unit = np.exp(start + width * np.arange(count)) / self._pace  # T/c where a panel begins
+        inverse = 1.0 / (value + (unit[:, None] * self._rate)[:, :, None])  # (panels, modes, n - 1)
+        power = np.exp(degree * width * rule.local)
+        here = ((vector * (self.weights @ inverse)[:, :, None]) @ back).real
+        decay = -((inverse * first) @ vector.T).real  # (panels, modes, n - 1)
+        gained = ((inverse * vector[-1]) @ back).real
+        self.come = np.zeros((count, len(self.weights), n, n + self._rate.size))
+        self.come[:, :, 1:, 1:n] = unit[:, None, None, None] * here * (power[1:, None] / power[1:])
+        self.come[:, :, 0, n:] = self.weights
+        self.come[:, :, 1:, n:] = self.weights[:, None] * np.swapaxes(decay, 1, 2)[:, None]
+        self.come[:, :, :, n:] *= power[:, None]
+        self.kept = power[-1] * decay[:, :, -1]
+        self.gained = np.zeros((count, self._rate.size, n))
+        self.gained[:, :, 1:] = unit[:, None, None] * gained * (power[-1] / power[1:])
+        shift = PanelShifts(rule, np.array([self._fall]))
+        self.reach = int(shift.below.max())
+        rows = np.zeros((n, self.reach + 1, n))
+        rows[np.arange(n), self.reach - shift.below[:, 0]] = shift.rows[:, 0]
+        self.below, self.inside = rows[:, :-1].reshape(n, -1), rows[:, -1]
 
-    @cached_property
-    def _all_loops(self) -> tuple[FloatArray, FloatArray]:
-        """All loops y in l, (n,), and their weights, near and far, (2, n)."""
-        u, w = equal_panels(math.log(_LONGEST / _shortest(self.medium)), 16)
-        y = _shortest(self.medium) * np.exp(u)
-        return y, w * y * np.stack(loops(self.medium, y))
-
-    @cached_property
-    def shares(self) -> FloatArray:
-        """Factors of the near and of the far loops so that together they are eps, (m, 2)."""
-        near, far = self._all_loops[1].sum(axis=1).tolist()
-        rest = [(self.medium.returns(m) - near) / far for m in range(self.harmonic + 1)]
-        return np.array([((-1.0) ** m, (-1.0) ** m * each) for m, each in enumerate(rest)])
-
-    def _paths(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Loops y in l for each X, (n, n_loops), and weights, near and far, (2, n, n_loops)."""
-        points = self.rule.nodes // 2 + _POINTS
-        top = np.minimum(np.exp(x) / _pace(self.medium), _LONGEST)[:, None]
-        log_half = np.maximum(np.log(0.5 * top / _shortest(self.medium)), 1e-300)
-        u, w = equal_panels(float(log_half[-1, 0]), points, _WIDE / self.turning)
-        span = log_half / log_half[-1]
-        low = _shortest(self.medium) * np.exp(span * u)
-        v, z = equal_panels(_SHARPEST - math.log(self.medium.density), points, _WIDE / self.turning)
-        near, part = equal_panels(math.exp(-_SHARPEST) * self.medium.density, points)
-        v, z = np.append(np.exp(-v), near[::-1]), np.append(np.exp(-v) * z, part[::-1])
-        y = np.concatenate([low, top * (1.0 - 0.5 * v)], axis=1)
-        step = np.concatenate([span * w * low, 0.5 * top * z], axis=1)
-        return y, step * np.stack(loops(self.medium, y))
-
-    def of_panel(self, j: int, p: float = 0.0) -> Operator:
-        """What they bring to panel j, as powers T^p of the time that is left."""
-        n, width = self.rule.nodes, self.rule.width
-        x = self.start + width * (j + self.rule.local)
-        y, weight = self._paths(x)
-        left = np.maximum(-np.expm1(np.log(y * _pace(self.medium)) - x[:, None]), 1e-300)
-        level = x[:, None] + np.log(self.medium.restitution * left) - self.start
-        level /= width
-        low = level < 0.0
-        early = np.exp(self.start + width * np.where(low, level, -np.inf))
-        if p:
-            power = np.exp(p * (x + math.log(self.medium.restitution)))[:, None]
-            weight = weight * np.where(low, power, np.where(low, 1.0, left) ** -p)
-        index = np.clip(level.astype(int), 0, j)
-        rows = self.rule.shares(np.clip(level - index, 0.0, 1.0).ravel())
-        rows = (np.where(low, 0.0, weight).reshape(2, -1) / rows.sum(axis=1))[:, :, None] * rows
-        # the time that is left falls along a row: loops to the same panel are neighbours
-        place = (np.arange(n)[:, None] * (j + 1) + j - index).ravel()
-        begin = np.flatnonzero(np.diff(place, prepend=-1))
-        blocks = np.zeros((2, n * (j + 1), n))
-        blocks[:, place[begin]] = np.add.reduceat(rows, begin, axis=1)
-        first = int(np.where(low, j, index).min())
-        blocks = blocks.reshape(2, n, j + 1, n)[:, :, j - first :: -1]
-        used = low.any(axis=0)
-        before = np.where(low, weight, 0.0)[:, :, used], early[:, used]
-        return first, blocks.reshape(2, n, -1), *before
+    def term(self, k: int, modes: FloatArray, lost: Any) -> FloatArray:
+        """Term k of the power series of modes (n_modes, ...), from terms k - 1 and of W (...)."""
+        come = math.exp(-(self.degree + k - 1.0) * self._fall) * lost
+        rate = self._rate.reshape(-1, *[1] * np.ndim(lost))
+        return np.asarray((come - modes * rate) / (self._pace * k))
 
 
 class Returns:
     """Returns that take time: V, of which collisions act on U = Y + V, made of W = (K - 1) U.
 
-    operator : what loops bring to a panel, by its number
-    shares : factors of near and of far loops, (m, 2); 0 where returns are at once
-    early : the power series of W below all panels, shape (n_terms, m, n_k)
-    count, nodes : how many panels there are, at most, and nodes of each
+    loops : what they bring to the panels
+    lost, modes : power series of W and of the modes below all panels, both over T^degree, of the
+        harmonics that are not zero there: shapes (n_terms, m, n_k) and (n_terms, n_modes, m, n_k)
     """
 
-    def __init__(
-        self,
-        operator: Callable[[int], Operator],
-        shares: FloatArray,
-        early: FloatArray,
-        count: int,
-        nodes: int,
-    ) -> None:
-        self._operator, self._shares, self._early = operator, shares, early
-        self._lost = np.zeros((count, nodes, *early.shape[1:]))  # W
+    def __init__(self, loops: Loops, lost: FloatArray, modes: FloatArray) -> None:
+        self._loops, n = loops, loops.rule.nodes
+        x = loops.rule.width * (np.arange(-loops.reach, 0)[:, None] + loops.rule.local)
+        x = np.append(loops.start + x.ravel(), loops.start)
+        with np.errstate(under="ignore"):
+            power = np.exp(x)[:, None] ** np.arange(lost.shape[0])
+            power *= np.exp(loops.degree * x)[:, None]
+        (_, few, size), harmonics = lost.shape, len(loops.shares)
+        self._modes = np.zeros((modes.shape[1], harmonics, size))
+        self._modes[:, :few] = np.tensordot(power[-1], modes, axes=1)
+        self._lost = np.zeros(((loops.reach + loops.count) * n, harmonics, size))  # W
+        self._lost[: x.size - 1, :few] = np.tensordot(power[:-1], lost, axes=1)
 
     def begin(self, j: int, loss: FloatArray, drive: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Loss matrices (m, n, n) and gain (m, n, n_k) of panel j with what loops bring to it."""
-        first, blocks, weight, left = self._operator(j)
-        used, n = drive.shape[:2]
-        powers = left[:, :, None] ** np.arange(self._early.shape[0])
-        come = np.tensordot(weight[:, :, None] @ powers, self._early[:, :used], axes=1)[:, :, 0]
-        below = self._lost[first:j, :, :used].reshape(-1, used, drive.shape[2])
-        come += np.tensordot(blocks[:, :, :-n], below, axes=1)
-        shares = self._shares[:used]
-        here = np.tensordot(shares, blocks[:, :, -n:], axes=1)
+        used, n, size = drive.shape
+        loops, shares = self._loops, self._loops.shares[:used]
+        below = self._lost[j * n : (j + loops.reach) * n, :used]
+        self._come = np.tensordot(loops.below, below, axes=1)
+        known = np.concatenate([self._come, self._modes[:, :used]]).reshape(-1, used * size)
+        brought = (loops.come[j] @ known).reshape(-1, n, used, size)
+        brought = np.einsum("mk,kimq->miq", shares, brought)
+        here = np.tensordot(shares, loops.come[j, :, :, :n] @ loops.inside, axes=1)
         self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
-        self._added = self._inverse @ (here @ drive + np.einsum("mk,kimq->miq", shares, come))
+        self._added = self._inverse @ (here @ drive + brought)
         self._loss, self._drive = loss, drive
         return loss @ self._inverse, drive - loss @ self._added
 
     def end(self, j: int, found: FloatArray) -> FloatArray:
         """U on panel j, where Y was found, both (m, n, n_k)."""
         total = self._inverse @ found + self._added
-        self._lost[j, :, : found.shape[0]] = np.moveaxis(self._drive - self._loss @ total, 0, 1)
+        used, n, _ = found.shape
+        lost = np.moveaxis(self._drive - self._loss @ total, 0, 1)
+        loops, begin = self._loops, (self._loops.reach + j) * n
+        self._lost[begin : begin + n, :used] = lost
+        come = self._come + np.tensordot(loops.inside, lost, axes=1)
+        self._modes *= loops.kept[j][:, None, None]
+        self._modes[:, :used] += np.tensordot(loops.gained[j], come, axes=1)
+        self._modes[:, used:] = 0.0
         return np.asarray(total)
 
 
 @dataclass
 class DelayedReturns(BackwardEquation):
     """The backward equation with returns that take time; its law must have a medium, e > 0."""
-
-    _operators: dict[float, list[Operator]] = field(default_factory=dict, repr=False)
 
     def _at_once(self, m: int) -> bool:
         """The speed alone is nearer to simulations so."""
@@ -205,25 +223,93 @@ class DelayedReturns(BackwardEquation):
     def start(self) -> float:
         """X where the panels begin."""
         assert self.law.medium is not None
-        return min(START, first_closed(self.law.medium))
+        return min(START, series_end(self.law.medium))
 
-    @cached_property
-    def _loops(self) -> Loops:
-        assert self.law.medium is not None
-        return Loops(self.law.medium, self.rule, self.start, self.harmonic)
+    def _loops(self, m: int, degree: float) -> Loops:
+        key = Loops, m, degree, self.count
+        if key not in self._kept:
+            assert self.law.medium is not None
+            one = range(m, m + 1)
+            self._kept[key] = Loops(self.law.medium, self.rule, self.start, self.count, one, degree)
+        return self._kept[key]
 
-    def _operator(self, p: float) -> list[Operator]:
-        """What loops make of (K - 1) U on each panel, as powers T^p of the time that is left."""
-        if p not in self._operators:
-            self._operators[p] = [self._loops.of_panel(j, p) for j in range(self.count)]
-        return self._operators[p]
+    def _early(self, y: Observable) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Power series of Y, U, W, (n_terms,), and of the modes, (n_terms, n_modes), over T^p."""
+        if y not in self._kept:
+            drive, rates = self._series_of_sources(y)
+            loops = self._loops(y.harmonic, y.degree)
+            modes, value = [np.zeros(loops.kept.shape[1])], [float(y.is_power)]
+            total, lost = [], []
+            known = zip(drive[:_TERMS].tolist(), rates[:_TERMS].tolist(), strict=True)
+            for k, (source, rate) in enumerate(known, 1):
+                total.append(value[-1] + float(loops.weights[0] @ modes[-1]))
+                lost.append(-rate * total[-1])
+                value.append((source + lost[-1]) / k)
+                modes.append(loops.term(k, modes[-1], lost[-1]))
+            found = value[:-1], total, lost, modes[:-1]
+            self._kept[y] = tuple(np.array(each) for each in found)
+        return self._kept[y]
 
-    def _returns(self, y: Observable) -> Returns | None:
+    def series(self, y: Observable) -> FloatArray:
+        """Coefficients a_k of y = T^p sum_k a_k T^k."""
+        return super().series(y) if self._at_once(y.harmonic) else self._early(y)[0]
+
+    def _step(self, m: int, degree: float) -> FloatArray:
+        """What each panel makes of all that it is linear in, (n_panels, n_to, n_from).
+
+        From Y where it begins, the gain from U below, f from W below, the modes, and the sources;
+        to U, W, the modes where it ends, and Y.
+        """
+        key = m, degree, self.count
+        if key not in self._kept:
+            (loss, _), loops, n = self._kernel(m), self._loops(m, degree), self.nodes
+            one, modes = np.eye(n), loops.kept.shape[1]
+            gains, f, z = slice(1, n + 1), slice(n + 1, 2 * n + 1), slice(2 * n + 1, -n)
+            here = loops.come[:, 0, :, :n] @ loops.inside
+            inverse = np.linalg.inv(one + here @ loss)
+            added = np.zeros((self.count, n, 1 + 3 * n + modes))
+            added[:, :, gains], added[:, :, n + 1 : -n] = here, loops.come[:, 0]
+            added = inverse @ added
+            matrix, rate = self._rows(degree)
+            matrix += rate[:, :, None] * (loss @ inverse)
+            matrix[:, 0] = one[0]
+            right = -loss @ added
+            right[:, :, gains] += one
+            right[:, :, -n:] += one
+            right *= rate[:, :, None]
+            right[:, 0] = np.eye(1, right.shape[2])
+            value = np.linalg.inv(matrix) @ right
+            total = inverse @ value + added
+            lost = -loss @ total
+            lost[:, :, gains] += one
+            after = loops.gained @ (loops.inside @ lost)
+            after[:, :, f] += loops.gained
+            after[:, :, z] += loops.kept[:, :, None] * np.eye(modes)
+            self._kept[key] = np.concatenate([total, lost, after, value], axis=1)
+        return self._kept[key]
+
+    def _solve(self, y: Observable) -> FloatArray:
         if self._at_once(y.harmonic):
-            return None
-        # below the panels (K - 1) U is (K - 1) Y, by its power series
-        series, law = self.series(y), self.law.without_medium
-        rates = law.harmonic_decay_rate(y.degree + np.arange(series.size), y.harmonic)
-        operators, shares = self._operator(y.degree), self._loops.shares[[y.harmonic]]
-        early = (-rates * series)[:, None, None]
-        return Returns(operators.__getitem__, shares, early, self.count, self.nodes)
+            return super()._solve(y)
+        gain, loops = self._kernel(y.harmonic)[1], self._loops(y.harmonic, y.degree)
+        n, step = self.nodes, self._step(y.harmonic, y.degree)
+        reach = max(gain.shape[1] // n, loops.reach)
+        value, total, lost, modes = self._early(y)
+        x, begin = self._nodes_from(-reach)[:reach], np.array(self.start)
+        table = np.empty((2, reach + self.count, n))  # U and W
+        table[0, :reach] = power_series(y.degree, x, total)
+        table[1, :reach] = power_series(y.degree, x, lost)
+        state = np.zeros(step.shape[2] - n)
+        state[0] = power_series(y.degree, begin, value)
+        state[2 * n + 1 :] = power_series(y.degree, begin, modes)
+        driven = (step[:, :, -n:] @ self._driven(y)[:, :, None])[:, :, 0]
+        step, found = step[:, :, :-n], np.empty((self.count, n))
+        above, last = reach - gain.shape[1] // n, reach - loops.reach
+        for j in range(self.count):
+            state[1 : n + 1] = gain @ table[0, above + j : reach + j].ravel()
+            state[n + 1 : 2 * n + 1] = loops.below @ table[1, last + j : reach + j].ravel()
+            after = step[j] @ state + driven[j]
+            table[:, reach + j] = after[: 2 * n].reshape(2, n)
+            state[2 * n + 1 :] = after[2 * n : -n]
+            found[j], state[0] = after[-n:], after[-1]
+        return found

@@ -27,7 +27,7 @@ from kinetics.moments.backward import (
     panel_width,
     speed_power,
 )
-from kinetics.moments.delayed import DelayedReturns
+from kinetics.moments.delayed import DelayedReturns, met_again
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, panel_rule
 from kinetics.states.quadrature import LogMeasure
@@ -52,7 +52,6 @@ class Averages:
     degree, lowest : largest and smallest power of the speed that will be asked for
     nodes : of a panel of the backward equation; chosen from rtol and degree by default
     harmonic : the largest angular harmonic that will be asked for
-    delayed : whether scatterers that are met again are met after a loop, or at once
     """
 
     law: CollisionLaw
@@ -64,7 +63,6 @@ class Averages:
     lowest: float = 0.0
     nodes: int | None = None
     harmonic: int = 2
-    delayed: bool = True
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -98,7 +96,7 @@ class Averages:
     @property
     def has_delays(self) -> bool:
         """Whether scatterers are met again after a loop."""
-        return bool(self.delayed and self.law.medium is not None and self.law.restitution)
+        return met_again(self.law) is not None
 
     def _is_closed(self, y: Observable) -> bool:
         """Whether y has a closed form: speeds are kept, and a harmonic decays at one rate."""

@@ -69,7 +69,6 @@ class Scattering:
     mean_free_path : l, in d
     state : the initial state
     times : in d/U, shape (n_times,)
-    delayed : whether returns to a scatterer take time, or none
     systems : how many systems of so many equations have been solved, by their size
     """
 
@@ -77,7 +76,6 @@ class Scattering:
     mean_free_path: float
     state: State
     times: FloatArray
-    delayed: bool = False
     systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
 
     @property
@@ -108,7 +106,7 @@ class Scattering:
         highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        waves = solve_waves(self.law, wave_numbers, highest, least, kept, self.delayed)
+        waves = solve_waves(self.law, wave_numbers, highest, least, kept)
         self.systems[waves.rule.nodes - 1] += waves.systems
         speeds = points_of(self.state, 0, waves.rule.width, tolerance)
         assert speeds is not None
@@ -183,7 +181,7 @@ def scattering_function(
     directed = direction is not None and averages.state.highest_harmonic != 0
     out = np.ones((times.size, scaled.size), dtype=complex if directed else float)
     late = times > 0.0
-    system = Scattering(averages.law, path, averages.state, times[late], averages.has_delays)
+    system = Scattering(averages.law, path, averages.state, times[late])
     left = (scaled > 0.0) & bool(late.any())
     tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():

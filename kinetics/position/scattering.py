@@ -30,7 +30,7 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
-from kinetics.moments.delayed import Loops, Returns, first_closed
+from kinetics.moments.delayed import Loops, Returns, met_again, series_end
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
@@ -115,13 +115,11 @@ def solve_waves(
     highest: float,
     tolerance: float,
     kept: int = 0,
-    delayed: bool = False,
 ) -> Waves:
     """Solve for wave numbers K = k l (n_k,), of similar size, up to X = highest.
 
     tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
-    delayed : whether returns in the harmonics m > 0 take time, `kinetics.moments.delayed`
     """
     largest = float(wave_numbers.max())
     rule = _rule(law, largest, highest, tolerance)
@@ -132,11 +130,11 @@ def solve_waves(
     top = _harmonics(law, largest, limit, tolerance**2 if kept else tolerance)
     if law.returns(0)[0]:  # panels from which a bounce straight back leads to none below the first
         first = min(first, limit - min(law.largest_loss, _DEEPEST) - 2.0 * rule.width)
-    if delayed and law.medium is not None:
-        first = min(first, first_closed(law.medium))
+    if (medium := met_again(law)) is not None:
+        first = min(first, series_end(medium))
     start = rule.width * math.floor(min(first, highest) / rule.width)
     count = max(1, math.ceil((limit - start) / rule.width))
-    return Sweep(law, wave_numbers, rule, start, top, count, tolerance, delayed).run(kept)
+    return Sweep(law, wave_numbers, rule, start, top, count, tolerance).run(kept)
 
 
 def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
@@ -183,7 +181,7 @@ class Sweep:
     start : X where the panels begin
     top : the last harmonic, even
     count : how many panels there are, at most
-    tolerance, delayed : see `solve_waves`
+    tolerance : see `solve_waves`
     """
 
     def __init__(
@@ -195,13 +193,10 @@ class Sweep:
         top: int,
         count: int,
         tolerance: float,
-        delayed: bool = False,
     ) -> None:
         self.law, self.wave_numbers, self.rule = law, wave_numbers, rule
-        self.start, self.top, self._loops = start, top, None
+        self.start, self.top = start, top
         self._count, self._tolerance = count, tolerance
-        if delayed and law.medium is not None:
-            self._loops = Loops(law.medium, rule, start, top, 1.0 / rule.width)
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         # collisions that lose more speed lead from every panel to where the series holds
         near = q.log_loss <= count * rule.width
@@ -218,11 +213,16 @@ class Sweep:
         loss += many.weight.sum() * np.eye(rule.nodes)
         if law.returns(0)[0]:
             eps = np.array([law.returns(m)[0] for m in range(top + 1)])
-            if self._loops:
-                eps[1:] = 0.0
+            if met_again(law) is not None:
+                eps[1:] = 0.0  # they take time
             loss, gain = with_returns(rule, loss, gain, eps, law.returns(0)[1])
         # row m of the equations over the coupling: free flights then look the same for all m
         self._coupling = coupling(top, law.dimension)
+        self._loops: Loops | None = None
+        if (medium := met_again(law)) is not None:
+            self._loops = Loops(medium, rule, start, count, range(top + 1))
+            self._loops.shares *= self._coupling[:, None]
+            self._loops.shares[0] = 0.0  # at once, in the kernel
         by_row = self._coupling[:, None, None]
         self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain
         # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
@@ -242,19 +242,12 @@ class Sweep:
         count, tolerance = self._count, self._tolerance
         n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
         reach, recent = self._reach()
-        series, decay = self._coefficients()
+        series, total, returns = self._coefficients()
         few = self._of_series + 1  # harmonics
-        returns = None
-        if self._loops:
-            early = np.zeros((_TERMS, self.top + 1, size))
-            early[:, :few] = -decay * series[:-1] / self._coupling[:few, None]
-            shares = self._loops.shares * self._coupling[:, None]
-            shares[0] = 0.0  # at once, in the kernel
-            returns = Returns(self._loops.of_panel, shares, early, count, n)
-        far = series * self._far[:, :, None]
+        far = total * self._far[:, :, None]
         # all panels, those below the first by the series; high harmonics are 0 until they rise
         x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
-        filled = _series_sum(series, np.exp(x.ravel())).reshape(reach, n, few, size)
+        filled = _series_sum(total, np.exp(x.ravel())).reshape(reach, n, few, size)
         panels = np.zeros((self.top + 1, reach + count, n, size))
         panels[:few, :reach] = np.moveaxis(filled, 2, 0)
         largest = deque(np.abs(filled).max(axis=(1, 2, 3)).tolist(), maxlen=recent.size)
@@ -319,27 +312,36 @@ class Sweep:
                 drive[few] = self._gain[few, :, -back * n :] @ come
         return np.asarray(drive / self._coupling[:used, None, None])
 
-    def _coefficients(self) -> tuple[FloatArray, FloatArray]:
-        """Of T^j in a_m, (terms + 1, n_m, n_k), and the rates at which T^j decays, (.., 1)."""
+    def _coefficients(self) -> tuple[FloatArray, FloatArray, Returns | None]:
+        """Of T^j in a_m, and in what collisions act on, (terms + 1, n_m, n_k); delayed returns."""
         order = np.arange(float(_TERMS))
         q = self.law.quadrature_for(float(_TERMS), self._of_series)
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, order))
         kept = [(1.0 - lost) @ powers for lost in q.harmonic_losses(self._of_series)]
-        loss = 1.0 - np.stack(kept)
-        if not self._loops:
-            loss = np.stack([self.law.met_again(order, rate, m) for m, rate in enumerate(loss)])
-        loss[0] = self.law.decay_rate(order)
-        out = np.zeros((_TERMS + 1, len(kept), self.wave_numbers.size))
+        rates = 1.0 - np.stack(kept)
+        loops, few = self._loops, len(kept)
+        if not loops:
+            rates = np.stack([self.law.met_again(order, rate, m) for m, rate in enumerate(rates)])
+        rates[0] = self.law.decay_rate(order)
+        out = np.zeros((_TERMS + 1, few, self.wave_numbers.size))
         out[0, 0] = 1.0
+        total, lost = out.copy(), np.zeros_like(out)
+        modes = np.zeros((_TERMS + 1, loops.weights.shape[1] if loops else 0, *lost.shape[1:]))
         for j in range(_TERMS):
             a = out[j]
             coupled = np.zeros_like(a)
             coupled[1:] += a[:-1]
             coupled[:-1] -= a[1:]
             coupled[0] -= a[1]
-            coupled *= self._coupling[: len(kept), None]
-            out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
-        return out, loss.T[:, :, None]
+            coupled *= 0.5 * self.wave_numbers * self._coupling[:few, None]
+            lost[j] = -rates[:, j, None] * total[j]
+            total[j + 1] = out[j + 1] = (coupled + lost[j]) / (j + 1.0)
+            if loops:
+                lost[j] /= self._coupling[:few, None]
+                modes[j + 1] = loops.term(j + 1, modes[j], lost[j])
+                weights = loops.shares[:few] @ loops.weights
+                total[j + 1] += np.einsum("mj,jmk->mk", weights, modes[j + 1])
+        return out, total, Returns(loops, lost, modes) if loops else None
 
     def _panel_harmonics(
         self, known: FloatArray, used: int, rate: FloatArray, tolerance: float, kept: int

@@ -312,9 +312,9 @@ def test_areas_and_flights_in_numbers(rows) -> None:
 def test_the_transform_of_near_pairs_in_numbers(rows) -> None:
     at = {sy.rho0: 0.04, sy.d: 1, e: 0.7, sy.loop0: 0.05, sy.lost: 0.6, sy.pathz: 1.3}
     found = float(rows["beyond:return-delay"].derived[0].rhs.subs(at))
-    y = np.exp(np.linspace(-9.0, 4.0, 4001))
-    exact = 2 * 0.7 / 1.7 * 0.04 * np.trapezoid(np.exp(-0.05 / y - 1.9 * y), np.log(y))
-    assert found == pytest.approx(exact, rel=1e-10)
+    y = np.exp(np.linspace(np.log(0.05), 4.0, 20001))
+    exact = np.trapezoid(np.exp(-0.6 * y - 1.3 * (y - 0.05)), np.log(y))
+    assert found == pytest.approx(2 * 0.7 / 1.7 * 0.04 * exact, rel=1e-7)
 
 
 def test_the_continued_fractions_meet_the_inverse_of_a_matrix(rows) -> None:

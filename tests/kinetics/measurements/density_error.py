@@ -15,12 +15,12 @@ import sys
 import numpy as np
 
 from kinetics import Scene, solve
-from kinetics.collision.medium import SETTLED
 from kinetics.numerics import FloatArray
 from tests.kinetics.measurements.density import simulated
 
 TIMES = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 100.0, 200.0, 500.0, 1000.0])  # l/U
 LAST_ELASTIC = 100.0
+SETTLED = 30.0  # in l/U
 AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
 
 

@@ -18,11 +18,10 @@ def along_the_start(e: float, n: float, eps: float, step: float, last: float) ->
     impact, weight = 0.5 * (impact + 1.0), 0.5 * weight
     ratio = np.sqrt(e**2 + (1 - e**2) * impact**2)
     gain = weight * ((1 + e) * impact**2 - e) / ratio
-    log_y = np.linspace(np.log(0.03 * n), np.log(40.0), 1200)
+    log_y = np.linspace(np.log(1e-4 * n), np.log(40.0), 1200)
     y = np.exp(log_y)
-    begin = np.exp(-2 * n * np.exp(-np.euler_gamma) / y)
-    near = 2 * e / (1 + e) * n * np.exp(-0.6 * y) / y * begin
-    far = y * np.exp(-y / 1.5) * begin
+    near = 2 * e / (1 + e) * n * np.exp(-0.6 * (y + 2 * n)) / (y + 2 * n)
+    far = y * np.exp(-y / (1.8 * e))
     rest = (eps - np.trapezoid(near * y, log_y)) / np.trapezoid(far * y, log_y)
     loops = near + rest * far
     loops *= y * (log_y[1] - log_y[0])
