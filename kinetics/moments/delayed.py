@@ -10,10 +10,10 @@ left the tracer keeps e (T - y c). With K one collision, for an observable of de
 
 Loops between near pairs of scatterers have k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on (one
 neighbour and back), 0.6 being the mean corridor that is known to be empty; what is flown of them is
-y - 2 n. The rest of eps, of loops of the size of l, is spread as y exp(-y/b). The integral of k is
-eps: the late <r^2> grows as with returns at once. b is fitted to <r^2> of simulations. The harmonic
-m = 0 keeps returns at once: with a delay a_2 is some 60 n per cent off, without it half of that at
-most.
+y - 2 n. The rest of eps, of loops of the size of l, is spread as exp(-0.9 y/b) - exp(-1.1 y/b),
+nearly y exp(-y/b). The integral of k is eps: the late <r^2> grows as with returns at once. b is
+fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at once: with a delay a_2 is some
+60 n per cent off, without it half of that at most.
 
 All of k is a sum of exponentials w exp(-s y), so that V is one of modes Z, V = (-1)^m sum w Z, with
 c dZ/dT = W(e T) - s Z. On panels in X = ln T collocation makes small matrices of that.
@@ -39,9 +39,10 @@ from kinetics.numerics.panels import PanelRule, PanelShifts
 
 _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
 _LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over
-_APART = 1e-3  # of two rates about 1/b, whose difference is y exp(-y/b)
+_APART = 0.1  # of two rates about 1/b: exp(-0.9 y/b) - exp(-1.1 y/b) is nearly 0.2 (y/b) exp(-y/b)
 _MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
 _SLOWEST, _FASTEST = 0.02, 12.0  # rates per l, and per 2 n, between which they are
+_BY_VECTORS = 16  # nodes up to which eigenvectors lose no more than 1e-12
 _TERMS = 24  # of power series, up to where the fastest loops have fallen to 1/e
 _SHORTEST = 1e-3  # in l: near loops that are shorter are taken to be so long
 
@@ -86,13 +87,33 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
 
 
 @lru_cache(maxsize=16)
-def _modes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
-    """lambda, P and P^-1 of exp(-x) d/dx on a panel without its first node; P^-1 of its column."""
+def _slopes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
+    """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that."""
     rule = PanelRule(nodes, width)
     slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
     value, vector = np.linalg.eig(slopes[:, 1:])
-    back = np.linalg.inv(vector)
-    return value, vector, back, back @ slopes[:, 0]
+    return slopes, value, vector, np.linalg.inv(vector)
+
+
+def _responses(
+    rule: PanelRule, pull: FloatArray, weights: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes).
+
+    The weighted sums of R over modes, (n_panels, n_kinds, nodes - 1, nodes - 1), what is left of 1
+    at the first node, and the last rows of R, (n_panels, n_modes, nodes - 1) each.
+    """
+    slopes, value, vector, back = _slopes(rule.nodes, rule.width)
+    if rule.nodes > _BY_VECTORS:
+        every: FloatArray = np.linalg.inv(
+            slopes[:, 1:] + pull[:, :, None, None] * np.eye(rule.nodes - 1)
+        )
+        summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
+        return summed, np.asarray(-every @ slopes[:, 0]), every[:, :, -1]
+    inverse = 1.0 / (value + pull[:, :, None])
+    decay = -((inverse * (back @ slopes[:, 0])) @ vector.T).real
+    summed = ((vector * (weights @ inverse)[:, :, None]) @ back).real
+    return summed, decay, ((inverse * vector[-1]) @ back).real
 
 
 class Loops:
@@ -133,13 +154,9 @@ class Loops:
         if len(shares) == 1:
             self.weights, self.shares = self.shares @ weights, np.ones((1, 1))
         n, width = rule.nodes, rule.width
-        value, vector, back, first = _modes(n, width)
         unit = np.exp(start + width * np.arange(count)) / self._pace  # T/c where a panel begins
-        inverse = 1.0 / (value + (unit[:, None] * self._rate)[:, :, None])  # (panels, modes, n - 1)
         power = np.exp(degree * width * rule.local)
-        here = ((vector * (self.weights @ inverse)[:, :, None]) @ back).real
-        decay = -((inverse * first) @ vector.T).real  # (panels, modes, n - 1)
-        gained = ((inverse * vector[-1]) @ back).real
+        here, decay, gained = _responses(rule, unit[:, None] * self._rate, self.weights)
         self.come = np.zeros((count, len(self.weights), n, n + self._rate.size))
         self.come[:, :, 1:, 1:n] = unit[:, None, None, None] * here * (power[1:, None] / power[1:])
         self.come[:, :, 0, n:] = self.weights

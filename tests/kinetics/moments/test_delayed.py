@@ -21,7 +21,7 @@ def along_the_start(e: float, n: float, eps: float, step: float, last: float) ->
     log_y = np.linspace(np.log(1e-4 * n), np.log(40.0), 1200)
     y = np.exp(log_y)
     near = 2 * e / (1 + e) * n * np.exp(-0.6 * (y + 2 * n)) / (y + 2 * n)
-    far = y * np.exp(-y / (1.8 * e))
+    far = np.exp(-0.9 * y / (1.8 * e)) - np.exp(-1.1 * y / (1.8 * e))
     rest = (eps - np.trapezoid(near * y, log_y)) / np.trapezoid(far * y, log_y)
     loops = near + rest * far
     loops *= y * (log_y[1] - log_y[0])

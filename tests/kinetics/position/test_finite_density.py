@@ -36,7 +36,7 @@ def chance_of_loops(n: float, eps: np.ndarray, z: complex) -> np.ndarray:
     """
 
     def parts(z: complex) -> tuple[complex, complex]:
-        return n * np.exp(2 * n * z) * exp1(2 * n * (0.6 + z)), 1.0 / (1.0 / 1.8 + z) ** 2
+        return n * np.exp(2 * n * z) * exp1(2 * n * (0.6 + z)), 1.0 / (0.5 + z) / (1.1 / 1.8 + z)
 
     (near, far), (all_near, all_far) = parts(z), parts(0.0)
     return near + (eps - all_near) * far / all_far
