@@ -105,9 +105,8 @@ def _responses(
     """
     slopes, value, vector, back = _slopes(rule.nodes, rule.width)
     if rule.nodes > _BY_VECTORS:
-        every: FloatArray = np.linalg.inv(
-            slopes[:, 1:] + pull[:, :, None, None] * np.eye(rule.nodes - 1)
-        )
+        one = np.eye(rule.nodes - 1)
+        every: Any = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * one)
         summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
         return summed, np.asarray(-every @ slopes[:, 0]), every[:, :, -1]
     inverse = 1.0 / (value + pull[:, :, None])
