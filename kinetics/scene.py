@@ -68,7 +68,8 @@ class Scene(Value):
 
     With any of the last four, or a restitution that depends on the normal impact speed (in U: a
     `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the
-    outputs are those of `kinetics.outputs.DRIVEN_OUTPUTS`, of starts that are symmetric about x.
+    outputs are those of `kinetics.outputs.DRIVEN_OUTPUTS`; in a field, and for outputs with a
+    direction, of starts that are symmetric about x.
 
     Raises
     ------

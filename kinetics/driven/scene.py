@@ -29,6 +29,7 @@ _MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
 _RANGE = 6.0  # of the highest speeds at times that are solved together
 _DECADES = 10.0  # the power of the axis where nothing drives: v^(1/10) is smooth on it
 _BEST_DENSITY = 1e-4
+_DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
 _TAIL = 1e-3  # of the tolerance: the share of tracers above the top
 _TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 
@@ -94,13 +95,14 @@ class _Evolution(March):
 
     def __init__(
         self, system: System, state: State, times: FloatArray, resolution: Resolution,
-        asked: frozenset[str], densities: bool,
+        asked: frozenset[str], densities: bool, isotropic: bool,
     ) -> None:  # fmt: skip
+        """isotropic : only the speeds of the start count."""
         self.times, self.resolution, self.asked = times, resolution, asked
         self._densities, last = densities, max(float(times[-1]), SHORTEST_TIME)
         measures = [
             state.harmonic(m, 0.1 * resolution.rtol, 0.0, 4.0)
-            for m in range(resolution.harmonics + 1 if state.highest_harmonic != 0 else 1)
+            for m in range(1 if isotropic else resolution.harmonics + 1)
         ]
         assert measures[0] is not None
         fastest = float(np.exp(measures[0].x.max()))
@@ -108,14 +110,14 @@ class _Evolution(March):
         top = system.top(_TAIL * resolution.rtol, last, fastest)
         power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
-        self.axis, isotropic = axis, state.highest_harmonic == 0 and not system.field
+        self.axis = axis
         equation = _Equation(Generator(system, axis, resolution), isotropic)
         begin = np.zeros((len(equation.fields), resolution.harmonics + 1, axis.size))
         for m, measure in enumerate(measures):
             if measure is not None:
                 if np.iscomplexobj(measure.weight) and np.abs(measure.weight.imag).max() > 1e-9:
-                    text = "of a driven tracer it must be symmetric about the x axis"
-                    raise InputError(f"initial: {text}")
+                    text = "in a field, and for outputs with a direction, it must be symmetric"
+                    raise InputError(f"initial: of a driven tracer, {text} about the x axis")
                 profile = state.profile(m) if densities else None
                 if profile is None:
                     begin[0, m] = measure.weight.real @ axis.rows(np.exp(measure.x), m % 2)
@@ -177,7 +179,11 @@ class DrivenScene(FieldScene):
         more = Resolution.first(self.system, self.rtol, span, max(2, 2 if there is None else there))
         asked = frozenset({"v^2"}.union(*(MADE_OF.get(name, set()) for name in self.outputs)))
         fixed = self.system, self.state, times
-        one = best = _Evolution(*fixed, more, asked, DENSITIES in self.allowed)
+        # without a field what has no direction forgets those of the start
+        directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
+        alike = not self.system.field and (there == 0 or not directed)
+        rest = asked, DENSITIES in self.allowed, alike
+        one = best = _Evolution(*fixed, more, *rest)
         least, worst = dict.fromkeys(self.allowed, math.inf), math.inf
         more = more.finer()
         while (
@@ -186,7 +192,7 @@ class DrivenScene(FieldScene):
             and more.harmonics <= _MOST_HARMONICS
             and one.steps < _MOST_STEPS
         ):
-            before, one = one, _Evolution(*fixed, more, asked, DENSITIES in self.allowed)
+            before, one = one, _Evolution(*fixed, more, *rest)
             more = more.finer()
             errors = {"averages": one.difference(before)}
             if DENSITIES in self.allowed:

@@ -12,8 +12,10 @@ import pytest
 from scipy.special import airy, gamma, iv
 
 from kinetics import (
+    Beam,
     CollisionLaw,
     InputError,
+    Monoenergetic,
     ScalingSolution,
     Scene,
     ToleranceWarning,
@@ -180,6 +182,17 @@ def test_a_cold_bath_is_no_bath():
     none = solve(one_l(0.7, **scene))
     assert cold.thermal_speed == pytest.approx(none.thermal_speed, rel=1e-6)
     assert cold.msd == pytest.approx(none.msd, rel=1e-6)
+
+
+def test_the_direction_of_a_start_does_not_matter_to_what_has_none():
+    scenes = [
+        Scene(0.6, 0.04, times=[1.0, 50.0], initial=start, outputs=("a2", "msd"), bath_speed=1.0)
+        for start in (Beam(), Beam(direction=1.0), Monoenergetic())
+    ]
+    along, turned, every = (solve(scene, rtol=1e-6) for scene in scenes)
+    for one in (turned, every):
+        assert one.msd == pytest.approx(along.msd, rel=1e-9)
+        assert one.a2 == pytest.approx(along.a2, abs=1e-9)
 
 
 # -- noise and drag --------------------------------------------------------------------------------
