@@ -67,7 +67,7 @@ def compare_data(
     tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
         runs in space, averages are compared and densities are not
     field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
-        restitution and number_density are needed; the cause that is looked for is another axis
+        restitution and number_density are needed, and no cause of a difference is looked for
     explain : test what may explain a difference; False is quicker
     scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (at their density,
         see Scene), or "auto": as an Ensemble says, or the likeliest for the data. For others than
@@ -269,11 +269,6 @@ def _densities(point: Point, sample: Sample) -> dict[str, Solution]:
     if sample.tabulated or sample.law.field or point.scatterers != "dilute":
         return {}
     later, found = sample.times[sample.times > 0], dict[str, Solution]()
-    smooth = point.start == "gaussian"  # others take the solver seconds
-    if later.size and not point.own_start:
-        for name in sample.free_flights:  # one solution: it keeps what they share
-            flights, rtol = next(iter(found.values()), None), 1e-6 if smooth else 1e-3
-            found[name] = flights or theory.solved(point, sample.law, later[-1:], (name,), rtol)
     if not sample.law.smooth_disks:
         return found
     times = later[spread_out(later.size, 6)]  # each takes the solver some 0.1 s

@@ -1,7 +1,6 @@
 """Data and theory side by side, and the verdicts on them: rows, tests and the summary."""
 
 import math
-import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -25,7 +24,7 @@ from kinetics.crosscheck.compare.theory import (
 )
 from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.words import Verdict, numeral
-from kinetics.errors import InputError, ToleranceWarning
+from kinetics.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -112,8 +111,6 @@ def with_spread(error: Array, *values: Array) -> NDArray[np.bool_]:
 
 def _histogram(sample: Sample, solution: Solution, name: str, at: int) -> Histogram | None:
     """A sample's histogram against a solution's density at its time of the index `at`."""
-    if name in sample.free_flights:
-        return _of_flights(sample, solution, name)
     binned = sample.speeds if name == SPEED else sample.displacements
     if binned is None:
         return None
@@ -145,28 +142,6 @@ def _histogram(sample: Sample, solution: Solution, name: str, at: int) -> Histog
         chi_square = statistics.hotelling((share - theory)[:-1], replicates[:, :-1])
     edges = np.concatenate([[0.0], fine[starts[1:] - 1], [np.inf]])
     return Histogram(name, time, index, edges, share, error, theory, samples, behind, chi_square)
-
-
-def _of_flights(sample: Sample, solution: Solution, name: str) -> Histogram | None:
-    """Lengths or durations of free flights. A tracer's flights are alike and covariances are not
-    kept, so bins stay as they are and the chi-square is of the one that differs most.
-    """
-    seen, time = sample.free_flights[name], float(solution.times[-1])
-    with warnings.catch_warnings():  # of a rough start: far below any standard error
-        warnings.simplefilter("ignore", ToleranceWarning)
-        theory = getattr(solution, f"{name}_fraction")(seen.edges)[-1]
-    enough = np.flatnonzero(theory * seen.samples >= LEAST_EXPECTED)
-    if enough.size < 2 or seen.groups < 2:
-        return None
-    mine = slice(int(enough[0]), int(enough[-1]) + 1)
-    share, theory = seen.share[mine], theory[mine]
-    error = np.maximum(seen.error[mine], np.sqrt(theory * (1 - theory) / seen.samples))
-    each = ((share - theory) / error).tolist()
-    sigmas = np.array([words.corrected_sigmas(z, seen.groups, 1) for z in each])
-    edges = seen.edges[mine.start : mine.stop + 1]
-    chi_square = statistics.of_the_worst(sigmas)._replace(groups=seen.groups)
-    return Histogram(name, time, sample.times.size - 1, edges, share, error, theory, seen.samples,
-                     seen.groups, chi_square)  # fmt: skip
 
 
 def _merged(

@@ -228,19 +228,18 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     if _own(group, "box") and "edges" in group["box"]:  # rectangular, and always the same
         edges = np.atleast_2d(np.asarray(_dataset(where, group["box"], "edges"), float))
         box = edges[0] if edges.size and np.all(edges == edges[0]) and np.all(edges > 0) else None
-        sides = np.asarray(group["box"].attrs.get("boundary", "none")).astype(str)
     if "image" in group:
         image = _dataset(where, group, "image")
         if box is None or image.shape != shape or box.size < shape[2]:
             bad(f"{where}: image", image.shape, f"{shape}, with a box that is always the same")
-        r, box = r + image * box[: shape[2]], None
-    elif box is not None and np.any(sides != "periodic"):
-        box = None
+        r = r + image * box[: shape[2]]
+    elif _own(group, "box") and "periodic" in str(group["box"].attrs.get("boundary", "")):
+        t.refuse_wrapped(where, "image")
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
     times = _times(where, group["position"], shape[0], asked)
     columns = t.columns_of(where, times, r, v, **labels)
-    return t.of_frames(where, [columns], asked, units, box)
+    return t.of_frames(where, [columns], asked, units)
 
 
 def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
@@ -317,7 +316,7 @@ _STYLES = {
 
 def _lammps(path: Path, where: str, asked: Asked) -> Read:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
-    d, frames, boxes, units, head = asked.dimension or 2, [], set(), ("", "", ""), dict[str, Any]()
+    frames, units, head = list[Any](), ("", "", ""), dict[str, Any]()
     lines = _Lines(path, where)
     for line in lines:
         item, *rest = line.removeprefix("ITEM: ").split()
@@ -340,22 +339,19 @@ def _lammps(path: Path, where: str, asked: Asked) -> Read:
             head |= {"low": low, "length": high - low, "periodic": rest[1:]}
         elif item == "ATOMS":
             time = asked.times_of(where, head.get("time"), head.get("step"))
-            frame, wrapped = _lammps_frame(lines, rest, head, asked)
+            frame = _lammps_frame(lines, rest, head, asked)
             frames.append(frame | {"time": np.full(head["count"], time)})
-            periodic = wrapped and head.get("periodic", [])[:d] == ["pp"] * d
-            boxes.add(tuple(head["length"][:d]) if periodic else None)
             head = {}
     if head:
         bad(where, "a last frame without atoms", "whole frames")
-    box = np.array(boxes.pop()) if len(boxes) == 1 and None not in boxes else None
     said = dict(zip(("x", "vx", "time"), units, strict=True))
-    return t.of_frames(where, frames, asked, said, box)
+    return t.of_frames(where, frames, asked, said)
 
 
 def _lammps_frame(
     lines: _Lines, names: list[str], head: Mapping[str, Any], asked: Asked
-) -> tuple[dict[str, Any], bool]:
-    """The columns of one frame, and whether positions may be wrapped."""
+) -> dict[str, Any]:
+    """The columns of one frame."""
     axes = AXES[: asked.dimension or 2]
     kinds = {a: [f"{a}{kind}" for kind in ("u", "su", "", "s")] for a in axes}
     used = {a: next((x for x in every if x in names), every[0]) for a, every in kinds.items()}
@@ -364,6 +360,9 @@ def _lammps_frame(
     kind = [] if asked.type is None else ["element" if "type" not in names else "type"]
     if "length" not in head and (flags or any("s" in name for name in used.values())):
         bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
+    for (axis, name), side in zip(used.items(), head.get("periodic", ()), strict=False):
+        if side == "pp" and "u" not in name and f"i{axis}" not in flags:
+            t.refuse_wrapped(lines.where, "image flags ix, iy")
     table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
     out = {v: table[v] for v in speeds} | {"tracer": table["id"]}
     out |= {"type": table[kind[0]]} if kind else {}
@@ -373,7 +372,7 @@ def _lammps_frame(
             out[axis] = out[axis] * head["length"][k] + head["low"][k]
         if f"i{axis}" in flags:
             out[axis] = out[axis] + table[f"i{axis}"] * head["length"][k]
-    return out, len(flags) < len(axes) and not all("u" in name for name in used.values())
+    return out
 
 
 _PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')
@@ -428,9 +427,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
     kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
     columns = t.columns_of(where, times, place + image * edges, velocity, type=kinds)
-    # image flags that are all 0 may be none: then positions may be wrapped
-    free = np.any(image) or not np.all(edges > 0) or np.any(boxes != boxes[0])
-    return t.of_frames(where, [columns], asked, box=None if free else boxes[0])
+    return t.of_frames(where, [columns], asked)
 
 
 # the ending of a file's name, and the function that reads it

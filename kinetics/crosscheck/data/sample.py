@@ -57,19 +57,6 @@ class Binned(NamedTuple):
     by_group: Counts
 
 
-class FreeFlights(NamedTuple):
-    """Shares of the completed flights in bins of their length or duration, in d or d/U.
-
-    edges (n_bins + 1,); share, error (n_bins,), from so many configurations and flights.
-    """
-
-    edges: Array
-    share: Array
-    error: Array
-    groups: int
-    samples: int
-
-
 class StartBins(NamedTuple):
     """Speeds at time 0 in fine bins, of those that move: mean v^2 in U^2 and tracers, (n_bins,)."""
 
@@ -139,7 +126,6 @@ class Sample:
     speeds, displacements, start : counts in bins, None where unknown
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
     flights : tracers that have flown straight, of the two times at which most of them have
-    free_flights : "free_path" and "free_time", of all flights up to the last time
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
@@ -159,7 +145,6 @@ class Sample:
     grouping: str
     law: Law = Law()
     flights: tuple[Flights, ...] = ()
-    free_flights: Mapping[str, FreeFlights] = field(default_factory=dict)
     free: bool = False
     tabulated: bool = False
     warnings: tuple[str, ...] = ()
@@ -186,15 +171,13 @@ class Sample:
             one and one._replace(edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
         )
-        units = {"free_path": length, "free_time": 1 / factor}
-        flights = {n: x._replace(edges=x.edges / units[n]) for n, x in self.free_flights.items()}
         flown = [
             Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
             for one in self.flights
         ]
         return replace(
             self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
-            free_flights=flights, law=self.law.scaled(speed, length),
+            law=self.law.scaled(speed, length),
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
             start=start and start._replace(squares=start.squares / speed**2),
@@ -428,17 +411,7 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     )  # fmt: skip
     if law.is_driven and not free:
         bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
-    flown, ends = {}, ensemble.statuses
-    # where tracers end before the last time the theory has more flights; none of what is driven
-    whole = ends.finished == ensemble.media * ensemble.tracers and not law.is_driven
-    for one in ("free_path", "free_time") if whole else ():
-        if (key := f"{one}_histogram") in ensemble.outputs:
-            counted, flights = getattr(ensemble, key), stored[f"histograms/{key}/samples"][0, 0]
-            share = counted.probability
-            flown[one] = FreeFlights(
-                counted.edges, share.value[0], share.error[0], ensemble.media, int(flights)
-            )
-    found = replace(found, free=free, told=told, law=law, free_flights=flown)
+    found = replace(found, free=free, told=told, law=law)
     return found.rescaled(1.0, medium.diameter)
 
 

@@ -118,8 +118,8 @@ class Tracks:
     """Tracers at common times; NaN where one is missing.
 
     times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) whole numbers, None where
-    unknown; box (d,) where positions may be wrapped; units that the file states, by "length",
-    "speed" and "time"; file: number of the file, or (n,).
+    unknown; units that the file states, by "length", "speed" and "time"; file: number of the
+    file, or (n,).
     """
 
     times: Any
@@ -127,7 +127,6 @@ class Tracks:
     velocity: Any
     tracer: Any = None
     medium: Any = None
-    box: Any = None
     units: Mapping[str, str] = field(default_factory=dict)
     file: Any = 0
 
@@ -326,7 +325,7 @@ def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any)
 
 def of_frames(
     where: str, frames: Sequence[Mapping[str, Any]], asked: Asked,
-    units: Mapping[str, str] | None = None, box: Any = None,
+    units: Mapping[str, str] | None = None,
 ) -> Tracks:  # fmt: skip
     """Tracks of the columns of frames, by our names; units of x, vx and time."""
     if not frames:
@@ -336,32 +335,12 @@ def of_frames(
     rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
     found = from_columns(where, list(rows), rows, replace(asked, columns=None))
     assert isinstance(found, Tracks)
-    box = None if box is None else np.asarray(box, float)[: found.place.shape[2]]
-    return replace(found, box=box, units=stated(where, units or {}))
+    return replace(found, units=stated(where, units or {}))
 
 
-def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
-    """Continuous positions of tracers in a periodic box, and whether any had been wrapped.
-
-    Where |v| dt is less than half the box, the shortest way is taken; else nothing is changed.
-    """
-    if tracks.box is None or tracks.tracer is None or tracks.times.size < 2:
-        return tracks, False
-
-    def filled(values: Any) -> Any:
-        """With the last value known where a tracer is missing."""
-        rows = pd.DataFrame(values.reshape(len(values), -1))
-        return rows.ffill().bfill().to_numpy().reshape(values.shape)
-
-    gone = np.isnan(tracks.place[..., 0])
-    now = np.where(gone, np.nan, tracks.times[:, None])
-    reach = filled(np.linalg.norm(tracks.velocity, axis=2))[:-1] * (now[1:] - filled(now)[:-1])
-    if np.nanmax(reach, initial=0.0) >= tracks.box.min() / 2:
-        return tracks, False
-    place = np.unwrap(filled(tracks.place), axis=0, period=tracks.box)
-    place[gone] = np.nan
-    crossed = np.nanmax(np.abs(place - tracks.place)) > tracks.box.min() / 2
-    return replace(tracks, place=place), bool(crossed)
+def refuse_wrapped(where: str, flags: str) -> NoReturn:
+    """InputError for positions in a periodic box that may have been wrapped at its edges."""
+    bad(f"{where}: positions", "those in a periodic box", f"unwrapped, or with {flags}")
 
 
 def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Tracks:

@@ -26,10 +26,10 @@ _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", 
 def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
     """Derive the formulas of the report in a process of its own; gives a function that waits.
 
-    It ends with the context; RuntimeError if it fails. None are of a field.
+    It ends with the context; RuntimeError if it fails. A system may have none.
     """
     more: Sequence[str] | None = getattr(system, "algebra", None)
-    if more is None and not system.in_field:
+    if more is None:
         more = () if system.is_papers_law else kept()["algebra"][str(system.dimension)]
     elif not more:
         yield list
@@ -90,10 +90,10 @@ def head(system: Any) -> dict[str, str]:
     has "also", and the "parameter" that `restitutions` are.
     """
     words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
-    if not system.in_field and system.dimension == 3:
+    if system.dimension == 3:
         words = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
-    name = "field" if system.in_field else system.name
-    texts = (text.format(**words) for text in kept()["head"].get(name, kept()["head"]["cooling"]))
+    found = kept()["head"].get(system.name, kept()["head"]["cooling"])
+    texts = (text.format(**words) for text in found)
     names = ("title", "symbols", "units", "also")
     return dict(zip(names, texts, strict=True)) | {"parameter": system.parameter}
 

@@ -52,7 +52,7 @@ POSITION_FORMS = (
 
 def comparisons(results: Results) -> Any:
     """The table of all rows of a report, with `COLUMNS`, in the order of `OBSERVABLES`."""
-    rows, compare = [], _of_cooling if isinstance(results.system, Cooling) else _of_field
+    rows, compare = [], _of_cooling if isinstance(results.system, Cooling) else _of_driven
     for case in results.cases:
         of = {"system": case.system, "dimension": case.dimension, "restitution": case.restitution}
         rows += [of | row for row in compare(case, results.system)]
@@ -134,13 +134,11 @@ def _measured(
     """What a source of a case measured against what somebody says there, called `said`."""
     expected = case.theory[against][observable] if theory is None else theory
     found = case.measured[source][observable]
-    if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
-        found = Measured(found.value, case.differences.get(observable, found.error))
     place, groups = case.places.get(observable), case.runs[source].media
     return estimated(observable, (source, said or against), found, expected, groups, place, note)
 
 
-def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
+def _of_driven(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     (source,) = case.measured
     solver, exact = case.theory[runs.SOLVER], case.theory.get(runs.EXACT, {})
     for name in case.measured[source]:
@@ -150,9 +148,6 @@ def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield _numerical(name, solver[name], theory, system.rtol)
         if name in case.measured[source]:  # those of averages of finite variance
             yield from _measured(case, name, source, runs.EXACT)
-    if case.restitution >= 0.9:  # near the limit
-        for name, value in case.theory.get(runs.LIMIT, {}).items():
-            yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
 
 
 def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
@@ -162,7 +157,6 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     def particles(name: str, note: str = "") -> Iterable[dict[str, Any]]:
         yield from _measured(case, name, free, runs.KINETIC, note)
         yield from _measured(case, name, hard, runs.KINETIC, noted("finite"))
-        yield from _measured(case, name, hard, runs.RESCALED, noted("left"))
 
     def printed(name: str, source: str, against: str = runs.EXACT, **where: Any) -> dict[str, Any]:
         values = (float(np.ravel(theory[who][name])[-1]) for who in (source, against))
@@ -241,10 +235,9 @@ def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     final = runs.bin_average(solved.scaled.reached_vdf, case.dimension)
     change = float(np.max(np.abs(kinetic - final)) / np.max(final))
     note = noted("vdf", least=runs.LEAST_EXPECTED, change=change)
-    for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
-        expected = case.theory[against]["scaled_vdf"]
-        shown = runs.filled(expected, case.samples(run), runs.bin_measure(case.dimension))
-        yield from _measured(case, "scaled_vdf", run, against, note, shown)
+    for run in case.measured:
+        shown = runs.filled(kinetic, case.samples(run), runs.bin_measure(case.dimension))
+        yield from _measured(case, "scaled_vdf", run, runs.KINETIC, note, shown)
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
