@@ -26,10 +26,10 @@ def _output_option(names: str) -> Any:
     "--case", "cases", multiple=True, type=click.Choice(CASES),
     help="Measure this alone; may be repeated. [default: all]",
 )  # fmt: skip
-@_output_option("bench.json, bench.md and work-precision.svg")
+@_output_option("bench.json and bench.md")
 @json_option
 def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: bool) -> None:
-    """Measure every method on the same problems, against references of 1e-12 or better.
+    """Measure the solver against references of 1e-12 or better, and the particles.
 
     Prints Markdown tables: run time for an error, what skipping saves, collisions per second, and
     what failed.

@@ -1,6 +1,5 @@
 """The command `simulate`, which prints estimates with their errors; `merge`, of parts of a run."""
 
-import io
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -30,8 +29,7 @@ KINDS = {
     "PoissonSpheres": "poisson-spheres", "BoltzmannGrad": "boltzmann-grad",
     "Positions": "positions",
 }  # fmt: skip
-OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
-PICTURES = (".png", ".svg", ".pdf")
+OF_THE_MEDIUM = ("medium", "count", "dimension")
 
 
 # fmt: off
@@ -47,9 +45,6 @@ PICTURES = (".png", ".svg", ".pdf")
 @options.mass_option
 @options.density_option
 @option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
-@option("--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
-        help="Scatterers where this file says: columns x and y. Needs --box-side.")
-@option("--box-side", type=float, help="Side of the periodic box of --positions.")
 @option("--dimension", type=int,
         help="Of --medium boltzmann-grad: 2 for disks, as it is if not given, 3 for spheres. Other "
         "media have their own. Densities of spheres are in d^-3.")
@@ -61,7 +56,6 @@ PICTURES = (".png", ".svg", ".pdf")
 @option("--field", type=float, default=0.0,
         help="Uniform acceleration along +x in U^2/d; not among spheres.")
 @options.drive_options
-@option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @options.times_option
 @options.until_option
 @option("--observables", default="", metavar="NAMES",
@@ -71,9 +65,6 @@ PICTURES = (".png", ".svg", ".pdf")
 @option("-o", "--output", type=options.Output(""), metavar="HDF5",
         help="Save here, configuration by configuration; FILE.h5md: positions and velocities as "
         "H5MD, for other programs, written at the end.")
-@option("--picture", type=options.Output(*PICTURES), metavar="FILE",
-        help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
-        ".svg or .pdf.")
 @option("--part", callback=options.part_of, metavar="K/N",
         help="Only the K-th of N parts of the configurations; `lorentz merge` joins the parts.")
 @option("--resume", is_flag=True, help="Go on from --output if it is there.")
@@ -81,9 +72,8 @@ PICTURES = (".png", ".svg", ".pdf")
 @options.workers_option
 @options.json_option
 def simulate(
-    until: float | None, picture: Path | None, number_density: float, times: tuple[float, ...],
-    observables: str, output: Path | None, as_json: bool, viscoelastic: float | None,
-    **arguments: Any,
+    until: float | None, number_density: float, times: tuple[float, ...], observables: str,
+    output: Path | None, as_json: bool, viscoelastic: float | None, **arguments: Any,
 ) -> None:
     """Follow particles from collision to collision; every estimate with its standard error.
 
@@ -114,8 +104,6 @@ def simulate(
             scatterers, times=times or None, observables=names or None, output=output,
             progress=progress, **arguments,
         )  # fmt: skip
-    if picture is not None:
-        write_picture(run, picture)
     if h5md is not None:
         run.write_h5md(h5md)
     _show(run, as_json)
@@ -153,38 +141,19 @@ def _show(run: Any, as_json: bool) -> None:
         click.echo(_text(run))
 
 
-def make_medium(
-    number_density: float, medium: str, count: int, positions: Path | None,
-    box_side: float | None, dimension: int | None,
-) -> Any:  # fmt: skip
+def make_medium(number_density: float, medium: str, count: int, dimension: int | None) -> Any:
     """The medium that the options describe. Raises ValueError where they do not fit."""
     import particles
 
-    if (positions is None) != (box_side is None):
-        raise ValueError("--positions and --box-side: give both or neither")
-    if medium == "boltzmann-grad" and positions is None:
+    if medium == "boltzmann-grad":
         chosen: Any = 2 if dimension is None else dimension
         return particles.BoltzmannGrad(number_density, dimension=chosen)
-    own = 3 if medium.endswith("spheres") and positions is None else 2
+    own = 3 if medium.endswith("spheres") else 2
     if dimension not in (None, own):
         others = "boltzmann-grad" + ", hard-spheres or poisson-spheres" * (own == 2)
         raise ValueError(f"dimension = {dimension}: must be {own} unless the medium is {others}")
-    if positions is not None and box_side is not None:
-        return particles.Positions.from_csv(positions, box_side)
     made = getattr(particles, {kind: name for name, kind in KINDS.items()}[medium])
     return made(number_density, count=count)
-
-
-def write_picture(run: Any, path: Path) -> None:
-    """Draw the paths of the first 8 tracers of the first configuration."""
-    from matplotlib.figure import Figure
-
-    from kinetics.crosscheck.files import write_together
-
-    figure, file = Figure(figsize=(6.4, 6.0), layout="constrained"), io.BytesIO()
-    run.plot_trajectories(min(8, run.tracers), ax=figure.subplots())
-    figure.savefig(file, format=path.suffix[1:].lower(), dpi=160, bbox_inches="tight")
-    write_together(path.parent, {path.name: file.getvalue()})
 
 
 @contextmanager
@@ -208,7 +177,6 @@ def _document(run: Any) -> dict[str, Any]:
     if run.field:
         estimates += ["drift_of_moving", "trapped_fraction", "drift", "mean_velocity"]
         estimates += ["velocity_tensor", "mean_displacement", *DISPERSION]
-    estimates += ["passed", "mean_passage_time"] if run.plan.depth is not None else []
     estimates += ["trapped_fraction"] if run.plan.capture_speed and not run.field else []
     law = ["tangential_restitution", "number_density", "field"]
     law += [name for name in options.DRIVES if getattr(run, name)]
@@ -234,16 +202,12 @@ def _text(run: Any) -> str:
         return f"{what}: {estimate.value:.6g} +- {estimate.error:.2g} {unit}"
 
     lines, heads, values = [], ["t [d/U]"], [run.times]
-    shown, depth = dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
-    shown |= {} if depth is None else {"passed": f"passed {depth:g} d"}
     if run.times.size:
-        for name, head in shown.items():
+        for name, head in (IN_FIELD if run.field else ESTIMATES).items():
             heads += [head, "+-"]
             values += _value_and_error(getattr(run, name)).values()
         lines.append(options.columns(heads, values))
     lines.append(line("mean free path", run.mean_free_path, "d"))
-    if depth is not None and run.times.size:
-        lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))
     names = [name for name in ENDS if name != "captured" or run.capture_speed]
     ends = (f"{getattr(run.statuses, name)} {name}" for name in names)
     return "\n".join([*lines, f"tracers: {', '.join(ends)}"])
