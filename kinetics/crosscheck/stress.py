@@ -2,7 +2,8 @@
 
 A row of the table in `all_cases` is the name of a group, the work of its cases, and the values of
 each argument of the work; every choice of these is a case. The work gives an `Outcome`: the error
-asked for, the error reached, against `digits` known apart from the solver or against a `tighter` solution, and what every answer must keep (`invariants`, `of_particles`).
+asked for, the error reached, against `digits` known apart from the solver or against a `tighter`
+solution, and what every answer must keep (`invariants`, `of_particles`).
 """
 
 import math

@@ -3,7 +3,7 @@
 import math
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -189,22 +189,11 @@ def written(value: Any, digits: int = 6) -> str:
     return f"{mantissa}e{int(exponent)}" if exponent else mantissa
 
 
-def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
-    """A table of numbers, one column per head; what is too wide goes on in a table below."""
-    blocks: list[list[list[str]]] = []
-    for head, column in zip(heads, values, strict=True):
-        texts = [head, *(written(float(x)) for x in column)]
-        texts = [text.rjust(max(map(len, texts))) for text in texts]
-        if not blocks:
-            blocks, first = [[]], texts
-        elif sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
-            blocks.append([first])
-        blocks[-1].append(texts)
-    lines = []
-    for block in blocks:
-        top, *others = ("  ".join(row) for row in zip(*block, strict=True))
-        lines += [click.style(top, bold=True), *others]
-    return "\n".join(lines)
+def table(frame: Any) -> str:
+    """A DataFrame of numbers, its first column repeated where what is too wide goes on below."""
+    first = frame.columns[0]
+    shown = frame.map(written).set_index(first).rename_axis(index=None, columns=first)
+    return str(shown.to_string(line_width=WIDTH)).replace("\\\n", "\n")
 
 
 @contextmanager

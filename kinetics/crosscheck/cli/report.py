@@ -56,7 +56,7 @@ def report(
     disks.
 
     Writes report.html, which needs nothing beside it, report.json with every number in it, and its
-    tables as CSV, and prints a verdict per comparison.
+    tables as CSV, and prints the findings.
     """
     # fmt: on
     from kinetics.crosscheck import report as work
@@ -73,7 +73,6 @@ def report(
         return
     click.echo(found.text())
     click.echo(f"wrote {written[0]} and {len(written) - 1} files beside it")
-    click.echo(found.document["headline"]["line"])
 
 
 _OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")

@@ -201,12 +201,14 @@ def _text(run: Any) -> str:
     def line(what: str, estimate: Any, unit: str) -> str:
         return f"{what}: {estimate.value:.6g} +- {estimate.error:.2g} {unit}"
 
-    lines, heads, values = [], ["t [d/U]"], [run.times]
+    from pandas import DataFrame
+
+    lines, shown = [], {"t [d/U]": run.times}
     if run.times.size:
         for name, head in (IN_FIELD if run.field else ESTIMATES).items():
-            heads += [head, "+-"]
-            values += _value_and_error(getattr(run, name)).values()
-        lines.append(options.columns(heads, values))
+            estimate = getattr(run, name)
+            shown |= {head: estimate.value, f"+- {name}": estimate.error}
+        lines.append(options.table(DataFrame(shown)))
     lines.append(line("mean free path", run.mean_free_path, "d"))
     names = [name for name in ENDS if name != "captured" or run.capture_speed]
     ends = (f"{getattr(run.statuses, name)} {name}" for name in names)

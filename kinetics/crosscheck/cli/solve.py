@@ -173,8 +173,7 @@ def over_time(
 
 def text_over_time(solution: Any, asked: dict[str, Any]) -> str:
     """The same as a table, one row per time, and the status."""
-    frame = rows_of(solution, asked)
-    text = options.columns(list(frame), [frame[head] for head in frame])
+    text = options.table(rows_of(solution, asked))
     return "\n".join([text, *textwrap.wrap(f"status: {solution.message}", options.WIDTH)])
 
 

@@ -55,8 +55,7 @@ def compare_data(
     data : a file, several files (see data.formats.FORMATS), a DataFrame or a dictionary of arrays
         with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and medium,
         (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
-        dimension); a table of averages time, v0, v0_error, msd, msd_error, (n_times,) each; a run
-        of `simulate`, or a Sample
+        dimension); a run of `simulate`, or a Sample
     restitution : 0 to 1, or a function of the impact speed as in a Scene; None: as an Ensemble
         says, or fitted to the data
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
@@ -175,7 +174,6 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
     first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
     note = [_OWN_START] if point.own_start and both.histograms else []
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
-    tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
     parameters = _parameters(both, wrong)
     names = (("restitution", "e"), ("number_density", "ρ₀"))
     fitted = " and ".join(
@@ -187,9 +185,10 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
         verdict=verdict, summary=judge.summary(
             both, tests, verdict, first, start, f"{fitted}, fitted" * bool(fitted),
             _medium_in_words(fits, best)),
-        parameters=parameters, initial=start, samples=tracers, groups=groups,
-        grouping=sample.grouping, names=sample.names, warnings=(*sample.warnings, *note),
-        tests=tests, explanations=tuple(explanations), numbers=rows, medium=point.scatterers,
+        parameters=parameters, initial=start, samples=int(sample.samples.max()),
+        groups=sample.groups, grouping=sample.grouping, names=sample.names,
+        warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
+        numbers=rows, medium=point.scatterers,
         covariance=tuple(map(tuple, best.covariance.tolist())),
     )  # fmt: skip
 
@@ -266,7 +265,7 @@ def _parameters(both: judge.Both, wrong: Explanation | None) -> dict[str, Parame
 
 def _densities(point: Point, sample: Sample) -> dict[str, Solution]:
     """The densities by name, that of the displacement at late times and from a named start."""
-    if sample.tabulated or sample.law.field or point.scatterers != "dilute":
+    if sample.law.field or point.scatterers != "dilute":
         return {}
     later, found = sample.times[sample.times > 0], dict[str, Solution]()
     if not sample.law.smooth_disks:

@@ -18,9 +18,9 @@ from kinetics.crosscheck.compare.fit import Fit, choose, components_of, fit, med
 from kinetics.crosscheck.compare.judge import Both
 from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
-from kinetics.crosscheck.compare.theory import SPEED, Point, SampledStart, bin_shares
+from kinetics.crosscheck.compare.theory import Point, SampledStart
 from kinetics.crosscheck.data.sample import V2, N, Sample
-from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, Verdict, numeral
+from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 
 AGREES_ABOVE = chance(AGREES_BELOW)  # p-value from which on what a cause leaves agrees
 CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
@@ -295,25 +295,9 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
 
 
 def _traps(both: Both) -> Explanation | None:
-    """Tracers at the last time, five at least, that are at rest or eight times slower than the
-    lowest bin: no wrong number, which shifts all speeds a little, puts a tracer there.
-    """
+    """Tracers that have speed zero at some time, which only trapped ones have."""
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
-    binned, found = both.sample.speeds, [h for h in both.histograms if h.name == SPEED]
-    if found and binned is not None:
-        h, density = found[-1], both.densities[SPEED]
-        edges = binned.edges[h.place]
-        cut = int(np.searchsorted(edges, h.edges[1] / 8))
-        at = int(np.argmin(np.abs(density.times - h.time)))
-        count = int(binned.by_group[:, h.place, : cut + 1].sum())
-        expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
-        if count >= 5 and count - expected >= DIFFERS_ABOVE * math.sqrt(max(expected, count)):
-            share, error = (count - expected) / h.samples, math.sqrt(count) / h.samples
-            headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
-            more = f": {count} are slower than {numeral(edges[cut], '.3g')} U, {rest} have speed "
-            more += "zero: caught between scatterers, or stopped by a program."
-            return _found("traps", headline, more, share, error, h.time)
-    more = ": they have speed zero at some time, which only trapped ones have."
+    more = ": caught between scatterers, or stopped by a program."
     return _found("traps", f"{rest} tracers come to rest", more, rest / most) if rest else None
 
 

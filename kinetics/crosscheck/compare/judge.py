@@ -95,11 +95,11 @@ class Both:
         binned = (_histogram(self.sample, densities[name], name, at) for name, at in every)
         self.histograms = list(filter(None, binned))
 
-    def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None, bool]:
+    def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None]:
         """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
         replicates = self.shaped_replicates.reshape(self.sample.groups, -1)
         known = None if self.known is None else self.known[np.ix_(chosen, chosen)]
-        return self.shaped.ravel()[chosen], replicates[:, chosen], known, self.sample.tabulated
+        return self.shaped.ravel()[chosen], replicates[:, chosen], known
 
 
 def with_spread(error: Array, *values: Array) -> NDArray[np.bool_]:
@@ -166,13 +166,12 @@ def _merged(
 def rows_of(both: Both) -> Iterator[Row]:
     """One row per observable and time, and per bin of a density; see `Comparison.rows`."""
     sample = both.sample
-    counts = 0 * sample.samples if sample.tabulated else sample.samples
     for i, name in enumerate(both.names):
         looks = int(both.usable[i].sum())
         for k in np.flatnonzero(both.compared[i]).tolist():
             parts = (sample.times, both.expectation.values[i], both.error[i], both.theory[i])
             time, value, error, theory = (float(part[k]) for part in parts)
-            sigmas, corrected, count = None, None, int(counts[k])
+            sigmas, corrected, count = None, None, int(sample.samples[k])
             if both.usable[i, k]:
                 sigmas = float(both.difference[i, k] / error)
                 shaped, groups = float(both.sigmas[i, k]), float(both.effective[i, k])
@@ -223,10 +222,8 @@ def _over_times(both: Both, i: int) -> ChiSquare | None:
     times = np.flatnonzero(both.usable[i])
     if not times.size:
         return None
-    difference, replicates, known, _ = both.flat(times + i * both.sample.times.size)
+    difference, replicates, known = both.flat(times + i * both.sample.times.size)
     error = both.error[i, times]
-    if both.sample.tabulated:
-        return statistics.of_the_worst(difference / error)
     effective = float(statistics.effective_groups(replicates).mean())
     count = min(times.size, statistics.most_freedom(int(effective)))
     together = np.zeros((count, times.size))
@@ -283,10 +280,10 @@ def summary(
     plain = dict.fromkeys(numbers, 0.0) | {"e": None, "e_t": 1.0, "M/m": math.inf}
     shown = {n: v if callable(v) else numeral(v, ".6g") for n, v in numbers.items()}
     told = [f"{n} = {shown[n]}" for n, v in numbers.items() if v != plain[n]]
-    data = "A table of averages" if sample.tabulated else f"{int(sample.samples.max())} tracers"
     first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
-    answer += f" {data} at {sample.times.size} times from {first} to {last} d/U, compared with the "
-    answer += f"kinetic equation with {', '.join(told)}, from {start}. {medium}"
+    answer += f" {int(sample.samples.max())} tracers at {sample.times.size} times from {first} to "
+    answer += f"{last} d/U, compared with the kinetic equation with "
+    answer += f"{', '.join(told)}, from {start}. {medium}"
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     if odd:
         t = min(odd, key=lambda test: test.p_value)

@@ -240,10 +240,10 @@ def steadied(expectation: Expectation, theory: Array, replicates: Array) -> Arra
     Of 500 tracers few make <r^8>, and most samples miss them: three in four errors are too small.
     The model is good to 20 % (0.98 to 1.28 of the error that 400 samples have), as if from ten
     groups; the mean is by groups, of the data effective ones (Smyth, Stat. Appl. Genet. Mol. Biol.
-    3, 3 (2004)). Replicates of a table are made up, and stay.
+    3, 3 (2004)).
     """
     found, sample = stabilised(expectation.names, theory, replicates), expectation.sample
-    if "kurtosis" not in expectation.names or sample.tabulated:
+    if "kurtosis" not in expectation.names:
         return found
     k, d = expectation.names.index("kurtosis"), sample.law.dimension
     x, wider = theory[k], theory[k] / sample.law.gaussian - 1

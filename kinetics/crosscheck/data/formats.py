@@ -22,7 +22,7 @@ from kinetics.crosscheck.data.sample import Sample, read_ensemble
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
 from kinetics.errors import InputError, short
 
-Read = Tracks | t.Averages | Sample
+Read = Tracks | Sample
 # arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)
 FRAMES = ("times", "positions", "velocities")
 # bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
@@ -30,7 +30,7 @@ _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
 
 def read(source: Path | t.Table, asked: Asked) -> Read:
-    """Tracks, a table of averages or a Sample, from a file or from columns; or InputError."""
+    """Tracks or a Sample, from a file or from columns; or InputError."""
     where = t.name_of(source)
     try:
         if isinstance(source, t.Table):
@@ -105,7 +105,7 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                     require_memory(where, float(batch.nbytes * len(batches)))
                 table = pa.Table.from_batches(batches)
                 columns = {name: table.column(name).to_numpy() for name in kinds}
-                if "x" not in found or all(np.isfinite(columns[name]).all() for name in numbers):
+                if all(np.isfinite(columns[name]).all() for name in numbers):
                     return t.from_columns(where, names, columns, asked)
         file.seek(start)
         texts = ((line, raw.decode("utf-8", "replace").strip("\r\n")) for line, raw in lines)

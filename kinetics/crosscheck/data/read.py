@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data.formats import read
-from kinetics.crosscheck.data.sample import Law, Sample, of_averages, reduced, size_of_vectors
-from kinetics.crosscheck.data.tracks import Asked, Averages, Table, Tracks, bad, joined, name_of
+from kinetics.crosscheck.data.sample import Law, Sample, reduced, size_of_vectors
+from kinetics.crosscheck.data.tracks import Asked, Table, Tracks, bad, joined, name_of
 from kinetics.crosscheck.data.units import are_mixed, are_own
 from kinetics.crosscheck.words import numeral
 
@@ -36,14 +36,10 @@ def read_sample(
             print(f"file {k} of {len(sources)}", end="\r", file=sys.stderr)
         parts.append(read(source, asked))
         if len(sources) > 1 and not isinstance(parts[-1], Tracks):
-            bad(names[k - 1], "an Ensemble or a table of averages of several", "the only file")
+            bad(names[k - 1], "an Ensemble of several", "the only file")
     names, law = tuple(where.split(", ")), Law(dimension=asked.dimension or 2)
     if isinstance(parts[0], Sample):
         return parts[0]
-    if isinstance(parts[0], Averages):
-        if asked.with_field:
-            bad("field", "a table of averages", "0 for it")
-        return _scaled(of_averages(parts[0], names, law), asked, parts[0].units)
     tracks, warnings = _displacements(parts, names, asked)
     sample, more = _grouped(tracks, names, asked)
     # tracers of one flight share |r|/(|v| t) only at their own times

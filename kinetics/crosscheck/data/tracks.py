@@ -28,14 +28,6 @@ ALIASES = {
     "medium": ("configuration", "config", "replica", "realisation", "realization", "sample"),
     "type": ("species", "element"),
 }
-# averages that a table of averages may have, and other names of them
-AVERAGES = {
-    "thermal_speed": ("v0", "v_0", "v0(t)"), "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
-    "a2": ("a_2",), "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"), "kurtosis": (),
-}  # fmt: skip
-_ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")  # endings of names of errors
-# averages without errors that are read: as a Solution writes their heads
-SOLVED = {"thermal_speed": "thermal_speed [u]", "msd": "msd [d^2]"}
 MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
 SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
 
@@ -131,13 +123,6 @@ class Tracks:
     file: Any = 0
 
 
-class Averages(NamedTuple):
-    """A table of averages: "time", averages and, behind "error of ", their errors, (n,) each."""
-
-    columns: Mapping[str, Any]
-    units: Mapping[str, str]
-
-
 class Table(NamedTuple):
     """Columns in memory that take the place of a file."""
 
@@ -169,8 +154,6 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
     """The place of each known column; InputError where one is missing or stands twice."""
     plain = [str(name).strip(" \t\"'").lower() for name in names]
     bare = [split_unit(name)[0] for name in plain]
-    if averages := _find_averages(bare, plain, asked):
-        return averages
     d = asked.dimension or 2
     needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
     found: dict[str, int] = {}
@@ -191,35 +174,17 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
     return found
 
 
-def _find_averages(bare: Sequence[str], plain: Sequence[str], asked: Asked) -> dict[str, int]:
-    """The places of the columns of a table of averages; empty where it is none."""
-    if any(name in bare or name in asked.columns for name in ("x", "vx", *ALIASES["x"])):
-        return {}
-    told = (asked.columns.get("time"), "time", *ALIASES["time"])
-    times = [k for k, one in enumerate(bare) if one in told]
-    found: dict[str, int] = {"time": times[0]} if times else {}
-    for name, others in AVERAGES.items() if found else ():
-        for one in (name, *others):
-            errors = [f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare]
-            if one in bare and errors:
-                found |= {name: bare.index(one), f"error of {name}": bare.index(errors[0])}
-            elif one in SOLVED and SOLVED[one] in plain:  # `lorentz solve` wrote it: no errors
-                found[name] = plain.index(SOLVED[one])
-    return found if len(found) > 1 else {}
-
-
 def from_columns(
     where: str, names: Sequence[str], columns: Mapping[Any, Any], asked: Asked
-) -> Tracks | Averages:
-    """Tracks or averages: names of all columns, and those (n,) that `find_columns` finds."""
+) -> Tracks:
+    """Tracks: names of all columns, and those (n,) that `find_columns` finds."""
     found = find_columns(where, names, asked)
     values = {ours: _column(where, ours, columns[names[k]]) for ours, k in found.items()}
     units = stated(where, {ours: split_unit(names[k])[1] for ours, k in found.items()})
     if len(sizes := {len(column) for column in values.values()}) > 1 or not min(sizes):
         some = "columns that differ in length" if len(sizes) > 1 else "no rows"
         bad(where, some, "one length, of two rows at least")
-    # averages may be NaN where they are not known
-    for name in ("time", *AXES, *SPEEDS) if "x" in values else ("time",):
+    for name in ("time", *AXES, *SPEEDS):
         if name in values and not np.all(good := np.isfinite(values[name])):
             k = int(np.argmin(good))
             who = f"row {k}"
@@ -227,8 +192,6 @@ def from_columns(
                 who = f"tracer {np.asarray(columns[names[found['tracer']]])[k]}"
                 who += f" at time {values['time'][k]:g}"
             bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
-    if "x" not in values:
-        return Averages(values, units)
     if asked.type is not None:
         texts = np.asarray(values.pop("type")).astype(str)
         chosen = texts == str(asked.type)
@@ -334,7 +297,6 @@ def of_frames(
     # tracers without any number have ended
     rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
     found = from_columns(where, list(rows), rows, replace(asked, columns=None))
-    assert isinstance(found, Tracks)
     return replace(found, units=stated(where, units or {}))
 
 
