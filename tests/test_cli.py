@@ -18,11 +18,8 @@ import xarray
 
 import particles
 from kinetics import (
-    Beam,
-    Monoenergetic,
     ScalingSolution,
     Scene,
-    SpeedTable,
     Viscoelastic,
     cli,
     load,
@@ -49,27 +46,22 @@ BAD_INPUT = [
     ("report --free-tracers 1", "free_tracers 1"),
     ("report --workers 0", "workers 0"),
     ("report --field -e 1", "restitutions 1"),
-    ("report --field --media 9", "media --field"),
+    ("report --field --media 9", "media --system field"),
     ("nonsense", "nonsense"),
     ("solve --times -1,1", "times -1"),
     ("solve --times 1,two", "times two"),
     ("solve --times 1:10", "times 1:1e6:50"),
     ("solve --times 1,2" + "x" * 5000, "times 1,2x"),
     ("solve --until 5 --times 1,2", "times"),
-    ("solve --outputs msd,speed_density", "outputs speed_density"),
     ("solve --radii 1,-2", "radii -2"),
     ("solve --speeds 1,,2", "speeds"),
     ("solve --initial cold", "initial cold"),
-    ("solve --initial a.csv", "initial a.csv"),
     ("solve --initial rest", "initial rest"),
-    ("solve --speed 2", "speed beam"),
     ("solve -o a.xlsx", ".csv .nc .h5"),
     ("solve --scaled -e 1", "restitution 1"),
     ("solve --scaled --times 1,2", "times --scaled"),
     ("solve --field-steady --scaled", "field_steady"),
     ("solve --field-steady --scatterers overlapping", "scatterers"),
-    ("solve --field-steady --field-units 0,1,1", "field_units"),
-    ("solve --field-units 1,2,3", "field_units"),
     ("solve --field 1 --outputs kurtosis", "outputs kurtosis"),
     ("solve --steady", "bath_speed 0"),
     ("solve --steady --heating 1 --times 1", "times --steady"),
@@ -81,10 +73,8 @@ BAD_INPUT = [
     ("simulate --number-density 5", "number_density 5"),
     ("simulate --times 3,2", "times"),
     ("simulate --medium glass", "medium glass"),
-    ("simulate --box-side 9", "--box-side"),
     ("simulate --resume", "resume output"),
     ("simulate --resume -o a.h5md", "resume"),
-    ("simulate --picture a.gif", "picture .png"),
     ("simulate --medium hard-spheres --dimension 2", "dimension 2"),
     ("simulate --medium hard-spheres --field 1", "field 1"),
     ("simulate --count 1000000000000", "memory"),
@@ -179,7 +169,7 @@ def test_solve_prints_a_table_or_one_json_document(lorentz: Any) -> None:
     assert document["status"] == "converged"
     assert document["msd"] == expected.msd.tolist()
     lines = lorentz("solve", "-e", "0.5", "--times", "1,10").splitlines()
-    assert " ".join(lines[0].split()) == "t [d/U] v0 [U] a2 <r^2> [d^2]"
+    assert " ".join(lines[0].split()) == "time [d/U] thermal_speed [U] a2 msd [d^2]"
     assert [float(x) for x in lines[2].split()] == pytest.approx(
         [10.0, expected.thermal_speed[2], expected.a2[2], expected.msd[2]], rel=1e-5
     )
@@ -188,15 +178,20 @@ def test_solve_prints_a_table_or_one_json_document(lorentz: Any) -> None:
 def test_solve_prints_what_is_asked_for(lorentz: Any) -> None:
     more = ["--outputs", "kurtosis", "--radii", "0,1", "--wave-numbers", "0.0,0.1"]
     arguments = ["solve", "-e", "0.5", "--times", "0,100", "--rtol", "1e-3", *more]
-    found = lorentz.json(*arguments, "--collision-numbers", "1,5")
+    found = lorentz.json(*arguments)
     assert "msd" not in found
     assert found["kurtosis"][1] > 2.0
     assert found["scaled_position_density"][1][0] == 0.0
     assert 0.5 < found["scaled_position_density"][1][1] < 0.7
     assert found["intermediate_scattering"][0] == [1.0, 1.0]
-    assert found["by_collision"]["collision_numbers"] == [1, 5]
     text = lorentz(*arguments)
-    assert all(head in text for head in ("<r^4>", "G(1)", "F(0.1/d)", "status: "))
+    heads = (
+        "kurtosis",
+        "scaled_position_density(R=1)",
+        "intermediate_scattering(k=0.1)",
+        "status: ",
+    )
+    assert all(head in text for head in heads)
 
 
 def test_solve_scaled(lorentz: Any) -> None:
@@ -211,14 +206,12 @@ def test_solve_scaled(lorentz: Any) -> None:
 
 def test_solve_the_steady_state_in_a_field(lorentz: Any) -> None:
     arguments = ("solve", "--field-steady", "-e", "0.5", "--dimension", "3", "--rtol", "1e-4")
-    found = lorentz.json(*arguments, "--field-units", "9.81,0.001,1e8", "-o", "a.csv")
+    found = lorentz.json(*arguments, "-o", "a.csv")
     state = solve_field(0.5, 3, rtol=1e-4)
     assert found["drift"] == state.drift
     assert found["diffusion_parallel"] == state.diffusion_parallel
     assert found["status"] == "converged"
     assert found["plan"][0]["part"] == "angular harmonics"
-    path = 1.0 / (math.pi * 1e-6 * 1e8)
-    assert found["in_units"]["drift"] == pytest.approx(state.drift * math.sqrt(9.81 * path))
     assert rows_of("a.csv")[0]["drift [sqrt(g l)]"] == pytest.approx(state.drift)
     assert f"drift                    {state.drift:.13g}" in lorentz(*arguments)
 
@@ -256,22 +249,7 @@ def test_solve_averages_over_time_in_a_field(lorentz: Any) -> None:
     assert found["field"] == 0.08
     assert found["mean_velocity"][1][0] == pytest.approx(solve_field(0.7).drift, rel=1e-4)
     heads = lorentz(*arguments).splitlines()[0]
-    assert all(head in heads for head in ("<v_x> [U]", "var(x) [d^2]", "collisions"))
-
-
-def test_starts_from_the_command_line(lorentz: Any) -> None:
-    Path("start.csv").write_text("speed,density\n0,0\n1,1\n2,0\n")
-    for options, initial in (
-        (["--initial", "beam", "--speed", "2", "--direction", "1"], Beam(1.0, Monoenergetic(2.0))),
-        (["--initial", "monoenergetic", "--speed", "0.5"], Monoenergetic(0.5)),
-        (["--initial", "start.csv"], SpeedTable([0, 1, 2], [0, 1, 0])),
-    ):
-        expected = solve(Scene(0.7, initial=initial, times=[10.0], outputs="msd")).msd
-        found = lorentz.json("solve", *options, "--times", "10", "--outputs", "msd")
-        assert found["msd"] == expected.tolist()
-    for text in ("0,0\n1,one\n", "0,0\n", "\x00", "0;0\n1;1\n"):
-        Path("start.csv").write_text(text)
-        assert "start.csv" in lorentz.refused("solve", "--initial", "start.csv")
+    assert all(head in heads for head in ("mean_velocity_x [U]", "collisions"))
 
 
 def rows_of(path: str) -> list[dict[str, float]]:
@@ -303,22 +281,6 @@ def test_files_that_hold_the_whole_result(lorentz: Any) -> None:
         assert dataset.msd.values.tolist() == msd
         assert dataset.msd.attrs["units"] == "d^2"
     assert sorted(os.listdir()) == ["A.H5", "a.nc"]
-
-
-@pytest.mark.parametrize("arguments", [(*SOLVE, "--speeds", "0.1,1"), ("solve", "--scaled")])
-def test_a_picture_of_a_solution(lorentz: Any, arguments: tuple[str, ...]) -> None:
-    plain = lorentz(*arguments)
-    for name in ("a.png", "a.svg"):
-        assert lorentz(*arguments, "-o", name) == plain
-        assert Path(name).stat().st_size > 5_000
-
-
-def test_a_picture_of_a_run(lorentz: Any) -> None:
-    arguments = ("simulate", "--media", "2", "--count", "400", "--tracers", "3", "--until", "50")
-    plain = lorentz(*arguments)
-    for name in ("a.png", "a.svg"):
-        assert lorentz(*arguments, "--picture", name) == plain
-        assert Path(name).stat().st_size > 10_000
 
 
 def test_the_file_of_a_run_holds_what_python_gives(lorentz: Any) -> None:
@@ -376,34 +338,21 @@ def test_media(lorentz: Any, options: str, medium: Any) -> None:
     assert found["statuses"]["finished"] == 6
 
 
-def test_scatterers_from_a_file(lorentz: Any) -> None:
-    Path("disks.csv").write_text("x,y\n3,3\n1,8\n8,2\n")
-    arguments = ["simulate", "--positions", "disks.csv", "--media", "2", "--times", ""]
-    found = lorentz.json(*arguments, "--max-collisions", "9", "--box-side", "10")
-    assert (found["number_density"], found["medium"]) == (0.03, "positions")
-    assert found["statuses"]["collision_cap"] == 200
-    assert "mean free path" in lorentz(*arguments, "--max-collisions", "9", "--box-side", "10")
-    Path("disks.csv").write_bytes(bytes(range(256)))
-    assert "disks.csv" in lorentz.refused(*arguments, "--box-side", "10")
-
-
 def test_a_run_in_a_field(lorentz: Any) -> None:
     arguments = (
         "simulate", "--medium", "boltzmann-grad", "-e", "0.6", "--number-density", "0.5",
-        "--initial", "rest", "--field", "1.5", "--depth", "2", "--times", "0,1,40", "--media", "4",
-        "--tracers", "50",
+        "--initial", "rest", "--field", "1.5", "--times", "0,1,40", "--media", "4", "--tracers",
+        "50",
     )  # fmt: skip
     printed = lorentz.json(*arguments)
     times = [0.0, 1.0, 40.0]
-    run = simulate(
-        BoltzmannGrad(0.5), 0.6, "rest", times, media=4, tracers=50, field=1.5, depth=2.0
-    )
-    names = "drift drift_of_moving trapped_fraction velocity_tensor mean_displacement passed"
-    for name in (*names.split(), "dispersion_parallel", "mean_passage_time"):
+    run = simulate(BoltzmannGrad(0.5), 0.6, "rest", times, media=4, tracers=50, field=1.5)
+    names = "drift drift_of_moving trapped_fraction velocity_tensor mean_displacement"
+    for name in (*names.split(), "dispersion_parallel"):
         assert np.array_equal(printed[name]["value"], getattr(run, name).value), name
         assert np.array_equal(printed[name]["error"], getattr(run, name).error), name
     out = lorentz(*arguments)
-    assert all(text in out for text in ("<v_x> [U]", "passed 2 d", "first passage"))
+    assert "<v_x> [U]" in out
 
 
 def test_scatterers_that_a_collision_sets_in_motion(lorentz: Any) -> None:
@@ -438,27 +387,21 @@ def run(*arguments: str, **keywords: Any) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminal")
-def test_progress_and_colour_are_shown_on_a_terminal_only() -> None:
+def test_progress_is_shown_on_a_terminal_only() -> None:
     import fcntl
     import pty
     import struct
     import termios
 
-    def shown(stream: str, *arguments: str) -> tuple[str, Any]:
-        master, terminal = pty.openpty()
-        fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 100, 0, 0))
-        done = run(*arguments, **{stream: terminal}, env=os.environ | {"TERM": "xterm-256color"})
-        os.close(terminal)
-        text = os.read(master, 100_000).decode()
-        os.close(master)
-        return text, done
-
-    text, done = shown("stderr", *TINY, "--json")
+    master, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 100, 0, 0))
+    done = run(*TINY, "--json", stderr=terminal, env=os.environ | {"TERM": "xterm-256color"})
+    os.close(terminal)
+    text = os.read(master, 100_000).decode()
+    os.close(master)
     assert "/2" in text
     assert json.loads(done.stdout)["tracers"] == 3
     assert run(*TINY, "--json").stderr == ""
-    text, _ = shown("stdout", *TINY)
-    assert "\x1b[1m" in text
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")

@@ -12,7 +12,6 @@ from kinetics.crosscheck.compare.statistics import (
     errors,
     hotelling,
     log_widening,
-    of_the_worst,
     pearson,
     whitening,
 )
@@ -78,12 +77,6 @@ def test_pearson_is_the_chi_square_of_counts() -> None:
     assert found is not None
     assert (found.value, found.freedom) == (pytest.approx(wanted.statistic), 2)
     assert found.p_value == pytest.approx(wanted.pvalue)
-
-
-def test_the_worst_of_many_looks() -> None:
-    found = of_the_worst(np.array([0.5, -3.0, 1.0]))
-    assert found.p_value == pytest.approx(3 * 2 * stats.norm.sf(3.0))
-    assert stats.chi2.sf(found.value, 1) == pytest.approx(found.p_value)
 
 
 def test_an_error_of_the_theory_is_added_and_counted() -> None:
