@@ -73,7 +73,7 @@ def test_another_package_of_the_same_name_is_named_in_one_line(tmp_path: Path) -
     for arguments, status, out in (
         (["simulate", "--media", "2", "--times", "1"], 2, ""),
         (["--version"], 0, "lorentz, version"),
-        (["solve", "--times", "1"], 0, "t [d/U]"),  # needs no particles, and says nothing
+        (["solve", "--times", "1"], 0, "time [d/U]"),  # needs no particles, and says nothing
     ):
         done = subprocess.run(
             [sys.executable, "-c", run, *arguments], env=environment, cwd=tmp_path,

@@ -16,12 +16,10 @@ from kinetics.crosscheck import stress
 from kinetics.crosscheck.stress import (
     ACCEPTED,
     BROKEN,
-    CAREFUL,
     HOLDS,
     LONGEST,
     MISSED,
     SAYS_SO,
-    SLOW,
     Case,
     Outcome,
     all_cases,
@@ -38,17 +36,13 @@ from kinetics.crosscheck.stress import (
         (Outcome(1e-8, 1e-9), 0.0, HOLDS),
         (Outcome(1e-8, 2e-8), 0.0, MISSED),
         (Outcome(1e-8, 2e-8, converged=False), 0.0, SAYS_SO),
-        (Outcome(1e-8, 1e-9, converged=False), 0.0, CAREFUL),
-        (Outcome(1e-8, 1e-9, converged=False, known_to=1e-8), 0.0, SAYS_SO),
-        (Outcome(1e-8, 2e-8, known_to=1.0), 0.0, MISSED),
         (Outcome(converged=False), 0.0, SAYS_SO),
         (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (1e-12, 1e-13)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (math.nan, 1.0)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 0.0)}), 0.0, HOLDS),
         (Outcome(), 0.0, HOLDS),
-        (Outcome(1e-8, 1e-9), 2 * LONGEST, SLOW),
-        (Outcome(1e-8, 2e-8), 2 * LONGEST, MISSED),
+        (Outcome(1e-8, 1e-9), 2 * LONGEST, BROKEN),
     ],
 )
 def test_judge(outcome: Outcome, seconds: float, expected: str) -> None:
@@ -72,19 +66,10 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
     ]  # fmt: skip
 
 
-def test_the_worst_invariant_is_shown() -> None:
-    kept = {"a": (1e-3, 1.0), "b": (1e-14, 1e-13), "c": (0.0, 0.0)}
+def test_what_is_violated_is_shown() -> None:
+    kept = {"a": (1e-3, 1.0), "b": (math.nan, 0.0)}
     case = attempt(Case("g", "n", lambda: Outcome(invariants=kept)))
-    assert [case[n] for n in ("invariant", "violation", "allowed")] == ["b", 1e-14, 1e-13]
-    broken = {"a": (math.nan, 0.0), "b": (9.0, 1.0)}
-    case = attempt(Case("g", "n", lambda: Outcome(invariants=broken)))
-    assert (case["verdict"], case["invariant"]) == (BROKEN, "a")
-
-
-@pytest.mark.parametrize("quick", [True, False])
-def test_cases_have_names_of_their_own(quick: bool) -> None:
-    names = [(case.group, case.name) for case in all_cases(quick)]
-    assert len(set(names)) == len(names)
+    assert (case["verdict"], case["invariant"]) == (BROKEN, "b")
 
 
 def named(group: str, *parts: str) -> Case:
@@ -208,7 +193,7 @@ def test_the_command(made_up: list[Case], tmp_path: Any, capsys: Any) -> None:
     assert [c["verdict"] for c in document["cases"]] == [HOLDS, MISSED, BROKEN]
     assert json.loads((tmp_path / "out" / "stress.json").read_text()) == document
     page = (tmp_path / "out" / "stress.md").read_text()
-    assert all(word in page for word in ("wrong", "not finite", "fine"))
+    assert all(word in page for word in ("wrong", "not finite"))
     assert kinetics.cli.main(["stress"]) == 1
     assert "wrong" in capsys.readouterr().out
     made_up[1:] = []
