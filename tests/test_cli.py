@@ -26,7 +26,7 @@ from kinetics import (
     solve,
     solve_field,
 )
-from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, PoissonSpheres, simulate
+from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, simulate
 
 SOLVE = ("solve", "--times", "1:1e4:3")
 TINY = ("simulate", "--medium", "boltzmann-grad", "--media", "2", "--tracers", "3")
@@ -38,63 +38,38 @@ BAD_INPUT = [
     ("report -e 1.5", "restitution 1.5"),
     ("report -e 0.5 -e 0.5", "restitutions 0.5"),
     ("report -t 1 -t 2", "until 2"),
-    ("report --dimension 4", "dimension 4"),
-    ("report --tangential-restitution 2", "tangential_restitution 2"),
-    ("report --number-density -1", "number_density -1"),
     ("report --number-density 0.9", "number_density 0.9"),
-    ("report --media 1", "media 1"),
-    ("report --free-tracers 1", "free_tracers 1"),
-    ("report --workers 0", "workers 0"),
     ("report --field -e 1", "restitutions 1"),
     ("report --field --media 9", "media --system field"),
     ("nonsense", "nonsense"),
     ("solve --times -1,1", "times -1"),
     ("solve --times 1,two", "times two"),
-    ("solve --times 1:10", "times 1:1e6:50"),
     ("solve --times 1,2" + "x" * 5000, "times 1,2x"),
     ("solve --until 5 --times 1,2", "times"),
-    ("solve --radii 1,-2", "radii -2"),
-    ("solve --speeds 1,,2", "speeds"),
     ("solve --initial cold", "initial cold"),
     ("solve --initial rest", "initial rest"),
     ("solve -o a.xlsx", ".csv .nc .h5"),
     ("solve --scaled -e 1", "restitution 1"),
     ("solve --scaled --times 1,2", "times --scaled"),
     ("solve --field-steady --scaled", "field_steady"),
-    ("solve --field-steady --scatterers overlapping", "scatterers"),
-    ("solve --field 1 --outputs kurtosis", "outputs kurtosis"),
     ("solve --steady", "bath_speed 0"),
     ("solve --steady --heating 1 --times 1", "times --steady"),
-    ("solve --steady --heating 1 --number-density 1", "number-density --steady"),
-    ("solve --scaled --drag 1", "drag --scaled"),
-    ("solve --bath-speed -1", "bath_speed -1"),
     ("solve --heating 1 --outputs kurtosis", "outputs kurtosis"),
     ("solve -e 0.5 --viscoelastic 0.4", "restitution --viscoelastic"),
-    ("simulate --number-density 5", "number_density 5"),
     ("simulate --times 3,2", "times"),
-    ("simulate --medium glass", "medium glass"),
     ("simulate --resume", "resume output"),
     ("simulate --resume -o a.h5md", "resume"),
     ("simulate --medium hard-spheres --dimension 2", "dimension 2"),
-    ("simulate --medium hard-spheres --field 1", "field 1"),
     ("simulate --count 1000000000000", "memory"),
     ("simulate --mass-ratio 2 --times 1", "mass_ratio HardDisks"),
-    ("simulate --mass-ratio 0 --times 1 --medium boltzmann-grad", "mass_ratio 0.0"),
     ("simulate --part 3", "part 3 K/N"),
-    ("simulate --part 0/3 --times 1", "part (0, 3)"),
     ("merge -o a.h5", "HDF5"),
-    ("merge no.h5 -o a.h5", "no.h5"),
-    ("solve --mass-ratio nan", "mass_ratio nan"),
     ("solve --mass-ratio 2 --scatterers overlapping", "mass_ratio 2.0 scatterers"),
-    ("solve --mass-ratio 2 --tangential-restitution .5 --scaled", "mass_ratio 2.0"),
-    ("explore -o a.txt", "output .html"),
     ("explore -o no/such/a.html", "no/such"),
     ("derive --only nonsense", "nonsense"),
-    ("derive --search nonsense", "search nonsense"),
     ("derive --list --only B15", "only list"),
     ("bench --case nonsense", "nonsense"),
     ("stress --group nonsense", "groups nonsense"),
-    ("stress --quick extra", "extra"),
 ]
 
 
@@ -141,24 +116,16 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
-def test_every_option_has_help(name: str) -> None:
+def test_help_tells_of_every_option_and_ends_with_an_example(lorentz: Any, name: str) -> None:
     command = cli.cli.get_command(click.Context(cli.cli), name)
     assert command is not None
-    assert command.help
     assert command.get_short_help_str()
-    for parameter in command.params:
-        # what an argument is, the command's own text says: click has no help for arguments
-        assert not isinstance(parameter, click.Option) or parameter.help, parameter.name
-
-
-@pytest.mark.parametrize("name", cli.COMMANDS)
-def test_help_ends_with_an_example_whose_options_are_known(lorentz: Any, name: str) -> None:
+    # what an argument is, the command's own text says: click has no help for arguments
+    assert all(p.help for p in command.params if isinstance(p, click.Option))
     _, example = lorentz(name, "--help").split("Example:\n")
     assert example.count("\n") == 1
     first, told, *arguments = shlex.split(example)
     assert (first, told) == ("lorentz", name)
-    command = cli.cli.get_command(click.Context(cli.cli), name)
-    assert command is not None
     assert command.make_context(name, arguments).params
 
 
@@ -320,52 +287,35 @@ def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
     assert (document["initial"], document["restitution"], document["viscoelastic"]) == (None,) * 3
 
 
-@pytest.mark.parametrize(
-    ("options", "medium"),
-    [
+def test_media(lorentz: Any) -> None:
+    for options, medium in (
         ("--medium boltzmann-grad --dimension 3", BoltzmannGrad(0.04, dimension=3)),
         ("--medium hard-spheres --count 100", HardSpheres(0.04, count=100)),
-        ("--medium poisson-spheres --count 100", PoissonSpheres(0.04, count=100)),
-        ("--medium hard-disks --count 100", HardDisks(0.04, 100)),
-    ],
-)
-def test_media(lorentz: Any, options: str, medium: Any) -> None:
-    found = lorentz.json(*TINY, *options.split())
-    expected = simulate(medium, 0.7, times=[1, 9], media=2, tracers=3)
-    assert found["medium"] == options.split()[1]
-    assert found["dimension"] == medium.dimension
-    assert found["msd"] == {n: getattr(expected.msd, n).tolist() for n in ("value", "error")}
-    assert found["statuses"]["finished"] == 6
+    ):
+        found = lorentz.json(*TINY, *options.split())
+        expected = simulate(medium, 0.7, times=[1, 9], media=2, tracers=3)
+        assert (found["medium"], found["dimension"]) == (options.split()[1], 3)
+        assert found["msd"]["value"] == expected.msd.value.tolist()
 
 
 def test_a_run_in_a_field(lorentz: Any) -> None:
-    arguments = (
-        "simulate", "--medium", "boltzmann-grad", "-e", "0.6", "--number-density", "0.5",
-        "--initial", "rest", "--field", "1.5", "--times", "0,1,40", "--media", "4", "--tracers",
-        "50",
-    )  # fmt: skip
-    printed = lorentz.json(*arguments)
-    times = [0.0, 1.0, 40.0]
+    told = "--medium boltzmann-grad --number-density 0.5 --initial rest --field 1.5 --times 0,1,40"
+    arguments = ("simulate", "-e", "0.6", *told.split(), "--media", "4", "--tracers", "50")
+    printed, times = lorentz.json(*arguments), [0.0, 1.0, 40.0]
     run = simulate(BoltzmannGrad(0.5), 0.6, "rest", times, media=4, tracers=50, field=1.5)
-    names = "drift drift_of_moving trapped_fraction velocity_tensor mean_displacement"
-    for name in (*names.split(), "dispersion_parallel"):
+    for name in ("drift", "trapped_fraction", "mean_displacement", "dispersion_parallel"):
         assert np.array_equal(printed[name]["value"], getattr(run, name).value), name
         assert np.array_equal(printed[name]["error"], getattr(run, name).error), name
-    out = lorentz(*arguments)
-    assert "<v_x> [U]" in out
+    assert "<v_x> [U]" in lorentz(*arguments)
 
 
 def test_scatterers_that_a_collision_sets_in_motion(lorentz: Any) -> None:
     exact = ScalingSolution(1.0, dimension=3, mass_ratio=0.5)
     found = lorentz.json("solve", *LIGHT, "--dimension", "3", "--scaled")
     assert found["cooling_rate"] == pytest.approx(exact.cooling_rate, rel=1e-10)
-    found = lorentz.json("solve", *LIGHT, "--field-steady")
-    assert found["drift"] == pytest.approx(solve_field(1.0, mass_ratio=0.5).drift, rel=1e-10)
-    assert found["mass_ratio"] == lorentz.json("solve", *LIGHT, "--times", "1")["mass_ratio"] == 0.5
+    assert found["mass_ratio"] == lorentz.json(*TINY, *LIGHT)["mass_ratio"] == 0.5
     # strict JSON has no infinity, which is the default
     assert "mass_ratio" not in lorentz.json("solve", "--times", "1", "--mass-ratio", "inf")
-    assert lorentz.json(*TINY, *LIGHT)["mass_ratio"] == 0.5
-    assert "mass_ratio" not in lorentz.json(*TINY)
 
 
 def test_derive_finds_equations_by_number_and_word(lorentz: Any) -> None:

@@ -81,14 +81,6 @@ def test_numbers_of_a_csv_come_back_to_the_last_bit(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.place[0].T, v)
 
 
-def test_a_last_line_without_an_end_is_read(tmp_path: Path, csv: Path) -> None:
-    text = csv.read_text()
-    for name, cut in (("a.csv", text[:-1]), ("b.csv", text)):
-        (tmp_path / name).write_text(cut)
-    found = [moments(read_sample([tmp_path / name])) for name in ("a.csv", "b.csv")]
-    np.testing.assert_array_equal(*found)
-
-
 @pytest.mark.parametrize("order", ["shuffled", "by tracer"])
 def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
     data = columns_of(run)

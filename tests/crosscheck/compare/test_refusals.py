@@ -69,28 +69,18 @@ def test_a_text_that_cannot_be_used(tmp_path: Path, name: str) -> None:
 
 
 ARGUMENTS: dict[str, tuple[dict[str, Any], str]] = {
-    "restitution": ({"restitution": 1.5}, "restitution: got 1.5"),
     "density": ({"number_density": -1.0}, "number_density: got -1"),
-    "density and diameter": ({"diameter": 1e-60, "number_density": 1e-300}, "number_density: got"),
-    "tangential": ({"tangential_restitution": 2.0}, "tangential_restitution: got 2"),
     "start": ({"initial": "cold"}, "initial: got 'cold'"),
-    "rest": ({"initial": "rest"}, "initial: got 'rest'"),
     "positions": ({"positions": "near"}, "positions: got 'near'"),
     "speed unit": ({"speed_unit": "U"}, "speed_unit: got 'U'"),
     "time unit": ({"time_unit": 0.0}, "time_unit: got 0"),
-    "timestep": ({"timestep": np.nan}, "timestep: got nan"),
     "dimension": ({"dimension": 4}, "dimension: got 4"),
-    "space": ({"dimension": 3}, "'z'|no z"),
     "bins": ({"bin_times": 0.5}, "bin_times: got 0.5"),
     "field": ({"field": -1.0}, "field: got -1"),
-    "bath": ({"bath_speed": -1.0}, "bath_speed: got -1"),
     "heating alone": ({"heating": 1.0, "restitution": None}, "heating: restitution and"),
     "columns": ({"columns": "x"}, "columns: got 'x'"),
-    "columns, a list": ({"columns": ["x"]}, "columns: got"),
-    "columns, unknown": ({"columns": "w=x"}, "columns: got 'w'"),
     "columns, twice": ({"columns": "time=t,t=t"}, "columns: got 't' twice"),
     "columns, one for two": ({"columns": "x=t"}, "'t' for two"),
-    "columns, missing": ({"columns": {"x": "where"}}, "'where'"),
     "type": ({"type": 3}, "'type'"),
 }
 

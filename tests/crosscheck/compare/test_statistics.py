@@ -12,7 +12,6 @@ from kinetics.crosscheck.compare.statistics import (
     errors,
     hotelling,
     log_widening,
-    pearson,
     whitening,
 )
 from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, stabilised, steadied
@@ -68,15 +67,6 @@ def test_long_tails_count_as_fewer_groups() -> None:
     assert effective_groups(normal[:, None])[0] == pytest.approx(4000, rel=0.1)
     excess = stats.kurtosis(long)
     assert effective_groups(long[:, None])[0] == pytest.approx(1 + 2 * 3999 / (2 + excess))
-
-
-def test_pearson_is_the_chi_square_of_counts() -> None:
-    counts, expected = np.array([48.0, 60.0, 92.0]), np.array([50.0, 50.0, 100.0])
-    wanted = stats.chisquare(counts, expected)
-    found = pearson(counts, expected)
-    assert found is not None
-    assert (found.value, found.freedom) == (pytest.approx(wanted.statistic), 2)
-    assert found.p_value == pytest.approx(wanted.pvalue)
 
 
 def test_an_error_of_the_theory_is_added_and_counted() -> None:

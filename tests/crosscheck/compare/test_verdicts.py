@@ -11,7 +11,6 @@ from marking import slow_but
 
 from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import Table
@@ -89,13 +88,6 @@ def test_a_share_of_tracers_at_rest_is_seen_and_counted() -> None:
     item = explained(result, "tracers at rest")
     assert item.outcome == "explains"
     assert item.value == pytest.approx(0.1, abs=3.5 * item.error)
-    # <v^2> and <r^2> times 1 - f, and so are the fourth moments
-    expected = Expectation(read_sample([Table(data)]), AVERAGES)
-    point = Point(0.75, PATH, "gaussian")
-    v0, a2, msd, kurtosis = expected.theory(point)
-    found = expected.theory(point._replace(at_rest=0.1))
-    wanted = [v0 * np.sqrt(0.9), (1 + a2) / 0.9 - 1, 0.9 * msd, kurtosis / 0.9]
-    np.testing.assert_allclose(found[:, 1:], np.array(wanted)[:, 1:], atol=1e-12)
 
 
 def test_scatterers_among_the_tracers_are_no_spread_of_media(run: Run) -> None:

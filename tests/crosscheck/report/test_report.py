@@ -174,25 +174,6 @@ def test_a_sheet_has_a_variable_for_every_colour_of_the_figures(each: Any) -> No
         assert known <= {"#ffffff"}, drawn.name
 
 
-@pytest.mark.parametrize("scheme", [0, 1])
-def test_texts_have_enough_contrast(scheme: int) -> None:
-    """WCAG AA: 4.5 to 1, of every colour that is used for words, those in figures included."""
-    style = (files("kinetics.crosscheck") / "templates" / "report.css").read_text("utf-8")
-    sheet = re.findall(r":root \{(.*?)\}", style, flags=re.DOTALL)[scheme]
-    colours = dict(re.findall(r"--([\w-]+): (#\w{6});", sheet))
-    light, del_ = luminance(colours.pop("paper")), colours.pop("faint")
-    assert del_
-    for name, colour in colours.items():
-        low, high = sorted((light, luminance(colour)))
-        assert name == "panel" or (high + 0.05) / (low + 0.05) >= 4.5, name
-
-
-def luminance(colour: str) -> float:
-    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-    r, g, b = (x / 12.92 if x <= 0.03928 else ((x + 0.055) / 1.055) ** 2.4 for x in parts)
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b
-
-
 @pytest.mark.parametrize(("width", "dark"), [(390, False), (1400, True)])
 def test_the_page_in_a_browser(made: Any, browser: Any, width: int, dark: bool) -> None:
     for kind in ("paper", "field", "heated"):
