@@ -357,15 +357,11 @@ def balances(state: Any) -> list[float]:
         return [state.thermal_speed**2 / (d * square) - 1.0, state.a2, einstein - 1.0]
     if w:
         return []
-    c2, c4 = (2 / 3, 8 / 15) if d == 2 else (1 / 2, 1 / 3)  # <cos^2>, <cos^4> of an impact
-    a, missed = (2.0 - k) * k, []
-    for p, loss in ((2, a * c2), (4, 2.0 * a * c2 - a * a * c4)):  # of <v^p>, 1 - <s^p>
-        pull = g * p * moment(p - 1.0, 1) if g else 0.0
-        gained = noise * p * (p + d - 2.0) * moment(p - 2.0) + pull
-        lost = drag * p * moment(p) + loss * moment(p + 1.0)
-        missed.append(gained / lost - 1.0)
+    a, cosine = (2.0 - k) * k, 2 / 3 if d == 2 else 1 / 2  # <cos^2> of an impact
+    gained = 2.0 * noise * d + (2.0 * g * moment(1.0, 1) if g else 0.0)
+    missed = [gained / (2.0 * drag * moment(2.0) + a * cosine * moment(3.0)) - 1.0]
     if g:  # of the momentum
-        missed.append((k * c2 * moment(2.0, 1) + drag * state.drift) / g - 1.0)
+        missed.append((k * cosine * moment(2.0, 1) + drag * state.drift) / g - 1.0)
     return missed
 
 

@@ -182,11 +182,8 @@ def print_json(document: Any) -> None:
 
 
 def written(value: Any, digits: int = 6) -> str:
-    """A number as a physicist writes it: 0.0123, 1e6, 4.5e-7; other values as text."""
-    if not isinstance(value, float):
-        return str(value)
-    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
-    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    """A number to so many digits; other values as text."""
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 def table(frame: Any) -> str:
