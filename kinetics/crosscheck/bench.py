@@ -4,8 +4,8 @@ A piece of `Work` is one problem at one setting; `CASES` list the works of a par
 `measure` makes a row of one, a dictionary; `BenchReport` makes tables of the rows. Speed from
 version to version: see ``tests/benchmarks``.
 
-Errors are relative to references of 1e-12 or better; of G(R) and <r^2> among hard disks, of which
-nothing else is known, to a tighter solution.
+Errors are relative to references of 1e-12 or better; of G(R), <r^2> among hard disks and driven
+tracers, of which nothing else is known, to a tighter solution.
 """
 
 import math
@@ -203,41 +203,18 @@ def in_field(effort: Effort) -> Iterator[Work]:
 
 
 def driven(effort: Effort) -> Iterator[Work]:
-    """Steady states of driven tracers, and fifty times to t = 100: times alone, to two rtols."""
-    bath: Row = {"restitution": E, "bath_speed": 1.0, "mass_ratio": 4.0}
-    times = np.geomspace(0.1, 100.0, 50)
+    """Steady states in a bath and under noise, against tighter ones."""
+    names = ("thermal_speed", "diffusion_coefficient")
     for name, system in (
-        ("bath", bath),
-        ("heated", {"restitution": E, "heating": 1.0}),
-        ("bath and field", bath | {"field": 1.0}),
+        ("a bath", {"bath_speed": 1.0, "mass_ratio": 4.0}),
+        ("noise", {"heating": 1.0}),
     ):
-        for rtol in (1e-6, 1e-10):
-            call = partial(solve_steady, **system, rtol=rtol)
-            yield Work("driven", f"steady state: {name}", SPECTRAL, call, "rtol", rtol)
-        if "field" not in system:
-            outputs = ("thermal_speed", "msd")
-            scene = Scene(**system, number_density=0.5, times=times, outputs=outputs)
-            name, run = f"50 times to t = 100: {name}", partial(solve, scene, 1e-6)
-            yield Work("driven", name, SPECTRAL, run, "rtol", 1e-6)
+        found = lambda x, system=system: averages_of(solve_steady(E, **system, rtol=x), names)  # noqa: E731
+        error = partial(relative, exact=found(1e-12))
+        yield from sweep(f"steady state, {name}: e = {E:g}", error, found, TOLERANCES[:9])
 
 
-# -- what skipping saves, and particles -----------------------------------------------------------
-def skipping(effort: Effort) -> Iterator[Work]:
-    """Each output of a scene alone; "everything" comes first."""
-    times = np.geomspace(1.0, 1e4, 20)
-    isotropic = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
-    position = ("msd", "kurtosis", "diffusion_coefficient", "position_density")
-    for name, e, at, outputs, rtol in (
-        ("isotropic scene", E, times, isotropic, 1e-8),
-        ("elastic scene", 1.0, times, ("a2", "speed_density"), 1e-8),
-        ("displacement, e = 0.6, t = 300", 0.6, [300.0], position, 1e-4),
-    ):
-        for part in (outputs, *((output,) for output in outputs)):
-            asked = "everything" if part == outputs else part[0]
-            call = partial(solve, Scene(e, times=at, outputs=part), rtol)
-            yield Work("skipping", name, asked, call)
-
-
+# -- particles ------------------------------------------------------------------------------------
 MEDIA = 4  # configurations of a run
 
 
@@ -265,7 +242,7 @@ def throughput(effort: Effort) -> Iterator[Work]:
 
 CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
     "scaled": scaled, "cooling": cooling, "position": position, "field": in_field,
-    "driven": driven, "skipping": skipping, "particles": throughput,
+    "driven": driven, "particles": throughput,
 }  # fmt: skip
 
 
@@ -337,13 +314,9 @@ class BenchReport:
             f"# Benchmark{' (quick)' * self.quick}\n\n{about}. {self.seconds:.0f} s in all. Times "
             "are medians over repeats, in s: of the processor, of two threads by the clock.\n"
         )
-        saved, by = self.rows("skipping"), "everything over it"
-        saved[by] = saved.groupby("problem")["seconds"].transform("first") / saved["seconds"]
         failed = self.rows("", FAILED)[["problem", "method", "setting", "value", "note"]]
         for title, frame in (
             ("Run time for an error (inf: not reached)", self._run_times()),
-            ("What skipping saves", saved[["problem", "method", "seconds", "everything over it"]]),
-            ("Driven tracers", self.rows("driven")[["problem", "value", "seconds"]]),
             ("Particles, e = 0.9", self._particles()),
             ("Failed", failed),
         ):

@@ -112,12 +112,11 @@ def test_run_times_are_medians_over_the_variants_and_only_of_errors_that_were_re
 def test_every_section_has_its_table_and_failures_are_listed() -> None:
     text = report_of(
         row_of("precision", "v0(t): gaussian", SPECTRAL, 1e-3, error=1e-9),
-        row_of("skipping", "scene", "everything", 5e-3),
         row_of("particles", "disks", "placing", 1.0, value=1e6),
         row_of("particles", "disks", "run", 2.0, value=43e6),
         row_of("precision", "r", SPECTRAL, 1.0, value=3) | {"status": FAILED, "note": "lost"},
     ).markdown()
-    assert text.count("\n## ") == 4
+    assert text.count("\n## ") == 3
     assert "| disks | 1 | 0.25 | 4.2e+07 |" in text
     assert "| lost |" in text
 
@@ -132,11 +131,3 @@ def test_neither_command_runs_a_module_of_the_folder_it_is_started_in(tmp_path: 
         command = [sys.executable, "-P", "-m", "kinetics.cli", *arguments]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert os.listdir(tmp_path) == ["numpy.py"]
-
-
-def test_rows_of_driven_tracers_are_measured() -> None:
-    works = [w for w in bench.driven(QUICK) if w.value == 1e-6 and "field" not in w.problem]
-    rows = [measure(work, QUICK._replace(least=1, most=1)) for work in works]
-    assert len(rows) == 4
-    assert {row["status"] for row in rows} == {MEASURED}
-    assert "50 times to t = 100: bath" in BenchReport(rows, True, ("driven",), {}, 1.0).markdown()
