@@ -133,9 +133,8 @@ def over_largest(value: Any, exact: FloatArray) -> float:
 
 
 def averages_of(found: Any, names: Iterable[str]) -> FloatArray:
-    """Averages of a Solution, or of the Estimates of particles, a2 as 1 + a2."""
-    values = ((n, getattr(found, n)) for n in names)
-    return np.array([getattr(x, "value", x) + (n == "a2") for n, x in values])
+    """Averages of a Solution or of a steady state, a2 as 1 + a2."""
+    return np.array([getattr(found, n) + (n == "a2") for n in names])
 
 
 # -- problems: run time against error -------------------------------------------------------------

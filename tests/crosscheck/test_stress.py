@@ -5,7 +5,6 @@ import math
 import signal
 import warnings
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -134,15 +133,6 @@ def test_a_wrong_answer_is_found(
     monkeypatch.setattr(kinetics, "solve", wrong(factor, only=0))
     if factor == 1.1 or group not in LOOSE:
         assert attempt(case)["verdict"] in (MISSED, BROKEN)
-
-
-def test_a_rate_that_is_wrong_or_no_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    state, case = kinetics.solve_scaled(0.7, 1e-4), named("scaled equation", DISKS, "rtol = 0.0001")
-    names = ("a2", "reached_vdf", "status", "moment", "error_estimate")
-    for rate, verdict in ((math.nan, BROKEN), (1.001 * state.cooling_rate, MISSED)):
-        lost = SimpleNamespace(cooling_rate=rate, **{n: getattr(state, n) for n in names})
-        monkeypatch.setattr(kinetics, "solve_scaled", lambda *_, lost=lost: lost)
-        assert attempt(case)["verdict"] == verdict
 
 
 @pytest.mark.parametrize(

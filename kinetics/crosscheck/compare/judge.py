@@ -39,7 +39,7 @@ _AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something a
 
 
 class Histogram(NamedTuple):
-    """One density at one time, the sample's of this place, against the theory.
+    """One density at one time against the theory.
 
     edges (n + 1,), of densities the first is 0 and the last infinite; shares of the samples with
     errors, theory (n,).
@@ -47,7 +47,6 @@ class Histogram(NamedTuple):
 
     name: str
     time: float
-    place: int
     edges: Array
     share: Array
     error: Array
@@ -141,7 +140,7 @@ def _histogram(sample: Sample, solution: Solution, name: str, at: int) -> Histog
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
         chi_square = statistics.hotelling((share - theory)[:-1], replicates[:, :-1])
     edges = np.concatenate([[0.0], fine[starts[1:] - 1], [np.inf]])
-    return Histogram(name, time, index, edges, share, error, theory, samples, behind, chi_square)
+    return Histogram(name, time, edges, share, error, theory, samples, behind, chi_square)
 
 
 def _merged(

@@ -5,7 +5,6 @@ It is given the path, its name for messages and what was asked (`tracks.Asked`),
 links into other files are not followed, and sizes are checked before memory is asked for.
 """
 
-import csv
 import gzip
 import re
 import zipfile
@@ -71,8 +70,7 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
     from pyarrow import csv as arrow
 
     with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
-        lines = enumerate(iter(lambda: file.readline(_LONGEST), b""), 1)
-        for _, raw in lines:
+        for raw in iter(lambda: file.readline(_LONGEST), b""):
             text = raw.decode("utf-8-sig").strip()
             header = text.lstrip("#").strip()
             words = re.split(r"[\s,;\"']+", header.lower())
@@ -86,49 +84,27 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
         names = header.split(separator := max(",;\t", key=header.count))
         start, found = file.tell(), t.find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
-        numbers = {names[k]: k for one, k in found.items() if one not in t.LABELS}
         read = arrow.ReadOptions(column_names=names, block_size=_BLOCK)
 
         def blank(row: Any) -> str:
-            return "error" if _says(row.text) else "skip"
+            return "skip" if row.text.strip()[:1] in ("", "#") else "error"
 
-        parse = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank)
+        parse, why = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank), ""
         for label in (pa.int64(), pa.string()):
-            kinds = dict.fromkeys((names[k] for k in found.values()), label)
-            kinds |= dict.fromkeys(numbers, pa.float64())
+            kinds = {names[k]: label if n in t.LABELS else pa.float64() for n, k in found.items()}
             told = {"column_types": kinds, "include_columns": list(kinds), "null_values": []}
             file.seek(start)
-            with suppress(pa.ArrowInvalid):
+            try:
                 batches, convert = [], arrow.ConvertOptions(**told)
                 for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
                     batches.append(batch)
                     require_memory(where, float(batch.nbytes * len(batches)))
                 table = pa.Table.from_batches(batches)
                 columns = {name: table.column(name).to_numpy() for name in kinds}
-                if all(np.isfinite(columns[name]).all() for name in numbers):
-                    return t.from_columns(where, names, columns, asked)
-        file.seek(start)
-        texts = ((line, raw.decode("utf-8", "replace").strip("\r\n")) for line, raw in lines)
-        said = ((line, csv.reader([one], delimiter=separator)) for line, one in texts if _says(one))
-        _require_rows(where, ((line, next(cells)) for line, cells in said), names, numbers)
-    bad(where, "no rows, or an unreadable text", "rows of numbers")
-
-
-def _says(text: str) -> bool:
-    """Whether a line is neither blank nor a remark."""
-    return text.strip()[:1] not in ("", "#")
-
-
-def _require_rows(
-    where: str, rows: Any, names: Sequence[str], used: Mapping[str, int], lost: str = ""
-) -> None:
-    """InputError at the first of the lines (number, cells) that lacks cells or numbers."""
-    for line, cells in rows:
-        if len(cells) != len(names):
-            bad(f"{where}: line {line}", f"{len(cells)} columns", str(len(names)))
-        for name, k in used.items():
-            if cells[k].lower() != lost:
-                _real(f"{where}: line {line}, column {name!r}", cells[k])
+                return t.from_columns(where, names, columns, asked)
+            except pa.ArrowInvalid as error:
+                why = " ".join(str(error).split())
+    bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
 
 
 def _real(where: str, text: str) -> float:
@@ -292,18 +268,18 @@ class _Lines:
             bad(self.where, f"column {name!r} {names.count(name)} times", "once")
         rows, first = list(islice(self._file, count)), self._number + 1
         self._number += len(rows)
-        places = {name: names.index(name) for name in wanted}
         kinds = [(name, "U64" if name in ("type", "element") else float) for name in wanted]
-        found = np.empty(0, kinds)
-        with suppress(ValueError):
+        found, why = np.empty(0, kinds), ""
+        try:
             if rows:
-                found = np.loadtxt(rows, kinds, None, usecols=[*places.values()], ndmin=1)
-            if found.size == count:
-                return {name: found[name] for name in wanted}
-        numbers = {name: places[name] for name, kind in kinds if kind is float}
-        cells = ((line, text.split()) for line, text in enumerate(rows, first))
-        _require_rows(self._name, cells, names, numbers, "nan")
-        bad(self.where, f"the end of the file after {len(rows)} rows", f"{count} rows")
+                used = [names.index(name) for name in wanted]
+                found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
+        except ValueError as error:
+            why = short(str(error), 150)
+        if why or found.size != count:
+            got = why or f"{found.size} rows and blank lines, or the end of the file"
+            bad(f"{self._name}: from line {first} on", got, f"{count} rows of numbers")
+        return {name: found[name] for name in wanted}
 
 
 # units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)

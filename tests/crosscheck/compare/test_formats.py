@@ -91,14 +91,6 @@ def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
     np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
 
 
-def test_tracers_numbered_anew_in_each_medium(run: Run) -> None:
-    data = columns_of(run)
-    for label in (data["id"] % 50, 0 * data["id"]):
-        changed = data | {"id": label, "medium": data["medium"] if label.any() else data["id"]}
-        found = read_sample([Table(changed)])
-        np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
-
-
 def test_particles_of_one_type_are_chosen(tmp_path: Path, run: Run) -> None:
     kind = np.where(np.arange(TRACERS) % 4 == 0, 2, 1)
     write_dump(tmp_path / "a.dump", run, kind=kind)
