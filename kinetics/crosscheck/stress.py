@@ -461,7 +461,8 @@ def all_cases(quick: bool) -> list[Case]:
     times = np.array([0.0, 1e-300, 1e-3, 1.0, 1e3, 1e8, 1e30, 1e300])
     work = partial(scene, tighter, times=times, outputs=(*v, "temperature"), rtol=1e-9)
     row("cooling", work, law=slow, start=("gaussian of 1e-150", "speed 1e150"))
-    row("cooling", work, law=slow, start=both, number_density=[1e150], diameter=[1e-150])
+    row("cooling", work, law=slow, start=both, number_density=[1e150])
+    row("cooling", work, law=slow, start=both, diameter=[1e-150])
     r = (*v, "msd", "velocity_autocorrelation", "diffusion_coefficient")
     work = partial(work, outputs=r)
     row("averages", work, law=some, start=["tail v^-6"])  # its <v^6> is infinite

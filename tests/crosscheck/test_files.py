@@ -51,16 +51,6 @@ def test_an_interrupted_write_leaves_what_was_there(
     assert (tmp_path / "x").read_text() == "old"
 
 
-def test_a_symbolic_link_is_followed(tmp_path: Path) -> None:
-    (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "elsewhere" / "x").write_text("old")
-    (tmp_path / "a").mkdir()
-    (tmp_path / "a" / "x").symlink_to(tmp_path / "elsewhere" / "x")
-    write_together(tmp_path / "a", {"x": "new"})
-    assert (tmp_path / "a" / "x").is_symlink()
-    assert contents(tmp_path / "elsewhere") == {"x": b"new"}
-
-
 @pytest.mark.parametrize("name", ["", "x.txt", "folder.csv", "missing/x.csv", "file/x.csv"])
 def test_what_cannot_be_made_is_refused_and_asking_leaves_nothing(
     tmp_path: Path, name: str

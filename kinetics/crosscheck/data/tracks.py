@@ -1,6 +1,7 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
 A format (`formats`) gives columns, one row for each tracer at each time, which `from_columns` turns
+into `Tracks`.
 """
 
 import re

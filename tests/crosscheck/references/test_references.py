@@ -4,7 +4,6 @@ That the formulas are right is seen where the solver, which shares nothing with 
 values: tests/kinetics/moments, tests/kinetics/scaling, tests/kinetics/densities.
 """
 
-
 import collision
 import cooling
 import displacement

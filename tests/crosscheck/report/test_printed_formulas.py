@@ -3,7 +3,6 @@
 A slip in one of the two transcriptions breaks an identity or differs from the other.
 """
 
-
 import numpy as np
 import pytest
 import sympy as sp
