@@ -86,7 +86,7 @@ class Case(NamedTuple):
     times: Array
     measured: dict[str, dict[str, Measured]]
     theory: dict[str, dict[str, Any]]
-    runs: dict[str, Ensemble]
+    runs: dict[str, Any]
     places: Mapping[str, tuple[str, Array]] = {}
     solved: Any = None
 
@@ -424,7 +424,9 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
                              "steady_rate": rate, "einstein": 1.0}  # fmt: skip
             ratio = state.mobility * square / state.diffusion_coefficient
             theory[SOLVER] |= {"steady_rate": state.collision_rate, "einstein": ratio}
-    kind, ran = f"{system.scatterers}, {system.name}", {FREE: run}
+    # not the run: its positions and velocities take 100 MB
+    kind = f"{system.scatterers}, {system.name}"
+    ran = {FREE: SimpleNamespace(media=run.media, tracers=run.tracers)}
     return Case(kind, parameter, d, times, {FREE: measured}, theory, ran, places, state)
 
 
