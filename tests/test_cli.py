@@ -49,7 +49,7 @@ BAD_INPUT = [
     ("report --free-tracers 1", "free_tracers 1"),
     ("report --workers 0", "workers 0"),
     ("report --field -e 1", "restitutions 1"),
-    ("report --field --media 9", "media --field"),
+    ("report --field --media 9", "media --system field"),
     ("nonsense", "nonsense"),
     ("solve --times -1,1", "times -1"),
     ("solve --times 1,two", "times two"),

@@ -121,16 +121,6 @@ def test_while_a_report_is_made() -> None:
 
 
 @pytest.mark.slow
-def test_while_kernels_are_compiled(tmp_path: Path) -> None:
-    cache = tmp_path / "cache"
-    process = start(*SAVED, NUMBA_CACHE_DIR=str(cache))
-    while not cache.exists():  # made when the first kernel is defined
-        time.sleep(0.01)
-    time.sleep(1.5)
-    end(process, signal.SIGINT, KEPT)
-
-
-@pytest.mark.slow
 def test_at_two_hundred_random_moments() -> None:
     chance = random.Random(5)
     for k in range(200):

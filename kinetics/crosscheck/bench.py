@@ -1,14 +1,13 @@
-"""The benchmark: run time against error, on the same problems for every method.
+"""The benchmark: run time of the solver against its error, and of the particles.
 
-A piece of `Work` is one method on one problem at one setting; `CASES` list the works of a part of
-the benchmark; `measure` makes a row of one, a dictionary; `BenchReport` makes tables and a figure
-of the rows. Speed from version to version: see ``tests/benchmarks``.
+A piece of `Work` is one problem at one setting; `CASES` list the works of a part of the benchmark;
+`measure` makes a row of one, a dictionary; `BenchReport` makes tables of the rows. Speed from
+version to version: see ``tests/benchmarks``.
 
-Errors are relative to references of 1e-12 or better, but G(R) and <r^2> among hard disks, of which
-nothing else is known, to a tighter solution.
+Errors are relative to references of 1e-12 or better; of G(R), <r^2> among hard disks and driven
+tracers, of which nothing else is known, to a tighter solution.
 """
 
-import io
 import math
 import os
 import platform
@@ -24,7 +23,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from pandas import DataFrame
 from threadpoolctl import threadpool_limits
@@ -33,7 +31,6 @@ import particles as p
 from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled, solve_steady
 from kinetics.crosscheck import references
 from kinetics.crosscheck.files import dumps, markdown_table, plain
-from kinetics.crosscheck.references import MEAN_FREE_PATH
 from kinetics.errors import InputError, ToleranceWarning
 
 FloatArray = NDArray[np.float64]
@@ -41,14 +38,13 @@ Row = dict[str, Any]
 
 FORMAT = "inelastic-lorentz bench 3"
 MEASURED, FAILED = "measured", "failed"
-SPECTRAL, CONSERVATIVE, MONTE_CARLO = METHODS = ("spectral", "conservative", "Monte Carlo")
+SPECTRAL = "spectral"
 
 DENSITY = 0.04  # scatterers per d^2, of the paper: l = MEAN_FREE_PATH
 E = 0.7
 TOLERANCES = tuple(10.0**-k for k in range(2, 13))
 SPEEDS = np.linspace(0.1, 4.0, 391)  # c at which F(c) is compared
 RADII = np.linspace(0.0, 6.0, 200)  # R at which G(R) is compared
-LATE = 1e7  # d/U, where the scaling state is reached
 
 # -- measuring ------------------------------------------------------------------------------------
 LONG = 1.0  # s; work that takes longer is repeated once
@@ -62,12 +58,10 @@ class Effort(NamedTuple):
     most: int = 11
     seconds: float = 0.04
     restitutions: tuple[float, ...] = (E,)
-    samples: tuple[int, ...] = (1000, 5000, 25_000)
-    nodes: tuple[int, ...] = (65, 129, 257, 513)
 
 
 QUICK = Effort()
-FULL = Effort(False, 10, 25, 0.12, (E, 0.95), (1000, 10_000, 100_000), (*QUICK.nodes, 1025, 2049))
+FULL = Effort(False, 10, 25, 0.12, (E, 0.95))
 
 
 @dataclass
@@ -77,7 +71,7 @@ class Work:
     section: str
     problem: str
     method: str
-    call: Callable[..., Any]  # takes a seed where the method is `MONTE_CARLO`
+    call: Callable[[], Any]
     setting: str = ""
     value: float | None = None
     error: Callable[[Any], float] | None = None  # of the result; None where only the time counts
@@ -90,15 +84,15 @@ def measure(
 ) -> Row:  # fmt: skip
     """The row of a piece of work, also if it fails; the first call may compile, and is no time."""
     errors: list[float] = []
-    times, note, seeded = np.empty((0, 2)), "", work.method == MONTE_CARLO
+    times, note = np.empty((0, 2)), ""
     try:
         while len(times) <= effort.least or (
             len(times) <= effort.most and times[1:, 1].sum() < effort.seconds
         ):
             begin = [clock() for clock in clocks]
-            result = work.call(len(times) + 1) if seeded else work.call()
+            result = work.call()
             times = np.vstack([times, np.subtract([clock() for clock in clocks], begin)])
-            if work.error and (seeded or not errors):
+            if work.error and not errors:
                 errors.append(work.error(result))
             if not np.all(np.isfinite(errors)):
                 raise ArithmeticError("the answer is not finite")
@@ -111,7 +105,7 @@ def measure(
         np.percentile(times[1:], [25, 50, 75], axis=0).T if done else np.full((2, 3), np.nan)
     )
     low, median, high = cpu if work.threads == 1 else wall
-    error = float(np.sqrt(np.mean(np.square(errors)))) if done and errors else None
+    error = errors[0] if done and errors else None
     return plain({
         "section": work.section, "problem": work.problem, "method": work.method,
         "setting": work.setting, "value": work.value, "seconds": median, "low": low, "high": high,
@@ -121,13 +115,10 @@ def measure(
     })  # fmt: skip
 
 
-def sweep(problem: str, error: Any, *ways: tuple[Any, ...]) -> list[Work]:
-    """Works on one problem; ways : method, setting, its values, a function, its own error."""
-    return [
-        Work("precision", problem, method, partial(solve, x), setting, x, (*own, error)[0])
-        for method, setting, values, solve, *own in ways
-        for x in values
-    ]
+def sweep(problem: str, error: Any, solve_to: Any, tolerances: Iterable[float]) -> Iterator[Work]:
+    """Works on one problem; solve_to : a function of rtol, whose result has the error."""
+    for x in tolerances:
+        yield Work("precision", problem, SPECTRAL, partial(solve_to, x), "rtol", x, error)
 
 
 def relative(value: Any, exact: Any) -> float:
@@ -141,66 +132,23 @@ def over_largest(value: Any, exact: FloatArray) -> float:
     return float(np.max(np.abs(value - exact)) / exact.max())
 
 
-# -- the methods ----------------------------------------------------------------------------------
-def conservative(e: float, start: str, times: Any, nodes: int) -> tuple[Any, FloatArray]:
-    """The solution of the conservative scheme; its v0 (U) and 1 + a2, (2, n_times)."""
-    scene = Scene(e, DENSITY, initial=start, times=times, outputs=("speed_density",))
-    found = solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)  # serves every time itself
-    slowest = 1e-5 * min(1.0, MEAN_FREE_PATH / times[-1])  # far below the last thermal speed
-    v = np.geomspace(slowest, 16.0, 4 * nodes)  # next to no tracer of either start is faster
-    weight = found.speed_density(v) * v * math.log(v[1] / v[0])
-    second, fourth = (weight @ v**p + found.uncollided for p in (2, 4))
-    return found, np.array([np.sqrt(second), 0.5 * fourth / second**2])
-
-
-def monte_carlo(
-    e: float, start: Any, times: Any, samples: int, seed: int, observable: str = ""
-) -> Any:
-    """A Boltzmann-Grad run in 50 blocks, of one thread, with the free path MEAN_FREE_PATH."""
-    return p.simulate(
-        p.BoltzmannGrad(DENSITY), e, initial=start, times=times, media=50, tracers=samples // 50,
-        seed=seed, observables=[observable] if observable else None, workers=1,
-    )  # fmt: skip
-
-
 def averages_of(found: Any, names: Iterable[str]) -> FloatArray:
-    """Averages of a Solution, or of the Estimates of particles, a2 as 1 + a2."""
-    values = ((n, getattr(found, n)) for n in names)
-    return np.array([getattr(x, "value", x) + (n == "a2") for n, x in values])
-
-
-def histogram_error(histogram: Any, unit: float, x: FloatArray, f: FloatArray, d: int = 1) -> float:
-    """The largest difference of densities in d dimensions, edges over the unit, over the largest f.
-
-    Bins are 4 % wide, so that f(x), the exact density, at their middles is its mean to 1e-3.
-    """
-    edges = histogram.edges / unit
-    middle, size = np.sqrt(edges[1:] * edges[:-1]), math.pi ** (d - 1) * np.diff(edges**d)
-    error = histogram.probability.value[0] / size - np.interp(middle, x, f)
-    return float(np.max(np.abs(error[(middle > x[0]) & (middle < x[-1])])) / f.max())
+    """Averages of a Solution or of a steady state, a2 as 1 + a2."""
+    return np.array([getattr(found, n) + (n == "a2") for n in names])
 
 
 # -- problems: run time against error -------------------------------------------------------------
 def scaled(effort: Effort) -> Iterator[Work]:
     """F(c) of the scaling state against `ScalingSolution`."""
-
-    def of_grid(e: float, nodes: int) -> Any:
-        found, ((v0,), _) = conservative(e, "gaussian", [LATE], nodes)
-        return found.speed_density(SPEEDS * v0)[0] * v0 / (2.0 * math.pi * SPEEDS)
-
-    def of_run(run: Any, F: FloatArray) -> float:
-        v0 = run.thermal_speed.value[0]
-        return histogram_error(run.speed_histogram, v0, SPEEDS, F, d=2)
-
     for e in effort.restitutions:
-        F = ScalingSolution(e).vdf(SPEEDS)
-        random = partial(monte_carlo, e, "gaussian", [LATE], observable="speed_histogram")
-        yield from sweep(
-            f"scaled F(c): e = {e:g}", partial(over_largest, exact=F),
-            (SPECTRAL, "rtol", TOLERANCES, lambda x, e=e: solve_scaled(e, x).vdf(SPEEDS)),
-            (CONSERVATIVE, "nodes", effort.nodes, partial(of_grid, e)),
-            (MONTE_CARLO, "samples", effort.samples, random, partial(of_run, F=F)),
-        )  # fmt: skip
+        error = partial(over_largest, exact=ScalingSolution(e).vdf(SPEEDS))
+        found = lambda x, e=e: solve_scaled(e, x).vdf(SPEEDS)  # noqa: E731
+        yield from sweep(f"scaled F(c): e = {e:g}", error, found, TOLERANCES)
+
+
+def solved(scene: Scene, outputs: Iterable[str], rtol: float) -> FloatArray:
+    """Averages of a scene."""
+    return averages_of(solve(scene, rtol), outputs)
 
 
 def averages(effort: Effort, name: str, outputs: tuple[str, ...], horizon: str) -> Iterator[Work]:
@@ -209,14 +157,9 @@ def averages(effort: Effort, name: str, outputs: tuple[str, ...], horizon: str) 
     for e, start in ((e, start) for e in effort.restitutions for start in references.STARTS):
         exact = [references.kept(n, e, start, horizon) + (n == "a2") for n in outputs]
         scene = Scene(e, DENSITY, initial=start, times=times, outputs=outputs)
-        random, grid = (partial(f, e, start, times) for f in (monte_carlo, conservative))
-        nodes = effort.nodes if "a2" in outputs else ()
         yield from sweep(
             f"{name}, t <= {times[-1]:.0e}: {start}, e = {e:g}", partial(relative, exact=exact),
-            (SPECTRAL, "rtol", TOLERANCES, lambda x, s=scene: averages_of(solve(s, x), outputs)),
-            (MONTE_CARLO, "samples", effort.samples,
-             lambda n, seed, random=random: averages_of(random(n, seed), outputs)),
-            (CONSERVATIVE, "nodes", nodes, lambda n, grid=grid: grid(n)[1]),
+            partial(solved, scene, outputs), TOLERANCES,
         )  # fmt: skip
 
 
@@ -234,23 +177,18 @@ def position(effort: Effort) -> Iterator[Work]:
                   scatterers="hard disks")  # fmt: skip
     yield from sweep(
         f"<r^2>(t) among hard disks, t <= 1e+08: e = {E:g}",
-        partial(relative, exact=solve(disks, 1e-13).msd),
-        (SPECTRAL, "rtol", TOLERANCES[:-2], lambda rtol: solve(disks, rtol).msd),
-    )
+        partial(relative, exact=solved(disks, ("msd",), 1e-13)), partial(solved, disks, ("msd",)),
+        TOLERANCES[:-2],
+    )  # fmt: skip
     scene = Scene(0.6, DENSITY, times=[300.0], outputs=("position_density",))
 
     def curve(rtol: float) -> FloatArray:
         return np.asarray(solve(scene, rtol).scaled_position_density(RADII)[0])
 
-    exact, full = curve(1e-7 if effort.quick else 1e-8), slice(8, 134)
-    yield from sweep(
-        "G(R): gaussian, t = 300, e = 0.6", partial(over_largest, exact=exact),
-        (SPECTRAL, "rtol", (1e-2, 1e-4, 1e-5) if effort.quick else TOLERANCES[:6], curve),
-        (MONTE_CARLO, "samples", effort.samples,
-         partial(monte_carlo, 0.6, "gaussian", [300.0], observable="displacement_histogram"),
-         lambda run: histogram_error(  # R from 0.25 to 4 has enough tracers
-             run.displacement_histogram, math.sqrt(run.msd.value[0]), RADII[full], exact[full])),
-    )  # fmt: skip
+    exact = curve(1e-7 if effort.quick else 1e-8)
+    tolerances = (1e-2, 1e-4, 1e-5) if effort.quick else TOLERANCES[:6]
+    error = partial(over_largest, exact=exact)
+    yield from sweep("G(R): gaussian, t = 300, e = 0.6", error, curve, tolerances)
 
 
 def in_field(effort: Effort) -> Iterator[Work]:
@@ -259,46 +197,23 @@ def in_field(effort: Effort) -> Iterator[Work]:
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
     yield from sweep(
         f"steady state in a field: e = {E:g}", partial(relative, exact=[*steady.values()]),
-        (SPECTRAL, "rtol", TOLERANCES[:9], lambda x: averages_of(solve_field(E, rtol=x), steady)),
+        lambda x: averages_of(solve_field(E, rtol=x), steady), TOLERANCES[:9],
     )  # fmt: skip
 
 
 def driven(effort: Effort) -> Iterator[Work]:
-    """Steady states of driven tracers, and fifty times to t = 100: times alone, to two rtols."""
-    bath: Row = {"restitution": E, "bath_speed": 1.0, "mass_ratio": 4.0}
-    times = np.geomspace(0.1, 100.0, 50)
+    """Steady states in a bath and under noise, against tighter ones."""
+    names = ("thermal_speed", "diffusion_coefficient")
     for name, system in (
-        ("bath", bath),
-        ("heated", {"restitution": E, "heating": 1.0}),
-        ("bath and field", bath | {"field": 1.0}),
+        ("a bath", {"bath_speed": 1.0, "mass_ratio": 4.0}),
+        ("noise", {"heating": 1.0}),
     ):
-        for rtol in (1e-6, 1e-10):
-            call = partial(solve_steady, **system, rtol=rtol)
-            yield Work("driven", f"steady state: {name}", SPECTRAL, call, "rtol", rtol)
-        if "field" not in system:
-            outputs = ("thermal_speed", "msd")
-            scene = Scene(**system, number_density=0.5, times=times, outputs=outputs)
-            name, run = f"50 times to t = 100: {name}", partial(solve, scene, 1e-6)
-            yield Work("driven", name, SPECTRAL, run, "rtol", 1e-6)
+        found = lambda x, system=system: averages_of(solve_steady(E, **system, rtol=x), names)  # noqa: E731
+        error = partial(relative, exact=found(1e-12))
+        yield from sweep(f"steady state, {name}: e = {E:g}", error, found, TOLERANCES[:9])
 
 
-# -- what skipping saves, and particles -----------------------------------------------------------
-def skipping(effort: Effort) -> Iterator[Work]:
-    """Each output of a scene alone; "everything" comes first."""
-    times = np.geomspace(1.0, 1e4, 20)
-    isotropic = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
-    position = ("msd", "kurtosis", "diffusion_coefficient", "position_density")
-    for name, e, at, outputs, rtol in (
-        ("isotropic scene", E, times, isotropic, 1e-8),
-        ("elastic scene", 1.0, times, ("a2", "speed_density"), 1e-8),
-        ("displacement, e = 0.6, t = 300", 0.6, [300.0], position, 1e-4),
-    ):
-        for part in (outputs, *((output,) for output in outputs)):
-            asked = "everything" if part == outputs else part[0]
-            call = partial(solve, Scene(e, times=at, outputs=part), rtol)
-            yield Work("skipping", name, asked, call)
-
-
+# -- particles ------------------------------------------------------------------------------------
 MEDIA = 4  # configurations of a run
 
 
@@ -326,7 +241,7 @@ def throughput(effort: Effort) -> Iterator[Work]:
 
 CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
     "scaled": scaled, "cooling": cooling, "position": position, "field": in_field,
-    "driven": driven, "skipping": skipping, "particles": throughput,
+    "driven": driven, "particles": throughput,
 }  # fmt: skip
 
 
@@ -360,7 +275,7 @@ def machine() -> Row:
     }  # fmt: skip
 
 
-# -- tables and figure ----------------------------------------------------------------------------
+# -- tables ----------------------------------------------------------------------------------------
 # columns of the table of all rows, beside those that no table shows
 TEXTS = ["section", "problem", "method", "setting", "status", "note", "threads"]
 NUMBERS = ["value", "seconds", "error", "asked"]
@@ -388,10 +303,8 @@ class BenchReport:
         return dumps({"format": FORMAT, **vars(self)})
 
     def files(self) -> dict[str, str]:
-        """What ``lorentz bench -o`` writes, by name; a figure if it has data."""
-        files = {"bench.json": self.to_json(), "bench.md": self.markdown()}
-        figure = self.work_precision()
-        return files | ({"work-precision.svg": figure} if figure else {})
+        """What ``lorentz bench -o`` writes, by name."""
+        return {"bench.json": self.to_json(), "bench.md": self.markdown()}
 
     def markdown(self) -> str:
         """A heading, and all tables that have rows."""
@@ -400,13 +313,9 @@ class BenchReport:
             f"# Benchmark{' (quick)' * self.quick}\n\n{about}. {self.seconds:.0f} s in all. Times "
             "are medians over repeats, in s: of the processor, of two threads by the clock.\n"
         )
-        saved, by = self.rows("skipping"), "everything over it"
-        saved[by] = saved.groupby("problem")["seconds"].transform("first") / saved["seconds"]
         failed = self.rows("", FAILED)[["problem", "method", "setting", "value", "note"]]
         for title, frame in (
             ("Run time for an error (inf: not reached)", self._run_times()),
-            ("What skipping saves", saved[["problem", "method", "seconds", "everything over it"]]),
-            ("Driven tracers", self.rows("driven")[["problem", "value", "seconds"]]),
             ("Particles, e = 0.9", self._particles()),
             ("Failed", failed),
         ):
@@ -432,26 +341,3 @@ class BenchReport:
         rate = (long["value"] - placing["value"]) / (long["seconds"] - placing["seconds"])
         columns = {"placing one": placing["seconds"] / MEDIA, "collisions per second": rate}
         return DataFrame(columns).reset_index()
-
-    def work_precision(self) -> str | None:
-        """Run time against error, a panel for each question, as text of an SVG file, or None."""
-        frame = self.rows("precision")
-        if not len(frame):
-            return None
-        frame["error"] = frame["error"].clip(1e-16, 10.0)
-        file, panels, legend = io.StringIO(), frame.groupby("question", sort=False), {}
-        rows = math.ceil(len(panels) / 3)
-        figure = Figure(figsize=(9.4, 1.1 + 2.4 * rows), layout="constrained")
-        for k, (question, panel) in enumerate(panels):
-            axis = figure.add_subplot(rows, 3, k + 1, xscale="log", yscale="log")
-            axis.set_title(question, fontsize=8.0)
-            axis.set(xlim=(1e-4, 10.0), ylim=(1e-16, 30.0))
-            axis.grid()
-            for (method, _), runs in panel.groupby(["method", "problem"], sort=False):
-                style = ("C0o-", "C1s-", "C2^-")[METHODS.index(method)]
-                (legend[method],) = axis.plot(runs["seconds"], runs["error"], style, ms=4.0)
-        figure.legend(legend.values(), legend, loc="outside upper center", ncols=len(legend))
-        figure.supxlabel("run time, one thread [s]")
-        figure.supylabel("error")
-        figure.savefig(file, format="svg")
-        return file.getvalue()

@@ -22,35 +22,29 @@ def require_writable_folder(folder: Path) -> None:
     """
     new = not folder.exists() and not folder.is_symlink()
     inside = folder.parent if new else folder
-    if not inside.exists() and not inside.is_symlink():
-        raise ValueError(
-            f"output {str(folder)!r} cannot be written: its folder does not exist; make it first: "
-            f"mkdir -p {inside}"
-        )
-    try:
-        with tempfile.TemporaryFile(dir=inside):
-            pass
-    except OSError as error:
-        raise ValueError(
-            f"output folder {str(folder)!r} cannot be written: {error.strerror or error}; "
-            "allowed is a folder, existing or new, in which files can be created"
-        ) from None
+    why = f"its folder does not exist; make it first: mkdir -p {inside}"
+    if inside.exists() or inside.is_symlink():
+        try:
+            with tempfile.TemporaryFile(dir=inside):
+                return
+        except OSError as error:
+            why = error.strerror or str(error)
+    raise ValueError(f"output: {str(folder)!r} cannot be written: {why}")
 
 
 def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None:
     """Raise ValueError, naming the option, unless this file, with one of these endings, could be
     made in its folder, which must be there.
     """
-    wrong = ""
     if not file.name or (endings and file.suffix.lower() not in endings):
         must = f"end in {', '.join(endings)}" if endings else "be the name of a file"
-        wrong = f"it must {must}"
-    elif file.exists() and not file.is_file():
-        wrong = f"it is a {'folder' if file.is_dir() else 'device'}, it must be a file"
-    elif not file.parent.exists():
-        wrong = f"its folder does not exist; make it first: mkdir -p {file.parent}"
-    if wrong:
-        raise ValueError(f"{option}: got {str(file)!r}; {wrong}")
+        raise ValueError(f"{option}: got {str(file)!r}; it must {must}")
+    if file.exists() and not file.is_file():
+        kind = "folder" if file.is_dir() else "device"
+        raise ValueError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
+    if not file.parent.exists():
+        make = f"its folder does not exist; make it first: mkdir -p {file.parent}"
+        raise ValueError(f"{option}: got {str(file)!r}; {make}")
     require_writable_folder(file.parent)
 
 

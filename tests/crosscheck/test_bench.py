@@ -1,29 +1,23 @@
 """The benchmark: how it measures, that its other methods are right, and what its tables say."""
 
 import json
-import math
 import os
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from kinetics import ScalingSolution
 from kinetics.crosscheck import bench, references
 from kinetics.crosscheck.bench import (
-    CONSERVATIVE,
     FAILED,
     MEASURED,
-    MONTE_CARLO,
     QUICK,
     SPECTRAL,
     BenchReport,
     Work,
-    histogram_error,
     measure,
     sweep,
 )
@@ -59,46 +53,23 @@ def test_a_failure_is_a_row() -> None:
     assert (row["status"], row["note"], row["seconds"]) == expected
 
 
-def test_errors_are_root_mean_squares_over_seeds_and_finite() -> None:
-    once = QUICK._replace(least=6, most=6)
-    way = (MONTE_CARLO, "samples", (10.0,), lambda value, seed: float(seed))
-    (work,) = sweep("p", float, way)
-    assert measure(work, once)["error"] == pytest.approx(math.sqrt(np.mean(np.arange(1.0, 8) ** 2)))
-    way = (SPECTRAL, "rtol", [0.0, np.nan], lambda x: np.array([x, 1.0]))
-    assert [measure(work, once)["status"] for work in sweep("p", max, way)] == [MEASURED, FAILED]
+def test_an_answer_that_is_no_number_is_a_failure() -> None:
+    works = sweep("p", max, lambda x: np.array([x, 1.0]), [0.0, np.nan])
+    assert [measure(work, QUICK)["status"] for work in works] == [MEASURED, FAILED]
 
 
 @pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")
 @pytest.mark.parametrize("start", references.STARTS)
-def test_cooling_by_other_methods_converges_to_the_references(start: str) -> None:
-    works = [w for w in bench.averages(QUICK, "p", ("thermal_speed", "a2"), "short")
-             if start in w.problem]  # fmt: skip
-    last = {w.method: w for w in works}
-    assert set(last) == {SPECTRAL, MONTE_CARLO, CONSERVATIVE}
-    for method, most in ((SPECTRAL, 1e-12), (CONSERVATIVE, 1e-2)):
-        assert last[method].error(last[method].call()) < most  # type: ignore[misc]
-    assert last[MONTE_CARLO].error(last[MONTE_CARLO].call(1)) < 0.1  # type: ignore[misc]
+def test_cooling_meets_the_references(start: str) -> None:
+    works = bench.averages(QUICK, "p", ("thermal_speed", "a2"), "short")
+    last = [work for work in works if start in work.problem][-1]
+    assert last.error is not None
+    assert last.error(last.call()) < 1e-12
 
 
-def test_the_error_of_a_histogram_is_what_was_put_in() -> None:
-    exact, edges, v0 = ScalingSolution(0.7), np.geomspace(0.05, 6.0, 112), 0.3
-    fine = np.linspace(edges[:-1], edges[1:], 41, axis=1)
-    shares = np.trapezoid(
-        2 * np.pi * fine * exact.vdf(fine.ravel()).reshape(fine.shape), fine, axis=1
-    )
-    put_in = 0.1 * math.pi * np.diff(edges**2) * (np.arange(111) == 75)
-    x = bench.SPEEDS
-    for probability, error in ((shares, 0.0), (shares + put_in, 0.1 / exact.vdf(x).max())):
-        found = SimpleNamespace(value=probability[None])
-        histogram = SimpleNamespace(edges=edges * v0, probability=found)
-        found = histogram_error(histogram, v0, x, exact.vdf(x), d=2)
-        assert found == pytest.approx(error, abs=1e-3)
-
-
-def test_every_method_and_question_is_among_the_cases() -> None:
+def test_every_question_is_among_the_cases() -> None:
     works = [w for name in ("scaled", "cooling", "position", "field")
              for w in bench.CASES[name](QUICK)]  # fmt: skip
-    assert {w.method for w in works} == set(bench.METHODS)
     assert len({w.problem.split(": ")[0] for w in works}) == 8
     assert {references.STARTS[1] in w.problem for w in works} == {True, False}
 
@@ -113,11 +84,10 @@ def test_the_command(lorentz: Any, tmp_path: Any) -> None:
     assert all(row["error"] <= row["asked"] for row in document["records"])
     assert json.loads((tmp_path / "out" / "bench.json").read_text()) == document
     assert "steady state in a field" in (tmp_path / "out" / "bench.md").read_text()
-    assert (tmp_path / "out" / "work-precision.svg").read_text().count("<svg") == 1
 
 
 def row_of(section: str, problem: str, method: str, seconds: float, **more: Any) -> Any:
-    row = measure(Work(section, problem, method, lambda *_: None), QUICK)
+    row = measure(Work(section, problem, method, lambda: None), QUICK)
     return row | {"seconds": seconds} | more
 
 
@@ -142,23 +112,16 @@ def test_run_times_are_medians_over_the_variants_and_only_of_errors_that_were_re
 def test_every_section_has_its_table_and_failures_are_listed() -> None:
     text = report_of(
         row_of("precision", "v0(t): gaussian", SPECTRAL, 1e-3, error=1e-9),
-        row_of("skipping", "scene", "everything", 5e-3),
-        row_of("skipping", "scene", "a2", 1e-3),
         row_of("particles", "disks", "placing", 1.0, value=1e6),
         row_of("particles", "disks", "run", 2.0, value=43e6),
-        row_of("precision", "r", SPECTRAL, 1.0, setting="nodes", value=3)
-        | {"status": FAILED, "note": "lost"},
+        row_of("precision", "r", SPECTRAL, 1.0, value=3) | {"status": FAILED, "note": "lost"},
     ).markdown()
-    assert text.count("\n## ") == 4
-    for line in (
-        "| v0(t) | spectral | 1e-09 | 0.001 | 0.001 | 0.001 |",
-        "| scene | a2 | 0.001 | 5 |",
-        "| disks | 1 | 0.25 | 4.2e+07 |",
-        "| r | spectral | nodes | 3 | lost |",
-    ):
-        assert line in text
+    assert text.count("\n## ") == 3
+    assert "| disks | 1 | 0.25 | 4.2e+07 |" in text
+    assert "| lost |" in text
 
 
+@pytest.mark.slow
 def test_neither_command_runs_a_module_of_the_folder_it_is_started_in(tmp_path: Path) -> None:
     (tmp_path / "numpy.py").write_text("open('executed', 'w').close()")
     for arguments in (
@@ -168,11 +131,3 @@ def test_neither_command_runs_a_module_of_the_folder_it_is_started_in(tmp_path: 
         command = [sys.executable, "-P", "-m", "kinetics.cli", *arguments]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert os.listdir(tmp_path) == ["numpy.py"]
-
-
-def test_rows_of_driven_tracers_are_measured() -> None:
-    works = [w for w in bench.driven(QUICK) if w.value == 1e-6 and "field" not in w.problem]
-    rows = [measure(work, QUICK._replace(least=1, most=1)) for work in works]
-    assert len(rows) == 4
-    assert {row["status"] for row in rows} == {MEASURED}
-    assert "50 times to t = 100: bath" in BenchReport(rows, True, ("driven",), {}, 1.0).markdown()

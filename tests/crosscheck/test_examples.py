@@ -30,11 +30,11 @@ def test_overview_example(tmp_path: Path) -> None:
 
 def test_compare_formats_example() -> None:
     results = runpy.run_path(str(ROOT / "examples" / "compare_formats.py"))["RESULTS"]
-    assert len(results) == 7
+    assert len(results) == 6
     plain = results.pop("run.csv")
     assert plain.verdict == "agrees"
-    # With configurations known, or with averages alone, p-values are others.
-    assert results.pop("ours.h5md").verdict == results.pop("table.csv").verdict == "agrees"
+    # With configurations known p-values are others.
+    assert results.pop("ours.h5md").verdict == "agrees"
     for result in results.values():
         assert result.verdict == plain.verdict
         assert [test.p_value for test in result.tests] == [test.p_value for test in plain.tests]
@@ -65,10 +65,6 @@ def test_percolation_example() -> None:
     assert result["SOLVER_ERROR"] < 1e-8 < result["MEASUREMENT_ERROR"] < 0.03
     value, error = result["PARTICLE_VELOCITY"]
     assert abs(value - result["VELOCITY"]) < 4 * error < 0.03
-    # from rest the velocity comes close to its limit and stays there
-    late = result["EARLY"] > result["REACHED"]
-    assert late.sum() > 100
-    assert np.all(abs(result["EARLY_VELOCITY"][late] / result["VELOCITY"] - 1) <= 0.01)
     assert result["FALL_DEPTH"][0] == pytest.approx(1.0, rel=1e-3)
     value, error = result["PARTICLE_DEPTH"]
     assert abs(value - 1.0) < 4 * error < 0.01
@@ -82,10 +78,6 @@ def test_neutrons_example() -> None:
         found = getattr(run, name)
         assert np.all(found.error < 0.01 * found.value)
         assert np.all(abs(found.value - getattr(solution, name)) < 4 * found.error)
-    # late, <r^2> grows by six ages for each factor e of the energy
-    lethargy = np.log(result["ENERGIES"][-2] / result["ENERGIES"][-1])
-    growth = np.diff(result["SPREAD"] ** 2)[-1]
-    assert growth / (6 * lethargy) == pytest.approx(result["AGE"], rel=1e-3)
     xi, cosine = 0.157768989824, 2 / 36
     assert result["AGE"] == pytest.approx(2.6**2 / (3 * xi * (1 - cosine)), rel=1e-9)
 
@@ -100,29 +92,5 @@ def test_localisation_example(tmp_path: Path) -> None:
         assert np.all(np.diff(exponent[known]) < 0)
         assert np.all(np.diff(rate[known]) > 0)
         assert rate[0] < 2.83 < rate[1]
-    # the constant of the kurtosis, from its slopes, is what it tends to
-    times = np.log(result["KURTOSIS_TIMES"])
-    constants = [c for _, c in result["KURTOSIS"].values()]
-    assert constants == pytest.approx([2.9954, 2.3983, 1.8472, 1.3368, 0.8617, 0.4174], abs=1e-4)
-    for values, c in result["KURTOSIS"].values():
-        assert (values[-1] - 2) * times[-1] == pytest.approx(c, rel=0.01)
-        assert np.all(np.diff(values) < 0)
-    # one curve is left only as ln t grows, and it is the Gaussian: the first correction is
-    # (kurtosis - 2)/2 times the second Laguerre polynomial
-    r, late = result["RADII"], np.log(result["LATE_TIMES"])
-    apart = result["largest"](result["LATE_G"][0.4] - result["LATE_G"][0.9])
-    assert apart[0] == pytest.approx(0.0876, abs=1e-4)
-    assert apart[3:] * late[3:] == pytest.approx([0.62] * 3, rel=0.03)
-    laguerre = 1 - 2 * r**2 + r**4 / 2
-    for e, found in result["LATE_G"].items():
-        excess = result["LATE"][e].kurtosis[-1] - 2
-        assert found[-1] - result["GAUSSIAN"] == pytest.approx(
-            result["GAUSSIAN"] * laguerre * excess / 2, abs=2e-5
-        )
-    assert np.all(result["largest"](result["LATE_G"][0.4] - result["INTEGRAL"]) > 0.42)
-    # no eta and gamma serves all of them
-    fits = [result["FITTED"][e, "tail", 2.0, 4.0] for e, _ in result["PAIRS"]]
-    assert [round(fit.eta, 3) for fit in fits] == [0.209, 0.221, 0.184, 0.128]
-    assert [round(fit.gamma, 1) for fit in fits] == [9.7, 8.4, 13.3, 41.5]
     result["draw"](str(tmp_path / "figure.png"))
     assert (tmp_path / "figure.png").stat().st_size > 10_000

@@ -3,7 +3,6 @@
 import json
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -48,33 +47,46 @@ def file(made: tables.Tables, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def read_steady(made: tables.Tables, drive: str, e: float) -> Any:
+    """The figures of a steady state from the tables, as the page has them."""
+    powers = tables.POWERS[drive]
+    return [made[f"{drive} {name}"].at(e)[()] * (1 - e) ** p for name, p in powers.items()]
+
+
+def read_averages(made: tables.Tables, e: float, n: float | None, t: Any) -> Any:
+    """v0 in U and <r^2> in l^2 from the tables, as the page has them, shape (2, n_times)."""
+    log_t, rates = np.log(t), tables.rates(e, None)
+    if n is None:
+        return np.array([made[k].at(e, log_t) for k in ("v0", "msd")]) * tables.factors(*rates, t)
+    root = math.sqrt(n)
+    h, a = (float(made[k].at(e, root)[0]) for k in ("hard H", "hard A"))
+    both = np.array([made[k].at(e, root, log_t)[0] for k in ("hard v0", "hard msd")])
+    return both * tables.factors(h * (1 - e), a, t)
+
+
 def test_what_is_read_is_what_the_solver_finds(made: tables.Tables) -> None:
+    """To what the page says of itself."""
     for e, t in PLACES:
-        read = tables.read_averages(made, e, None, np.array([t * 0.08])) * [[1.0], [12.5**2]]
+        read = read_averages(made, e, None, np.array([t * 0.08])) * [[1.0], [12.5**2]]
         assert read == pytest.approx(averages(e, t), rel=2e-4), (e, t)
     times = np.geomspace(0.1, 1e5, 8)
     for e, n in RNG.uniform((0.0, tables.DENSITIES[0]), (1.0, tables.DENSITIES[1]), (8, 2)):
-        read = tables.read_averages(made, e, n, 2 * n * times) * [[1.0], [(2 * n) ** -2]]
+        read = read_averages(made, e, n, 2 * n * times) * [[1.0], [(2 * n) ** -2]]
         assert read == pytest.approx(averages(e, times, n, "hard disks"), rel=5e-4), (e, n)
     for e in (0.01, 0.37, 0.8, 0.98):
         width = math.sqrt((1 - e * e) / 5)
         c = np.exp(width * np.linspace(-4, 5, 7))
         read = np.exp(made["ln F"].at(e, np.log(c) / width)) / (2 * np.pi * width * c * c)
         assert read == pytest.approx(ScalingSolution(e).vdf(c), rel=3e-4)
-        read = tables.read_steady(made, "field", e)[2]
-        assert read == pytest.approx(solve_field(e).diffusion_perpendicular, rel=1e-4)
+        xi = np.linspace(*tables.WIDTHS["hard disks"], 41)
+        exact = tables.scaled_density(e, 0.04, xi)
+        read = np.exp(made["hard ln F"].at(e, 0.2, xi)).ravel()
+        assert read == pytest.approx(exact, abs=5e-3 * exact.max())
+        state = solve_field(e)
+        field = [state.drift, state.diffusion_parallel, state.diffusion_perpendicular]
+        assert read_steady(made, "field", e) == pytest.approx(field, rel=1e-4)
         for drive, told in DRIVES.items():
-            assert tables.read_steady(made, drive, e) == pytest.approx(figures(e, **told), rel=2e-5)
-
-
-def test_the_error_that_the_page_states_is_found(made: tables.Tables) -> None:
-    off = tables.errors(made, seed=2, points=8)
-    limits = {"dilute": 2e-4, "hard disks": 5e-4, "F(c)": 2e-4, "F(c), hard disks": 5e-3}
-    limits |= {"field": 1e-4, "bath": 2e-5, "noise": 2e-5}
-    assert all(0 < off[name] < limit for name, limit in limits.items()), off
-    for name, stated in (("v0", "dilute"), ("noise D", "noise")):
-        worse = replace(made[name], coefficients=made[name].coefficients + 500)
-        assert tables.errors(made | {name: worse}, seed=2, points=8)[stated] > 2 * off[stated]
+            assert read_steady(made, drive, e) == pytest.approx(figures(e, **told), rel=2e-5)
 
 
 def test_the_page_needs_nothing_beside_it(file: Path) -> None:
@@ -148,7 +160,6 @@ def test_data_address_and_python(browser: Any, file: Path) -> None:
         refused="(() => {try {explorer.averagesOf('a,b\\n1,2')} catch (e) {return e.message}})()",
         told="location.hash = '#e=0.25&n=0.02&medium=hard-disks'", wait="explorer.play(false)",
         state="[explorer.state.e, explorer.state.n, explorer.state.medium]",
-        python="document.getElementById('code').textContent.split('solution')[0]",
         changed="(explorer.change({e: .5, g: .02}), location.hash)",
     )  # fmt: skip
     assert found["fit"] == pytest.approx(0.437, abs=1e-3)
@@ -156,39 +167,25 @@ def test_data_address_and_python(browser: Any, file: Path) -> None:
     assert "needed are t" in found["refused"]
     assert found["state"] == [0.25, 0.02, "hard disks"]
     assert found["changed"] == "#e=0.5&n=0.02&g=0.02&medium=dilute"
-    names: dict[str, Any] = {}
-    exec(found["python"], names)
-    told = {"scatterers": "hard disks", "times": np.geomspace(0.1, 1e4, 51), "outputs": OUTPUTS}
-    assert names["scene"] == Scene(0.25, 0.02, **told)
 
 
 def test_what_drives_the_tracer_is_chosen(browser: Any, file: Path) -> None:
     """Panel, sentence, address and Python follow; field and drive exclude each other."""
     text = "document.getElementById('%s').textContent"
-    seen = f"[location.hash, {text % 'driven'}, {text % 'numbers'}, {text % 'code'}]"
-    chosen = "[...document.querySelectorAll('#drive option')].map(o => o.value)"
+    seen = f"[location.hash, {text % 'numbers'}, {text % 'code'}]"
     found = ask(
-        browser, file, chosen=chosen, bath=f"(explorer.change({{drive: 'bath', e: .5}}), {seen})",
-        noise=f"(explorer.change({{drive: 'noise'}}), {seen})", markers=COUNTED % "circle.marker",
+        browser, file, bath=f"(explorer.change({{drive: 'bath', e: .5}}), {seen})",
+        markers=COUNTED % "circle.marker",
         field="(explorer.change({g: .03}), explorer.state.drive)",
         again="(explorer.change({drive: 'noise'}), explorer.state.g)",
-        elastic=f"(explorer.change({{e: 1}}), {seen})", none=COUNTED % "circle.marker",
-        back="(explorer.change({drive: 'nothing'}), location.hash)",
     )  # fmt: skip
-    assert found["chosen"] == ["nothing", "field", *DRIVES]
-    assert (found["markers"], found["none"]) == (4, 0)
-    assert (found["field"], found["again"]) == ("field", 0)
-    assert "drive" not in found["back"]
-    for (drive, told), shown in zip(DRIVES.items(), ("2.449", "1.799"), strict=True):
-        address, sentence, numbers, python = found[drive]
-        assert address.endswith(f"&drive={drive}")
-        assert "not driven" in sentence
-        assert shown in numbers
-        names: dict[str, Any] = {}
-        exec(python, names)
-        assert names["scene"].number_density == 0.04
-        assert names["steady"].thermal_speed == solve_steady(0.5, **told).thermal_speed
-    assert "solve_steady" not in found["elastic"][3]
+    assert (found["markers"], found["field"], found["again"]) == (4, "field", 0)
+    address, numbers, python = found["bath"]
+    assert address.endswith("&drive=bath")
+    assert "2.449" in numbers
+    names: dict[str, Any] = {}
+    exec(python, names)
+    assert names["steady"].thermal_speed == solve_steady(0.5, **DRIVES["bath"]).thermal_speed
 
 
 @pytest.mark.parametrize(("width", "dark"), [(390, True), (1400, False)])

@@ -2,9 +2,6 @@
 
 import json
 import os
-import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -52,38 +49,6 @@ def test_an_interrupted_write_leaves_what_was_there(
         write_together(tmp_path / folder, {"x": "new", "y": "new"})
     assert [p.name for p in tmp_path.iterdir()] == ["x"]
     assert (tmp_path / "x").read_text() == "old"
-
-
-def test_a_symbolic_link_is_followed(tmp_path: Path) -> None:
-    (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "elsewhere" / "x").write_text("old")
-    (tmp_path / "a").mkdir()
-    (tmp_path / "a" / "x").symlink_to(tmp_path / "elsewhere" / "x")
-    write_together(tmp_path / "a", {"x": "new"})
-    assert (tmp_path / "a" / "x").is_symlink()
-    assert contents(tmp_path / "elsewhere") == {"x": b"new"}
-
-
-def test_a_process_ended_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
-    """SIGTERM while the second file is written, by the command."""
-    code = f"""
-import os, sys
-from kinetics import cli
-from kinetics.crosscheck import bench, files
-real, calls = os.fsync, []
-def fsync(handle):
-    calls.append(handle)
-    if len(calls) == 2:
-        os.kill(os.getpid(), {int(signal.SIGTERM)})
-    real(handle)
-files.os.fsync = fsync
-bench.run_bench = lambda *_: bench.BenchReport([], True, (), {{}}, 0.0)
-sys.exit(cli.main())
-"""
-    command = [sys.executable, "-c", code, "bench", "-o", str(tmp_path / "out")]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (143, "")
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["", "x.txt", "folder.csv", "missing/x.csv", "file/x.csv"])

@@ -5,24 +5,20 @@ import math
 import signal
 import warnings
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
 import kinetics
-from kinetics import Beam, InputError, Monoenergetic, Scene, solve
+from kinetics import InputError, Scene, solve
 from kinetics.crosscheck import stress
 from kinetics.crosscheck.stress import (
     ACCEPTED,
     BROKEN,
-    CAREFUL,
     HOLDS,
     LONGEST,
     MISSED,
     SAYS_SO,
-    SLOW,
     Case,
     Outcome,
     all_cases,
@@ -39,17 +35,13 @@ from kinetics.crosscheck.stress import (
         (Outcome(1e-8, 1e-9), 0.0, HOLDS),
         (Outcome(1e-8, 2e-8), 0.0, MISSED),
         (Outcome(1e-8, 2e-8, converged=False), 0.0, SAYS_SO),
-        (Outcome(1e-8, 1e-9, converged=False), 0.0, CAREFUL),
-        (Outcome(1e-8, 1e-9, converged=False, known_to=1e-8), 0.0, SAYS_SO),
-        (Outcome(1e-8, 2e-8, known_to=1.0), 0.0, MISSED),
         (Outcome(converged=False), 0.0, SAYS_SO),
         (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (1e-12, 1e-13)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (math.nan, 1.0)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 0.0)}), 0.0, HOLDS),
         (Outcome(), 0.0, HOLDS),
-        (Outcome(1e-8, 1e-9), 2 * LONGEST, SLOW),
-        (Outcome(1e-8, 2e-8), 2 * LONGEST, MISSED),
+        (Outcome(1e-8, 1e-9), 2 * LONGEST, BROKEN),
     ],
 )
 def test_judge(outcome: Outcome, seconds: float, expected: str) -> None:
@@ -73,19 +65,10 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
     ]  # fmt: skip
 
 
-def test_the_worst_invariant_is_shown() -> None:
-    kept = {"a": (1e-3, 1.0), "b": (1e-14, 1e-13), "c": (0.0, 0.0)}
+def test_what_is_violated_is_shown() -> None:
+    kept = {"a": (1e-3, 1.0), "b": (math.nan, 0.0)}
     case = attempt(Case("g", "n", lambda: Outcome(invariants=kept)))
-    assert [case[n] for n in ("invariant", "violation", "allowed")] == ["b", 1e-14, 1e-13]
-    broken = {"a": (math.nan, 0.0), "b": (9.0, 1.0)}
-    case = attempt(Case("g", "n", lambda: Outcome(invariants=broken)))
-    assert (case["verdict"], case["invariant"]) == (BROKEN, "a")
-
-
-@pytest.mark.parametrize("quick", [True, False])
-def test_cases_have_names_of_their_own(quick: bool) -> None:
-    names = [(case.group, case.name) for case in all_cases(quick)]
-    assert len(set(names)) == len(names)
+    assert (case["verdict"], case["invariant"]) == (BROKEN, "b")
 
 
 def named(group: str, *parts: str) -> Case:
@@ -132,7 +115,6 @@ def wrong(factor: float, only: int) -> Callable[..., Any]:
         ("cooling", (DISKS, "start = speed 1e150")),
         ("cooling", (DISKS, BEGIN, "diameter")),
         ("averages", (DISKS, BEGIN)),
-        ("averages", (DISKS, "start = two peaks")),
         ("averages", (ROUGH, BEGIN)),
         ("averages", ("CollisionLaw(restitution=1.0)", BEGIN)),
         ("spectral density", (DISKS, "nodes = 512")),
@@ -153,15 +135,6 @@ def test_a_wrong_answer_is_found(
         assert attempt(case)["verdict"] in (MISSED, BROKEN)
 
 
-def test_a_rate_that_is_wrong_or_no_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    state, case = kinetics.solve_scaled(0.7, 1e-4), named("scaled equation", DISKS, "rtol = 0.0001")
-    names = ("a2", "reached_vdf", "status", "moment", "error_estimate")
-    for rate, verdict in ((math.nan, BROKEN), (1.001 * state.cooling_rate, MISSED)):
-        lost = SimpleNamespace(cooling_rate=rate, **{n: getattr(state, n) for n in names})
-        monkeypatch.setattr(kinetics, "solve_scaled", lambda *_, lost=lost: lost)
-        assert attempt(case)["verdict"] == verdict
-
-
 @pytest.mark.parametrize(
     ("group", "parts"),
     [
@@ -179,27 +152,6 @@ def test_a_case_of_each_other_group(group: str, parts: tuple[str, ...]) -> None:
 @pytest.mark.slow
 def test_the_quick_sweep() -> None:
     assert run_stress(quick=True).rejected == []
-
-
-@pytest.mark.parametrize("length", [-150, -40, 0, 150])
-@pytest.mark.parametrize("speed", [-120, 0, 120])
-@pytest.mark.parametrize("e", [0.0, 0.7, 1.0 - 1e-9])
-def test_averages_do_not_depend_on_the_units(e: float, length: int, speed: int) -> None:
-    """Mean free path and speeds times 1e-150 to 1e150: the answers are those of l = v = 1."""
-    powers = {"thermal_speed": (0, 1), "a2": (0, 0), "collisions": (0, 0), "msd": (2, 0),
-              "kurtosis": (0, 0), "mean_displacement": (1, 0), "mean_velocity": (0, 1)}  # fmt: skip
-    names = tuple(n for n, (a, b) in powers.items() if abs(a * length + b * speed) < 290)
-    times = 10.0 ** np.array([-8.0, -3.0, 0.0, 3.0])
-    one = solve(Scene(e, 0.5, 1.0, initial=Beam(0.3), times=times, outputs=names), 1e-9)
-    start = Beam(0.3, Monoenergetic(10.0**speed))
-    times = times * 10.0 ** (length - speed)
-    scene = Scene(e, 0.5 * 10.0**-length, 1.0, initial=start, times=times, outputs=names)
-    other = solve(scene, 1e-9)
-    for name in names:
-        a, b = powers[name]
-        scaled = other.values[name] / 10.0 ** (a * length) / 10.0 ** (b * speed)
-        size = 1.0 if name == "a2" else np.max(np.abs(one.values[name]))
-        np.testing.assert_allclose(scaled, one.values[name], rtol=1e-8, atol=1e-8 * size)
 
 
 def test_the_invariants_see_what_is_violated() -> None:
@@ -231,7 +183,7 @@ def test_the_command(made_up: list[Case], tmp_path: Any, capsys: Any) -> None:
     assert [c["verdict"] for c in document["cases"]] == [HOLDS, MISSED, BROKEN]
     assert json.loads((tmp_path / "out" / "stress.json").read_text()) == document
     page = (tmp_path / "out" / "stress.md").read_text()
-    assert all(word in page for word in ("wrong", "not finite", "fine"))
+    assert all(word in page for word in ("wrong", "not finite"))
     assert kinetics.cli.main(["stress"]) == 1
     assert "wrong" in capsys.readouterr().out
     made_up[1:] = []

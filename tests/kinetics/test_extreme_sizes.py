@@ -13,6 +13,7 @@ from kinetics import (
     Beam,
     Gaussian,
     InputError,
+    Monoenergetic,
     ScalingSolution,
     Scene,
     SpeedTable,
@@ -83,3 +84,24 @@ def test_speed_densities_at_the_smallest_speeds(scatterers: str) -> None:
     late, later = (solve(Scene(1e-3, times=[t], **asked), 0.01) for t in (1e250, 1e308))
     found = later.speed_density([1e-309, 3e-309])[0] / 1e308
     np.testing.assert_allclose(found, late.speed_density([1e-251, 3e-251])[0] / 1e250, rtol=1e-5)
+
+
+@pytest.mark.parametrize("length", [-150, -40, 0, 150])
+@pytest.mark.parametrize("speed", [-120, 0, 120])
+@pytest.mark.parametrize("e", [0.0, 0.7, 1.0 - 1e-9])
+def test_averages_do_not_depend_on_the_units(e: float, length: int, speed: int) -> None:
+    """Mean free path and speeds times 1e-150 to 1e150: the answers are those of l = v = 1."""
+    powers = {"thermal_speed": (0, 1), "a2": (0, 0), "collisions": (0, 0), "msd": (2, 0),
+              "kurtosis": (0, 0), "mean_displacement": (1, 0), "mean_velocity": (0, 1)}  # fmt: skip
+    names = tuple(n for n, (a, b) in powers.items() if abs(a * length + b * speed) < 290)
+    times = 10.0 ** np.array([-8.0, -3.0, 0.0, 3.0])
+    one = solve(Scene(e, 0.5, 1.0, initial=Beam(0.3), times=times, outputs=names), 1e-9)
+    start = Beam(0.3, Monoenergetic(10.0**speed))
+    times = times * 10.0 ** (length - speed)
+    scene = Scene(e, 0.5 * 10.0**-length, 1.0, initial=start, times=times, outputs=names)
+    other = solve(scene, 1e-9)
+    for name in names:
+        a, b = powers[name]
+        scaled = other.values[name] / 10.0 ** (a * length) / 10.0 ** (b * speed)
+        size = 1.0 if name == "a2" else np.max(np.abs(one.values[name]))
+        np.testing.assert_allclose(scaled, one.values[name], rtol=1e-8, atol=1e-8 * size)

@@ -8,7 +8,7 @@ import click
 
 from kinetics.crosscheck.cli.options import Output, example, json_option, progress
 
-CASES = ("scaled", "cooling", "position", "field", "driven", "skipping", "particles")
+CASES = ("scaled", "cooling", "position", "field", "driven", "particles")
 
 
 def _output_option(names: str) -> Any:
@@ -19,20 +19,19 @@ def _output_option(names: str) -> Any:
 
 @click.command(
     epilog=example("lorentz bench --quick --case scaled", "Nothing else should run meanwhile."),
-    short_help="Measure run time against error, and what skipping saves.",
+    short_help="Measure run time against error.",
 )
 @click.option("--quick", is_flag=True, help="Fewer cases, about a minute; else about ten.")
 @click.option(
     "--case", "cases", multiple=True, type=click.Choice(CASES),
     help="Measure this alone; may be repeated. [default: all]",
 )  # fmt: skip
-@_output_option("bench.json, bench.md and work-precision.svg")
+@_output_option("bench.json and bench.md")
 @json_option
 def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: bool) -> None:
-    """Measure every method on the same problems, against references of 1e-12 or better.
+    """Measure the solver against references of 1e-12 or better, and the particles.
 
-    Prints Markdown tables: run time for an error, what skipping saves, collisions per second, and
-    what failed.
+    Prints Markdown tables: run time for an error, collisions per second, and what failed.
     """
     from kinetics.crosscheck.bench import run_bench
 

@@ -11,7 +11,7 @@ from kinetics.crosscheck.cli.options import Output, json_option
 
 COLUMNS = """DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy
 and, where known, tracer and medium (the configuration of scatterers), one row for each tracer at
-each time; or with averages: time, v0, v0_error, msd, msd_error; or a file of an Ensemble; or
+each time; or a file of an Ensemble; or
 frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz)
 or GSD (.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known;
 --columns says others. Lengths are in d, speeds in U (standard deviation of one component of the

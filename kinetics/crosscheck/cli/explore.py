@@ -27,9 +27,8 @@ def explore(output: Path) -> None:
     from kinetics.crosscheck.explore import page, tables
     from kinetics.crosscheck.files import write_together
 
-    with options.progress(5) as tell:
+    with options.progress(4) as tell:
         made = tables.all_tables(tell)
-        tell("errors of the tables")
         text = page.render(made)
     write_together(output.parent, {output.name: text})
     size = len(text.encode()) / 1000

@@ -22,15 +22,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 @option("-o", "--output", type=options.Output(), default=Path("lorentz-report"),
         help="Folder for report.html, report.json and its tables as CSV.")
 @option("--quick", is_flag=True, help="A tenth of the samples.")
-@option("--field", "in_field", is_flag=True,
-        help="Tracers that fall in a uniform field, among disks and among spheres, instead: drift, "
-        "dispersion, approach to the steady state. Writes field.html and field.json. With --field "
-        "only -e, --dimension (for one of both), --rtol, --quick, --figures, --seed and --workers.")
 @option("--system", "kind", default="disks",
-        type=click.Choice(("disks", "bath", "heated", "viscoelastic")),
-        help="Other tracers of the dilute limit instead: among scatterers that move (w = 1), "
-        "heated (noise of strength 1), or with the restitution of viscoelastic impacts. Takes the "
-        "options of --field, -e being b of the viscoelastic; writes bath.html. [default: disks]")
+        type=click.Choice(("disks", "field", "bath", "heated", "viscoelastic")),
+        help="Other tracers of the dilute limit instead: in a uniform field, among scatterers that "
+        "move (w = 1), heated (noise of strength 1), or with the restitution of viscoelastic "
+        "impacts. Takes only -e (b of the viscoelastic), --dimension, --rtol, --quick, --figures, "
+        "--seed and --workers; writes field.html. [default: disks]")
+@option("--field", "kind", flag_value="field", help="The same as --system field.")
 @option("-e", "--restitution", "restitutions", type=float, multiple=True,
         help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]")
 @option("-t", "--until", "final_times", type=float, multiple=True,
@@ -50,8 +48,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 @options.workers_option
 @options.json_option
 def report(
-    output: Path, quick: bool, in_field: bool, kind: str, figures: tuple[str, ...],
-    as_json: bool, **system: Any,
+    output: Path, quick: bool, kind: str, figures: tuple[str, ...], as_json: bool, **system: Any,
 ) -> None:
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
@@ -59,23 +56,13 @@ def report(
     disks.
 
     Writes report.html, which needs nothing beside it, report.json with every number in it, and its
-    tables as CSV, and prints a verdict per comparison.
+    tables as CSV, and prints the findings.
     """
     # fmt: on
     from kinetics.crosscheck import report as work
-    from kinetics.crosscheck.report.systems import DRIVEN, Cooling, Falling
+    from kinetics.crosscheck.report.systems import DRIVEN, Cooling
 
-    asked: Any
-    if kind in DRIVEN:
-        options.refuse_given(["in_field"], f"--system {kind}")
-        asked = DRIVEN[kind](**_given(system, f"--system {kind}"))
-    elif in_field:
-        asked = _given(system, "--field")
-        if "dimension" in asked:
-            asked["dimensions"] = (asked.pop("dimension"),)
-        asked = Falling(**asked)
-    else:
-        asked = Cooling(**system)
+    asked: Any = Cooling(**system) if kind == "disks" else DRIVEN[kind](**_given(system, kind))
     asked = asked.quick() if quick else asked
     with options.progress(asked.stages) as tell:
         found = work.make_report(asked, tell)
@@ -86,14 +73,13 @@ def report(
         return
     click.echo(found.text())
     click.echo(f"wrote {written[0]} and {len(written) - 1} files beside it")
-    click.echo(found.document["headline"]["line"])
 
 
-_IN_FIELD = ("restitutions", "dimension", "rtol", "seed", "workers")
+_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 """Options of the report on the system that the others have too."""
 
 
-def _given(system: dict[str, Any], beside: str) -> dict[str, Any]:
-    """The options that the user gave; click.UsageError for those that mean nothing `beside`."""
-    options.refuse_given([name for name in system if name not in _IN_FIELD], beside)
-    return {name: system[name] for name in _IN_FIELD if options.given([name])}
+def _given(system: dict[str, Any], kind: str) -> dict[str, Any]:
+    """The options that the user gave; click.UsageError for those that the system does not have."""
+    options.refuse_given([name for name in system if name not in _OF_DRIVEN], f"--system {kind}")
+    return {name: system[name] for name in _OF_DRIVEN if options.given([name])}

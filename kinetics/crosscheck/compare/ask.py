@@ -55,8 +55,7 @@ def compare_data(
     data : a file, several files (see data.formats.FORMATS), a DataFrame or a dictionary of arrays
         with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and medium,
         (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
-        dimension); a table of averages time, v0, v0_error, msd, msd_error, (n_times,) each; a run
-        of `simulate`, or a Sample
+        dimension); a run of `simulate`, or a Sample
     restitution : 0 to 1, or a function of the impact speed as in a Scene; None: as an Ensemble
         says, or fitted to the data
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
@@ -67,7 +66,7 @@ def compare_data(
     tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
         runs in space, averages are compared and densities are not
     field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
-        restitution and number_density are needed; the cause that is looked for is another axis
+        restitution and number_density are needed, and no cause of a difference is looked for
     explain : test what may explain a difference; False is quicker
     scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (at their density,
         see Scene), or "auto": as an Ensemble says, or the likeliest for the data. For others than
@@ -175,7 +174,6 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
     first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
     note = [_OWN_START] if point.own_start and both.histograms else []
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
-    tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
     parameters = _parameters(both, wrong)
     names = (("restitution", "e"), ("number_density", "ρ₀"))
     fitted = " and ".join(
@@ -187,9 +185,10 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
         verdict=verdict, summary=judge.summary(
             both, tests, verdict, first, start, f"{fitted}, fitted" * bool(fitted),
             _medium_in_words(fits, best)),
-        parameters=parameters, initial=start, samples=tracers, groups=groups,
-        grouping=sample.grouping, names=sample.names, warnings=(*sample.warnings, *note),
-        tests=tests, explanations=tuple(explanations), numbers=rows, medium=point.scatterers,
+        parameters=parameters, initial=start, samples=int(sample.samples.max()),
+        groups=sample.groups, grouping=sample.grouping, names=sample.names,
+        warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
+        numbers=rows, medium=point.scatterers,
         covariance=tuple(map(tuple, best.covariance.tolist())),
     )  # fmt: skip
 
@@ -266,14 +265,9 @@ def _parameters(both: judge.Both, wrong: Explanation | None) -> dict[str, Parame
 
 def _densities(point: Point, sample: Sample) -> dict[str, Solution]:
     """The densities by name, that of the displacement at late times and from a named start."""
-    if sample.tabulated or sample.law.field or point.scatterers != "dilute":
+    if sample.law.field or point.scatterers != "dilute":
         return {}
     later, found = sample.times[sample.times > 0], dict[str, Solution]()
-    smooth = point.start == "gaussian"  # others take the solver seconds
-    if later.size and not point.own_start:
-        for name in sample.free_flights:  # one solution: it keeps what they share
-            flights, rtol = next(iter(found.values()), None), 1e-6 if smooth else 1e-3
-            found[name] = flights or theory.solved(point, sample.law, later[-1:], (name,), rtol)
     if not sample.law.smooth_disks:
         return found
     times = later[spread_out(later.size, 6)]  # each takes the solver some 0.1 s

@@ -18,9 +18,9 @@ from kinetics.crosscheck.compare.fit import Fit, choose, components_of, fit, med
 from kinetics.crosscheck.compare.judge import Both
 from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
-from kinetics.crosscheck.compare.theory import OBSERVABLES, SPEED, Point, SampledStart, bin_shares
+from kinetics.crosscheck.compare.theory import Point, SampledStart
 from kinetics.crosscheck.data.sample import V2, N, Sample
-from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, Verdict, numeral
+from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 
 AGREES_ABOVE = chance(AGREES_BELOW)  # p-value from which on what a cause leaves agrees
 CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
@@ -45,12 +45,10 @@ def explained(
     both: Both, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
 ) -> tuple[list[Explanation], str]:
     """What explains a difference or is to be noted, the likeliest first, and in which medium."""
-    medium, field = both.point.scatterers, both.sample.law.field
-    if both.sample.law.is_driven:
-        return [], medium
-    if wrong:
-        return [wrong], medium
-    notes = [] if field else [note for note in (_traps(both), _missing(both)) if note]
+    medium, law = both.point.scatterers, both.sample.law
+    if wrong or law.is_driven or law.field:
+        return [wrong] if wrong else [], medium
+    notes = [note for note in (_traps(both), _missing(both)) if note]
     tested = []
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
         tested = list(tested_causes(both, media))
@@ -64,9 +62,7 @@ def explained(
 def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanation, str]]:
     """Every cause in its best medium, the likeliest first; none if too few averages have spread."""
     # Not time 0: there a cause in the start would leave nothing that could differ.
-    usable, field = both.usable & (both.sample.times > 0), both.sample.law.field != 0
-    if field:  # before most have collided a few tracers make the spread, as all others fall alike
-        usable &= both.theory[2] ** 2 + both.theory[3] > both.point.path**2 / 4
+    usable = both.usable & (both.sample.times > 0)
     components = components_of(both.names, usable, both.sample.groups, 1)
     before = hotelling(*both.flat(components[1]))
     if components[1].size < 2 or not components[0].size or before is None:
@@ -76,7 +72,7 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
         return pair[0].outcome != "explains", pair[1].criterion
 
     tested: list[tuple[Explanation, Fit]] = []
-    for cause in (one for one in CAUSES if one.in_field == field):
+    for cause in CAUSES:
         found: list[Fit] = []
         for change in cause.changes(both, media):
             found += _fitted(both, cause, change, components, found[:1])
@@ -199,23 +195,6 @@ def _of_noise(title: str, unit: str) -> Any:
     return words
 
 
-_AXES = {
-    (0.0, 1.0): "an exchange of the x and y columns of the velocities",
-    (1.0, 0.0): "an exchange of the x and y columns of the positions",
-    (0.0, 0.0): "a field across x (along y, say) in place of one along x",
-    (-1.0, -1.0): "a field along -x in place of one along x",
-}
-"""Cosines between the field and the data's x axis, of velocities and of positions."""
-
-
-def _of_axes(both: Both, found: Fit, value: Any, error: Any) -> Words:
-    axes = found.point[-2:]
-    k = both.names.index("mean_displacement" if axes[0] == 1 else "drift")
-    text = f"{_AXES[axes].capitalize()}: at the last time {OBSERVABLES[both.names[k]].short} is "
-    text += f"{_pm(both.expectation.values[k, -1], both.error[k, -1], '.3g')}, in place of "
-    return f"{text}{numeral(both.theory[k, -1], '.3g')} as told.", _AXES[axes], None, None
-
-
 def _factors(name: str) -> Any:
     return lambda both, point: [math.log(getattr(point, name)) + shift for shift in _FACTORS]
 
@@ -245,7 +224,6 @@ class Cause(NamedTuple):
     free: tuple[str, ...] = ()
     starts: Callable[[Both, Point], Sequence[float]] = lambda both, point: (0.0,)
     changes: Callable[[Both, Sequence[str]], Sequence[dict[str, Any]]] = _media
-    in_field: bool = False
 
 
 CAUSES = (
@@ -266,8 +244,6 @@ CAUSES = (
     Cause("velocity noise", _of_noise("velocity", "U"), ("velocity_noise",), _noise("v", 0)),
     Cause("position noise", _of_noise("displacement", "d"), ("position_noise",), _noise("r", 2)),
     Cause("tracers at rest", _of_number("f", "share of tracers that never move"), ("at_rest",)),
-    Cause("components exchanged", _of_axes, in_field=True, changes=lambda both, media:
-          [{"velocity_axis": v, "position_axis": r} for v, r in _AXES]),
 )  # fmt: skip
 """Everything that may explain a difference. A new cause is one row."""
 
@@ -319,25 +295,9 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
 
 
 def _traps(both: Both) -> Explanation | None:
-    """Tracers at the last time, five at least, that are at rest or eight times slower than the
-    lowest bin: no wrong number, which shifts all speeds a little, puts a tracer there.
-    """
+    """Tracers that have speed zero at some time, which only trapped ones have."""
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
-    binned, found = both.sample.speeds, [h for h in both.histograms if h.name == SPEED]
-    if found and binned is not None:
-        h, density = found[-1], both.densities[SPEED]
-        edges = binned.edges[h.place]
-        cut = int(np.searchsorted(edges, h.edges[1] / 8))
-        at = int(np.argmin(np.abs(density.times - h.time)))
-        count = int(binned.by_group[:, h.place, : cut + 1].sum())
-        expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
-        if count >= 5 and count - expected >= DIFFERS_ABOVE * math.sqrt(max(expected, count)):
-            share, error = (count - expected) / h.samples, math.sqrt(count) / h.samples
-            headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
-            more = f": {count} are slower than {numeral(edges[cut], '.3g')} U, {rest} have speed "
-            more += "zero: caught between scatterers, or stopped by a program."
-            return _found("traps", headline, more, share, error, h.time)
-    more = ": they have speed zero at some time, which only trapped ones have."
+    more = ": caught between scatterers, or stopped by a program."
     return _found("traps", f"{rest} tracers come to rest", more, rest / most) if rest else None
 
 

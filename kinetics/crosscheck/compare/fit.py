@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare import statistics
-from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, errors, whitening
+from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, whitening
 from kinetics.crosscheck.compare.theory import (
     Expectation,
     Point,
@@ -120,7 +120,6 @@ def fit(
     told: the point whose parameters `free` are fitted, none or more, from `starts` (see `Fit.at`).
     """
     groups, (chosen, tested) = expectation.sample.groups, components
-    one_by_one = expectation.sample.tabulated
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
     values, logs = expectation.values.ravel()[chosen], np.array([n not in LIMITS for n in free])
     low, high = np.array([_ends(name, told) for name in free]).reshape(-1, 2).T
@@ -176,12 +175,9 @@ def fit(
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-        if one_by_one:  # errors for the worst correlation
-            spread = np.diag(np.abs(influence) @ errors(replicates)) ** 2
     parts = (at, tuple(free), theory, known, spread, slope, influence, chosen)
     widening, rows = 0.0, steadied(expectation, theory, expectation.replicates - theory)
-    moved = rows if one_by_one else Fit(*parts).moved(rows)
-    left_of = moved.reshape(groups, -1)[:, tested]
+    left_of = Fit(*parts).moved(rows).reshape(groups, -1)[:, tested]
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
         spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
@@ -191,7 +187,7 @@ def fit(
         usable = np.any(passed != 0, axis=0)
         known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
     left = stabilised(names, theory, expectation.values - theory).ravel()[tested]
-    after = statistics.hotelling(left, left_of, known, one_by_one)
+    after = statistics.hotelling(left, left_of, known)
     return Fit(*parts, after, widening)
 
 

@@ -1,7 +1,6 @@
 """Data and theory side by side, and the verdicts on them: rows, tests and the summary."""
 
 import math
-import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -25,7 +24,7 @@ from kinetics.crosscheck.compare.theory import (
 )
 from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.words import Verdict, numeral
-from kinetics.errors import InputError, ToleranceWarning
+from kinetics.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -40,7 +39,7 @@ _AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something a
 
 
 class Histogram(NamedTuple):
-    """One density at one time, the sample's of this place, against the theory.
+    """One density at one time against the theory.
 
     edges (n + 1,), of densities the first is 0 and the last infinite; shares of the samples with
     errors, theory (n,).
@@ -48,7 +47,6 @@ class Histogram(NamedTuple):
 
     name: str
     time: float
-    place: int
     edges: Array
     share: Array
     error: Array
@@ -96,11 +94,11 @@ class Both:
         binned = (_histogram(self.sample, densities[name], name, at) for name, at in every)
         self.histograms = list(filter(None, binned))
 
-    def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None, bool]:
+    def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None]:
         """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
         replicates = self.shaped_replicates.reshape(self.sample.groups, -1)
         known = None if self.known is None else self.known[np.ix_(chosen, chosen)]
-        return self.shaped.ravel()[chosen], replicates[:, chosen], known, self.sample.tabulated
+        return self.shaped.ravel()[chosen], replicates[:, chosen], known
 
 
 def with_spread(error: Array, *values: Array) -> NDArray[np.bool_]:
@@ -112,8 +110,6 @@ def with_spread(error: Array, *values: Array) -> NDArray[np.bool_]:
 
 def _histogram(sample: Sample, solution: Solution, name: str, at: int) -> Histogram | None:
     """A sample's histogram against a solution's density at its time of the index `at`."""
-    if name in sample.free_flights:
-        return _of_flights(sample, solution, name)
     binned = sample.speeds if name == SPEED else sample.displacements
     if binned is None:
         return None
@@ -144,29 +140,7 @@ def _histogram(sample: Sample, solution: Solution, name: str, at: int) -> Histog
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
         chi_square = statistics.hotelling((share - theory)[:-1], replicates[:, :-1])
     edges = np.concatenate([[0.0], fine[starts[1:] - 1], [np.inf]])
-    return Histogram(name, time, index, edges, share, error, theory, samples, behind, chi_square)
-
-
-def _of_flights(sample: Sample, solution: Solution, name: str) -> Histogram | None:
-    """Lengths or durations of free flights. A tracer's flights are alike and covariances are not
-    kept, so bins stay as they are and the chi-square is of the one that differs most.
-    """
-    seen, time = sample.free_flights[name], float(solution.times[-1])
-    with warnings.catch_warnings():  # of a rough start: far below any standard error
-        warnings.simplefilter("ignore", ToleranceWarning)
-        theory = getattr(solution, f"{name}_fraction")(seen.edges)[-1]
-    enough = np.flatnonzero(theory * seen.samples >= LEAST_EXPECTED)
-    if enough.size < 2 or seen.groups < 2:
-        return None
-    mine = slice(int(enough[0]), int(enough[-1]) + 1)
-    share, theory = seen.share[mine], theory[mine]
-    error = np.maximum(seen.error[mine], np.sqrt(theory * (1 - theory) / seen.samples))
-    each = ((share - theory) / error).tolist()
-    sigmas = np.array([words.corrected_sigmas(z, seen.groups, 1) for z in each])
-    edges = seen.edges[mine.start : mine.stop + 1]
-    chi_square = statistics.of_the_worst(sigmas)._replace(groups=seen.groups)
-    return Histogram(name, time, sample.times.size - 1, edges, share, error, theory, seen.samples,
-                     seen.groups, chi_square)  # fmt: skip
+    return Histogram(name, time, edges, share, error, theory, samples, behind, chi_square)
 
 
 def _merged(
@@ -191,13 +165,12 @@ def _merged(
 def rows_of(both: Both) -> Iterator[Row]:
     """One row per observable and time, and per bin of a density; see `Comparison.rows`."""
     sample = both.sample
-    counts = 0 * sample.samples if sample.tabulated else sample.samples
     for i, name in enumerate(both.names):
         looks = int(both.usable[i].sum())
         for k in np.flatnonzero(both.compared[i]).tolist():
             parts = (sample.times, both.expectation.values[i], both.error[i], both.theory[i])
             time, value, error, theory = (float(part[k]) for part in parts)
-            sigmas, corrected, count = None, None, int(counts[k])
+            sigmas, corrected, count = None, None, int(sample.samples[k])
             if both.usable[i, k]:
                 sigmas = float(both.difference[i, k] / error)
                 shaped, groups = float(both.sigmas[i, k]), float(both.effective[i, k])
@@ -248,10 +221,8 @@ def _over_times(both: Both, i: int) -> ChiSquare | None:
     times = np.flatnonzero(both.usable[i])
     if not times.size:
         return None
-    difference, replicates, known, _ = both.flat(times + i * both.sample.times.size)
+    difference, replicates, known = both.flat(times + i * both.sample.times.size)
     error = both.error[i, times]
-    if both.sample.tabulated:
-        return statistics.of_the_worst(difference / error)
     effective = float(statistics.effective_groups(replicates).mean())
     count = min(times.size, statistics.most_freedom(int(effective)))
     together = np.zeros((count, times.size))
@@ -308,10 +279,10 @@ def summary(
     plain = dict.fromkeys(numbers, 0.0) | {"e": None, "e_t": 1.0, "M/m": math.inf}
     shown = {n: v if callable(v) else numeral(v, ".6g") for n, v in numbers.items()}
     told = [f"{n} = {shown[n]}" for n, v in numbers.items() if v != plain[n]]
-    data = "A table of averages" if sample.tabulated else f"{int(sample.samples.max())} tracers"
     first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
-    answer += f" {data} at {sample.times.size} times from {first} to {last} d/U, compared with the "
-    answer += f"kinetic equation with {', '.join(told)}, from {start}. {medium}"
+    answer += f" {int(sample.samples.max())} tracers at {sample.times.size} times from {first} to "
+    answer += f"{last} d/U, compared with the kinetic equation with "
+    answer += f"{', '.join(told)}, from {start}. {medium}"
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     if odd:
         t = min(odd, key=lambda test: test.p_value)

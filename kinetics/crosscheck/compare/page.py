@@ -32,7 +32,7 @@ def row_cells(result: Comparison, every: bool = True) -> list[list[str]]:
 
 def scene_of(result: Comparison) -> dict[str, str]:
     """What was compared, by name."""
-    made = f"from {result.groups} groups, by {result.grouping}" if result.groups else "as told"
+    made = f"from {result.groups} groups, by {result.grouping}"
     told = {n: f"{number(p.value, p.error)} ({p.source})" for n, p in result.parameters.items()}
     return told | {"start": result.initial, "errors": made}
 

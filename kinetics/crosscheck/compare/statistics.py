@@ -80,20 +80,14 @@ def whitening(matrix: Array) -> Array:
     return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
 
 
-def hotelling(
-    difference: Array, replicates: Array, known: Array | None = None, one_by_one: bool = False
-) -> ChiSquare | None:
+def hotelling(difference: Array, replicates: Array, known: Array | None = None) -> ChiSquare | None:
     """Test of a difference (p,) with its replicates (G, p); None without freedom.
 
-    known (p, p): the covariance of an error of the theory, which is added. one_by_one: only the
-    errors are known; then p is that of the component that differs most.
+    known (p, p): the covariance of an error of the theory, which is added.
     """
     groups, extra = len(replicates), np.zeros((1, 1)) if known is None else known
     if difference.size == 0:
         return None
-    if one_by_one:
-        sigmas = difference / np.sqrt(errors(replicates) ** 2 + np.diagonal(extra))
-        return of_the_worst(sigmas)._replace(statistic=float(sigmas @ sigmas))
     axes = whitening(covariance(replicates) + extra)
     white = axes @ difference
     freedom, statistic = white.size, float(white @ white)
@@ -120,11 +114,3 @@ def pearson(counts: Array, expected: Array) -> ChiSquare | None:
         return None
     value, freedom = float(np.sum((counts - expected) ** 2 / expected)), counts.size - 1
     return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)
-
-
-def of_the_worst(sigmas: Array) -> ChiSquare:
-    """Test of differences in standard errors (n,), however correlated: Bonferroni's."""
-    largest = float(np.abs(sigmas).max())
-    p_value = min(1.0, chance(largest) * sigmas.size)
-    value = 2 * float(gammainccinv(0.5, p_value)) if p_value > 1e-300 else largest**2
-    return ChiSquare(value, 1, p_value, None, largest**2)

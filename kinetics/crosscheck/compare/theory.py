@@ -63,10 +63,6 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
      "displacement_tensor", (1, 1)),
     (SPEED, "Speed density", "speed $v$", "U", "mean over a bin"),
     (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
-    ("free_path", "Length of free flights", "length $x$", "d", "mean over a bin", None, "free",
-     "collisions"),
-    ("free_time", "Duration of free flights", "duration $s$", "(d/U)", "mean over a bin", None,
-     "free", "collisions"),
 )}  # fmt: skip
 """Everything that is compared, in the order of the page: a new average is one row."""
 AVERAGES, IN_FIELD = (
@@ -115,8 +111,6 @@ class Point(NamedTuple):
     time_offset : in d/U, of the data's clock behind the true one
     velocity_noise, position_noise : variances of a component of what is added to each velocity and
         displacement, in U^2 and d^2
-    velocity_axis, position_axis : cosines between the field and the data's x axis, as velocities
-        and displacements have it: 0 where x and y are exchanged
     """
 
     restitution: Any
@@ -130,8 +124,6 @@ class Point(NamedTuple):
     time_offset: float = 0.0
     velocity_noise: float = 0.0
     position_noise: float = 0.0
-    velocity_axis: float = 1.0
-    position_axis: float = 1.0
 
     @property
     def own_start(self) -> bool:
@@ -195,8 +187,6 @@ class Expectation:
         """Averages (..., n_names, n_times) as data in other units, with noise or with tracers at
         rest have them: each changes the second and fourth moments of v and of r.
         """
-        if (point.velocity_axis, point.position_axis) != (1.0, 1.0):
-            return self._turned(values, point)
         if point[4:8] == (1.0, 1.0, 1.0, 0.0) and not (
             point.velocity_noise or point.position_noise
         ):
@@ -219,15 +209,6 @@ class Expectation:
                 ratios = quartic / (ratio * still**2) - one
                 changed[..., at, :] = np.where(moved > 0, ratios, values[..., at, :])
         return changed
-
-    def _turned(self, values: Array, point: Point) -> Array:
-        """Averages in a field (`IN_FIELD`, n_times) as data have them whose x axis is another."""
-        drift, speed, place, along, across = values
-        d, share = self.sample.law.dimension, point.position_axis**2
-        # what is measured across x takes the mean there to be 0, and holds its square
-        rest = ((1 - share) * (along + place**2) + (d - 2 + share) * across) / (d - 1)
-        drift, place = point.velocity_axis * drift, point.position_axis * place
-        return np.stack([drift, speed, place, share * along + (1 - share) * across, rest])
 
 
 _MODEL_GROUPS = 10  # what the model of an error in `steadied` is as good as
@@ -259,10 +240,10 @@ def steadied(expectation: Expectation, theory: Array, replicates: Array) -> Arra
     Of 500 tracers few make <r^8>, and most samples miss them: three in four errors are too small.
     The model is good to 20 % (0.98 to 1.28 of the error that 400 samples have), as if from ten
     groups; the mean is by groups, of the data effective ones (Smyth, Stat. Appl. Genet. Mol. Biol.
-    3, 3 (2004)). Replicates of a table are made up, and stay.
+    3, 3 (2004)).
     """
     found, sample = stabilised(expectation.names, theory, replicates), expectation.sample
-    if "kurtosis" not in expectation.names or sample.tabulated:
+    if "kurtosis" not in expectation.names:
         return found
     k, d = expectation.names.index("kurtosis"), sample.law.dimension
     x, wider = theory[k], theory[k] / sample.law.gaussian - 1

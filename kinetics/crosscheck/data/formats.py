@@ -5,7 +5,6 @@ It is given the path, its name for messages and what was asked (`tracks.Asked`),
 links into other files are not followed, and sizes are checked before memory is asked for.
 """
 
-import csv
 import gzip
 import re
 import zipfile
@@ -22,7 +21,7 @@ from kinetics.crosscheck.data.sample import Sample, read_ensemble
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
 from kinetics.errors import InputError, short
 
-Read = Tracks | t.Averages | Sample
+Read = Tracks | Sample
 # arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)
 FRAMES = ("times", "positions", "velocities")
 # bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
@@ -30,7 +29,7 @@ _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
 
 def read(source: Path | t.Table, asked: Asked) -> Read:
-    """Tracks, a table of averages or a Sample, from a file or from columns; or InputError."""
+    """Tracks or a Sample, from a file or from columns; or InputError."""
     where = t.name_of(source)
     try:
         if isinstance(source, t.Table):
@@ -71,8 +70,7 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
     from pyarrow import csv as arrow
 
     with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
-        lines = enumerate(iter(lambda: file.readline(_LONGEST), b""), 1)
-        for _, raw in lines:
+        for raw in iter(lambda: file.readline(_LONGEST), b""):
             text = raw.decode("utf-8-sig").strip()
             header = text.lstrip("#").strip()
             words = re.split(r"[\s,;\"']+", header.lower())
@@ -86,49 +84,27 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
         names = header.split(separator := max(",;\t", key=header.count))
         start, found = file.tell(), t.find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
-        numbers = {names[k]: k for one, k in found.items() if one not in t.LABELS}
         read = arrow.ReadOptions(column_names=names, block_size=_BLOCK)
 
         def blank(row: Any) -> str:
-            return "error" if _says(row.text) else "skip"
+            return "skip" if row.text.strip()[:1] in ("", "#") else "error"
 
-        parse = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank)
+        parse, why = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank), ""
         for label in (pa.int64(), pa.string()):
-            kinds = dict.fromkeys((names[k] for k in found.values()), label)
-            kinds |= dict.fromkeys(numbers, pa.float64())
+            kinds = {names[k]: label if n in t.LABELS else pa.float64() for n, k in found.items()}
             told = {"column_types": kinds, "include_columns": list(kinds), "null_values": []}
             file.seek(start)
-            with suppress(pa.ArrowInvalid):
+            try:
                 batches, convert = [], arrow.ConvertOptions(**told)
                 for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
                     batches.append(batch)
                     require_memory(where, float(batch.nbytes * len(batches)))
                 table = pa.Table.from_batches(batches)
                 columns = {name: table.column(name).to_numpy() for name in kinds}
-                if "x" not in found or all(np.isfinite(columns[name]).all() for name in numbers):
-                    return t.from_columns(where, names, columns, asked)
-        file.seek(start)
-        texts = ((line, raw.decode("utf-8", "replace").strip("\r\n")) for line, raw in lines)
-        said = ((line, csv.reader([one], delimiter=separator)) for line, one in texts if _says(one))
-        _require_rows(where, ((line, next(cells)) for line, cells in said), names, numbers)
-    bad(where, "no rows, or an unreadable text", "rows of numbers")
-
-
-def _says(text: str) -> bool:
-    """Whether a line is neither blank nor a remark."""
-    return text.strip()[:1] not in ("", "#")
-
-
-def _require_rows(
-    where: str, rows: Any, names: Sequence[str], used: Mapping[str, int], lost: str = ""
-) -> None:
-    """InputError at the first of the lines (number, cells) that lacks cells or numbers."""
-    for line, cells in rows:
-        if len(cells) != len(names):
-            bad(f"{where}: line {line}", f"{len(cells)} columns", str(len(names)))
-        for name, k in used.items():
-            if cells[k].lower() != lost:
-                _real(f"{where}: line {line}, column {name!r}", cells[k])
+                return t.from_columns(where, names, columns, asked)
+            except pa.ArrowInvalid as error:
+                why = " ".join(str(error).split())
+    bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
 
 
 def _real(where: str, text: str) -> float:
@@ -228,19 +204,18 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     if _own(group, "box") and "edges" in group["box"]:  # rectangular, and always the same
         edges = np.atleast_2d(np.asarray(_dataset(where, group["box"], "edges"), float))
         box = edges[0] if edges.size and np.all(edges == edges[0]) and np.all(edges > 0) else None
-        sides = np.asarray(group["box"].attrs.get("boundary", "none")).astype(str)
     if "image" in group:
         image = _dataset(where, group, "image")
         if box is None or image.shape != shape or box.size < shape[2]:
             bad(f"{where}: image", image.shape, f"{shape}, with a box that is always the same")
-        r, box = r + image * box[: shape[2]], None
-    elif box is not None and np.any(sides != "periodic"):
-        box = None
+        r = r + image * box[: shape[2]]
+    elif _own(group, "box") and "periodic" in str(group["box"].attrs.get("boundary", "")):
+        t.refuse_wrapped(where, "image")
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
     times = _times(where, group["position"], shape[0], asked)
     columns = t.columns_of(where, times, r, v, **labels)
-    return t.of_frames(where, [columns], asked, units, box)
+    return t.of_frames(where, [columns], asked, units)
 
 
 def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
@@ -293,18 +268,18 @@ class _Lines:
             bad(self.where, f"column {name!r} {names.count(name)} times", "once")
         rows, first = list(islice(self._file, count)), self._number + 1
         self._number += len(rows)
-        places = {name: names.index(name) for name in wanted}
         kinds = [(name, "U64" if name in ("type", "element") else float) for name in wanted]
-        found = np.empty(0, kinds)
-        with suppress(ValueError):
+        found, why = np.empty(0, kinds), ""
+        try:
             if rows:
-                found = np.loadtxt(rows, kinds, None, usecols=[*places.values()], ndmin=1)
-            if found.size == count:
-                return {name: found[name] for name in wanted}
-        numbers = {name: places[name] for name, kind in kinds if kind is float}
-        cells = ((line, text.split()) for line, text in enumerate(rows, first))
-        _require_rows(self._name, cells, names, numbers, "nan")
-        bad(self.where, f"the end of the file after {len(rows)} rows", f"{count} rows")
+                used = [names.index(name) for name in wanted]
+                found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
+        except ValueError as error:
+            why = short(str(error), 150)
+        if why or found.size != count:
+            got = why or f"{found.size} rows and blank lines, or the end of the file"
+            bad(f"{self._name}: from line {first} on", got, f"{count} rows of numbers")
+        return {name: found[name] for name in wanted}
 
 
 # units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)
@@ -317,7 +292,7 @@ _STYLES = {
 
 def _lammps(path: Path, where: str, asked: Asked) -> Read:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
-    d, frames, boxes, units, head = asked.dimension or 2, [], set(), ("", "", ""), dict[str, Any]()
+    frames, units, head = list[Any](), ("", "", ""), dict[str, Any]()
     lines = _Lines(path, where)
     for line in lines:
         item, *rest = line.removeprefix("ITEM: ").split()
@@ -340,22 +315,19 @@ def _lammps(path: Path, where: str, asked: Asked) -> Read:
             head |= {"low": low, "length": high - low, "periodic": rest[1:]}
         elif item == "ATOMS":
             time = asked.times_of(where, head.get("time"), head.get("step"))
-            frame, wrapped = _lammps_frame(lines, rest, head, asked)
+            frame = _lammps_frame(lines, rest, head, asked)
             frames.append(frame | {"time": np.full(head["count"], time)})
-            periodic = wrapped and head.get("periodic", [])[:d] == ["pp"] * d
-            boxes.add(tuple(head["length"][:d]) if periodic else None)
             head = {}
     if head:
         bad(where, "a last frame without atoms", "whole frames")
-    box = np.array(boxes.pop()) if len(boxes) == 1 and None not in boxes else None
     said = dict(zip(("x", "vx", "time"), units, strict=True))
-    return t.of_frames(where, frames, asked, said, box)
+    return t.of_frames(where, frames, asked, said)
 
 
 def _lammps_frame(
     lines: _Lines, names: list[str], head: Mapping[str, Any], asked: Asked
-) -> tuple[dict[str, Any], bool]:
-    """The columns of one frame, and whether positions may be wrapped."""
+) -> dict[str, Any]:
+    """The columns of one frame."""
     axes = AXES[: asked.dimension or 2]
     kinds = {a: [f"{a}{kind}" for kind in ("u", "su", "", "s")] for a in axes}
     used = {a: next((x for x in every if x in names), every[0]) for a, every in kinds.items()}
@@ -364,6 +336,9 @@ def _lammps_frame(
     kind = [] if asked.type is None else ["element" if "type" not in names else "type"]
     if "length" not in head and (flags or any("s" in name for name in used.values())):
         bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
+    for (axis, name), side in zip(used.items(), head.get("periodic", ()), strict=False):
+        if side == "pp" and "u" not in name and f"i{axis}" not in flags:
+            t.refuse_wrapped(lines.where, "image flags ix, iy")
     table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
     out = {v: table[v] for v in speeds} | {"tracer": table["id"]}
     out |= {"type": table[kind[0]]} if kind else {}
@@ -373,7 +348,7 @@ def _lammps_frame(
             out[axis] = out[axis] * head["length"][k] + head["low"][k]
         if f"i{axis}" in flags:
             out[axis] = out[axis] + table[f"i{axis}"] * head["length"][k]
-    return out, len(flags) < len(axes) and not all("u" in name for name in used.values())
+    return out
 
 
 _PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')
@@ -428,9 +403,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
     kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
     columns = t.columns_of(where, times, place + image * edges, velocity, type=kinds)
-    # image flags that are all 0 may be none: then positions may be wrapped
-    free = np.any(image) or not np.all(edges > 0) or np.any(boxes != boxes[0])
-    return t.of_frames(where, [columns], asked, box=None if free else boxes[0])
+    return t.of_frames(where, [columns], asked)
 
 
 # the ending of a file's name, and the function that reads it

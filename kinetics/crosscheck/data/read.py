@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data.formats import read
-from kinetics.crosscheck.data.sample import Law, Sample, of_averages, reduced, size_of_vectors
-from kinetics.crosscheck.data.tracks import Asked, Averages, Table, Tracks, bad, joined, name_of
-from kinetics.crosscheck.data.tracks import unwrapped as _unwrapped
+from kinetics.crosscheck.data.sample import Law, Sample, reduced, size_of_vectors
+from kinetics.crosscheck.data.tracks import Asked, Table, Tracks, bad, joined, name_of
 from kinetics.crosscheck.data.units import are_mixed, are_own
 from kinetics.crosscheck.words import numeral
 
@@ -37,14 +36,10 @@ def read_sample(
             print(f"file {k} of {len(sources)}", end="\r", file=sys.stderr)
         parts.append(read(source, asked))
         if len(sources) > 1 and not isinstance(parts[-1], Tracks):
-            bad(names[k - 1], "an Ensemble or a table of averages of several", "the only file")
+            bad(names[k - 1], "an Ensemble of several", "the only file")
     names, law = tuple(where.split(", ")), Law(dimension=asked.dimension or 2)
     if isinstance(parts[0], Sample):
         return parts[0]
-    if isinstance(parts[0], Averages):
-        if asked.with_field:
-            bad("field", "a table of averages", "0 for it")
-        return _scaled(of_averages(parts[0], names, law), asked, parts[0].units)
     tracks, warnings = _displacements(parts, names, asked)
     sample, more = _grouped(tracks, names, asked)
     # tracers of one flight share |r|/(|v| t) only at their own times
@@ -58,8 +53,7 @@ def _displacements(
 ) -> tuple[Tracks, list[str]]:
     """The tracers of all files relative to their places at time 0, and what is to be said of it."""
     where, warnings = ", ".join(names), list[str]()
-    found = [(part, False) if asked.with_field else _unwrapped(part) for part in parts]
-    tracks = joined([part for part, _ in found], names, asked)
+    tracks = joined(parts, names, asked)
     if asked.bin_times:
         warnings.append(
             f"Times within {asked.bin_times:.3g} of each other are one time, at their mean: "
@@ -79,11 +73,6 @@ def _displacements(
                 "Positions at time 0 are not the origin: each tracer's own place at time 0 was "
                 "subtracted from its positions."
             )
-    if any(crossed for _, crossed in found):
-        warnings.append(
-            "Positions were wrapped at the edges of the box and have been unwrapped: between "
-            "frames every tracer moves by less than half the box."
-        )
     return tracks, warnings
 
 
@@ -101,7 +90,7 @@ def _require_not_wrapped(where: str, place: Any, far: float) -> None:
     away = np.nanmax(np.abs(place - (low + high) / 2), axis=(0, 1))
     if np.all(away <= (high - low) * (0.5 + 5 / n)) and n * far >= 20 * size > 0:
         got = f"some that look wrapped in a box, within {low} to {high}, for moves of {far:.4g}"
-        bad(f"{where}: positions", got, "unwrapped, or in frames of less than half a box each")
+        bad(f"{where}: positions", got, "unwrapped")
 
 
 def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Sample, list[str]]:

@@ -6,7 +6,6 @@ every standard error and every covariance is the spread over groups.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.tracks import MOST_TIMES, Averages, Tracks, bad, name_of
+from kinetics.crosscheck.data.tracks import Tracks, bad, name_of
 from kinetics.driven.restitution import Viscoelastic, impact_restitution
 from kinetics.driven.system import DRIVES
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -32,8 +31,6 @@ MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
 # octave, their number: from a thousandth of the root mean square to 64 times it
 _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
-EXACT = 1e-6  # relative error of averages of a Solution, which have none beside them
-GROUPS = 1000  # groups that are made up: so many that errors are as good as exact
 
 
 class Flights(NamedTuple):
@@ -55,19 +52,6 @@ class Binned(NamedTuple):
 
     edges: Array
     by_group: Counts
-
-
-class FreeFlights(NamedTuple):
-    """Shares of the completed flights in bins of their length or duration, in d or d/U.
-
-    edges (n_bins + 1,); share, error (n_bins,), from so many configurations and flights.
-    """
-
-    edges: Array
-    share: Array
-    error: Array
-    groups: int
-    samples: int
 
 
 class StartBins(NamedTuple):
@@ -137,11 +121,9 @@ class Sample:
         field, with v_x, x, x^2
     times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
     speeds, displacements, start : counts in bins, None where unknown
-    grouping : what a group is made of: "medium", "tracer", "row", or "table"
+    grouping : what a group is made of: "medium", "tracer" or "row"
     flights : tracers that have flown straight, of the two times at which most of them have
-    free_flights : "free_path" and "free_time", of all flights up to the last time
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
-    tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
     units : "speed", "length" and "time": U, d and d/U in the data's unit, and its name
@@ -159,9 +141,7 @@ class Sample:
     grouping: str
     law: Law = Law()
     flights: tuple[Flights, ...] = ()
-    free_flights: Mapping[str, FreeFlights] = field(default_factory=dict)
     free: bool = False
-    tabulated: bool = False
     warnings: tuple[str, ...] = ()
     told: dict[str, Any] = field(default_factory=dict)
     units: dict[str, tuple[float, str]] = field(default_factory=dict)
@@ -186,15 +166,13 @@ class Sample:
             one and one._replace(edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
         )
-        units = {"free_path": length, "free_time": 1 / factor}
-        flights = {n: x._replace(edges=x.edges / units[n]) for n, x in self.free_flights.items()}
         flown = [
             Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
             for one in self.flights
         ]
         return replace(
             self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
-            free_flights=flights, law=self.law.scaled(speed, length),
+            law=self.law.scaled(speed, length),
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
             start=start and start._replace(squares=start.squares / speed**2),
@@ -288,82 +266,7 @@ def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
     return Flights(float(time), middle, count / distance.size)
 
 
-# -- what is summed up already: tables of averages, and runs of the package's simulator ------------
-def of_averages(table: Averages, names: tuple[str, ...], law: Law) -> Sample:
-    """The sample of a table, in its own units; InputError for one that cannot be used.
-
-    Groups are made up: their mean is the average of the table, and their spread gives its standard
-    error. Errors of different averages and times are made independent, as they are not known.
-    """
-    where, columns = ", ".join(names), dict(table.columns)
-    order = np.argsort(columns["time"])
-    columns = {name: np.asarray(values, float)[order] for name, values in columns.items()}
-    times = columns.pop("time")
-    bare = [name for name in columns if f"error of {name}" not in columns and "error" not in name]
-    columns |= {f"error of {name}": EXACT * np.abs(columns[name]) for name in bare}
-    if times[0] < 0 or np.any(np.diff(times) <= 0) or times.size > MOST_TIMES:
-        bad(f"{where}: times", short(times), f"1 to {MOST_TIMES} different times, not negative")
-    for name, values in columns.items():
-        if name.startswith("error of ") and np.any(values < 0):
-            bad(where, f"an {name} of {np.nanmin(values):g}", "not negative")
-    sums, left_out = _sums(columns, law)
-    if not np.any(np.isfinite(sums[0, :, [V2, R2]])):
-        bad(where, "no average with a standard error above 0", "one at least")
-    warnings: tuple[str, ...] = (
-        "A table of averages does not say how errors at different times are correlated. The "
-        "p-value of an average is that of the time that differs most, times the number of times, "
-        "which holds for any correlation. Errors of fitted numbers are those for "
-        "the worst correlation.",
-    )
-    if left_out:
-        warnings += (
-            f"{' and '.join(left_out)} cannot be used without the second moment (v0 or msd) beside "
-            "it, and was left out.",
-        )
-    ones = np.ones(times.size)
-    return Sample(
-        names, times, sums, ones, ones, None, None, None, np.zeros(times.size, np.int64), "table",
-        law, warnings=warnings, tabulated=True,
-    )  # fmt: skip
-
-
-def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
-    """The sums of the made-up groups, (GROUPS, n_times, 5), and averages that cannot be used."""
-    (first, *_) = columns.values()
-    most = min(first.size * len(columns), GROUPS - 2)
-    free = np.random.default_rng(0).normal(size=(GROUPS, most + 1))
-    free[:, 0] = 1.0
-    axes, used = np.linalg.qr(free)[0][:, 1:], 0
-    sums, left_out = np.full((GROUPS, first.size, 5), np.nan), []
-    sums[..., N] = 1.0
-    relative: dict[int, Array] = {}  # deviations of the groups from second moments
-    for name, column, second, power in (
-        ("thermal_speed", V2, None, 2.0), ("mean_square_speed", V2, None, 1.0),
-        ("msd", R2, None, 1.0), ("a2", V4, V2, 1.0), ("kurtosis", R4, R2, 1.0),
-    ):  # fmt: skip
-        if name not in columns or column in relative:
-            continue
-        if second is not None and second not in relative:
-            left_out.append(name)
-            continue
-        value, error = columns[name], columns[f"error of {name}"]
-        good = np.isfinite(value) & (error > 0) & np.isfinite(error)
-        value = np.where(good & ((value > 0) | (name == "a2")), value, np.nan)
-        # of mean 0, and orthogonal for different averages and times
-        spread = axes[:, (used + np.arange(value.size)) % most]
-        spread = spread * np.where(good, error, np.nan) * np.sqrt(GROUPS * (GROUPS - 1))
-        used += value.size
-        if name == "a2":
-            value, spread = law.gaussian * (1 + value), law.gaussian * spread
-        if second is None:
-            relative[column] = power * spread / value
-            sums[..., column] = value**power * (1 + relative[column])
-        else:  # the ratio to the squared second moment has the spread that the table gives it
-            wanted = spread / value + 2 * relative[second]
-            sums[..., column] = value * sums[..., second].mean(axis=0) ** 2 * (1 + wanted)
-    return sums, left_out
-
-
+# -- runs of the package's simulator --------------------------------------------------------------
 def read_ensemble(path: Path) -> Sample:
     """The sample of a finished run in a file, lengths in d; InputError for a damaged one."""
     from particles import Ensemble
@@ -428,17 +331,7 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     )  # fmt: skip
     if law.is_driven and not free:
         bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
-    flown, ends = {}, ensemble.statuses
-    # where tracers end before the last time the theory has more flights; none of what is driven
-    whole = ends.finished == ensemble.media * ensemble.tracers and not law.is_driven
-    for one in ("free_path", "free_time") if whole else ():
-        if (key := f"{one}_histogram") in ensemble.outputs:
-            counted, flights = getattr(ensemble, key), stored[f"histograms/{key}/samples"][0, 0]
-            share = counted.probability
-            flown[one] = FreeFlights(
-                counted.edges, share.value[0], share.error[0], ensemble.media, int(flights)
-            )
-    found = replace(found, free=free, told=told, law=law, free_flights=flown)
+    found = replace(found, free=free, told=told, law=law)
     return found.rescaled(1.0, medium.diameter)
 
 

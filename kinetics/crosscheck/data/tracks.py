@@ -1,6 +1,7 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
 A format (`formats`) gives columns, one row for each tracer at each time, which `from_columns` turns
+into `Tracks`.
 """
 
 import re
@@ -28,14 +29,6 @@ ALIASES = {
     "medium": ("configuration", "config", "replica", "realisation", "realization", "sample"),
     "type": ("species", "element"),
 }
-# averages that a table of averages may have, and other names of them
-AVERAGES = {
-    "thermal_speed": ("v0", "v_0", "v0(t)"), "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
-    "a2": ("a_2",), "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"), "kurtosis": (),
-}  # fmt: skip
-_ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")  # endings of names of errors
-# averages without errors that are read: as a Solution writes their heads
-SOLVED = {"thermal_speed": "thermal_speed [u]", "msd": "msd [d^2]"}
 MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
 SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
 
@@ -118,8 +111,8 @@ class Tracks:
     """Tracers at common times; NaN where one is missing.
 
     times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) whole numbers, None where
-    unknown; box (d,) where positions may be wrapped; units that the file states, by "length",
-    "speed" and "time"; file: number of the file, or (n,).
+    unknown; units that the file states, by "length", "speed" and "time"; file: number of the
+    file, or (n,).
     """
 
     times: Any
@@ -127,16 +120,8 @@ class Tracks:
     velocity: Any
     tracer: Any = None
     medium: Any = None
-    box: Any = None
     units: Mapping[str, str] = field(default_factory=dict)
     file: Any = 0
-
-
-class Averages(NamedTuple):
-    """A table of averages: "time", averages and, behind "error of ", their errors, (n,) each."""
-
-    columns: Mapping[str, Any]
-    units: Mapping[str, str]
 
 
 class Table(NamedTuple):
@@ -170,8 +155,6 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
     """The place of each known column; InputError where one is missing or stands twice."""
     plain = [str(name).strip(" \t\"'").lower() for name in names]
     bare = [split_unit(name)[0] for name in plain]
-    if averages := _find_averages(bare, plain, asked):
-        return averages
     d = asked.dimension or 2
     needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
     found: dict[str, int] = {}
@@ -192,35 +175,17 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
     return found
 
 
-def _find_averages(bare: Sequence[str], plain: Sequence[str], asked: Asked) -> dict[str, int]:
-    """The places of the columns of a table of averages; empty where it is none."""
-    if any(name in bare or name in asked.columns for name in ("x", "vx", *ALIASES["x"])):
-        return {}
-    told = (asked.columns.get("time"), "time", *ALIASES["time"])
-    times = [k for k, one in enumerate(bare) if one in told]
-    found: dict[str, int] = {"time": times[0]} if times else {}
-    for name, others in AVERAGES.items() if found else ():
-        for one in (name, *others):
-            errors = [f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare]
-            if one in bare and errors:
-                found |= {name: bare.index(one), f"error of {name}": bare.index(errors[0])}
-            elif one in SOLVED and SOLVED[one] in plain:  # `lorentz solve` wrote it: no errors
-                found[name] = plain.index(SOLVED[one])
-    return found if len(found) > 1 else {}
-
-
 def from_columns(
     where: str, names: Sequence[str], columns: Mapping[Any, Any], asked: Asked
-) -> Tracks | Averages:
-    """Tracks or averages: names of all columns, and those (n,) that `find_columns` finds."""
+) -> Tracks:
+    """Tracks: names of all columns, and those (n,) that `find_columns` finds."""
     found = find_columns(where, names, asked)
     values = {ours: _column(where, ours, columns[names[k]]) for ours, k in found.items()}
     units = stated(where, {ours: split_unit(names[k])[1] for ours, k in found.items()})
     if len(sizes := {len(column) for column in values.values()}) > 1 or not min(sizes):
         some = "columns that differ in length" if len(sizes) > 1 else "no rows"
         bad(where, some, "one length, of two rows at least")
-    # averages may be NaN where they are not known
-    for name in ("time", *AXES, *SPEEDS) if "x" in values else ("time",):
+    for name in ("time", *AXES, *SPEEDS):
         if name in values and not np.all(good := np.isfinite(values[name])):
             k = int(np.argmin(good))
             who = f"row {k}"
@@ -228,8 +193,6 @@ def from_columns(
                 who = f"tracer {np.asarray(columns[names[found['tracer']]])[k]}"
                 who += f" at time {values['time'][k]:g}"
             bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
-    if "x" not in values:
-        return Averages(values, units)
     if asked.type is not None:
         texts = np.asarray(values.pop("type")).astype(str)
         chosen = texts == str(asked.type)
@@ -326,7 +289,7 @@ def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any)
 
 def of_frames(
     where: str, frames: Sequence[Mapping[str, Any]], asked: Asked,
-    units: Mapping[str, str] | None = None, box: Any = None,
+    units: Mapping[str, str] | None = None,
 ) -> Tracks:  # fmt: skip
     """Tracks of the columns of frames, by our names; units of x, vx and time."""
     if not frames:
@@ -335,33 +298,12 @@ def of_frames(
     # tracers without any number have ended
     rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
     found = from_columns(where, list(rows), rows, replace(asked, columns=None))
-    assert isinstance(found, Tracks)
-    box = None if box is None else np.asarray(box, float)[: found.place.shape[2]]
-    return replace(found, box=box, units=stated(where, units or {}))
+    return replace(found, units=stated(where, units or {}))
 
 
-def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
-    """Continuous positions of tracers in a periodic box, and whether any had been wrapped.
-
-    Where |v| dt is less than half the box, the shortest way is taken; else nothing is changed.
-    """
-    if tracks.box is None or tracks.tracer is None or tracks.times.size < 2:
-        return tracks, False
-
-    def filled(values: Any) -> Any:
-        """With the last value known where a tracer is missing."""
-        rows = pd.DataFrame(values.reshape(len(values), -1))
-        return rows.ffill().bfill().to_numpy().reshape(values.shape)
-
-    gone = np.isnan(tracks.place[..., 0])
-    now = np.where(gone, np.nan, tracks.times[:, None])
-    reach = filled(np.linalg.norm(tracks.velocity, axis=2))[:-1] * (now[1:] - filled(now)[:-1])
-    if np.nanmax(reach, initial=0.0) >= tracks.box.min() / 2:
-        return tracks, False
-    place = np.unwrap(filled(tracks.place), axis=0, period=tracks.box)
-    place[gone] = np.nan
-    crossed = np.nanmax(np.abs(place - tracks.place)) > tracks.box.min() / 2
-    return replace(tracks, place=place), bool(crossed)
+def refuse_wrapped(where: str, flags: str) -> NoReturn:
+    """InputError for positions in a periodic box that may have been wrapped at its edges."""
+    bad(f"{where}: positions", "those in a periodic box", f"unwrapped, or with {flags}")
 
 
 def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Tracks:

@@ -11,11 +11,10 @@ from kinetics.errors import InputError, short
 OWN = {"length": ("d",), "speed": ("u",), "time": ("d/u", "d u-1", "u-1 d")}
 """The units of this package, in lower case."""
 KINDS = {
-    "time": "time", **dict.fromkeys(("x", "y", "z", "msd"), "length"),
-    **dict.fromkeys(("vx", "vy", "vz", "thermal_speed", "mean_square_speed"), "speed"),
+    "time": "time", **dict.fromkeys(("x", "y", "z"), "length"),
+    **dict.fromkeys(("vx", "vy", "vz"), "speed"),
 }  # fmt: skip
-"""What each column is a number of, or (`SQUARES`) the square of one."""
-SQUARES = ("msd", "mean_square_speed")
+"""What each column is a number of."""
 _SPEED = re.compile(r"([^\W\d]+)\s*(?:/\s*([^\W\d]+)|[\s*·.]\s*([^\W\d]+)\s*\^?-1)")
 _BEHIND = re.compile(r"(.*\S)(?:\s*\[\s*([^]]*?)\s*\]|\s+\(\s*([^)]*?)\s*\))")
 
@@ -33,8 +32,6 @@ def stated(where: str, units: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for name, unit in units.items():
         kind = KINDS.get(name)
-        if name in SQUARES:
-            unit = re.sub(r"(\^?2|²)$", "", unit).strip("()")
         if kind and unit and found.setdefault(kind, unit) != unit:
             raise InputError(f"{where}: has {kind}s in {found[kind]} and in {short(unit)}")
     return found

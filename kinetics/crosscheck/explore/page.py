@@ -8,13 +8,12 @@ from typing import Any
 from kinetics import __version__
 from kinetics.crosscheck.explore import tables
 from kinetics.crosscheck.files import plain
-from kinetics.crosscheck.words import numeral
 
 TRACERS = 200
 
 
 def render(made: tables.Tables) -> str:
-    """The page of these tables, which needs nothing beside it; it says how far they are off."""
+    """The page of these tables, which needs nothing beside it."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -25,12 +24,11 @@ def render(made: tables.Tables) -> str:
         "densities": tables.DENSITIES, "highestDriven": tables.HIGHEST_DRIVEN,
         "powers": tables.POWERS, "unit": tables.UNIT,
     }  # fmt: skip
-    errors = {name: numeral(error, ".2g") for name, error in tables.errors(made).items()}
     environment = Environment(
         loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     return environment.get_template("explorer.html.j2").render(
         data=Markup(json.dumps(plain(data), allow_nan=False, separators=(",", ":"))),
-        errors=errors, version=__version__, tracers=TRACERS, densities=tables.DENSITIES,
+        version=__version__, tracers=TRACERS, densities=tables.DENSITIES,
     )  # fmt: skip

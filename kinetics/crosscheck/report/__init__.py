@@ -55,7 +55,7 @@ class Report:
         return found
 
     def text(self) -> str:
-        """What the terminal shows: a line for each comparison, with its deviations in per cent."""
+        """What the terminal shows: the findings, and how many rows have each verdict."""
         from kinetics.crosscheck.report import page
 
         return page.text(self.document)

@@ -17,7 +17,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
@@ -25,8 +24,8 @@ from numpy.typing import ArrayLike
 
 from kinetics import ScalingSolution, sonine
 from kinetics.crosscheck.report import runs
-from kinetics.crosscheck.report.rows import PAPER_KURTOSIS, kept
-from kinetics.crosscheck.report.systems import SCATTERERS, Driven
+from kinetics.crosscheck.report.rows import OBSERVABLES, PAPER_KURTOSIS, kept
+from kinetics.crosscheck.report.systems import Driven
 from kinetics.crosscheck.words import numeral
 
 INK, FAINT = "#16191d", "#dde1e6"
@@ -45,7 +44,7 @@ _DASHES: dict[str, Any] = {
     **dict.fromkeys((runs.FIT, "paper, peak", "Gaussian"), (0, (6, 1.5, 1, 1.5))),
 }
 _WIDTH = 5.0  # inches, as are all lengths
-_TIME, _RESTITUTION, _FIELD_TIME = "time $t$  [d/U]", "restitution $e$", "time $t$  [√(l/g)]"
+_TIME, _RESTITUTION = "time $t$  [d/U]", "restitution $e$"
 _FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))  # e, ever closer to 1
 
 Made = tuple[Any, dict[str, str]]  # a figure, and the words that its caption leaves open
@@ -187,15 +186,12 @@ def figures(results: runs.Results) -> list[Drawn]:
     The "figures" of `kept` have title and caption of each, in which "{words}" are filled.
     """
     chosen: list[Callable[[runs.Results], Made]] = [msd, position, kurtosis]
-    if results.system.in_field:
-        chosen = [drift, dispersion]
-        chosen += [from_rest] if results.more["approach"] else []
-    elif isinstance(results.system, Driven):
-        chosen = [thermal_speed, spread, speeds]
+    if isinstance(results.system, Driven):
+        chosen = [thermal_speed, spread]
+        if "field" in results.system.drive:
+            chosen = [drift, dispersion, from_rest]
     elif results.cooling:
         chosen = [cooling_rate, msd, vdf, position, kurtosis]
-    if "disks" in results.system.scatterers and not isinstance(results.system, Driven):
-        chosen += [picture]
     drawn = []
     with mpl.rc_context(fname=STYLE):
         for make in chosen:
@@ -343,82 +339,49 @@ def kurtosis(results: runs.Results) -> Made:
     return sheet.done(_TIME, r"$\langle r^4\rangle/\langle r^2\rangle^2$"), {}
 
 
-def picture(results: runs.Results) -> Made:
-    """Paths of tracers among hard disks."""
-    run, said = runs.picture(results.system)
-    figure = Figure(figsize=(_WIDTH, 0.85 * _WIDTH), layout="constrained")
-    ax = figure.add_subplot()
-    most = 300 if results.system.in_field else 20
-    run.plot_trajectories(run.tracers, ax=ax, collisions=most)
-    # the middle of the scale of colours: seen on white and on black
-    middle = ListedColormap(mpl.colormaps["plasma"](np.linspace(0.3, 0.85, 64)))
-    for drawn in ax.collections:
-        if drawn.get_array() is not None:
-            drawn.set_cmap(middle)
-    return figure, {"said": said}
-
-
-# -- tracers in a field ----------------------------------------------------------------------------
-def _steady(results: runs.Results, dimension: int, name: str) -> tuple[Any, runs.Measured, Any]:
-    """Restitutions, what particles say, and what the solver says, (n,) each."""
-    found = [
-        (c.restitution, x.value, x.error, c.theory[runs.SOLVER][name])
-        for c in results.cases
-        if c.dimension == dimension and (x := c.measured[runs.FREE].get(name))
-    ]
-    e, value, error, solved = np.array(found).T
-    return e, runs.Measured(value, error), solved
+# -- driven tracers, and a restitution of the impact speed -----------------------------------------
+def _over_e(results: runs.Results, *names: str) -> _Sheet:
+    """Steady averages over e, and particles over the solver."""
+    sheet = _Sheet(results.system, (2.4, 1.15))
+    top, below = sheet.axes
+    e = np.array([case.restitution for case in results.cases])
+    for k, name in enumerate(names):
+        found = [case.measured[runs.FREE][name] for case in results.cases]
+        measured = runs.Measured(
+            *(np.array([getattr(x, n) for x in found]) for n in ("value", "error"))
+        )
+        solved = np.array([case.theory[runs.SOLVER][name] for case in results.cases])
+        group = (OBSERVABLES[name][1], k)
+        sheet.line(top, runs.SOLVER, e, solved, group)
+        sheet.points(top, runs.FREE, e, measured, group)
+        sheet.points(below, runs.FREE, e + 0.004 * k, measured / solved, group)
+    below.axhline(1, color=INK, linewidth=0.8)
+    top.set(ylim=(0, None), xlim=(-0.02, 1.0))
+    return sheet
 
 
 def drift(results: runs.Results) -> Made:
-    """Drift over e, and particles over the solver."""
-    sheet = _Sheet(results.system, (2.4, 1.15))
-    top, below = sheet.axes
-    for d, line in results.more["lines"].items():
-        group = (SCATTERERS[d], d - 2)
-        sheet.line(top, runs.SOLVER, line["restitution"], line["drift"], group)
-        sheet.line(top, "limiting law", _FINE, runs.near_elastic(_FINE, d)["drift"], group)
-        e, measured, solved = _steady(results, d, "drift")
-        sheet.points(top, runs.FREE, e, measured, group)
-        beside = 0.004 * (2 * d - 5)  # so that disks and spheres are both seen
-        sheet.points(below, runs.FREE, e + beside, measured / solved, group)
-    below.axhline(1, color=INK, linewidth=0.8)
-    top.set(ylim=(0, None), xlim=(-0.02, 1.0))
+    """Drift over e."""
+    sheet, d = _over_e(results, "drift"), results.cases[0].dimension
+    sheet.line(sheet.axes[0], "limiting law", _FINE, runs.limiting_drift(_FINE, d))
     return sheet.done(_RESTITUTION, "drift $u$  [√(gl)]", "over the solver"), {}
 
 
 def dispersion(results: runs.Results) -> Made:
     """Both coefficients over e."""
-    lines = results.more["lines"]
-    sheet = _Sheet(results.system, columns=len(lines), panels=True)
-    for ax, (d, line) in zip(sheet.axes, lines.items(), strict=True):
-        laws = runs.near_elastic(_FINE, d)
-        for k, name in enumerate(("diffusion_parallel", "diffusion_perpendicular")):
-            group = (("$D_∥$, along", "$D_⊥$, across")[k], k)
-            sheet.line(ax, runs.SOLVER, line["restitution"], line[name], group)
-            sheet.line(ax, "limiting law", _FINE, laws[name], group)
-            sheet.points(ax, runs.FREE, *_steady(results, d, name)[:2], group)
-        ax.set(ylim=(0.0, 1.05), xlim=(-0.02, 1.0))
-        ax.set_title(SCATTERERS[d], loc="left", fontsize=10.5, pad=3)
-    return sheet.done(_RESTITUTION, "$D$  [√(gl³)]"), {}
+    sheet = _over_e(results, "diffusion_parallel", "diffusion_perpendicular")
+    return sheet.done(_RESTITUTION, "$D$  [√(gl³)]", "over the solver"), {}
 
 
 def from_rest(results: runs.Results) -> Made:
     """Approach to the steady state."""
-    sheet, at = _Sheet(results.system, (1.7, 1.7)), runs.APPROACH_TIMES
-    sheet.axes[0].set_xscale("log")
-    for ax, name in zip(sheet.axes, ("drift_from_rest", "square_from_rest"), strict=True):
-        for k, case in enumerate(results.more["approach"]):
-            group = (f"{SCATTERERS[case.dimension]}, e = {case.restitution:g}", k)
-            sheet.line(ax, runs.SOLVER, at, case.theory[runs.SOLVER][name], group)
-            sheet.points(ax, runs.FREE, at[::2], case.measured[runs.FREE][name][::2], group)
-    return sheet.done(_FIELD_TIME, "$⟨v_z⟩$  [√(gl)]", "$⟨v^2⟩$  [gl]"), {}
+    sheet = _over_time(results, "drift_from_rest", runs.SOLVER, runs.FREE, "log")
+    return sheet.done("time $t$  [√(l/g)]", "$⟨v_z⟩$  [√(gl)]", "over the solver"), {}
 
 
-# -- driven tracers, and a restitution of the impact speed -----------------------------------------
 def thermal_speed(results: runs.Results) -> Made:
     """v0(t), and particles over the solver."""
-    scale = "log" if results.cases[0].solved.state is None else "linear"
+    scale = "log" if results.cases[0].solved is None else "linear"
     sheet = _over_time(results, "thermal_speed", runs.SOLVER, runs.FREE, scale)
     return sheet.done("time $t$  [l/U]", "$v_0$  [U]", "over the solver"), {}
 
@@ -427,22 +390,3 @@ def spread(results: runs.Results) -> Made:
     """<r^2>(t), and particles over the solver."""
     sheet = _over_time(results, "msd", runs.SOLVER, runs.FREE, "log")
     return sheet.done("time $t$  [l/U]", r"$\langle r^2\rangle$  [l²]", "over the solver"), {}
-
-
-def speeds(results: runs.Results) -> Made:
-    """F(c) of driven tracers."""
-    sheet, c, at = _Sheet(results.system), np.linspace(0.01, 3.5, 120), runs.SPEEDS
-    (ax,) = sheet.axes
-    ax.set(yscale="log", ylim=(1e-5, 1.0))
-    for case in results.cases:
-        e, inside = case.restitution, at < c[-1]
-        found = case.measured[runs.FREE]["scaled_vdf"][inside]
-        sheet.line(ax, runs.SOLVER, c, case.solved.vdf(c), e)
-        sheet.points(ax, runs.FREE, at[inside], found, e)
-    sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, results.cases[0].dimension))
-    said = "in the steady state, a density in the plane or in space"
-    known = [case.solved.speeds for case in results.cases if case.solved.speeds is not None]
-    if known:
-        worst = numeral(max(solution.error_estimate for solution in known), ".0e")
-        said = f"at t = 10 l/U; the solver's own error there is {worst} of the maximum"
-    return sheet.done("scaled speed $c = v/v_0$", "$F(c)$"), {"said": said}

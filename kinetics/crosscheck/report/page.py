@@ -10,13 +10,14 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import repeat
 from typing import Any
 
 from kinetics.crosscheck.report.rows import kept, scale_of
-from kinetics.crosscheck.words import Verdict, number, numeral
+from kinetics.crosscheck.words import number, numeral
 
 _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", "collision")
 """Labels of the paper that are words or symbols too: they are labels only after "eq."."""
@@ -26,10 +27,10 @@ _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", 
 def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
     """Derive the formulas of the report in a process of its own; gives a function that waits.
 
-    It ends with the context; RuntimeError if it fails. None are of a field.
+    It ends with the context; RuntimeError if it fails. A system may have none.
     """
     more: Sequence[str] | None = getattr(system, "algebra", None)
-    if more is None and not system.in_field:
+    if more is None:
         more = () if system.is_papers_law else kept()["algebra"][str(system.dimension)]
     elif not more:
         yield list
@@ -90,10 +91,10 @@ def head(system: Any) -> dict[str, str]:
     has "also", and the "parameter" that `restitutions` are.
     """
     words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
-    if not system.in_field and system.dimension == 3:
+    if system.dimension == 3:
         words = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
-    name = "field" if system.in_field else system.name
-    texts = (text.format(**words) for text in kept()["head"].get(name, kept()["head"]["cooling"]))
+    found = kept()["head"].get(system.name, kept()["head"]["cooling"])
+    texts = (text.format(**words) for text in found)
     names = ("title", "symbols", "units", "also")
     return dict(zip(names, texts, strict=True)) | {"parameter": system.parameter}
 
@@ -136,7 +137,7 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
         figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
         strip=[equation("collision" if papers_law or not cools else "rule"), equation("lorentz")],
         equations=[equation(name) for name in below],
-        summary=_summary(document), tables=_tables(document),
+        summary=_summary(document), verdicts=_verdicts(document),
     )  # fmt: skip
 
 
@@ -156,71 +157,27 @@ def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
     ]
 
 
-def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The folded tables: id, title, note, head and lines; a line of one cell is a heading."""
-    rows, e_or_b, titles = document["rows"], document["parameter"], kept()["observables"]
-    every = sorted({row["restitution"] for row in rows})
-    groups: dict[str, list[Mapping[str, Any]]] = {}
-    for row in rows:
-        groups.setdefault(f"{titles[row['observable']][0]}, {row['system']}", []).append(row)
-    verdicts, detail = list[list[Any]](), list[list[Any]]()
-    for heading, those in groups.items():
-        whos: dict[str, dict[float, Any]] = {}
-        for row in those:
-            whos.setdefault(_who(row), {})[row["restitution"]] = row
-        verdicts += [[heading], *([w, *map(x.get, every, repeat("–"))] for w, x in whos.items())]
-        detail += [[heading], *(_line(row, e_or_b) for row in those)]
-    head = [e_or_b, "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
-    note = "Who against whom: relative differences ± one standard error."
-    return [
-        {"id": "verdicts", "title": "Verdicts", "note": note, "lines": verdicts,
-         "head": ["who / against whom", *(f"{e_or_b} = {e:g}" for e in every)]},
-        {"id": "rows", "title": "Every comparison", "note": document["units"], "lines": detail,
-         "head": head},
-    ]  # fmt: skip
-
-
-def _who(row: Mapping[str, Any]) -> str:
-    return f"{row['source']} / {row['against']}"
-
-
-def _line(row: Mapping[str, Any], parameter: str) -> list[Any]:
-    """The cells of a row, and the row, of which the page takes the verdict and the note."""
-    names = (("distance", "R"), ("time", "t"), ("c", "c"))
-    at = [f"{name} = {numeral(row[key], '.3g')}" for key, name in names if row[key] is not None]
-    at = at[:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
-    sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
-    return [
-        f"{parameter} = {row['restitution']:g}", _who(row), ", ".join(at),
-        number(row["value"], row["error"]), number(row["theory"]),
-        *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
-    ]  # fmt: skip
-
-
-_MARK = {Verdict.DIFFERS: "!", Verdict.UNCLEAR: "?", Verdict.NOT_TESTED: "-"}
-_MARK |= dict.fromkeys((Verdict.CLOSE, Verdict.ROUGH, Verdict.FAR), "~")
-_SHORT = {
-    "kinetic equation, measured l": "equation, own l", "kinetic equation": "equation",
-    "Boltzmann-Grad": "dilute limit", "hard disks": "disks", "hard spheres": "spheres",
-    "paper's integral": "integral", "hard disks, extrapolated": "disks",
-}  # fmt: skip
+def _verdicts(document: Mapping[str, Any]) -> tuple[list[str], list[list[Any]]]:
+    """Restitutions, and lines: a heading, or who against whom and the row of each restitution."""
+    every = sorted({row["restitution"] for row in document["rows"]})
+    groups: dict[str, dict[str, dict[float, Any]]] = {}
+    for row in document["rows"]:
+        heading = f"{kept()['observables'][row['observable']][0]}, {row['system']}"
+        who = groups.setdefault(heading, {}).setdefault(f"{row['source']} / {row['against']}", {})
+        who[row["restitution"]] = row
+    lines = list[list[Any]]()
+    for heading, whos in groups.items():
+        lines += [[heading], *([w, *map(x.get, every, repeat("–"))] for w, x in whos.items())]
+    return [f"{document['parameter']} = {e:g}" for e in every], lines
 
 
 def text(document: Mapping[str, Any]) -> str:
-    """Every comparison with its deviation in per cent, in columns for each restitution."""
-    import pandas as pd
-
-    lines: dict[Any, dict[str, str]] = {}
-    for row in document["rows"]:
-        who = " / ".join(_SHORT.get(row[name], row[name]) for name in ("source", "against"))
-        shown = f"{_MARK.get(row['verdict'], ' ')} {deviation(row).removesuffix(' %')}"
-        key = kept()["observables"][row["observable"]][1], row["system"], who
-        lines.setdefault(key, {})[f"{document['parameter']} = {row['restitution']:g}"] = shown
-    table = pd.DataFrame.from_dict(lines, orient="index").fillna("")
-    legend = (
-        "Differences in %. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."
+    """The findings, and how many rows have each verdict."""
+    story = document["headline"]
+    counted = ", ".join(f"{n} {verdict}" for verdict, n in document["verdict_counts"].items())
+    return "\n".join(
+        textwrap.fill(line, 100) for line in (story["compared"], *story["findings"], counted)
     )
-    return f"{legend}\n\n{table.to_string(line_width=100)}"
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from kinetics.crosscheck import words
 from kinetics.crosscheck.report import runs
 from kinetics.crosscheck.report.runs import Array, Case, Measured, Results
 from kinetics.crosscheck.report.systems import Cooling
-from kinetics.crosscheck.words import Verdict, numeral
+from kinetics.crosscheck.words import Verdict
 
 
 @cache
@@ -43,22 +44,23 @@ for a2 to 1 + a2 = <c^4>/2 (a2 itself passes through 0). `within` is the relativ
 would have been seen at 95 % at every time or bin."""
 PAPER_KURTOSIS = 4.0  # <R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta
 POSITION_FORMS = (
-    ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
-    ("paper, tail", sonine.position_tail, 2.0, 4.0, "eq. (58), η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
-    ("paper's integral", sonine.position_integral, 0.2, 4.0, "eq. (53), η = 1/2, 0.2 ≤ R ≤ 4"),
+    ("paper, peak", sonine.position_peak, 0.2, 1.2),  # eq. (59), η = 0.75
+    ("paper, tail", sonine.position_tail, 2.0, 4.0),  # eq. (58), η = 0.25, γ = 7.39
+    ("paper's integral", sonine.position_integral, 0.2, 4.0),  # eq. (53), η = 1/2
 )
 """Source, the printed G(R), and the R between which it is held against the equation."""
 
 
 def comparisons(results: Results) -> Any:
     """The table of all rows of a report, with `COLUMNS`, in the order of `OBSERVABLES`."""
-    rows, compare = [], _of_cooling if isinstance(results.system, Cooling) else _of_field
+    rows, compare = [], _of_cooling if isinstance(results.system, Cooling) else _of_driven
     for case in results.cases:
         of = {"system": case.system, "dimension": case.dimension, "restitution": case.restitution}
         rows += [of | row for row in compare(case, results.system)]
     table = pd.DataFrame(rows, columns=list(COLUMNS))
     order = list(OBSERVABLES)
     table = table.sort_values("observable", key=lambda x: x.map(order.index), kind="stable")
+    table["note"] = table["observable"].map(kept()["notes"]).fillna("")
     return table.astype({"groups": "Int64", "looks": "int64"}).reset_index(drop=True)
 
 
@@ -78,8 +80,8 @@ def _row(
 ) -> dict[str, Any]:
     deviation = float((value - theory) / scale_of(observable, theory))
     row = {"observable": observable, "kind": kind, "source": source, "against": against,
-           "value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1,
-           "note": ""}  # fmt: skip
+           "value": float(value), "theory": float(theory), "deviation": deviation,
+           "looks": 1}  # fmt: skip
     if kind == "approximation":
         row["verdict"] = words.judge_approximation(deviation).value
     return row | more
@@ -93,12 +95,12 @@ def _numerical(
     if scale is not None:
         row["deviation"] = (value - theory) / scale
     verdict = words.judge_numerical(row["deviation"], tolerance)
-    return row | {"verdict": verdict.value, "note": f"asked for {numeral(tolerance, 'g')}"}
+    return row | {"verdict": verdict.value}
 
 
 def estimated(
     observable: str, who: tuple[str, str], measured: Measured, theory: Any, groups: int,
-    place: tuple[str, Array] | None = None, note: str = "",
+    place: tuple[str, Array] | None = None,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """The row of an estimate, the worst of its places; none where nothing has an error.
 
@@ -122,25 +124,22 @@ def estimated(
     row = _row(
         observable, "statistical", *who, value[k], expected[k], error=float(error[k]),
         sigmas=sigmas, looks=looks, groups=groups, corrected_sigmas=corrected,
-        verdict=verdict.value, within=within, note=note, **where,
+        verdict=verdict.value, within=within, **where,
     )  # fmt: skip
     return [row]
 
 
 def _measured(
-    case: Case, observable: str, source: str, against: str, note: str = "", theory: Any = None,
-    said: str = "",
-) -> list[dict[str, Any]]:  # fmt: skip
+    case: Case, observable: str, source: str, against: str, theory: Any = None, said: str = ""
+) -> list[dict[str, Any]]:
     """What a source of a case measured against what somebody says there, called `said`."""
     expected = case.theory[against][observable] if theory is None else theory
     found = case.measured[source][observable]
-    if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
-        found = Measured(found.value, case.differences.get(observable, found.error))
     place, groups = case.places.get(observable), case.runs[source].media
-    return estimated(observable, (source, said or against), found, expected, groups, place, note)
+    return estimated(observable, (source, said or against), found, expected, groups, place)
 
 
-def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
+def _of_driven(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     (source,) = case.measured
     solver, exact = case.theory[runs.SOLVER], case.theory.get(runs.EXACT, {})
     for name in case.measured[source]:
@@ -150,101 +149,69 @@ def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield _numerical(name, solver[name], theory, system.rtol)
         if name in case.measured[source]:  # those of averages of finite variance
             yield from _measured(case, name, source, runs.EXACT)
-    if case.restitution >= 0.9:  # near the limit
-        for name, value in case.theory.get(runs.LIMIT, {}).items():
-            yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
 
 
 def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     (free, hard), theory, found = case.measured, case.theory, case.solved
     times, early, paper = case.times, found.early, system.is_papers_law
 
-    def particles(name: str, note: str = "") -> Iterable[dict[str, Any]]:
-        yield from _measured(case, name, free, runs.KINETIC, note)
-        yield from _measured(case, name, hard, runs.KINETIC, noted("finite"))
-        yield from _measured(case, name, hard, runs.RESCALED, noted("left"))
-
     def printed(name: str, source: str, against: str = runs.EXACT, **where: Any) -> dict[str, Any]:
         values = (float(np.ravel(theory[who][name])[-1]) for who in (source, against))
         return _row(name, "approximation", source, against, *values, **where)
 
-    of, author = "2d", "Henderson's"
-    if system.dimension == 3:
-        of, author = "πd²", "Carnahan and Starling's"
-    words: dict[str, Any] = {"scatterers": system.scatterers, "author": author}
-    path, said = "free_path", f"1/({of}ρ₀)"
-    yield from _measured(case, path, free, runs.KINETIC, said=said)
-    yield from _measured(case, path, hard, runs.KINETIC, noted("sooner", **words), said=said)
-    contact = noted("contact", **words)
-    yield from _measured(case, path, hard, "contact", contact, said=f"1/({of}ρ₀g)")
+    path, of = "free_path", "2d" if system.dimension == 2 else "πd²"
+    for run, against, said in (
+        (free, runs.KINETIC, f"1/({of}ρ₀)"), (hard, runs.KINETIC, f"1/({of}ρ₀)"),
+        (hard, "contact", f"1/({of}ρ₀g)"),
+    ):  # fmt: skip
+        yield from _measured(case, path, run, against, said=said)
     if case.cools:
         for name in ("cooling_rate", "a2"):
             yield _numerical(name, theory[runs.SOLVER][name], theory[runs.EXACT][name], system.rtol)
-        exact = theory[runs.EXACT]["msd_slope"]
-        words = {
-            "first": times[early], "last": times[-1], "rate": found.exact.cooling_rate,
-            "exact": exact, "latest": numeral(runs.LATEST, ".0e"),
-            "reached": numeral(found.late.msd_slope[-1] / exact - 1, ".0e"),
-        }  # fmt: skip
-        yield from particles("cooling_rate", noted("slope", **words))
-        yield from _vdf(case, system)
-        yield from particles("msd_slope", noted("msd_slope", **words))
-    for name in ("a2", "thermal_speed", "msd", "kurtosis"):
-        yield from particles(name)
-    for run, note in ((free, ""), (hard, noted("finite"))):
-        share = theory[runs.KINETIC]["position"]
-        shown = runs.filled(share, case.samples(run), np.diff(runs.POSITION_EDGES))
-        yield from _measured(case, "position", run, runs.KINETIC, note, shown)
+        yield _vdf(case, system)
+    measures = {"position": np.diff(runs.POSITION_EDGES)}
+    measures |= {"scaled_vdf": runs.bin_measure(case.dimension)} if case.cools else {}
+    averages = (*runs.OVER_TIME, *(("cooling_rate", "msd_slope") if case.cools else ()), *measures)
+    for name, run in product(averages, (free, hard)):
+        expected = theory[runs.KINETIC][name]
+        if name in measures:
+            expected = runs.filled(expected, case.samples(run), measures[name])
+        yield from _measured(case, name, run, runs.KINETIC, expected)
     if not paper:
         return
     end: dict[str, Any] = {"time": float(times[-1])}
     late = np.where(np.arange(times.size) >= early, theory[runs.FIT]["msd"], np.nan)
-    walk = noted("walk", path=sonine.FITTED_FREE_PATH)
-    yield printed("msd", runs.FIT, runs.KINETIC, **end, note=walk)
-    yield printed("msd", runs.SONINE, runs.KINETIC, **end, note=noted("msd"))
-    yield from _measured(case, "msd", hard, runs.FIT, noted("claim"), late)
+    for source in (runs.FIT, runs.SONINE):
+        yield printed("msd", source, runs.KINETIC, **end)
+    yield from _measured(case, "msd", hard, runs.FIT, late)
     if not case.cools:
         return
-    yield printed("cooling_rate", runs.SONINE)
-    yield printed("cooling_rate", runs.FIT)
-    yield from _measured(case, "cooling_rate", hard, runs.FIT, noted("own"))
+    for source in (runs.SONINE, runs.FIT):
+        yield printed("cooling_rate", source)
+        yield printed("msd_slope", source)
     yield printed("a2", runs.SONINE)
-    yield printed("msd_slope", runs.FIT, note=noted("limit"))
-    yield printed("msd_slope", runs.SONINE, note=noted("limit"))
+    yield from _measured(case, "cooling_rate", hard, runs.FIT)
     who = ("paper's integral", runs.KINETIC, PAPER_KURTOSIS, float(found.kinetic.kurtosis[-1]))
-    yield _row("kurtosis", "approximation", *who, **end, note=noted("kurtosis"))
-    for source, form, low, high, note in POSITION_FORMS:
+    yield _row("kurtosis", "approximation", *who, **end)
+    for source, form, low, high in POSITION_FORMS:
         r, density = sure_density(case, np.linspace(low, high, 61))
-        if r.size:
+        if r.size:  # at its worst
             values = form(r)
             k = int(np.argmax(np.abs(np.log(values / density))))
             yield _row(
                 "position", "approximation", source, runs.KINETIC, values[k], density[k], **end,
-                distance=float(r[k]), note=f"{note}, at its worst",
+                distance=float(r[k]),
             )  # fmt: skip
 
 
-def noted(name: str, **words: Any) -> str:
-    """A note of `kept`, with words filled in."""
-    return str(kept()["notes"][name]).format(**words)
-
-
-def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
-    """F(c): the solver against the closed form, relative to its peak; particles in bins."""
+def _vdf(case: Case, system: Cooling) -> dict[str, Any]:
+    """F(c): the solver against the closed form, relative to its peak."""
     c, solved = runs.SPEEDS, case.solved
     # the solver gives 0 where F is below its reach
     exact, solver = np.asarray(solved.exact.vdf(c)), np.asarray(solved.scaled.reached_vdf(c))
     k, most = int(np.argmax(np.abs(solver - exact))), float(np.max(exact))
     row = _numerical("scaled_vdf", float(solver[k]), float(exact[k]), system.rtol, most)
-    yield row | {"c": float(c[k]), "looks": len(c), "note": noted("peak", asked=row["note"])}
-    kinetic = case.theory[runs.KINETIC]["scaled_vdf"]
-    final = runs.bin_average(solved.scaled.reached_vdf, case.dimension)
-    change = float(np.max(np.abs(kinetic - final)) / np.max(final))
-    note = noted("vdf", least=runs.LEAST_EXPECTED, change=change)
-    for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
-        expected = case.theory[against]["scaled_vdf"]
-        shown = runs.filled(expected, case.samples(run), runs.bin_measure(case.dimension))
-        yield from _measured(case, "scaled_vdf", run, against, note, shown)
+    return row | {"c": float(c[k]), "looks": len(c)}
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:

@@ -20,28 +20,26 @@ from kinetics import Scene, Solution, sonine
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.collision.medium import HIGHEST_DENSITY
 from kinetics.crosscheck.compare.statistics import errors as jackknife_error
-from kinetics.crosscheck.report.systems import SCATTERERS, Cooling, Driven, Falling, System
+from kinetics.crosscheck.report.systems import Cooling, Driven, System
 from kinetics.crosscheck.report.systems import half_cross_section as half_section
 from kinetics.errors import ToleranceWarning
 from kinetics.numerics.gauss import panels_between
 from kinetics.validation import refuse
 from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, simulate
 
-KINETIC, RESCALED = "kinetic equation", "kinetic equation, measured l"
+KINETIC = "kinetic equation"
 EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
-FREE, LIMIT = "Boltzmann-Grad", "limit e → 1"
+FREE = "Boltzmann-Grad"
 # what the theory of a finite density knows, each with what the one before it has
 PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
 AVERAGES = "thermal_speed a2 msd kurtosis"  # without a field, at each time
 OVER_TIME = tuple(AVERAGES.split())
-FALL: dict[str, Any] = {"initial": "rest", "field": 1.0}  # how tracers start in a field
 LATEST = 1e9  # last time in d/U of the equation alone
-# of the approach to the steady state in a field, in sqrt(l/g)
-APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
 # bins of c = v/v0 for F(c), and of R = r/sqrt(<r^2>) for G(R)
 SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
 POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
 SPEEDS, DISTANCES = ((edges[1:] + edges[:-1]) / 2 for edges in (SPEED_EDGES, POSITION_EDGES))
+WEAK_FIELD = 0.3  # in U^2/l, in which the drift of driven tracers is compared
 LEAST_EXPECTED = 50  # samples in a bin before its jackknife error is trusted
 
 Tell = Callable[[str], None]
@@ -79,7 +77,6 @@ class Case(NamedTuple):
     theory : by who says so and observable; arrays where there are several times or bins
     runs : of each source, with independent groups of tracers
     places : of an observable, the name and the values of what it depends on
-    differences : standard errors of the hard scatterers minus `RESCALED`, which both change
     solved : the solutions behind, which figures draw between the points
     """
 
@@ -89,9 +86,8 @@ class Case(NamedTuple):
     times: Array
     measured: dict[str, dict[str, Measured]]
     theory: dict[str, dict[str, Any]]
-    runs: dict[str, Ensemble]
+    runs: dict[str, Any]
     places: Mapping[str, tuple[str, Array]] = {}
-    differences: Mapping[str, Array] = {}
     solved: Any = None
 
     @property
@@ -105,11 +101,10 @@ class Case(NamedTuple):
 
 
 class Results(NamedTuple):
-    """Everything that was run: the cases, and what varies another parameter, by name."""
+    """Everything that was run."""
 
     system: System
     cases: Sequence[Case]
-    more: dict[str, Any]
 
     @property
     def cooling(self) -> list[Case]:
@@ -205,14 +200,12 @@ def jackknifed(
 # -- a gas that cools ------------------------------------------------------------------------------
 def gather(system: System, tell: Tell) -> Results:
     """Run everything that a report of the system needs; ValueError for what cannot be simulated."""
-    if isinstance(system, Falling):
-        return _in_field(system, tell)
     if isinstance(system, Driven):
-        return Results(system, [_driven(x, system, tell) for x in system.restitutions], {})
+        return Results(system, [_driven(x, system, tell) for x in system.restitutions])
     with ThreadPoolExecutor(1) as beside:  # the solver works while tracers are followed
         ends = zip(system.restitutions, system.final_times, strict=True)
         cases = [cooling_case(system, e, last, tell, beside) for e, last in ends]
-    return Results(system, cases, {})
+    return Results(system, cases)
 
 
 def cooling_case(
@@ -237,26 +230,21 @@ def cooling_case(
     solving = beside.submit(_solutions, law, times, system)
     medium = packed_media(system.number_density, count=system.count)
     packed = followed(medium, seed + 1, system.media, system.tracers)
-    path = float(packed.mean_free_path.value)
-    if not np.isfinite(path):
+    if not np.isfinite(packed.mean_free_path.value):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")
     tell(f"e = {e:g}: {FREE} particles")
     groups = min(100, system.free_tracers // 2)  # independent ones, for the jackknife
     free = followed(free_media, seed, groups, system.free_tracers // groups)
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
-    thinner = 1 / (2 * path) / half_section(d)
-    found.rescaled = _solved(law, thinner, times, f"{AVERAGES} speed_density", system.rtol)
     found.early = early
-    measured, differences = _reduced(packed, early, half_rate, found.rescaled)
     position, edges = found.position, POSITION_EDGES
     shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
-    theory: dict[str, dict[str, Any]] = {
-        name: _over_time(solution, early, half_rate)
-        | {"scaled_vdf": bin_average(last_vdf(solution), d)}
-        for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
-    }
-    theory[KINETIC] |= {"free_path": 0.5 / half_rate, "position": shares / np.diff(edges)}
+    theory: dict[str, dict[str, Any]] = {KINETIC: _over_time(found.kinetic, early, half_rate)}
+    theory[KINETIC] |= {
+        "free_path": 0.5 / half_rate, "position": shares / np.diff(edges),
+        "scaled_vdf": bin_average(last_vdf(found.kinetic), d),
+    }  # fmt: skip
     theory["contact"] = {"free_path": 0.5 / half_rate / contact_value(system.number_density, d)}
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
@@ -269,8 +257,8 @@ def cooling_case(
     places |= {"scaled_vdf": ("c", SPEEDS), "position": ("distance", DISTANCES)}
     return Case(
         system.scatterers if system.is_smooth else f"rough {system.scatterers}", e, d, times,
-        {FREE: _reduced(free, early, half_rate)[0], hard: measured}, theory,
-        {FREE: free, hard: packed}, places, differences, found,
+        {name: _reduced(run, early, half_rate) for name, run in ((FREE, free), (hard, packed))},
+        theory, {FREE: free, hard: packed}, places, found,
     )  # fmt: skip
 
 
@@ -337,14 +325,8 @@ def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
     return averages | rates(source.times, averages, early, half_rate)
 
 
-def _reduced(
-    run: Ensemble, early: int, half_rate: float, rescaled: Solution | None = None
-) -> tuple[dict[str, Measured], dict[str, Array]]:
-    """All that is measured, and the errors of data minus theory with the run's own free path l.
-
-    Both change when a configuration is left out: the theory by its derivative in ln l, as v0 and a2
-    depend on t/l alone, and <r^2> is l^2 times a function of t/l.
-    """
+def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]:
+    """All that is measured."""
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
     log_speed, _, *place = np.moveaxis(by_group, -1, 0)
     place.pop(2)  # collisions
@@ -353,37 +335,19 @@ def _reduced(
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
     for third in place[2:]:
         distances = np.hypot(distances, third)
-    parts = _without_each(run)
-    replicates = [_over_time(part, early, half_rate) for part in parts]
     found = _over_time(run, early, half_rate)
-
-    def errors(rows: list[dict[str, Array]], *names: str) -> dict[str, Array]:
-        return {n: jackknife_error(np.array([row[n] for row in rows])) for n in names}
-
-    of_rates = errors(replicates, "cooling_rate", "msd_slope")
-    bins = np.diff(POSITION_EDGES)
-    measured = {
-        **{name: Measured.of(getattr(run, name)) for name in OVER_TIME},
-        **{name: Measured(found[name], error) for name, error in of_rates.items()},
+    without = [_over_time(part, early, half_rate) for part in _without_each(run)]
+    slopes = {
+        n: Measured(found[n], jackknife_error(np.array([row[n] for row in without])))
+        for n in ("cooling_rate", "msd_slope")
+    }
+    return {
+        **{name: Measured.of(getattr(run, name)) for name in OVER_TIME}, **slopes,
         "free_path": Measured.of(run.mean_free_path),
         "scaled_vdf": scaled_density(speeds, SPEED_EDGES, bin_measure(d)),
-        "position": scaled_density(distances, POSITION_EDGES, bins),
+        "position": scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
         "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
-    }
-    if rescaled is None:
-        return measured, {}
-    theory = {name: np.asarray(getattr(rescaled, name)) for name in OVER_TIME}
-    per_log_path = {
-        name: (2 * values if name == "msd" else 0) - np.gradient(values, np.log(run.times))
-        for name, values in theory.items()
-    }
-    log_path, apart = np.log(float(run.mean_free_path.value)), []
-    for part, values in zip(parts, replicates, strict=True):
-        moved = np.log(float(part.mean_free_path.value)) - log_path
-        expected = {name: value + moved * per_log_path[name] for name, value in theory.items()}
-        expected |= rates(run.times, expected, early, half_rate)
-        apart.append({name: values[name] - expected[name] for name in values})
-    return measured, errors(apart, *apart[0])
+    }  # fmt: skip
 
 
 def _without_each(run: Ensemble) -> list[Ensemble]:
@@ -396,58 +360,74 @@ def _without_each(run: Ensemble) -> list[Ensemble]:
     ]
 
 
-def picture(system: Any) -> tuple[Ensemble, str]:
-    """A few tracers among hard disks whose paths are drawn, and which they are in words."""
-    many: dict[str, Any] = {"media": 2, "seed": system.seed, "workers": 1}
-    if system.in_field:
-        e, density, until = 0.5, 0.06, 150.0
-        run = simulate(HardDisks(density, 2000), e, times=[until], tracers=4, field=0.12, **many)
-        return run, f"e = {e:g}, with the field, g l = U², to the right until {until:g} d/U"
-    # near the middle: tracers stay near at e = 0, and fly far at 1
-    e = min(system.restitutions, key=lambda each: abs(each - 0.7))
-    until = system.final_times[system.restitutions.index(e)]
-    medium = HardDisks(system.number_density, min(system.count, 2000))
-    run = simulate(
-        medium, e, times=[until], tracers=3, observables=("finals",),
-        tangential_restitution=system.tangential_restitution, **many,
-    )  # fmt: skip
-    return run, f"e = {e:g}, until {until:g} d/U or 20 bounces"
+# -- driven tracers, and a restitution of the impact speed -----------------------------------------
+def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
+    """The equation over time and particles, and the steady state where something drives."""
+    d, drive, law = system.dimension, system.drive, system.law(parameter)
+    of = f"{system.parameter} = {parameter:g} among {system.scatterers}"
+    tell(f"{of}: kinetic equation")
+    state: Any = kinetics.solve_steady(law, d, **drive, rtol=system.rtol) if drive else None
+    times, first = np.geomspace(0.1, 1000.0, 25), 0
+    if state is not None:
+        # without gains d<v^2>/dt = -lambda(2) <v^3>, which varies by 3/2 of <v^2>, relatively:
+        # after ten such times e^-10 of the start is left, as far as the energy remembers it
+        rate = law_of(parameter, 1.0, d).decay_rate(2.0) * state.moment(1.0)
+        start, first = 10.0 / (1.5 * float(rate)), 13
+        times = np.append(np.geomspace(start / 60, start, 14), start * np.linspace(1.5, 4.0, 6))
+    density, begin = 0.5 / half_section(d), {**drive, "initial": system.initial}
+    names = "mean_velocity collisions" if "field" in drive else "thermal_speed a2 msd collisions"
+    averages = _solved(law, density, times, names, system.time_rtol, dimension=d, **begin)
+    tell(f"{of}: {FREE} particles")
+    tracers = min(system.collisions / float(averages.collisions[-1]), system.most_tracers)
 
+    def followed(times: Array, beside: int, **more: Any) -> Ensemble:
+        # the density at which l = d, so that lengths in d are lengths in l
+        return simulate(
+            BoltzmannGrad(density, dimension=3 if d == 3 else 2), law, times=times,
+            media=system.groups, tracers=max(2, round(tracers / system.groups)),
+            seed=system.seed + beside + 1000 * d + round(1e6 * parameter), workers=system.workers,
+            observables=("positions", "velocities"), **begin | more,
+        )  # fmt: skip
 
-# -- tracers in a uniform field --------------------------------------------------------------------
-def _in_field(system: Falling, tell: Tell) -> Results:
-    cases: list[Case] = []
-    more: dict[str, Any] = {"lines": {}, "approach": []}
-    for d in system.dimensions:
-        tell(f"{SCATTERERS[d]}: solver")
-        at = np.unique([*system.line, *system.restitutions])
-        states = [kinetics.solve_field(float(e), d, rtol=1e-6) for e in at]
-        names = ("drift", "diffusion_parallel", "diffusion_perpendicular")
-        line = {name: np.array([getattr(state, name) for state in states]) for name in names}
-        more["lines"][d] = {"restitution": at, **line}
-        for e in system.restitutions:
-            tell(f"{SCATTERERS[d]}, e = {e:g}")
-            cases.append(_steady(e, d, system))
-        for e in system.approach or ():
-            tell(f"{SCATTERERS[d]}, e = {e:g}: from rest")
-            more["approach"].append(_from_rest(e, d, system))
-    return Results(system, [*cases, *more["approach"]], more)
-
-
-def _dilute(
-    restitution: Any, parameter: float, d: int, times: Array, each: float,
-    system: Falling | Driven, observables: Sequence[str], beside: int = 0, **more: Any,
-) -> Ensemble:  # fmt: skip
-    """So many tracers, of about `each` collisions, that they make the collisions asked for."""
-    wanted = system.collisions / each
-    tracers = max(2, round(min(wanted, system.most_tracers) / system.groups))
-    # the density at which l = d, so that lengths in d are lengths in l
-    medium = BoltzmannGrad(0.5 / half_section(d), dimension=3 if d == 3 else 2)
-    seed = system.seed + beside + 1000 * d + round(1e6 * parameter)
-    return simulate(
-        medium, restitution, times=times, media=system.groups, tracers=tracers, seed=seed,
-        workers=system.workers, observables=observables, **more,
-    )  # fmt: skip
+    run = followed(times, 0)
+    said = {name: np.asarray(getattr(averages, name)) for name in names.split()}
+    measured = {n: Measured.of(getattr(run, n)) for n in said if n != "mean_velocity"}
+    if "field" in drive:
+        said["drift_from_rest"] = said.pop("mean_velocity")[:, 0]
+        measured["drift_from_rest"] = Measured.of(run.drift)
+    places = {name: ("time", times) for name in said}
+    theory: dict[str, dict[str, Any]] = {SOLVER: said, EXACT: {}}
+    if state is not None:
+        elapsed = float(times[-1] - times[first])
+        ends = _vectors(run, "positions")[[first, -1]]
+        s: dict[Any, Any] = _moments(_vectors(run, "velocities")[first:])
+        exact: dict[Any, Any] = {(p, k): state.moment(float(p), k) for p, k in s}
+        s |= _growth(ends)
+        spread = (state.diffusion_parallel, state.diffusion_perpendicular)
+        exact |= {"x": state.drift * elapsed, "xx": 2 * elapsed * spread[0]}
+        exact |= {"yy": 2 * elapsed * spread[1]}
+        if "field" not in drive:  # the drift in a weak one
+            weak = {"field": WEAK_FIELD}
+            s["u"] = _growth(_vectors(followed(times[[first, -1]], 1, **weak), "positions"))["x"]
+            exact["u"] = kinetics.solve_steady(law, d, **drive, **weak, rtol=1e-6).drift * elapsed
+        quantities: Any = partial(_steady_averages, elapsed, parameter, system)
+        measured |= jackknifed(s, quantities)
+        theory[SOLVER] |= quantities(exact)
+        theory[EXACT] = dict.fromkeys({"energy", "fourth"} & {*theory[SOLVER]}, 1.0)
+        if "field" in drive:
+            theory[EXACT]["momentum"] = (1.5 if d == 2 else 2.0) / (1.0 + parameter)
+        if w := drive.get("bath_speed"):
+            square = w**2 * (1.0 + parameter) / (1.0 - parameter)
+            # of the relative velocity, which is Gaussian
+            rate = math.sqrt(square + w**2) * math.sqrt(math.pi / 2 if d == 2 else 8 / math.pi)
+            theory[EXACT] = {"steady_speed": math.sqrt(d * square), "steady_a2": 0.0,
+                             "steady_rate": rate, "einstein": 1.0}  # fmt: skip
+            ratio = state.mobility * square / state.diffusion_coefficient
+            theory[SOLVER] |= {"steady_rate": state.collision_rate, "einstein": ratio}
+    # not the run: its positions and velocities take 100 MB
+    kind = f"{system.scatterers}, {system.name}"
+    ran = {FREE: SimpleNamespace(media=run.media, tracers=run.tracers)}
+    return Case(kind, parameter, d, times, {FREE: measured}, theory, ran, places, state)
 
 
 def _vectors(run: Ensemble, name: str) -> Array:
@@ -456,196 +436,60 @@ def _vectors(run: Ensemble, name: str) -> Array:
     return found.reshape(len(found), run.media, run.tracers, -1)
 
 
-def _steady(restitution: float, dimension: int, system: Falling) -> Case:
-    """Solve, follow particles until they have forgotten their start, and average from there on."""
-    state = kinetics.solve_field(restitution, dimension, rtol=system.rtol)
-    # d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively: after
-    # ten such times e^-10 of the start is left, as far as the energy remembers it
-    first = 10.0 / (1.5 * float(state.law.decay_rate(2.0)) * state.mean_speed)
-    times = np.linspace(first, 3.0 * first, 9)
-    each, both = float(times[-1]) * state.mean_speed, ("positions", "velocities")
-    run = _dilute(restitution, restitution, dimension, times, each, system, both, **FALL)
-    law, v, r = state.law, _vectors(run, "velocities"), _vectors(run, "positions")
+def _moments(v: Array) -> dict[Any, Array]:
+    """<v^p cos^k> of each group over all times, by (p, k)."""
     speed, along = np.linalg.norm(v, axis=-1), v[..., 0]
-    s: dict[Any, Array] = {(p, 0): speed**p for p in (1, 2, 3, 4)}
-    s |= {(0, 1): along / speed, (1, 1): along, (2, 1): speed * along, (2, 2): along**2}
-    for k, at in enumerate((r[:1], r[-1:])):
-        z = at[..., 0]
-        s |= {f"z{k}": z, f"zz{k}": z**2, f"xx{k}": (at[..., 1:] ** 2).mean(axis=-1)}
-    s = {name: x.mean(axis=(0, 2)) for name, x in s.items()}  # of each group
-    elapsed = float(run.times[-1] - run.times[0])
-
-    def quantities(s: Mapping[Any, Array]) -> dict[str, Array]:
-        along = s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2
-        return {
-            "drift": (s["z1"] - s["z0"]) / elapsed,
-            "mean_square_speed": s[2, 0],
-            "mean_square_along": s[2, 2],
-            "mean_speed": s[1, 0],
-            "diffusion_parallel": along / (2 * elapsed),
-            "diffusion_perpendicular": (s["xx1"] - s["xx0"]) / (2 * elapsed),
-            **relations(law, lambda p, k: s[p, k]),
-        }
-
-    measured = jackknifed(s, quantities)
-    averages = {name: float(getattr(state, name)) for name in [*measured][:6]}
-    solved, exact = exact_relations(state)
-    theory = {SOLVER: averages | solved, EXACT: exact}
-    theory[LIMIT] = near_elastic(restitution, dimension)
-    name, d = f"{SCATTERERS[dimension]} in a field", dimension
-    return Case(name, restitution, d, times, {FREE: measured}, theory, {FREE: run}, solved=state)
+    every = {(p, 0): speed**p for p in (1, 2, 3, 4, 5)}
+    every |= {(p, 1): speed ** (p - 1) * along for p in (1, 2, 3)}
+    return {key: x.mean(axis=(0, 2)) for key, x in every.items()}
 
 
-def relations(law: CollisionLaw, moment: Callable[[int, int], Any]) -> dict[str, Any]:
-    """What moments <v^p cos^k> give for 1/lambda_1(1), and then for 1: the equations for the
-    moments v v_z, v^2, v^3 and v, which do not change.
+def _growth(r: Array) -> dict[Any, Array]:
+    """Growth of <x>, of the variance of x, and of <y^2>, from one time to another, of each group.
+
+    Groups share the law: their means of x differ by chance alone, which the variance leaves out.
     """
-    loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
-    return {
-        "momentum": moment(2, 1),
-        "energy": loss[2] * moment(3, 0) / (2 * moment(1, 1)),
-        "cube": loss[3] * moment(4, 0) / (3 * moment(2, 1)),
-        "direction": moment(0, 1) / (loss[1] * moment(2, 0)),
-    }
-
-
-def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """Both sides of `relations`, solver and closed form, and those of ln v and 1/v besides."""
-    law, moment, e = state.law, state.moment, float(state.restitution)
-    solved = relations(law, moment)
-    solved["logarithm"] = moment(-1, 1) / (law.mean_log_loss * moment(1, 0))
-    if e > 0.0:
-        solved["inverse"] = moment(-2, 1) / -float(law.decay_rate(-1.0))
-    exact = dict.fromkeys(solved, 1.0)
-    exact["momentum"] = (1.5 if state.dimension == 2 else 2.0) / (1.0 + e)
-    return solved, exact
-
-
-def near_elastic(restitution: Any, dimension: int) -> dict[str, Any]:
-    """The limiting laws as collisions become elastic, in sqrt(g l) and sqrt(g l^3).
-
-    With eps = 1 - e^2 speeds are distributed as exp(-a v^4) and grow as eps^(-1/4); u = lambda(2)
-    <v^3>/2. Across the field a tracer diffuses as without one, with the mean speed; along it no
-    closed form is known, and the number is the solver's as e -> 1.
-    """
-    fall, loss, turn, along = {
-        2: (2 / 9, 2 / 3, 4 / 3, 0.176205),
-        3: (3 / 16, 1 / 2, 1.0, 0.202982),
-    }[dimension]  # a/eps, lambda(2)/eps, lambda_1(0) at e = 1, D along eps^(1/4)
-    d, eps = dimension, 1.0 - np.square(np.asarray(restitution, dtype=float))
-
-    def moment(p: int) -> float:
-        return fall ** (-p / 4) * math.gamma((p + d) / 4) / math.gamma(d / 4)
-
-    with np.errstate(divide="ignore"):
-        return {
-            "drift": loss * moment(3) / 2 * eps**0.25,
-            "diffusion_parallel": along * eps**-0.25,
-            "diffusion_perpendicular": moment(1) / (d * turn) * eps**-0.25,
-        }
-
-
-def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
-    """Solver and particles from rest, at `APPROACH_TIMES`."""
-    times = APPROACH_TIMES
-    state = kinetics.solve_field(restitution, dimension, rtol=system.rtol)
-    each, density = float(times[-1]) * state.mean_speed, 0.5 / half_section(dimension)
-    run = _dilute(restitution, restitution, dimension, times, each, system, (), **FALL)
-    names = "mean_velocity thermal_speed"
-    solved = _solved(state.law, density, times, names, system.time_rtol, **FALL)
-    second = Measured.of(run.thermal_speed)
-    measured = {
-        "drift_from_rest": Measured.of(run.drift),
-        "square_from_rest": Measured(second.value**2, 2 * second.value * second.error),
-    }
-    theory = {SOLVER: {
-        "drift_from_rest": solved.mean_velocity[:, 0],
-        "square_from_rest": solved.thermal_speed**2,
-    }}  # fmt: skip
-    places = {name: ("time", times) for name in measured}
-    name, ran = f"{SCATTERERS[dimension]} in a field", {FREE: run}
-    found = {FREE: measured}
-    return Case(name, restitution, dimension, times, found, theory, ran, places, solved=state)
-
-
-# -- driven tracers, and a restitution of the impact speed -----------------------------------------
-def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
-    """The equation over time and particles, and the steady state where something drives."""
-    d, drive, law = system.dimension, system.drive, system.law(parameter)
-    of = f"{system.parameter} = {parameter:g} among {system.scatterers}"
-    tell(f"{of}: kinetic equation")
-    state: Any = kinetics.solve_steady(law, d, **drive, rtol=system.rtol) if drive else None
-    times, first, at = np.geomspace(0.1, 1000.0, 25), 0, 12  # F(c) at t = 10
-    if state is not None:
-        # as in `_steady`: after `start` the energy has forgotten how it began
-        rate = law_of(parameter, 1.0, d).decay_rate(2.0) * state.moment(1.0)
-        start, first, at = 10.0 / (1.5 * float(rate)), 13, -1
-        times = np.append(np.geomspace(start / 60, start, 14), start * np.linspace(1.5, 4.0, 6))
-    names, rtol = "thermal_speed a2 msd collisions", system.time_rtol
-    density = 0.5 / half_section(d)
-    averages = _solved(law, density, times, names, rtol, dimension=d, **drive)
-    said = {name: getattr(averages, name) for name in names.split()}
-    places = {name: ("time", times) for name in said} | {"scaled_vdf": ("c", SPEEDS)}
-    speeds = None
-    if state is None:  # later the solver knows the density of speeds less well
-        names = "thermal_speed speed_density"
-        speeds = _solved(law, density, times[[at]], names, rtol, dimension=d)
-    vdf = steady_vdf(state) if speeds is None else last_vdf(speeds)
-    tell(f"{of}: {FREE} particles")
-    each = float(averages.collisions[-1])
-    followed: Any = partial(_dilute, law, parameter, d, each=each, system=system, **drive)
-    run = followed(times, observables=("positions", "velocities"))
-    measured = {name: Measured.of(getattr(run, name)) for name in said}
-    speed, r = np.linalg.norm(_vectors(run, "velocities"), axis=-1), _vectors(run, "positions")
-    measured["scaled_vdf"] = scaled_density(speed[at], SPEED_EDGES, bin_measure(d))
-    said["scaled_vdf"] = filled(bin_average(vdf, d), run.media * run.tracers, bin_measure(d))
-    theory: dict[str, dict[str, Any]] = {SOLVER: said, EXACT: {}}
-    if state is not None:
-        end, weak = times[[first, -1]], {"field": system.field}
-        drifting = followed(end, observables=("positions",), beside=1, **weak)
-        x = _vectors(drifting, "positions")[..., 0].mean(axis=2)
-        elapsed = float(end[1] - end[0])
-        s = {f"v^{p}": (speed[first:] ** p).mean(axis=(0, 2)) for p in (2, 3, 4, 5)}
-        s |= {"r": (r[-1] ** 2 - r[first] ** 2).sum(axis=-1).mean(axis=1), "x": x[1] - x[0]}
-        quantities = partial(_steady_averages, elapsed, parameter, system)
-        measured |= jackknifed(s, quantities)
-        pushed = kinetics.solve_steady(law, d, **drive, **weak, rtol=1e-6)
-        moments = {f"v^{p}": state.moment(float(p)) for p in (2, 3, 4, 5)}
-        moments |= {"r": 2 * d * elapsed * state.diffusion_coefficient, "x": pushed.drift * elapsed}
-        theory[SOLVER] |= quantities(moments)
-        theory[EXACT] = dict.fromkeys(("noise_energy", "noise_fourth"), 1.0)
-        if w := system.bath_speed:
-            square = w**2 * (1.0 + parameter) / (1.0 - parameter)
-            # of the relative velocity, which is Gaussian
-            rate = math.sqrt(square + w**2) * math.sqrt(math.pi / 2 if d == 2 else 8 / math.pi)
-            theory[EXACT] = {"steady_speed": math.sqrt(d * square), "steady_a2": 0.0,
-                             "steady_rate": rate, "einstein": 1.0}  # fmt: skip
-            ratio = state.mobility * square / state.diffusion_coefficient
-            theory[SOLVER] |= {"steady_rate": state.collision_rate, "einstein": ratio}
-    solved = SimpleNamespace(state=state, vdf=vdf, speeds=speeds)
-    kind, ran = f"{system.scatterers}, {system.name}", {FREE: run}
-    return Case(kind, parameter, d, times, {FREE: measured}, theory, ran, places, solved=solved)
-
-
-def steady_vdf(state: Any) -> Callable[[Array], Array]:
-    """F(c) of a steady state without a field."""
-    v0, d = state.thermal_speed, state.dimension
-    return lambda c: v0**d * state.vdf(np.ravel(c) * v0)[:, 0].reshape(np.shape(c))
+    mean, x = r[..., 0].mean(axis=2), r[..., 0]
+    variance = (x - x.mean(axis=(1, 2), keepdims=True)) ** 2
+    across = (r[..., 1:] ** 2).mean(axis=-1)
+    both = {"xx": variance.mean(axis=2), "yy": across.mean(axis=2), "x": mean}
+    return {key: x[1] - x[0] for key, x in both.items()}
 
 
 def _steady_averages(
-    elapsed: float, restitution: float, system: Driven, s: Mapping[str, Any]
+    elapsed: float, restitution: float, system: Driven, s: Mapping[Any, Any]
 ) -> dict[str, Array]:
-    """What is compared in the steady state, of moments <v^p>, and growths of <r^2> and <x>."""
-    d, law = system.dimension, law_of(restitution, 1.0, system.dimension)
-    found = {
-        "steady_speed": np.sqrt(s["v^2"]),
-        "steady_a2": d / (d + 2) * s["v^4"] / s["v^2"] ** 2 - 1,
-        "diffusion": s["r"] / (2 * d * elapsed),
-        "weak_drift": s["x"] / (elapsed * system.field),
-    }
-    if noise := system.heating:
-        found["noise_energy"] = law.decay_rate(2.0) * s["v^3"] / (2 * d * noise)
-        fourth = 4 * (d + 2) * noise * s["v^2"]
-        found["noise_fourth"] = law.decay_rate(4.0) * s["v^5"] / fourth
+    """What is compared in the steady state, of moments <v^p cos^k> by (p, k), and growths.
+
+    The equations of <v v_x>, v^2 and v^4, which do not change, are relations of these.
+    """
+    d, law, drive = system.dimension, law_of(restitution, 1.0, system.dimension), system.drive
+    g, noise = drive.get("field", 0.0), drive.get("heating", 0.0)
+    found: dict[str, Any] = {}
+    if g:
+        found = {"drift": s["x"] / elapsed, "mean_square_speed": s[2, 0], "mean_speed": s[1, 0],
+                 "diffusion_parallel": s["xx"] / (2 * elapsed),
+                 "diffusion_perpendicular": s["yy"] / (2 * elapsed),
+                 "momentum": s[2, 1]}  # fmt: skip
+    else:
+        found = {"steady_speed": np.sqrt(s[2, 0]),
+                 "steady_a2": d / (d + 2) * s[4, 0] / s[2, 0] ** 2 - 1,
+                 "diffusion": (s["xx"] + (d - 1) * s["yy"]) / (2 * d * elapsed),
+                 "weak_drift": s["u"] / (elapsed * WEAK_FIELD)}  # fmt: skip
+    if g or noise:
+        gain = 2 * g * s[1, 1] + 2 * d * noise
+        fourth = 4 * g * s[3, 1] + 4 * (d + 2) * noise * s[2, 0]
+        found["energy"] = law.decay_rate(2.0) * s[3, 0] / gain
+        found["fourth"] = law.decay_rate(4.0) * s[5, 0] / fourth
     return found
+
+
+def limiting_drift(restitution: Any, dimension: int) -> Any:
+    """The drift in sqrt(g l) as collisions become elastic.
+
+    With eps = 1 - e^2 speeds are distributed as exp(-a v^4), which grows as eps, and
+    u = lambda(2) <v^3>/2.
+    """
+    d, (fall, loss) = dimension, ((2 / 9, 2 / 3) if dimension == 2 else (3 / 16, 1 / 2))
+    third = fall**-0.75 * math.gamma((3 + d) / 4) / math.gamma(d / 4)
+    return loss * third / 2 * (1.0 - np.square(restitution)) ** 0.25

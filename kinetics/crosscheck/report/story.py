@@ -5,7 +5,7 @@ Sentences are in `templates/report.json`, with "{words}" that are filled here.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from kinetics.crosscheck.report import runs
 from kinetics.crosscheck.report.figures import exact_rates
 from kinetics.crosscheck.report.rows import OBSERVABLES, kept
-from kinetics.crosscheck.report.systems import SCATTERERS, Driven
+from kinetics.crosscheck.report.systems import Driven
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 
 HOLDS, FAILS = "holds", "does not hold"
@@ -39,7 +39,7 @@ def tell(results: runs.Results, table: Any, checks: Sequence[Record]) -> Story:
     """The story of any report; `checks` are the rows of the algebra."""
     if isinstance(results.system, Driven):
         return _driven(results, table)
-    return (_falling if results.system.in_field else _cooling)(results, table, checks)
+    return _cooling(results, table, checks)
 
 
 def span(values: Iterable[float], form: str) -> str:
@@ -192,58 +192,25 @@ def _claims(cases: Sequence[runs.Case]) -> list[dict[str, str]]:
     ]
 
 
-# -- tracers in a field ----------------------------------------------------------------------------
-def _falling(results: runs.Results, table: Any, checks: Sequence[Record]) -> Story:
-    lines = results.more["lines"]
-
-    def each(of: Callable[[int, Any], str]) -> str:
-        return " and ".join(f"{of(d, line)} among {SCATTERERS[d]}" for d, line in lines.items())
-
-    def constant(d: int, line: Any) -> str:
-        return f"{float(runs.near_elastic(0.0, d)['drift']):.4f}"
-
-    def ratio(d: int, line: Any) -> str:
-        return span(line["diffusion_perpendicular"] / line["diffusion_parallel"], ".2f")
-
-    others = table[(table.kind == "statistical") & table.verdict.isin(["unclear", "differs"])]
-    said = "; ".join(
-        f"{OBSERVABLES[r.observable][1]} among {r.system}, e = {r.restitution:g}: "
-        f"{r.corrected_sigmas:.1f} σ" for r in others.itertuples()
-    )  # fmt: skip
-    told, words = _WORDS["field"], {"constant": each(constant), "ratio": each(ratio)}
-    words |= {"agreement": agreement(table), "others": f" Not: {said}." if said else ""}
-    findings = [text.format(**words) for text in told["findings"]]
-    names = ("diffusion_parallel", "diffusion_perpendicular", "drift", "mean_speed")
-    summary = [
-        {"quantity": f"{OBSERVABLES[name][1]}, {SCATTERERS[d]}", "restitution": case.restitution,
-         "value": case.theory[runs.SOLVER][name], "error": None}
-        for name in names for d in lines for case in results.cases
-        if case.dimension == d and name in case.theory[runs.SOLVER]
-    ]  # fmt: skip
-    if results.more["approach"]:
-        overshoots, reached = [], []
-        for case in results.more["approach"]:
-            over = case.theory[runs.SOLVER]["drift_from_rest"] / case.solved.drift
-            away = [-1, *np.flatnonzero(abs(over - 1) > CLOSE)][-1]
-            overshoots.append(100 * float(np.max(over) - 1))
-            reached.append(float(case.times[min(away + 1, over.size - 1)]) if away >= 0 else 0.0)
-        ends = {"overshoot": span(overshoots, ".0f"), "reached": span(reached, ".2g")}
-        findings.append(told["approach"].format(close=100 * CLOSE, **ends))
-    compared = told["compared"].format(of=results.system.scatterers)
-    return Story(compared, findings, f"Finding: {findings[1]}", tables={"summary": summary})
-
-
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------
 def _driven(results: runs.Results, table: Any) -> Story:
     records: list[Record] = []
     for case in results.cases:
-        state = case.solved.state
+        state, said = case.solved, case.theory[runs.SOLVER]
         if state is None:
-            v0, r2, a2 = (case.theory[runs.SOLVER][n] for n in ("thermal_speed", "msd", "a2"))
+            v0, r2, a2 = (said[n] for n in ("thermal_speed", "msd", "a2"))
             slope = math.log(v0[-1] / v0[-3]) / math.log(case.times[-1] / case.times[-3])
             values = {"v₀ at the end": v0[-1], "⟨r²⟩ at the end": r2[-1],
                       "local power of t in v₀ at the end": slope,
                       "a₂ at the end": a2[-1]}  # fmt: skip
+        elif state.field:
+            over = said["drift_from_rest"] / state.drift
+            away = [-1, *np.flatnonzero(abs(over - 1) > CLOSE)][-1]
+            names = ("diffusion_parallel", "diffusion_perpendicular", "drift", "mean_speed")
+            values = {OBSERVABLES[name][1]: said[name] for name in names}
+            values |= {"D⊥/D∥": said[names[1]] / said[names[0]],
+                       "overshoot of ⟨v_z⟩ from rest, %": 100 * (np.max(over) - 1),
+                       f"within {CLOSE:.0%} of u from t": case.times[away + 1]}  # fmt: skip
         else:
             values = {
                 "v₀, steady": state.thermal_speed,
@@ -260,12 +227,15 @@ def _driven(results: runs.Results, table: Any) -> Story:
     forms = {
         "diffusion": ("D", ".4g"), "a2": ("a₂, steady", ".3g"), "einstein": ("μ⟨vₓ²⟩/D", ".4g"),
         "power": ("local power of t in v₀ at the end", ".3g"), "msd": ("⟨r²⟩ at the end", ".4g"),
+        "ratio": ("D⊥/D∥", ".2f"),
     }  # fmt: skip
     words = {
         word: span([r["value"] for r in records if r["quantity"] == name], form)
         for word, (name, form) in forms.items()
     }
-    words |= {"of": results.system.scatterers, **vars(results.system)}
-    what, first, last = (t.format(**words) for t in _WORDS["driven"][results.system.name])
+    system: Any = results.system
+    words |= {"of": system.scatterers, **system.drive}
+    words |= {"constant": f"{runs.limiting_drift(0.0, system.dimension):.4f}"}
+    what, first, last = (t.format(**words) for t in _WORDS["driven"][system.name])
     compared, agree = _WORDS["driven"]["compared"].format(what=what), agreement(table)
     return Story(compared, [first, agree, last], f"Finding: {agree}", tables={"summary": records})

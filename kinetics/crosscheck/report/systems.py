@@ -1,12 +1,12 @@
-"""What a report compares: smooth disks as in the paper, any other law, spheres, a field, a drive.
+"""What a report compares: smooth disks as in the paper, any other law, spheres, a drive.
 
-`Cooling` is a gas that is left alone, `Falling` one in a uniform field, `Driven` one in a bath or
-heated, or with a restitution of the impact speed: values with the same few members, so that
-everything after this file takes any. InputError for what cannot be used.
+`Cooling` is a gas that is left alone, `Driven` one in a field, in a bath or heated, or with a
+restitution of the impact speed: values with the same few members, so that everything after this
+file takes any. InputError for what cannot be used.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
 from kinetics.collision import CollisionLaw, law_of
@@ -18,8 +18,6 @@ PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of its figures 5 and 6)."""
 OTHER_FINAL_TIME = 1000.0  # final time in d/U of a restitution that the paper does not have
 FIELD_RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
-_LINE = (*(k / 20 for k in range(19)), 0.925, 0.95, 0.97, 0.98, 0.99, 0.995, 0.999)
-_QUICK_LINE = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.8, 0.9, 0.95, 0.975, 0.99, 0.995, 0.999)
 
 
 def half_cross_section(dimension: int) -> float:
@@ -35,14 +33,13 @@ class _System:
     workers: int | None = None  # threads
 
     name: ClassVar[str] = "report"  # of its files
-    in_field: ClassVar[bool] = False
     is_papers_law: ClassVar[Any] = False  # are scatterers smooth disks, as those of the paper?
     parameter: ClassVar[str] = "e"  # what `restitutions` are
     _least: ClassVar[Any] = {}  # of counts
     # of a quick report: counts at most, and tolerances at least
     _quick: ClassVar[Any] = {}
 
-    def _check(self, default: tuple[float, ...], dimensions: tuple[int, ...] = ()) -> None:
+    def _check(self, default: tuple[float, ...]) -> None:
         """Set the restitutions, or the default; InputError for what cannot be used."""
         self.restitutions = found = tuple(
             check_restitution(e) for e in self.restitutions or default
@@ -58,10 +55,9 @@ class _System:
 
     @property
     def scatterers(self) -> str:
-        """What tracers hit: "disks", "spheres", or "disks and spheres"."""
+        """What tracers hit: "disks" or "spheres"."""
         own: Any = self
-        every = own.dimensions if self.in_field else (own.dimension,)
-        return " and ".join(SCATTERERS[d] for d in every)
+        return SCATTERERS[own.dimension]
 
     def quick(self) -> Self:
         """The same system with fewer samples, and with fewer digits of what costs most."""
@@ -130,85 +126,36 @@ class Cooling(_System):
 
 
 @dataclass
-class _Dilute(_System):
-    """What is compared in the dilute limit alone, and has a steady state below e = 1."""
+class Driven(_System):
+    """Tracers of the dilute limit that something drives, from a Gaussian start or from rest.
+
+    Lengths are in l, times in l/U. Restitutions below 1; of viscoelastic impacts they are b.
+    """
 
     rtol: float = 1e-8
+    time_rtol: float = 1e-6  # asked of the solver over time
+    dimension: int = 2
     collisions: int = 10_000_000  # about so many in each run, which sets its tracers
     most_tracers: int = 200_000
     groups: int = 100  # independent ones of tracers, behind the errors
-    time_rtol: float = 1e-6  # asked of the solver over time
+    drive: dict[str, Any] = field(default_factory=dict)  # as a Scene and `simulate` take it
 
+    initial: ClassVar[str] = "gaussian"
+    default: ClassVar[tuple[float, ...]] = (0.5,)
+    algebra: ClassVar[tuple[str, ...]] = ()  # labels of derivations
     _least: ClassVar[Any] = {"groups": 10, "collisions": 1, "most_tracers": 100}
     _quick: ClassVar[Any] = {"collisions": 500_000, "most_tracers": 10_000, "time_rtol": 1e-5}
 
-    def _check(self, default: tuple[float, ...], dimensions: tuple[int, ...] = ()) -> None:
-        super()._check(default)
+    def __post_init__(self) -> None:
+        self._check(self.default)
         self.restitutions = tuple(sorted(self.restitutions))
-        if self.restitutions[-1] == 1.0 and self.parameter == "e":
+        if self.restitutions[-1] == 1.0 and self.drive:
             allowed = "each must be below 1: elastic tracers reach no steady state"
             refuse("restitutions", self.restitutions, allowed)
-        for dimension in dimensions:
-            CollisionLaw(0.5, 1.0, dimension)
-
-
-@dataclass
-class Falling(_Dilute):
-    """Tracers that fall from rest in a uniform field among smooth disks, and among spheres.
-
-    Speeds are in sqrt(g l), times in sqrt(l/g). Restitutions below 1; none: `FIELD_RESTITUTIONS`.
-    """
-
-    collisions: int = 8_000_000
-    dimensions: tuple[int, ...] = (2, 3)
-    approach: tuple[float, ...] | None = None  # restitutions followed over time; None for two
-    line: tuple[float, ...] = _LINE  # restitutions at which the solver alone is drawn
-
-    name = "field"
-    in_field = True
-    _quick: ClassVar[Any] = {**_Dilute._quick, "rtol": 1e-6, "time_rtol": 1e-4}
-
-    def __post_init__(self) -> None:
-        self._check(FIELD_RESTITUTIONS, self.dimensions)
-        found = self.restitutions
-        if self.approach is None:
-            ends = tuple(dict.fromkeys((found[0], found[-1])))
-            self.approach = (0.5, 0.9) if found == FIELD_RESTITUTIONS else ends
-        self.stages = len(self.dimensions) * (1 + len(found) + len(self.approach)) + 2
-
-    def quick(self) -> "Falling":
-        """The same with fewer restitutions, unless others were asked for, and fewer samples."""
-        every = self.restitutions == FIELD_RESTITUTIONS
-        found, approach = (0.0, 0.5, 0.9) if every else self.restitutions, self.approach or ()
-        fewer = replace(self, restitutions=found, approach=approach[:1], line=_QUICK_LINE)
-        return super(Falling, fewer).quick()
-
-
-@dataclass
-class Driven(_Dilute):
-    """Tracers of the dilute limit from a Gaussian start, in a bath, heated, or viscoelastic.
-
-    Lengths are in l, times in l/U. Restitutions below 1; of the viscoelastic ones they are b.
-    """
-
-    dimension: int = 2
-    bath_speed: float = 0.0
-    heating: float = 0.0
-    field: float = 0.3  # in U^2/l, weak, in which the drift is compared
-
-    algebra: ClassVar[tuple[str, ...]] = ()  # labels of derivations
-
-    def __post_init__(self) -> None:
-        self._check((0.5,) if self.drive else (0.45,), (self.dimension,))
+        CollisionLaw(0.5, 1.0, self.dimension)
         for x in self.restitutions:
             self.law(x)
         self.stages = 2 * len(self.restitutions) + 2
-
-    @property
-    def drive(self) -> dict[str, Any]:
-        """What drives the tracers, as a Scene and `simulate` take it."""
-        found = {"bath_speed": self.bath_speed, "heating": self.heating}
-        return {name: value for name, value in found.items() if value}
 
     def law(self, restitution: float) -> Any:
         """The restitution, as a Scene and `simulate` take it."""
@@ -216,10 +163,26 @@ class Driven(_Dilute):
 
 
 @dataclass
+class Falling(Driven):
+    """Tracers that fall from rest in a uniform field, in sqrt(g l) and sqrt(l/g)."""
+
+    collisions: int = 8_000_000
+    drive: dict[str, Any] = field(default_factory=lambda: {"field": 1.0})
+    name = "field"
+    initial = "rest"
+    default = FIELD_RESTITUTIONS
+
+    def quick(self) -> "Falling":
+        """The same with fewer samples, and fewer restitutions unless others were asked for."""
+        few = (0.0, 0.5, 0.9) if self.restitutions == FIELD_RESTITUTIONS else self.restitutions
+        return super(Falling, replace(self, restitutions=few)).quick()
+
+
+@dataclass
 class Bath(Driven):
     """Scatterers that move, infinitely heavy, with Gaussian velocities."""
 
-    bath_speed: float = 1.0
+    drive: dict[str, Any] = field(default_factory=lambda: {"bath_speed": 1.0})
     name = "bath"
     algebra = ("bath-temperature", "bath-einstein")
 
@@ -228,8 +191,8 @@ class Bath(Driven):
 class Heated(Driven):
     """White noise acts on the tracers."""
 
-    heating: float = 1.0
     collisions: int = 2_000_000  # noise takes many short steps
+    drive: dict[str, Any] = field(default_factory=lambda: {"heating": 1.0})
     name = "heated"
     algebra = ("heated-moments",)
 
@@ -240,7 +203,8 @@ class SoftSpheres(Driven):
 
     name = "viscoelastic"
     parameter = "b"
+    default = (0.45,)
 
 
-DRIVEN: dict[str, type[Driven]] = {kind.name: kind for kind in (Bath, Heated, SoftSpheres)}
-System = Cooling | Falling | Driven
+DRIVEN: dict[str, type[Driven]] = {kind.name: kind for kind in (Falling, Bath, Heated, SoftSpheres)}
+System = Cooling | Driven

@@ -3,19 +3,16 @@
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from made_data import (
     FORMATS,
     NO_MEDIUM,
-    SIDE,
     STEP,
     TIMES,
     TRACERS,
     Run,
     columns_of,
-    inside,
     simulated,
     text_of,
     write_dump,
@@ -27,9 +24,6 @@ from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample
 from kinetics.crosscheck.data.tracks import Table
 from kinetics.errors import InputError
-
-SHORT = np.arange(0.0, 61.0, 2.0)
-"""Times so near that no tracer crosses half the box in between."""
 
 
 def moments(sample: Sample) -> Any:
@@ -87,14 +81,6 @@ def test_numbers_of_a_csv_come_back_to_the_last_bit(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.place[0].T, v)
 
 
-def test_a_last_line_without_an_end_is_read(tmp_path: Path, csv: Path) -> None:
-    text = csv.read_text()
-    for name, cut in (("a.csv", text[:-1]), ("b.csv", text)):
-        (tmp_path / name).write_text(cut)
-    found = [moments(read_sample([tmp_path / name])) for name in ("a.csv", "b.csv")]
-    np.testing.assert_array_equal(*found)
-
-
 @pytest.mark.parametrize("order", ["shuffled", "by tracer"])
 def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
     data = columns_of(run)
@@ -103,37 +89,6 @@ def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
         rows = np.argsort(data["id"], kind="stable")
     found = read_sample([Table({k: v[rows] for k, v in data.items()})])
     np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
-
-
-def test_tracers_numbered_anew_in_each_medium(run: Run) -> None:
-    data = columns_of(run)
-    for label in (data["id"] % 50, 0 * data["id"]):
-        changed = data | {"id": label, "medium": data["medium"] if label.any() else data["id"]}
-        found = read_sample([Table(changed)])
-        np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
-
-
-def test_positions_in_a_box_are_unwrapped(tmp_path: Path) -> None:
-    made = simulated(times=SHORT, tracers=5)
-    start = np.random.default_rng(1).uniform(0, SIDE, (200, 2))
-    run = made.positions + start, made.velocities
-    box = {"position": inside(run)[0], "velocity": run[1]}
-    gone = np.random.default_rng(2).uniform(size=run[0].shape[:2]) < 0.02
-    gone[0] = False
-    for lost in (False, True):
-        with h5py.File(tmp_path / f"{lost}.h5", "w") as file:
-            file.create_group("h5md")
-            group = file.create_group("particles/t")
-            group["box/edges"] = [SIDE, SIDE]
-            group["box"].attrs["boundary"] = [b"periodic"] * 2
-            for name, values in box.items():
-                group[f"{name}/value"] = np.where(gone[..., None] & lost, np.nan, values)
-                group[f"{name}/time"] = SHORT
-        found = read_sample([tmp_path / f"{lost}.h5"])
-        r2 = np.sum((run[0] - run[0][0]) ** 2, axis=2)
-        wanted = np.where(gone & lost, 0.0, r2).sum(axis=1)
-        np.testing.assert_allclose(moments(found)[:, 3], wanted, rtol=1e-9, atol=1e-9)
-        assert any("unwrapped" in text for text in found.warnings)
 
 
 def test_particles_of_one_type_are_chosen(tmp_path: Path, run: Run) -> None:
@@ -191,21 +146,6 @@ def test_units_that_do_not_belong_together_need_the_unit_of_time(run: Run) -> No
     for unit in ("mm/us", "mm us^-1"):  # these belong together
         one = {k.replace("m/s", unit): v for k, v in other.items()}
         np.testing.assert_allclose(read_sample([Table(one)]).times[-1], other["t [us]"].max())
-
-
-def test_a_table_of_averages_has_its_values_and_errors() -> None:
-    from kinetics.crosscheck.compare.statistics import errors
-    from kinetics.crosscheck.compare.theory import AVERAGES, Expectation
-
-    table = {"t": [1.0, 10.0], "v0 [U]": [1.2, 0.9], "v0_error [U]": [0.01, 0.02]}
-    table |= {"a2": [0.1, 0.2], "a2_err": [0.03, 0.01]}
-    table |= {"<r^2>": [2.0, 90.0], "<r^2>_se": [0.1, 3.0]}
-    table |= {"kurtosis": [2.1, 2.2], "kurtosis_sem": [0.1, np.nan]}
-    found = Expectation(read_sample([Table(table)]), AVERAGES)
-    np.testing.assert_allclose(found.values[0], [1.2, 0.9], rtol=1e-4)
-    np.testing.assert_allclose(found.values[2], [2.0, 90.0], rtol=1e-4)
-    wanted = [[0.01, 0.02], [0.03, 0.01], [0.1, 3.0], [0.1, np.nan]]
-    np.testing.assert_allclose(errors(found.replicates), wanted, rtol=2e-3)
 
 
 @pytest.mark.parametrize("stored", [True, False])

@@ -12,8 +12,6 @@ from kinetics.crosscheck.compare.statistics import (
     errors,
     hotelling,
     log_widening,
-    of_the_worst,
-    pearson,
     whitening,
 )
 from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, stabilised, steadied
@@ -69,21 +67,6 @@ def test_long_tails_count_as_fewer_groups() -> None:
     assert effective_groups(normal[:, None])[0] == pytest.approx(4000, rel=0.1)
     excess = stats.kurtosis(long)
     assert effective_groups(long[:, None])[0] == pytest.approx(1 + 2 * 3999 / (2 + excess))
-
-
-def test_pearson_is_the_chi_square_of_counts() -> None:
-    counts, expected = np.array([48.0, 60.0, 92.0]), np.array([50.0, 50.0, 100.0])
-    wanted = stats.chisquare(counts, expected)
-    found = pearson(counts, expected)
-    assert found is not None
-    assert (found.value, found.freedom) == (pytest.approx(wanted.statistic), 2)
-    assert found.p_value == pytest.approx(wanted.pvalue)
-
-
-def test_the_worst_of_many_looks() -> None:
-    found = of_the_worst(np.array([0.5, -3.0, 1.0]))
-    assert found.p_value == pytest.approx(3 * 2 * stats.norm.sf(3.0))
-    assert stats.chi2.sf(found.value, 1) == pytest.approx(found.p_value)
 
 
 def test_an_error_of_the_theory_is_added_and_counted() -> None:

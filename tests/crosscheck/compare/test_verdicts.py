@@ -9,9 +9,8 @@ import pytest
 from made_data import Run, columns_of, simulated
 from marking import slow_but
 
-from kinetics import Scene, compare, fit, solve
+from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import Table
@@ -56,7 +55,7 @@ WRONG: dict[str, tuple[dict[str, Any], str, float]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", slow_but(["restitution", "length unit", "speed unit"], WRONG))
+@pytest.mark.parametrize("name", slow_but(["restitution", "speed unit"], WRONG))
 def test_what_is_wrong_is_seen_and_named(name: str) -> None:
     """The fitted value is the truth within 3.5 of its errors: once in 2000."""
     told, cause, truth = WRONG[name]
@@ -89,13 +88,6 @@ def test_a_share_of_tracers_at_rest_is_seen_and_counted() -> None:
     item = explained(result, "tracers at rest")
     assert item.outcome == "explains"
     assert item.value == pytest.approx(0.1, abs=3.5 * item.error)
-    # <v^2> and <r^2> times 1 - f, and so are the fourth moments
-    expected = Expectation(read_sample([Table(data)]), AVERAGES)
-    point = Point(0.75, PATH, "gaussian")
-    v0, a2, msd, kurtosis = expected.theory(point)
-    found = expected.theory(point._replace(at_rest=0.1))
-    wanted = [v0 * np.sqrt(0.9), (1 + a2) / 0.9 - 1, 0.9 * msd, kurtosis / 0.9]
-    np.testing.assert_allclose(found[:, 1:], np.array(wanted)[:, 1:], atol=1e-12)
 
 
 def test_scatterers_among_the_tracers_are_no_spread_of_media(run: Run) -> None:
@@ -108,16 +100,14 @@ def test_scatterers_among_the_tracers_are_no_spread_of_media(run: Run) -> None:
     assert "10.00% of the particles (200) never move" in result.summary
 
 
-@pytest.mark.parametrize("speed", slow_but([1e-6], [0.0, 1e-6]))
-def test_trapped_tracers_are_seen_and_counted(speed: float) -> None:
+def test_trapped_tracers_are_seen_and_counted() -> None:
     data = {k: v.copy() for k, v in made(0.75).items()}
-    for tracer in range(50):
-        data["positions"][4:, tracer] = data["positions"][4, tracer]
-        data["velocities"][4:, tracer] *= speed
+    data["positions"][4:, :50] = data["positions"][4, :50]
+    data["velocities"][4:, :50] = 0.0
     result = compare(data, 0.75, DENSITY)
     assert result.verdict == "differs"
     item = explained(result, "traps")
-    assert (item.outcome, item.value) == ("found", pytest.approx(0.01, abs=3e-4))
+    assert (item.outcome, item.value) == ("found", pytest.approx(0.01))
 
 
 def test_a_wrong_start_is_seen_and_named() -> None:
@@ -227,33 +217,9 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
     np.testing.assert_allclose(found.observable("drift")["value"][1:], run.drift.value[1:])
     if wrong == 0.1:
         assert compare(run, explain=False).verdict == "agrees"
+    assert found.explanations == ()
     with pytest.raises(ValueError, match="must be given"):
         compare(data, 0.7, field=0.1)
-
-
-@pytest.mark.parametrize("dimension", slow_but([2], [2, 3]))
-def test_another_axis_of_the_field_is_named(dimension: int) -> None:
-    """Also where an early time has a direction whose spread is of a few tracers (this seed)."""
-    run = simulated(medium=BoltzmannGrad(DENSITY, dimension=dimension), initial="rest", field=0.1,
-                    restitution=0.7, times=[0.0, 5.0, 15.0, 30.0, 60.0], seed=103)  # fmt: skip
-    data = arrays_of(run)
-    order, both = [1, 0, 2][:dimension], ("velocities", "positions")
-    for headline, kinds, seen in (
-        ("columns of the velocities", both[:1], lambda a: a[..., order]),
-        ("columns of the positions", both[1:], lambda a: a[..., order]),
-        ("along y", both, lambda a: a[..., order]),
-        ("along -x", both, lambda a: a * [-1, 1, 1][:dimension]),
-    ):
-        told: Any = {"field": 0.1, "dimension": dimension}
-        result = compare(data | {k: seen(data[k]) for k in kinds}, 0.7, DENSITY, **told)
-        first, *others = result.explanations
-        assert result.verdict == "differs"
-        assert (first.name, first.outcome) == ("components exchanged", "explains")
-        assert headline in first.headline
-        assert first.headline in result.summary
-        assert "explains" not in {item.outcome for item in others}
-    wrong = compare(data, 0.6, DENSITY, **told)
-    assert (wrong.verdict, {x.outcome for x in wrong.explanations}) == ("differs", {"does not"})
 
 
 @pytest.mark.parametrize(
@@ -265,19 +231,6 @@ def test_data_in_space(told: dict[str, Any], verdict: str) -> None:
     found = compare(data, 0.75, DENSITY, dimension=3, explain=False, **told)
     assert found.verdict == verdict
     assert {test.time for test in found.tests} == {None}
-
-
-def test_tables_of_averages() -> None:
-    run = simulated(observables=("thermal_speed", "msd"))
-    v0, r2 = run.thermal_speed, run.msd
-    table = {"t": np.array([2.0, 20.0, 200.0]), "v0": v0.value[1:], "v0_error": v0.error[1:]}
-    table |= {"msd": r2.value[1:], "msd_error": r2.error[1:]}
-    assert compare(table, 0.75, DENSITY).verdict == "agrees"
-    wrong = compare(table, 0.75, 0.06)
-    assert (wrong.verdict, wrong.groups) == ("differs", 0)
-    assert explained(wrong, "free path").value == pytest.approx(PATH, rel=0.1)
-    fitted = compare(table).parameters["restitution"]
-    assert fitted.value == pytest.approx(0.75, abs=3.5 * fitted.error)
 
 
 def sample_of(seed: int, tracers: int = 30) -> Sample:
@@ -313,11 +266,20 @@ def spoilt(kind: str, fault: str) -> tuple[dict[str, Any], dict[str, Any]]:
     return data, told
 
 
-@pytest.mark.parametrize("kind", ["dilute", "hard disks"])
-@pytest.mark.parametrize("fault", [
-    "", "velocity noise", "position noise", "time offset", "missing tracers",
-])  # fmt: skip
-def test_a_fault_of_real_data_stands_in_the_first_line(kind: str, fault: str) -> None:
+FAULTS = {
+    f"{kind} {fault}".strip(): (kind, fault)
+    for kind in ("dilute", "hard disks")
+    for fault in ("", "velocity noise", "position noise", "time offset", "missing tracers")
+}
+
+
+@pytest.mark.parametrize(
+    "name",
+    slow_but(["hard disks", "hard disks velocity noise", "dilute position noise",
+              "dilute time offset", "hard disks missing tracers"], FAULTS),
+)  # fmt: skip
+def test_a_fault_of_real_data_stands_in_the_first_line(name: str) -> None:
+    kind, fault = FAULTS[name]
     data, told = spoilt(kind, fault)
     result = compare(data, **{"number_density": DENSITY} | told)
     assert result.medium == kind or fault == "time offset"
@@ -357,15 +319,6 @@ def test_a_forgotten_unit_of_speed_is_noticed() -> None:
     result = compare(other, 0.7, DENSITY)
     assert result.verdict == "agrees"
     assert any("U is taken as" in text for text in result.warnings)
-
-
-def test_a_table_of_the_solver_is_read(tmp_path: Any) -> None:
-    scene = Scene(0.7, times=[1.0, 10.0, 100.0], outputs=("thermal_speed", "msd"))
-    frame = solve(scene).to_dataframe()
-    heads = {"time": "time [d/U]", "thermal_speed": "thermal_speed [U]", "msd": "msd [d^2]"}
-    frame.rename(columns=heads).to_csv(tmp_path / "a.csv", index=False)
-    found = fit(tmp_path / "a.csv", scatterers="dilute").parameters
-    assert found["restitution"].value == pytest.approx(0.7, abs=1e-5)
 
 
 @pytest.mark.slow
@@ -414,20 +367,6 @@ def test_a_collision_cap_is_named() -> None:
     assert explained(result, "missing tracers").outcome == "explains"
 
 
-def test_free_flights_of_a_run_are_judged() -> None:
-    names = ("free_path", "free_time")
-    usual: Any = dict(restitution=0.5, media=60, tracers=200, seed=4,
-                      observables=[f"{name}_histogram" for name in names])  # fmt: skip
-    run = simulate(BoltzmannGrad(0.04, diameter=2.0), times=[60.0], **usual)
-    tests = {test.observable: test for test in compare(run, explain=False).tests}
-    assert all(tests[name].p_value > 0.01 for name in names)
-    tests = {t.observable: t for t in compare(run, explain=False, number_density=0.05).tests}
-    assert all(tests[name].verdict == "differs" for name in names)
-    # where some tracers end early, fewer flights are counted than there were
-    capped = simulate(BoltzmannGrad(0.04), times=[60.0], max_collisions=3, **usual)
-    assert not {*names} & {test.observable for test in compare(capped, explain=False).tests}
-
-
 DRIVEN: dict[str, dict[str, Any]] = {
     "bath": {"bath_speed": 0.5, "mass_ratio": 3.0, "initial": "rest"},
     "heated, with drag": {"heating": 0.2, "drag": 0.1},
@@ -438,7 +377,9 @@ DRIVEN: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", list(DRIVEN))
+@pytest.mark.parametrize(
+    "name", slow_but(["bath in a field", "heated, with drag", "sticking"], DRIVEN)
+)
 def test_driven_tracers_are_judged(name: str) -> None:
     told = {"restitution": 0.7, "times": [0.5, 2.0], "media": 30, "tracers": 100} | DRIVEN[name]
     run = simulate(BoltzmannGrad(0.5), seed=11, workers=1, **told)

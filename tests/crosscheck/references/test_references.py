@@ -4,9 +4,6 @@ That the formulas are right is seen where the solver, which shares nothing with 
 values: tests/kinetics/moments, tests/kinetics/scaling, tests/kinetics/densities.
 """
 
-import json
-from typing import Any
-
 import collision
 import cooling
 import displacement
@@ -71,18 +68,6 @@ def test_early_displacements_are_made_again() -> None:
                 pair = [float(x) for x in early(DISPLACEMENT["T"][k])]
                 row = DISPLACEMENT[e]["monoenergetic"]
                 assert pair == pytest.approx([row["square"][k], row["fourth"][k]], rel=1e-15)
-
-
-def test_the_script_writes_what_the_loader_reads(monkeypatch: Any, tmp_path: Any) -> None:
-    made = {"0.5": {"gaussian": [0.1, 1e-300]}}
-    monkeypatch.setattr(script, "TABLES", {"made": (20, lambda: made), "other": (20, dict)})
-    monkeypatch.setattr(mp.mp, "dps", 15)
-    path = tmp_path / "values.json"
-    path.write_text(json.dumps({"kept": {"T": [1.0]}}))
-    script.main([str(path), "made"])
-    assert json.loads(path.read_text()) == {"kept": {"T": [1.0]}, "made": made}
-    with pytest.raises(SystemExit, match="usage"):
-        script.main([str(path), "bogus"])
 
 
 def test_every_table_of_the_script_is_stored() -> None:

@@ -3,12 +3,9 @@
 A slip in one of the two transcriptions breaks an identity or differs from the other.
 """
 
-import math
-
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import quad
 
 from derivations import symbols as sy
 from derivations.printed import ROWS
@@ -43,31 +40,6 @@ def test_below_the_threshold_there_is_no_value() -> None:
     assert np.isfinite(sonine.a2(edge + 1e-9))
     assert np.isnan(sonine.cooling_rate(0.4))
     assert np.isnan(sonine.msd_sonine(100.0, 0.4))
-
-
-def test_the_elastic_a2_is_the_singular_one_of_the_paper() -> None:
-    # eq. sonine12 at e = 1: (31 - sqrt(1345))/24, not the Gaussian's 0
-    assert sonine.a2(1.0) == pytest.approx((31 - math.sqrt(1345)) / 24)
-
-
-def test_the_sonine_msd_grows_linearly_in_the_elastic_limit() -> None:
-    once, twice = sonine.msd_sonine(np.array([50.0, 100.0]), 1.0)
-    assert twice == pytest.approx(2 * once)
-    assert float(sonine.msd_sonine(50.0, 1 - 1e-9)) == pytest.approx(once, rel=1e-6)
-
-
-@pytest.mark.parametrize("a2", [0.0, 0.2, -0.4])
-def test_the_sonine_vdf_is_normalised_and_has_its_moments(a2: float) -> None:
-    def moment(p: int) -> float:
-        return quad(lambda c: 2 * math.pi * c ** (p + 1) * float(sonine.vdf(c, a2)), 0, 12)[0]
-
-    assert moment(0) == pytest.approx(1)
-    assert moment(2) == pytest.approx(1)
-    assert moment(4) == pytest.approx(2 * (1 + a2))
-
-
-def test_the_peak_form_is_normalised() -> None:
-    assert quad(lambda r: float(sonine.position_peak(r)), 0, 20)[0] == pytest.approx(1)
 
 
 BETA, L, TIME = sp.Rational(1, 20), sp.Rational(27, 2), sp.Integer(400)
