@@ -358,11 +358,11 @@ class Ensemble(FieldEstimates, Result):
         Raises ValueError if a part is missing or there twice, or if parts are of different runs.
         """
         if isinstance(parts, (str, bytes, PathLike, Ensemble)):
-            refuse("parts", parts, "must be a sequence of ensembles or of their files")
+            refuse("parts", parts, "it must be a sequence of ensembles or of their files")
         named = [(x, "") if isinstance(x, Ensemble) else (cls.load(x), f" ({x})") for x in parts]
         named.sort(key=lambda one: one[0].plan.configurations.start)
         if not named:
-            refuse("parts", [], "must be at least one part of a run")
+            refuse("parts", [], "it must be at least one part of a run")
         plan = replace(named[0][0].plan, part=None)
         totals = Totals(plan)
         for run, name in named:

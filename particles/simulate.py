@@ -110,11 +110,11 @@ def simulate(
     )  # fmt: skip
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):
-        refuse("executor", executor, "must be a concurrent.futures.Executor")
+        refuse("executor", executor, "it must be a concurrent.futures.Executor")
     if progress is not None and not callable(progress):
-        refuse("progress", progress, "must be a function of (done, total)")
+        refuse("progress", progress, "it must be a function of (done, total)")
     if not isinstance(resume, (bool, np.bool_)):
-        refuse("resume", resume, "must be True or False")
+        refuse("resume", resume, "it must be True or False")
     require_memory(plan, workers)
     if output is None and resume:
         raise ValueError("resume = True: needs output, the file to go on from")

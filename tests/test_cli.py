@@ -29,7 +29,15 @@ from kinetics import (
     solve,
     solve_field,
 )
-from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, PoissonSpheres, simulate
+from particles import (
+    BoltzmannGrad,
+    Ensemble,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    simulate,
+)
 
 SOLVE = ("solve", "--times", "1:1e4:3")
 TINY = ("simulate", "--medium", "boltzmann-grad", "--media", "2", "--tracers", "3")
@@ -362,15 +370,16 @@ def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
     ("options", "medium"),
     [
         ("--medium boltzmann-grad --dimension 3", BoltzmannGrad(0.04, dimension=3)),
-        ("--medium hard-spheres --count 100", HardSpheres(0.04, count=100)),
+        ("--scatterers hard-spheres --count 100", HardSpheres(0.04, count=100)),
         ("--medium poisson-spheres --count 100", PoissonSpheres(0.04, count=100)),
-        ("--medium hard-disks --count 100", HardDisks(0.04, 100)),
+        ("--scatterers overlapping --count 100", Poisson(0.04, 100)),
     ],
 )
 def test_media(lorentz: Any, options: str, medium: Any) -> None:
     found = lorentz.json(*TINY, *options.split())
     expected = simulate(medium, 0.7, times=[1, 9], media=2, tracers=3)
-    assert found["medium"] == options.split()[1]
+    assert found["scatterers"] == medium.scatterers
+    assert (found["medium"] == options.split()[1]) == ("overlapping" not in options)
     assert found["dimension"] == medium.dimension
     assert found["msd"] == {n: getattr(expected.msd, n).tolist() for n in ("value", "error")}
     assert found["statuses"]["finished"] == 6

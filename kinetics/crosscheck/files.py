@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from kinetics.errors import InputError
 from kinetics.results import write_whole
 
 
 def require_writable_folder(folder: Path) -> None:
-    """Raise ValueError, naming the folder, unless files could be created in it. Leaves nothing.
+    """Raise InputError, naming the folder, unless files could be created in it. Leaves nothing.
 
     Asked before long work starts. The folder may be new, then the one that it is to be made in is
     tried; but that one must exist.
@@ -23,7 +24,7 @@ def require_writable_folder(folder: Path) -> None:
     new = not folder.exists() and not folder.is_symlink()
     inside = folder.parent if new else folder
     if not inside.exists() and not inside.is_symlink():
-        raise ValueError(
+        raise InputError(
             f"output {str(folder)!r} cannot be written: its folder does not exist; make it first: "
             f"mkdir -p {inside}"
         )
@@ -31,14 +32,14 @@ def require_writable_folder(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=inside):
             pass
     except OSError as error:
-        raise ValueError(
+        raise InputError(
             f"output folder {str(folder)!r} cannot be written: {error.strerror or error}; "
             "allowed is a folder, existing or new, in which files can be created"
         ) from None
 
 
 def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None:
-    """Raise ValueError, naming the option, unless this file, with one of these endings, could be
+    """Raise InputError, naming the option, unless this file, with one of these endings, could be
     made in its folder, which must be there.
     """
     wrong = ""
@@ -50,12 +51,12 @@ def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None
     elif not file.parent.exists():
         wrong = f"its folder does not exist; make it first: mkdir -p {file.parent}"
     if wrong:
-        raise ValueError(f"{option}: got {str(file)!r}; {wrong}")
+        raise InputError(f"{option}: got {str(file)!r}; {wrong}")
     require_writable_folder(file.parent)
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
-    """Write all files into the folder, or none of them; returns their paths, or ValueError.
+    """Write all files into the folder, or none of them; returns their paths, or InputError.
 
     Each is complete on disk before the first takes its final name. Links are followed. Missing
     folders are created, and removed again if nothing comes of it.
@@ -68,7 +69,7 @@ def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Pa
             for name, content in contents.items()
         })  # fmt: skip
     except OSError as error:
-        raise ValueError(
+        raise InputError(
             f"output folder {str(folder)!r} cannot be written: {error.strerror}"
         ) from None
     finally:

@@ -47,7 +47,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
         default="auto",
         help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
         "first of these that the data allow, Gaussian if they have no time 0.")
-@option("--scatterers", type=Choice(["auto", "dilute", "hard disks", "overlapping"]),
+@option("--scatterers", type=options.Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
         default="auto",
         help="Dilute: the kinetic equation; else it is corrected for their density. auto: as an "
         "Ensemble says, or the likeliest for the data.")

@@ -79,7 +79,8 @@ _points = partial(option, type=options.Numbers(), default="")
 @option("--speed", type=float, default=1.0, help="Of monoenergetic or beam, in U.")
 @option("--direction", type=float, default=0.0,
         help="Of beam: its angle to the x axis, in radians.")
-@option("--scatterers", type=Choice(["dilute", "overlapping", "hard disks"]), default="dilute",
+@option("--scatterers", type=options.Scatterers(["dilute", "hard disks", "overlapping"]),
+        default="dilute",
         help="Dilute: the paper's equation; else with the correction for this density.")
 @option("--density-order", type=Choice(["leading", "first", "second"]), default="second",
         help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.")
