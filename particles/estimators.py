@@ -29,7 +29,7 @@ class Estimate(Value):
         values, errors = np.atleast_1d(self.value), np.atleast_1d(self.error)
         if values.ndim > 1:
             return f"Estimate of shape {values.shape}"
-        lines = [f"{v:.6g} +- {e:.2g}" for v, e in zip(values, errors, strict=True)]
+        lines = [f"{v:.6g} ± {e:.2g}" for v, e in zip(values, errors, strict=True)]
         if len(lines) > 9:
             lines[4:-4] = [f"... {len(lines) - 8} more"]
         return f"Estimate({lines[0]})" if len(lines) == 1 else "\n".join(["Estimate", *lines])

@@ -205,11 +205,11 @@ def written(value: Any, digits: int = 6) -> str:
     return f"{mantissa}e{int(exponent)}" if exponent else mantissa
 
 
-def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
-    """A table of numbers, one column per head; what is too wide goes on in a table below."""
+def columns(heads: Sequence[str], values: Iterable[Iterable[Any]]) -> str:
+    """A table, a column of numbers or texts per head; what is too wide goes on in one below."""
     blocks: list[list[list[str]]] = []
     for head, column in zip(heads, values, strict=True):
-        texts = [head, *(written(float(x)) for x in column)]
+        texts = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
         texts = [text.rjust(max(map(len, texts))) for text in texts]
         if not blocks:
             blocks, first = [[]], texts

@@ -228,18 +228,18 @@ def _document(run: Any) -> dict[str, Any]:
 
 def _text(run: Any) -> str:
     """The estimates as a table, one row for each time, the mean free path, how tracers ended."""
+    from kinetics.crosscheck.words import number
 
     def line(what: str, estimate: Any, unit: str) -> str:
-        return f"{what}: {estimate.value:.6g} +- {estimate.error:.2g} {unit}"
+        return f"{what}: {number(float(estimate.value), float(estimate.error))} {unit}"
 
-    lines, heads, values = [], ["t [d/U]"], [run.times]
+    lines = []
     shown, depth = dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
     shown |= {} if depth is None else {"passed": f"passed {depth:g} d"}
     if run.times.size:
-        for name, head in shown.items():
-            heads += [head, "+-"]
-            values += _value_and_error(getattr(run, name)).values()
-        lines.append(options.columns(heads, values))
+        found = (_value_and_error(getattr(run, name)).values() for name in shown)
+        values = [list(map(number, *one)) for one in found]
+        lines.append(options.columns(["t [d/U]", *shown.values()], [run.times, *values]))
     lines.append(line("mean free path", run.mean_free_path, "d"))
     if depth is not None and run.times.size:
         lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))
