@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import click
-from click import option
+from click import Choice, option
 from click.core import ParameterSource
 
 from kinetics.errors import InputError
@@ -53,7 +53,7 @@ def part_of(context: Any, option: Any, text: str | None) -> tuple[int, int] | No
     return found and (int(found[1]), int(found[2]))
 
 
-class Scatterers(click.Choice[str]):
+class Scatterers(Choice):
     """A word for the scatterers, as a Scene has it, with hyphens too, or as version 0.2 had it."""
 
     OLD = {  # noqa: RUF012
