@@ -150,14 +150,6 @@ class Solution(Result):
         names = (name for name in self.scene.outputs if name in OUTPUTS)
         return tuple(name for name in names if set(OUTPUTS[name].shape) & set(AXES))
 
-    def plot(self, name: str | None = None, ax: Any = None, **points: Any) -> Any:
-        """Draw one quantity by its name, as every result does; without one, all: ``plot_all``."""
-        if name is not None:
-            return super().plot(name, ax, **points)
-        if ax is not None:
-            raise InputError("ax: got axes without a name; name what to draw on them")
-        return self.plot_all(**points)
-
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         """Averages, and functions at the points: speeds in U, angles and direction in radians,
         radii in d, scaled_radii, wave_numbers in 1/d; by default where the distributions are.

@@ -138,7 +138,8 @@ def _done(
         require_file("output", path)  # before anything is read
         if any(path.resolve() == other.resolve() for other in data):
             raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
-    result = work(list(data), show_progress=True, **told)
+    with options.working("comparing"):
+        result = work(list(data), **told)
     text = result.to_json() if as_json else tables(result) + "\n"
     if output is not None:
         numbers = output.with_suffix(".json").name

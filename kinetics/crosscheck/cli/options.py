@@ -241,3 +241,11 @@ def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
             bar.update(task, description=name, total=total or bar.tasks[0].total, completed=now)
 
         yield tell
+
+
+@contextmanager
+def working(name: str) -> Iterator[None]:
+    """A bar that moves and the time that has passed, for work whose parts are not told."""
+    with progress() as tell:
+        tell(name, done=0)
+        yield

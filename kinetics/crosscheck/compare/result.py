@@ -191,8 +191,12 @@ class Comparison(Result):
         about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
         return made.assign_attrs(**about, scene=scene, version=__version__)
 
-    def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
-        """Draw one of `figures` on ``ax`` or on new axes, which are returned; or InputError."""
+    def plot(self, name: str | None = None, ax: Any = None, **points: Any) -> Any:
+        """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned; or
+        InputError.
+        """
+        if name is None:
+            return super().plot(None, ax)
         figures = [figure.replace("-", "_") for figure in self.figures]
         if str(name).replace("-", "_") not in figures:
             known = ", ".join(figures) or "no figures"
@@ -203,6 +207,12 @@ class Comparison(Result):
             _, ax = pyplot.subplots(layout="constrained")
         draw(self, name, ax)
         return ax
+
+    def plot_all(self, **points: Any) -> Any:
+        """Draw every figure, in axes of its own; an array of axes."""
+        from matplotlib import pyplot
+
+        return np.array(_sheet(self, self.figures, pyplot.figure).axes)
 
     def _to_storage(self) -> dict[str, Any]:
         return {"document": self.to_json()}
@@ -287,15 +297,21 @@ def draw(result: Any, figure: str, ax: Any) -> None:
     ax.legend(fontsize="small", frameon=False)
 
 
-def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
-    """Figures in two columns as one picture, in a format of matplotlib's."""
-    from matplotlib.figure import Figure
-
-    wide = min(2, len(names))
+def _sheet(result: Any, names: Sequence[str], make: Any) -> Any:
+    """Figures in two columns of one that `make` makes."""
+    wide = min(2, max(1, len(names)))
     high = -(-len(names) // wide)
-    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
+    figure = make(figsize=(4.6 * wide, max(3.2 * high, 1.0)), layout="constrained")
     for k, name in enumerate(names, 1):
         draw(result, name, figure.add_subplot(high, wide, k))
+    return figure
+
+
+def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
+    """Figures as one picture, in a format of matplotlib's."""
+    from matplotlib.figure import Figure
+
+    figure, buffer = _sheet(result, names, Figure), io.BytesIO()
     dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
     figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
     return buffer.getvalue()
