@@ -83,7 +83,7 @@ class Solution(Result):
         method: str | None,
         nodes: int | None,
     ) -> Solution:
-        """The solution that an answer of `kinetics.answer.answer_to` makes."""
+        """The solution that an answer makes."""
         values = answer.values  # what overflows is refused before densities are solved
         status, message = answer.verdict
         found = cls(
