@@ -222,9 +222,9 @@ class Positions(Value):
         if box < SMALLEST_BOX * d:
             allowed = f"it must be at least {SMALLEST_BOX:g} d = {SMALLEST_BOX * d:g}"
             refuse("box_side", self.box_side, allowed)
-        array = real_array("positions", self.positions, "it must be an array of real numbers")
+        allowed = "it must be real numbers of shape (count, 2) or (media, count, 2)"
+        array = real_array("positions", self.positions, allowed)
         if array.ndim not in (2, 3) or array.shape[-1] != 2 or array.size == 0:
-            allowed = "it must be of shape (count, 2) or (media, count, 2)"
             refuse("positions", self.positions, allowed)
         start = (box / 2,) * 2 if self.start is None else self.start
         origin = real_array("start", start, "it must be two finite numbers")

@@ -138,7 +138,7 @@ def _done(
         require_file("output", path)  # before anything is read
         if any(path.resolve() == other.resolve() for other in data):
             raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
-    with options.working("comparing"):
+    with options.progress(name="comparing"):
         result = work(list(data), **told)
     text = result.to_json() if as_json else tables(result) + "\n"
     if output is not None:

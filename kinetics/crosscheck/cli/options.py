@@ -224,8 +224,11 @@ def columns(heads: Sequence[str], values: Iterable[Iterable[Any]]) -> str:
 
 
 @contextmanager
-def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
-    """A function tell(name, total, done) for each part of long work: a bar, on a terminal."""
+def progress(total: int | None = None, name: str = "") -> Iterator[Callable[..., None]]:
+    """A function tell(name, total, done) for each part of long work: a bar, on a terminal.
+
+    name : shown meanwhile, for work whose parts are not told
+    """
     if sys.stderr is None or not sys.stderr.isatty():
         yield lambda *_, **__: None
         return
@@ -234,18 +237,10 @@ def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
     parts = (progress.BarColumn(), progress.MofNCompleteColumn(), progress.TimeElapsedColumn())
     where = console.Console(stderr=True)
     with progress.Progress("{task.description}", *parts, console=where, transient=True) as bar:
-        task = bar.add_task("", total=total)
+        task = bar.add_task(name, total=total)
 
         def tell(name: str, total: int | None = None, done: int | None = None) -> None:
             now = bar.tasks[0].completed + 1 if done is None else done
             bar.update(task, description=name, total=total or bar.tasks[0].total, completed=now)
 
         yield tell
-
-
-@contextmanager
-def working(name: str) -> Iterator[None]:
-    """A bar that moves and the time that has passed, for work whose parts are not told."""
-    with progress() as tell:
-        tell(name, done=0)
-        yield

@@ -134,7 +134,7 @@ def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
     _require_new(output)
     # Shells of Windows leave *.h5 as it is.
     files = [f for part in parts for f in ([part] if Path(part).exists() else glob(part) or [part])]
-    with options.working("joining"):
+    with options.progress(name="joining"):
         run = particles.Ensemble.merge(files)
         run.save(output)
     _show(run, as_json)

@@ -157,14 +157,14 @@ def solve(
             law |= drives | ({"field": system["field"]} if system["field"] else {})
         elif system["scatterers"] != "dilute":
             law |= {name: system[name] for name in MEDIUM}
-        with options.working("solving"):
+        with options.progress(name="solving"):
             result, found = solved_state(*MODES[mode], law, rtol)
         if field_units:
             found["in_units"] = asdict(result.in_units(*field_units))
     else:
         points = {"speeds": speeds, "scaled_radii": radii, "wave_numbers": wave_numbers}
         asked = {name: at for name, at in points.items() if at}
-        with options.working("solving"):
+        with options.progress(name="solving"):
             result, found = over_time(system, outputs, asked, rtol)
     if output is not None:
         write_result(result, output, asked)

@@ -209,10 +209,8 @@ class Comparison(Result):
         return ax
 
     def plot_all(self, **points: Any) -> Any:
-        """Draw every figure, in axes of its own; an array of axes."""
-        from matplotlib import pyplot
-
-        return np.array(_sheet(self, self.figures, pyplot.figure).axes)
+        """Draw every one of `figures`, each in a figure of its own; an array of axes."""
+        return np.array([self.plot(name) for name in self.figures])
 
     def _to_storage(self) -> dict[str, Any]:
         return {"document": self.to_json()}
@@ -297,21 +295,15 @@ def draw(result: Any, figure: str, ax: Any) -> None:
     ax.legend(fontsize="small", frameon=False)
 
 
-def _sheet(result: Any, names: Sequence[str], make: Any) -> Any:
-    """Figures in two columns of one that `make` makes."""
-    wide = min(2, max(1, len(names)))
-    high = -(-len(names) // wide)
-    figure = make(figsize=(4.6 * wide, max(3.2 * high, 1.0)), layout="constrained")
-    for k, name in enumerate(names, 1):
-        draw(result, name, figure.add_subplot(high, wide, k))
-    return figure
-
-
 def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
-    """Figures as one picture, in a format of matplotlib's."""
+    """Figures in two columns as one picture, in a format of matplotlib's."""
     from matplotlib.figure import Figure
 
-    figure, buffer = _sheet(result, names, Figure), io.BytesIO()
+    wide = min(2, len(names))
+    high = -(-len(names) // wide)
+    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
+    for k, name in enumerate(names, 1):
+        draw(result, name, figure.add_subplot(high, wide, k))
     dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
     figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
     return buffer.getvalue()
