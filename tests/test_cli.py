@@ -388,7 +388,7 @@ def test_media(lorentz: Any, options: str, medium: Any) -> None:
     assert found["statuses"]["finished"] == 6
 
 
-def test_scatterers_from_a_file(lorentz: Any) -> None:
+def test_scatterers_by_a_file_and_by_their_word(lorentz: Any) -> None:
     Path("disks.csv").write_text("x,y\n3,3\n1,8\n8,2\n")
     arguments = ["simulate", "--positions", "disks.csv", "--media", "2", "--times", ""]
     found = lorentz.json(*arguments, "--max-collisions", "9", "--box-side", "10")
@@ -397,6 +397,9 @@ def test_scatterers_from_a_file(lorentz: Any) -> None:
     assert "mean free path" in lorentz(*arguments, "--max-collisions", "9", "--box-side", "10")
     Path("disks.csv").write_bytes(bytes(range(256)))
     assert "disks.csv" in lorentz.refused(*arguments, "--box-side", "10")
+    for word in ("hard-disks", "hard disks"):
+        found = lorentz.json("solve", "--times", "1", "--scatterers", word)
+        assert found["scatterers"] == "hard disks"
 
 
 def test_a_run_in_a_field(lorentz: Any) -> None:
