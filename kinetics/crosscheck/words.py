@@ -128,9 +128,7 @@ def numeral(value: float, form: str) -> str:
 
 
 def number(value: float | None, error: float | None = None, sign: str = "", digits: int = 6) -> str:
-    """A number to so many digits, or to the second digit of its error, as in 2360 ± 200 and
-    (2.36 ± 0.20)·10⁷; sign "+" shows a plus.
-    """
+    """A number to so many digits, or to the second digit of its error; sign "+" shows a plus."""
     if value is None or math.isnan(value):
         return "–"
     if not error or not math.isfinite(error):
