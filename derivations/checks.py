@@ -140,8 +140,8 @@ class Check:
     a chain of equalities), None where there is nothing to compare. ``proof`` says how a verified
     row was proved: ``exact`` (the difference is a symbolic zero) or ``numerical: <why>`` (it holds
     at 50 digits at 20 random points). ``holds`` is, for an assumption, whether the exact theory
-    bears it out. The quantities are those of :mod:`derivations.symbols`. ``printed_latex`` and so
-    on are the formulas as LaTeX (no delimiters) and MathML, empty if there is none.
+    bears it out. ``printed_latex`` and so on are the formulas as LaTeX (no delimiters) and MathML,
+    empty if there is none.
     """
 
     label: str

@@ -1,13 +1,12 @@
 """The Sonine expansion at orders 1 to 20, beside the exact cooling rate, a2 and diffusion.
 
-python examples/sonine_convergence.py [--figure FILE]
+python examples/sonine_convergence.py
 
 At order 1 these are the paper's formulas. For e < 0.75 higher orders lead away from the exact
 values (odd ones have no real solution there); closer to 1 they oscillate about the exact
 values and approach them. Only the elastic diffusion coefficient converges.
 """
 
-import sys
 from typing import Any
 
 from kinetics import ScalingSolution, sonine
@@ -38,29 +37,6 @@ ELASTIC = {n: sonine.diffusion_of_order(1.0, n).coefficient for n in ORDERS}
 ELASTIC_EXACT = 3 / 8 * 0.8862269254527580  # sqrt(pi)/2
 
 
-def draw(path: str) -> None:
-    """Relative to the exact values: h, and D_e, over the order."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), sharex=True, layout="constrained")
-    for axis, which, name in ((axes[0], 0, "$h_n/h$"), (axes[1], 2, "$D_n/D$")):
-        for k, e in enumerate(RESTITUTIONS):
-            ratio = [SERIES[e, n][which] / EXACT[e][which] for n in ORDERS]
-            known = [(n, y) for n, y in zip(ORDERS, ratio, strict=True) if y == y]
-            axis.plot(*zip(*known, strict=True), "o-", color=f"C{k}", ms=3, lw=1, label=f"e = {e}")
-        axis.axhline(1, color="black", lw=0.8)
-        axis.set(xlabel="order $n$", ylabel=name, xticks=range(0, 21, 4))
-    elastic = [ELASTIC[n] / ELASTIC_EXACT for n in ORDERS]
-    axes[1].plot(ORDERS, elastic, "ks-", ms=3, lw=1, label="e = 1")
-    axes[1].set(ylim=(0.4, 2.5))
-    axes[1].legend(fontsize="small", ncols=2, frameon=False)
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
-
-
 def show(row: Any) -> str:
     """One row of the table; a dash where there is no real solution."""
     return "  ".join(f"{x:8.4f}" if x == x else "       -" for x in row)
@@ -75,5 +51,3 @@ if __name__ == "__main__":
             print(f"  n = {n:<5d}", show(row + ([ELASTIC[n]] if number == 2 else [])))
         row = [EXACT[e][number] for e in RESTITUTIONS]
         print("  exact    ", show(row + ([ELASTIC_EXACT] if number == 2 else [])))
-    if len(sys.argv) == 3 and sys.argv[1] == "--figure":
-        draw(sys.argv[2])

@@ -154,7 +154,7 @@ def _complain(message: str) -> int:
 
 def _say(message: str) -> None:
     """One line on standard error, if that takes it: what a command ends with is its status."""
-    with contextlib.suppress(OSError, ValueError):
+    with contextlib.suppress(OSError, ValueError, AttributeError):  # click 8.1.0: none is there
         click.echo(f"lorentz: {' '.join(message.split())}", err=True)
 
 

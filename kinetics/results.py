@@ -199,13 +199,18 @@ class Result(Value):
         frame.attrs = {**about, "units": units}
         return frame
 
-    def plot(self, name: str, ax: Axes | None = None, **points: Any) -> Axes:
+    def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one quantity by its name, on ``ax`` or on new axes; returns the matplotlib axes.
 
         Averages are drawn over time, densities at up to eight of the times. Axes are labelled with
-        units. ``points``: as of :meth:`to_xarray`. Raises InputError for a name that is not there.
+        units. ``points``: as of :meth:`to_xarray`. Without a name everything is drawn, see
+        :meth:`plot_all`. Raises InputError for a name that is not there.
         """
-        return self._draw(name, self._named(name, points), ax)
+        if name is not None:
+            return self._draw(name, self._named(name, points), ax)
+        if ax is not None:
+            raise InputError("ax: got axes without a name; name what to draw on them")
+        return self.plot_all(**points)
 
     def plot_all(self, **points: Any) -> NDArray[Any]:
         """Draw everything, each quantity in axes of its own in one new figure; an array of axes.
@@ -236,6 +241,7 @@ class Result(Value):
     def _draw(self, name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
         """Draw a quantity, or its real and imaginary part."""
         free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
+        several &= parts[0].shape[0] > 1 or free[0] != "angle"  # one angle: F is isotropic
         if not 1 <= len(free) <= 2:
             raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
         if ax is None:

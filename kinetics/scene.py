@@ -41,7 +41,7 @@ class Scene(Value):
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
     times : in d/U, shape (n_times,), not falling, not negative; where collision_numbers are given
         it may be left out, and is 0
-    outputs : names from `kinetics.outputs.OUTPUTS`
+    outputs : names out of the table of outputs in the reference
     harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
         space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
@@ -53,10 +53,9 @@ class Scene(Value):
         (placed independently) or "hard disks": the equation to the first order in the density, up
         to number_density * diameter^2 = 0.3, among smooth disks
     density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
-        "first" (n) or "second" (with a fitted term (n ln n)^2); see `kinetics.collision.medium`
+        "first" (n) or "second" (with a fitted term (n ln n)^2)
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
-        "rest" (U is then any unit of speed), and the outputs are those of
-        `kinetics.outputs.FIELD_OUTPUTS`
+        "rest" (U is then any unit of speed); which outputs there are a refused one says
     mass_ratio : of a scatterer, at rest, over the tracer, for dilute smooth scatterers; inf: fixed
     bath_speed : w in U: dilute smooth scatterers move, each component of their velocities is
         Gaussian with this standard deviation
@@ -68,8 +67,7 @@ class Scene(Value):
 
     With any of the last four, or a restitution that depends on the normal impact speed (in U: a
     `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the
-    outputs are those of `kinetics.outputs.DRIVEN_OUTPUTS`; in a field, and for outputs with a
-    direction, of starts that are symmetric about x.
+    outputs are fewer; in a field, and for outputs with a direction, starts are symmetric about x.
 
     Raises
     ------

@@ -83,7 +83,7 @@ class Solution(Result):
         method: str | None,
         nodes: int | None,
     ) -> Solution:
-        """The solution that an answer of `kinetics.answer.answer_to` makes."""
+        """The solution that an answer makes."""
         values = answer.values  # what overflows is refused before densities are solved
         status, message = answer.verdict
         found = cls(
@@ -149,14 +149,6 @@ class Solution(Result):
         """The outputs that are functions of more than the time."""
         names = (name for name in self.scene.outputs if name in OUTPUTS)
         return tuple(name for name in names if set(OUTPUTS[name].shape) & set(AXES))
-
-    def plot(self, name: str | None = None, ax: Any = None, **points: Any) -> Any:
-        """Draw one quantity by its name, as every result does; without one, all: ``plot_all``."""
-        if name is not None:
-            return super().plot(name, ax, **points)
-        if ax is not None:
-            raise InputError("ax: got axes without a name; name what to draw on them")
-        return self.plot_all(**points)
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         """Averages, and functions at the points: speeds in U, angles and direction in radians,

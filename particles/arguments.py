@@ -55,30 +55,29 @@ def make_plan(
     """
     if not isinstance(medium, Medium):
         names = [kind.__name__ for kind in MEDIA]
-        refuse("medium", medium, f"must be {', '.join(names[:-1])} or {names[-1]}")
+        refuse("medium", medium, f"it must be {', '.join(names[:-1])} or {names[-1]}")
     restitution = check_restitution(restitution)
-    tangential = check_number(
-        "tangential_restitution", tangential_restitution, 0.0, 1.0, "must be a number from 0 to 1"
-    )
+    allowed = "it must be a number from 0 to 1"
+    tangential = check_number("tangential_restitution", tangential_restitution, 0.0, 1.0, allowed)
     if max(compiled(restitution)[1].min(), tangential) < SMALLEST_SPEED:
         allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
         refuse("tangential_restitution", tangential_restitution, allowed)
     media, tracers = (check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
     if isinstance(medium, Positions) and medium.sets not in (None, media):
-        refuse("media", media, f"must be {medium.sets}, the sets of positions given")
+        refuse("media", media, f"it must be {medium.sets}, the sets of positions given")
     field = _check_field(field, medium)
     mass_ratio = _check_mass_ratio(mass_ratio, medium, tangential)
     drives = zip(DRIVES, (bath_speed, heating, drag, capture_speed), strict=True)
     driven = {name: _check_drive(name, value, medium) for name, value in drives}
     if bath_speed and tangential != 1.0:
-        refuse("bath_speed", bath_speed, "must be 0 unless tangential_restitution is 1")
+        refuse("bath_speed", bath_speed, "it must be 0 unless tangential_restitution is 1")
     if capture_speed and (bath_speed or mass_ratio < inf):
-        refuse("capture_speed", capture_speed, "must be 0 unless scatterers are fixed")
+        refuse("capture_speed", capture_speed, "it must be 0 unless scatterers are fixed")
     among = field and not isinstance(medium, BoltzmannGrad)
     if among and not isinstance(restitution, float):
-        refuse("restitution", restitution, "must be a number among scatterers in a field")
+        refuse("restitution", restitution, "it must be a number among scatterers in a field")
     if among and capture_speed:
-        refuse("capture_speed", capture_speed, "must be 0 among scatterers in a field")
+        refuse("capture_speed", capture_speed, "it must be 0 among scatterers in a field")
     if drag and times is None and not (field or bath_speed or heating):
         refuse("times", times, "drag alone stops a tracer; give output times")
     seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
@@ -114,7 +113,7 @@ def _check_part(part: Any, media: int) -> tuple[int, int] | None:
     """Return (k, n), 1 <= k <= n <= media, or None for the whole run."""
     if part is None:
         return None
-    allowed = f"must be two whole numbers (k, n), the k-th of n parts, 1 <= k <= n <= {media}"
+    allowed = f"it must be two whole numbers (k, n), the k-th of n parts, 1 <= k <= n <= {media}"
     two = isinstance(part, (tuple, list)) and len(part) == 2
     if not two or any(isinstance(x, bool) or not isinstance(x, (int, np.integer)) for x in part):
         refuse("part", part, allowed)
@@ -135,11 +134,11 @@ def check_workers(workers: int | None) -> int:
 def _check_times(times: Any) -> np.ndarray:
     if times is None:
         return np.empty(0)
-    array = real_array("times", times, "must be a sequence of numbers")
+    array = real_array("times", times, "it must be a sequence of numbers")
     if array.ndim != 1 or array.size == 0:
-        refuse("times", times, "must be a sequence of at least one time")
+        refuse("times", times, "it must be a sequence of at least one time")
     if not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= LARGEST_TIME):
-        refuse("times", times, f"must be finite, not negative, at most {LARGEST_TIME:g}")
+        refuse("times", times, f"it must be finite, not negative, at most {LARGEST_TIME:g}")
     if (np.diff(array) <= 0).any():
         refuse("times", times, "must increase")
     return array
@@ -148,7 +147,7 @@ def _check_times(times: Any) -> np.ndarray:
 def _check_field(field: Any, medium: Medium) -> float:
     """Return the field as a float; it must give speeds whose powers are numbers."""
     largest = sys.float_info.max
-    value = check_number("field", field, -largest, largest, "must be a finite number")
+    value = check_number("field", field, -largest, largest, "it must be a finite number")
     if value == 0.0:
         return 0.0
     d = medium.diameter
@@ -158,32 +157,33 @@ def _check_field(field: Any, medium: Medium) -> float:
         refuse("field", field, f"{allowed}{FIELDS[1]:g} U^2 in size")
     if not isinstance(medium, IN_FIELD):
         names = ", ".join(kind.__name__ for kind in IN_FIELD)
-        refuse("field", field, f"is not there for {type(medium).__name__}, only for {names}")
+        refuse("field", field, f"it is not there for {type(medium).__name__}, only for {names}")
     return value
 
 
 def _check_mass_ratio(mass_ratio: Any, medium: Medium, tangential: float) -> float:
-    allowed = f"must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
+    allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
     value = check_number("mass_ratio", mass_ratio, LEAST_MASS_RATIO, inf, allowed)
     if value < inf and not isinstance(medium, BoltzmannGrad):
         name = type(medium).__name__
-        refuse("mass_ratio", mass_ratio, f"must be inf for {name}, which has fixed scatterers")
+        refuse("mass_ratio", mass_ratio, f"it must be inf for {name}, which has fixed scatterers")
     if value < inf and tangential != 1.0:
-        refuse("mass_ratio", mass_ratio, "must be inf unless tangential_restitution is 1")
+        refuse("mass_ratio", mass_ratio, "it must be inf unless tangential_restitution is 1")
     return value
 
 
 def _check_drive(name: str, value: Any, medium: Medium) -> float:
-    number = check_number(name, value, 0.0, STRONGEST, f"must be a number from 0 to {STRONGEST:g}")
+    allowed = f"it must be a number from 0 to {STRONGEST:g}"
+    number = check_number(name, value, 0.0, STRONGEST, allowed)
     if number and name != "capture_speed" and not isinstance(medium, BoltzmannGrad):
-        refuse(name, value, f"must be 0 for {type(medium).__name__}; it needs BoltzmannGrad")
+        refuse(name, value, f"it must be 0 for {type(medium).__name__}; it needs BoltzmannGrad")
     return number
 
 
 def _check_depth(depth: Any, field: float) -> float | None:
     if depth is None:
         return None
-    allowed = f"must be a number with the sign of the field, {DEEPEST:g} d at most, or None"
+    allowed = f"it must be a number with the sign of the field, {DEEPEST:g} d at most, or None"
     number = check_number("depth", depth, -DEEPEST, DEEPEST, allowed)
     if not number * field > 0.0:
         refuse("depth", depth, allowed)
@@ -196,17 +196,17 @@ def _check_initial(
     """Return velocities that are given, or None; shape: media, tracers, dimension."""
     if isinstance(initial, str):
         if initial == "rest" and not may_rest:
-            allowed = "needs a field; without one a tracer stays at rest, but for a bath or heating"
+            allowed = "it needs a field; without one only a bath or heating moves a tracer"
             refuse("initial", initial, allowed)
         if initial not in ("gaussian", "monoenergetic", "rest"):
             names = "'gaussian', 'monoenergetic', 'rest' (in a field, a bath or heated)"
-            refuse("initial", initial, f"must be {names} or velocities")
+            refuse("initial", initial, f"it must be {names} or velocities")
         return None
-    velocities = real_array("initial", initial, "must be a name or an array of real velocities")
+    velocities = real_array("initial", initial, "it must be a name or an array of real velocities")
     media, tracers, d = shape
     if velocities.shape not in ((tracers, d), (media, tracers, d)):
         raise ValueError(
-            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, {d}) = "
+            f"initial: got the shape {velocities.shape}; it must be (tracers, {d}) = "
             f"({tracers}, {d}) or (media, tracers, {d}) = ({media}, {tracers}, {d})"
         )
     with np.errstate(over="ignore"):
@@ -216,7 +216,7 @@ def _check_initial(
         good |= sizes == 0.0
     if not good.all():
         raise ValueError(
-            f"initial holds the velocity {velocities[~good][0]}: its size must be from "
+            f"initial: got the velocity {velocities[~good][0]}; its size must be from "
             f"{SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
         )
     return velocities
@@ -228,11 +228,11 @@ def _check_observables(observables: Iterable[str] | None, field: float) -> froze
     try:
         names = frozenset([observables] if isinstance(observables, str) else observables)
     except TypeError:
-        refuse("observables", observables, f"must be names out of {', '.join(OBSERVABLES)}")
+        refuse("observables", observables, f"it must be names out of {', '.join(OBSERVABLES)}")
     for name in sorted(names - set(OBSERVABLES), key=short):
-        refuse("observables", name, f"must be names out of {', '.join(OBSERVABLES)}")
+        refuse("observables", name, f"it must be names out of {', '.join(OBSERVABLES)}")
     if field and (name := "velocity_component_histogram") in names:
-        refuse("observables", name, "is of |v_x|, which in a field hides its sign; use velocities")
+        refuse("observables", name, "it is of |v_x|, without the sign, in a field; use velocities")
     return names
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from particles.checks import refuse
 from particles.compiled import called, inlined, kernel
 from particles.search import SLOTS
 
@@ -77,7 +78,7 @@ def empty_box(box: float, count: int, dimension: int) -> Cells:
     n, room = _sizes(box, count, dimension)
     if room >= 2**31:
         most = 2**31 * count // room
-        raise ValueError(f"count = {count}: must be below {most}, listings are counted in 32 bits")
+        refuse("count", count, f"it must be below {most}, as listings are counted in 32 bits")
     return Cells(
         side=box / n,
         shape=(n,) * dimension,

@@ -1,4 +1,4 @@
-"""Checks of single arguments: ValueError in one line, `name = VALUE: must be ...`."""
+"""Checks of single arguments: ValueError in one line, `name: got VALUE; it must be ...`."""
 
 import contextlib
 import math
@@ -21,12 +21,13 @@ def short(value: Any, limit: int = 60) -> str:
 
 def refuse(name: str, value: Any, allowed: str) -> NoReturn:
     """Raise ValueError for the argument of this name and value."""
-    raise ValueError(f"{name} = {short(value)}: {allowed}") from None
+    raise ValueError(f"{name}: got {short(value)}; {allowed}") from None
 
 
 def check_positive(name: str, value: Any) -> float:
     """Return a positive finite number as a float."""
-    return check_number(name, value, 5e-324, sys.float_info.max, "must be a positive finite number")
+    allowed = "it must be a finite number above 0"
+    return check_number(name, value, 5e-324, sys.float_info.max, allowed)
 
 
 def check_number(name: str, value: Any, low: float, high: float, allowed: str) -> float:
@@ -44,7 +45,7 @@ def check_whole(name: str, value: Any, low: int, high: int) -> int:
     """Return a whole number from low to high as an int."""
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if not whole or not low <= value <= high:
-        refuse(name, value, f"must be a whole number from {low} to {high}")
+        refuse(name, value, f"it must be a whole number from {low} to {high}")
     return int(value)
 
 
@@ -70,5 +71,5 @@ def check_path(name: str, value: Any) -> str:
     except TypeError:
         text = ""
     if not text or "\0" in text:
-        refuse(name, value, "must be the path of a file")
+        refuse(name, value, "it must be the path of a file")
     return text

@@ -90,11 +90,11 @@ class Ensemble(FieldEstimates, Result):
     Tracers that reached the collision cap or escaped before an output time are left out of every
     estimate at that time: what is left is biased towards slow tracers. `samples` says how many
     entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
-    caught, as do captured ones (`trapped` says how many, at each time). What there is in a field
-    only, such as `drift`, is in `particles.field`.
+    caught, as do captured ones (`trapped` says how many, at each time). Some, such as
+    `drift`, are there in a field only.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
-    names that particles.files gives them in a file.
+    names that they have in a file.
     """
 
     plan: Plan
@@ -154,7 +154,7 @@ class Ensemble(FieldEstimates, Result):
 
     @property
     def moments(self) -> np.ndarray:
-        """Sums per configuration and time (columns: kernel.columns), (media, n_times, 8)."""
+        """Sums that estimates are made of, per configuration and time, (media, n_times, 8)."""
         return self.arrays["moments"]
 
     @cached_property
@@ -291,8 +291,8 @@ class Ensemble(FieldEstimates, Result):
     def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        which: configuration (0), until (the last time), collisions (300), as of
-        particles.paths.trajectories. Raises ValueError for one out of range.
+        which: configuration (0), until (the last time), collisions (300). Raises
+        ValueError for one out of range.
         """
         from particles.paths import trajectories
 
@@ -308,7 +308,7 @@ class Ensemble(FieldEstimates, Result):
         return plot_trajectories(self.plan, tracers, **which)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything to an HDF5 file (layout: particles.files), replacing it if it exists.
+        """Write everything to an HDF5 file, replacing it if it exists.
 
         Written beside its target and renamed; where the path is a symbolic link, the file that it
         points to is replaced. Raises ValueError if it cannot be written.
@@ -358,11 +358,11 @@ class Ensemble(FieldEstimates, Result):
         Raises ValueError if a part is missing or there twice, or if parts are of different runs.
         """
         if isinstance(parts, (str, bytes, PathLike, Ensemble)):
-            refuse("parts", parts, "must be a sequence of ensembles or of their files")
+            refuse("parts", parts, "it must be a sequence of ensembles or of their files")
         named = [(x, "") if isinstance(x, Ensemble) else (cls.load(x), f" ({x})") for x in parts]
         named.sort(key=lambda one: one[0].plan.configurations.start)
         if not named:
-            refuse("parts", [], "must be at least one part of a run")
+            refuse("parts", [], "it must be at least one part of a run")
         plan = replace(named[0][0].plan, part=None)
         totals = Totals(plan)
         for run, name in named:

@@ -6,6 +6,7 @@ and the ratio estimator's variance for histograms (Cochran, Sampling Techniques,
 With one configuration the spread is unknown, so the error is infinite.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -29,7 +30,7 @@ class Estimate(Value):
         values, errors = np.atleast_1d(self.value), np.atleast_1d(self.error)
         if values.ndim > 1:
             return f"Estimate of shape {values.shape}"
-        lines = [f"{v:.6g} +- {e:.2g}" for v, e in zip(values, errors, strict=True)]
+        lines = [_shown(float(v), float(e)) for v, e in zip(values, errors, strict=True)]
         if len(lines) > 9:
             lines[4:-4] = [f"... {len(lines) - 8} more"]
         return f"Estimate({lines[0]})" if len(lines) == 1 else "\n".join(["Estimate", *lines])
@@ -37,6 +38,14 @@ class Estimate(Value):
     def divided(self, by: np.ndarray | float) -> "Estimate":
         """Return the estimate in another unit."""
         return Estimate(self.value / by, self.error / by)
+
+
+def _shown(value: float, error: float) -> str:
+    """A number to the second digit of its error; as it is where that is too long, or unknown."""
+    if not (0.0 < error < np.inf and 1e-4 <= max(abs(value), error) < 1e6):
+        return f"{value:.6g} ± {error:.2g}"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -140,15 +140,15 @@ class Saver:
             totals = Totals(self.plan)
             self.write(totals)
             return totals
-        where = f"output = {short(self.path, 200)}"
+        where = f"output: got {short(self.path, 200)}"
         if not resume:
-            raise ValueError(f"{where}: exists; resume=True (--resume) would go on from it")
+            raise ValueError(f"{where}; it exists, resume=True (--resume) would go on from it")
         found, arrays, done = read(self.path)
         for f in fields(self.plan):
             ours, theirs = (getattr(plan, f.name) for plan in (self.plan, found))
             if not np.array_equal(ours, theirs):
-                what = f"holds another run, with {f.name} = {short(theirs)}, not {short(ours)}"
-                raise ValueError(f"{where}: {what}")
+                what = f"it holds another run, with {f.name} = {short(theirs)}, not {short(ours)}"
+                raise ValueError(f"{where}; {what}")
         return Totals(self.plan, arrays, done)
 
     def write(self, totals: Totals) -> None:
@@ -184,8 +184,8 @@ def write_whole(path: str, contents: bytes) -> None:
             os.fsync(descriptor)
             os.close(descriptor)
     except OSError as error:
-        why = f"cannot be written ({error.strerror or error})"
-        raise ValueError(f"output = {short(path, 200)}: {why}") from None
+        why = f"it cannot be written ({error.strerror or error})"
+        raise ValueError(f"output: got {short(path, 200)}; {why}") from None
     finally:
         with suppress(OSError):
             os.unlink(part)  # it is there only if something went wrong

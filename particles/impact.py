@@ -85,17 +85,17 @@ def check_restitution(value: Any) -> float | Law:
             refuse("restitution", value, allowed)
         values = np.broadcast_to(values, speeds.shape).copy()
     elif isinstance(value, (tuple, list)) and len(value) == 2:
-        allowed = "must be (speeds, values): as many of either, speeds from 0 and increasing"
+        allowed = "it must be (speeds, values): as many of either, speeds from 0 and increasing"
         speeds, values = (real_array("restitution", part, allowed) for part in value)
         good = speeds.ndim == 1 and speeds.shape == values.shape and speeds.size > 1
         if not (good and np.isfinite(speeds).all() and speeds[0] >= 0.0 < np.diff(speeds).min()):
             refuse("restitution", value, allowed)
     else:
-        allowed = "must be a number from 0 to 1, or say how it depends on the impact speed"
+        allowed = "it must be a number from 0 to 1, or say how it depends on the impact speed"
         return check_number("restitution", value, 0.0, 1.0, allowed)
     if (bad := ~((values >= 0.0) & (values <= 1.0))).any():
         where = f"restitution at the impact speed {speeds[bad][0]:g}"
-        raise ValueError(f"{where} = {values[bad][0]:g}: must be from 0 to 1")
+        refuse(where, float(values[bad][0]), "it must be from 0 to 1")
     return Tabulated(speeds, values)
 
 

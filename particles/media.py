@@ -27,10 +27,8 @@ LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 def _require_density(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
     if not in_diameters >= LEAST_DENSITY:
-        raise ValueError(
-            f"{name} = {value!r}: {in_diameters:.3g} scatterers per d^{dimension}; at least "
-            f"{LEAST_DENSITY:g}, below use BoltzmannGrad, which is the limit"
-        )
+        least = f"at least {LEAST_DENSITY:g} per d^{dimension}; below use BoltzmannGrad, the limit"
+        refuse(name, value, f"in units of d it is {in_diameters:.3g}, it must be {least}")
 
 
 def _fraction(of_one: float, words: str) -> Any:
@@ -44,6 +42,7 @@ class Random:
     number_density: float
     diameter: float
     count: int
+    scatterers: ClassVar[str]  # as a Scene of `kinetics` and the command line call the medium
     dimension: ClassVar[int]
     overlapping: ClassVar[bool]
     largest: ClassVar[float] = LARGEST_RSA_DENSITY  # density in d^-2, or d^-3
@@ -58,15 +57,11 @@ class Random:
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
         if in_diameters > self.largest:
             most = self.largest / in_diameters * density
-            raise ValueError(
-                f"number_density = {self.number_density}: at most {most:g} for "
-                f"{type(self).__name__} of diameter = {d:g}"
-            )
+            allowed = f"it must be at most {most:g} for {type(self).__name__} of diameter {d:g}"
+            refuse("number_density", self.number_density, allowed)
         if self.box_side < SMALLEST_BOX * d:
-            raise ValueError(
-                f"count = {self.count}: the box would be {self.box_side / d:.3g} d wide at "
-                f"number_density = {self.number_density}; it must be at least {SMALLEST_BOX:g} d"
-            )
+            wide = f"with it the box is {self.box_side / d:.3g} d wide"
+            refuse("count", self.count, f"{wide}, it must be at least {SMALLEST_BOX:g} d")
 
     @property
     def box_side(self) -> float:
@@ -100,7 +95,7 @@ class HardDisks(Random):
     count: int = 40_000
     diameter: float = 1.0
     equilibrate: int = 0
-    dimension = 2
+    scatterers, dimension = "hard disks", 2
     overlapping = False
 
     area_fraction = _fraction(pi / 4, "Area of the disks per unit area.")
@@ -118,7 +113,7 @@ class Poisson(Random):
     number_density: float
     count: int = 40_000
     diameter: float = 1.0
-    dimension = 2
+    scatterers, dimension = "overlapping", 2
     overlapping = True
     largest = float("inf")
 
@@ -144,7 +139,7 @@ class HardSpheres(Random):
     diameter: float = 1.0
     count: int = 40_000
     equilibrate: int = 0
-    dimension = 3
+    scatterers, dimension = "hard spheres", 3
     overlapping = False
 
     volume_fraction = _fraction(pi / 6, "Volume of the spheres per unit volume.")
@@ -161,7 +156,7 @@ class PoissonSpheres(Random):
     number_density: float
     diameter: float = 1.0
     count: int = 40_000
-    dimension = 3
+    scatterers, dimension = "overlapping spheres", 3
     overlapping = True
     largest = LARGEST_POISSON_SPHERES
 
@@ -184,20 +179,18 @@ class BoltzmannGrad:
     number_density: float
     diameter: float = 1.0
     dimension: Literal[2, 3] = 2
+    scatterers: ClassVar[str] = "dilute"
 
     def __post_init__(self) -> None:
         if type(self.dimension) is not int or self.dimension not in (2, 3):
-            refuse("dimension", self.dimension, "must be 2 or 3")
+            refuse("dimension", self.dimension, "it must be 2 or 3")
         d = check_positive("diameter", self.diameter)
         in_diameters = check_positive("number_density", self.number_density) * d * d
         if self.dimension == 3:
             in_diameters *= d
         if not 0.0 < in_diameters < float("inf") or 0.5 / in_diameters == float("inf"):
-            raise ValueError(
-                f"number_density = {self.number_density!r}: {in_diameters:.3g} scatterers per "
-                f"d^{self.dimension} at diameter = {self.diameter!r}; must be a positive finite "
-                f"number"
-            )
+            allowed = f"in units of d it is {in_diameters:.3g}, it must be above 0 and finite"
+            refuse("number_density", self.number_density, allowed)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -215,6 +208,7 @@ class Positions(Value):
     of the mean over tracers in this one medium.
     """
 
+    scatterers: ClassVar[str] = "positions"
     dimension: ClassVar[int] = 2
     positions: np.ndarray
     box_side: float
@@ -226,33 +220,32 @@ class Positions(Value):
         box = check_positive("box_side", self.box_side)
         d = check_positive("diameter", self.diameter)
         if box < SMALLEST_BOX * d:
-            allowed = f"must be at least {SMALLEST_BOX:g} d = {SMALLEST_BOX * d:g}"
+            allowed = f"it must be at least {SMALLEST_BOX:g} d = {SMALLEST_BOX * d:g}"
             refuse("box_side", self.box_side, allowed)
-        array = real_array("positions", self.positions, "must be an array of real numbers")
+        allowed = "it must be real numbers of shape (count, 2) or (media, count, 2)"
+        array = real_array("positions", self.positions, allowed)
         if array.ndim not in (2, 3) or array.shape[-1] != 2 or array.size == 0:
-            raise ValueError(
-                f"positions of shape {array.shape}: must be (count, 2) or (media, count, 2)"
-            )
+            refuse("positions", self.positions, allowed)
         start = (box / 2,) * 2 if self.start is None else self.start
-        origin = real_array("start", start, "must be two finite numbers")
+        origin = real_array("start", start, "it must be two finite numbers")
         if origin.shape != (2,) or not abs(origin).max() <= FARTHEST * box:
-            allowed = f"must be two finite numbers, at most {FARTHEST:g} boxes away"
+            allowed = f"it must be two finite numbers, at most {FARTHEST:g} boxes away"
             refuse("start", self.start, allowed)
 
         def require(good: Any, allowed: str) -> None:
             if len(bad := np.argwhere(~good)):
-                raise ValueError(f"positions[{bad[0][-1]}] = {array[tuple(bad[0])]}: {allowed}")
+                refuse(f"positions[{bad[0][-1]}]", array[tuple(bad[0])].tolist(), allowed)
 
         require(
             (abs(array) <= FARTHEST * box).all(axis=-1),
-            f"must be finite, and at most {FARTHEST:g} boxes away, where a place has digits left",
+            f"it must be finite, at most {FARTHEST:g} boxes away: there a place has digits left",
         )
         # Relative to the start, in (-box/2, box/2): the nearest image.
         offset = array - origin
         offset -= box * np.round(offset / box)
         require(
             np.hypot(offset[..., 0], offset[..., 1]) >= d,
-            f"covers the start ({origin[0]:g}, {origin[1]:g}), which must be at least "
+            f"it covers the start ({origin[0]:g}, {origin[1]:g}), which must be at least "
             f"{self.diameter:g} away",
         )
         density = array.shape[-2] / (box * box)

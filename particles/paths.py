@@ -75,7 +75,7 @@ def trajectories(
     elif plan.times.size:
         until = float(plan.times[-1])
     if until == 0.0 or (until is None and (plan.field or plan.stirred)):
-        refuse("until", until, "must be a time above 0, given where the run has no output times")
+        refuse("until", until, "it must be a time above 0, given where the run has no output times")
     velocities = None if plan.velocities is None else plan.velocities[..., :tracers, :]
     plan = replace(plan, tracers=tracers, depth=None, velocities=velocities)
     if plan.field or plan.stirred:

@@ -5,6 +5,7 @@ from math import floor
 import numpy as np
 
 from particles.cells import Cells, cell_at, empty_box, insert, insert_all, is_free
+from particles.checks import refuse
 from particles.compiled import inlined, kernel
 from particles.media import BoltzmannGrad, Medium, Positions, Random
 from particles.streams import EQUILIBRATION, PLACEMENT, PLACES, open_stream, uniform
@@ -49,10 +50,9 @@ def _placed(
     placed = _place_at_random(cells, positions, box, medium.overlapping, key)
     if placed < count:
         what = "disks" if dimension == 2 else "spheres"
-        raise ValueError(
-            f"number_density = {medium.number_density}: only {placed} of {count} {what} could be "
-            f"placed; the largest density reached is {medium.number_density * placed / count:.3g}"
-        )
+        reached = medium.number_density * placed / count
+        allowed = f"only {placed} of {count} {what} could be placed, a density of {reached:.3g}"
+        refuse("number_density", medium.number_density, allowed)
     if medium.equilibrate:
         _equilibrate(positions, box, dimension, medium.equilibrate, key)
     return cells, positions

@@ -138,7 +138,7 @@ class Result(Value):
             return grid.flat[: len(names)]
         one, times = getattr(self, self._known(name)), self.plan.times
         if name in ESTIMATES and not one.value.ndim:
-            refuse("name", name, "is one number; plot draws what depends on the time")
+            refuse("name", name, "it is one number; plot draws what depends on the time")
         if ax is None:
             from matplotlib import pyplot
 

@@ -58,8 +58,8 @@ def simulate(
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
         [0, 1], not both 0. A restitution that depends on the impact speed (in U, of the normal
         component): `Viscoelastic(b)`, a function of an array of speeds, asked from 9e-13 to 1e6, or
-        (speeds, values), straight between the speeds and constant outside (how closely:
-        `particles.impact`). In a field it is there for BoltzmannGrad only.
+        (speeds, values), straight between the speeds and constant outside. In a field it is there
+        for BoltzmannGrad only.
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
         U; the dimension is that of the medium. In a field, a bath or heated also "rest": among
@@ -81,7 +81,7 @@ def simulate(
         disk in ever smaller bounces they slide along it without friction until it curves away, or
         until the next disk, and they may come to rest in a corner of two disks: they are then
         trapped. With a tangential restitution below 1 they are trapped where they would begin to
-        slide. When exactly that is declared: Statuses, and `particles.kernel.sliding`.
+        slide. Statuses says which.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
     mass_ratio: mass of a scatterer over that of the tracer, 1e-6 or more; inf: they are fixed. A
         finite one, for BoltzmannGrad and tangential_restitution 1, is of scatterers at rest that
@@ -90,12 +90,12 @@ def simulate(
     bath_speed: standard deviation of each component of a scatterer's velocity in U. heating: D in
         U^3/d of white noise, <dv_i dv_j> = 2 D delta_ij dt. drag: gamma in U/d, of dv = -gamma v
         dt. For BoltzmannGrad; there they and a field may act together. All is exact but noise and
-        drag, whose steps leave errors below 1e-4 of averages (`particles.kernel.driven`).
+        drag, whose steps leave errors below 1e-4 of averages.
     capture_speed: in U; a tracer that strikes a fixed scatterer with a smaller normal velocity
         sticks: it stays there at rest, and in the averages (Statuses.captured).
     part: (k, n), 1 <= k <= n <= media: only the k-th of n parts of the configurations, on one of n
         machines; every configuration is the one of the whole run. `Ensemble.merge` joins the parts.
-    output: file that the run is saved to (layout: particles.files), whole or not at all, again and
+    output: file that the run is saved to, whole or not at all, again and
         again; the run may be killed at any moment. The file must not exist unless resume is True;
         then the run goes on from it, to the same bits as one that was never stopped.
 
@@ -110,11 +110,11 @@ def simulate(
     )  # fmt: skip
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):
-        refuse("executor", executor, "must be a concurrent.futures.Executor")
+        refuse("executor", executor, "it must be a concurrent.futures.Executor")
     if progress is not None and not callable(progress):
-        refuse("progress", progress, "must be a function of (done, total)")
+        refuse("progress", progress, "it must be a function of (done, total)")
     if not isinstance(resume, (bool, np.bool_)):
-        refuse("resume", resume, "must be True or False")
+        refuse("resume", resume, "it must be True or False")
     require_memory(plan, workers)
     if output is None and resume:
         raise ValueError("resume = True: needs output, the file to go on from")

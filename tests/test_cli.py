@@ -29,7 +29,16 @@ from kinetics import (
     solve,
     solve_field,
 )
-from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, PoissonSpheres, simulate
+from kinetics.crosscheck.words import number
+from particles import (
+    BoltzmannGrad,
+    Ensemble,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    simulate,
+)
 
 SOLVE = ("solve", "--times", "1:1e4:3")
 TINY = ("simulate", "--medium", "boltzmann-grad", "--media", "2", "--tracers", "3")
@@ -309,8 +318,9 @@ def test_files_that_hold_the_whole_result(lorentz: Any) -> None:
 def test_a_picture_of_a_solution(lorentz: Any, arguments: tuple[str, ...]) -> None:
     plain = lorentz(*arguments)
     for name in ("a.png", "a.svg"):
-        assert lorentz(*arguments, "-o", name) == plain
+        assert lorentz(*arguments, "-o", name, "--plot") == plain
         assert Path(name).stat().st_size > 5_000
+    assert "-o" in lorentz.refused(*arguments, "--plot")  # no window is here
 
 
 def test_a_picture_of_a_run(lorentz: Any) -> None:
@@ -340,7 +350,8 @@ def test_the_file_of_a_run_holds_what_python_gives(lorentz: Any) -> None:
     lorentz.refused(*arguments)  # it exists
     lorentz.refused(*arguments, "--resume", "--seed", "6")
     assert Path("run.h5").read_bytes() == before
-    assert f"{expected.msd.value[1]:.6g}" in lorentz(*arguments, "--resume")
+    shown = number(expected.msd.value[1], expected.msd.error[1])
+    assert shown in lorentz(*arguments, "--resume")
 
 
 def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
@@ -362,21 +373,22 @@ def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
     ("options", "medium"),
     [
         ("--medium boltzmann-grad --dimension 3", BoltzmannGrad(0.04, dimension=3)),
-        ("--medium hard-spheres --count 100", HardSpheres(0.04, count=100)),
+        ("--scatterers hard-spheres --count 100", HardSpheres(0.04, count=100)),
         ("--medium poisson-spheres --count 100", PoissonSpheres(0.04, count=100)),
-        ("--medium hard-disks --count 100", HardDisks(0.04, 100)),
+        ("--scatterers overlapping --count 100", Poisson(0.04, 100)),
     ],
 )
 def test_media(lorentz: Any, options: str, medium: Any) -> None:
     found = lorentz.json(*TINY, *options.split())
     expected = simulate(medium, 0.7, times=[1, 9], media=2, tracers=3)
-    assert found["medium"] == options.split()[1]
+    assert found["scatterers"] == medium.scatterers
+    assert (found["medium"] == options.split()[1]) == ("overlapping" not in options)
     assert found["dimension"] == medium.dimension
     assert found["msd"] == {n: getattr(expected.msd, n).tolist() for n in ("value", "error")}
     assert found["statuses"]["finished"] == 6
 
 
-def test_scatterers_from_a_file(lorentz: Any) -> None:
+def test_scatterers_by_a_file_and_by_their_word(lorentz: Any) -> None:
     Path("disks.csv").write_text("x,y\n3,3\n1,8\n8,2\n")
     arguments = ["simulate", "--positions", "disks.csv", "--media", "2", "--times", ""]
     found = lorentz.json(*arguments, "--max-collisions", "9", "--box-side", "10")
@@ -385,6 +397,9 @@ def test_scatterers_from_a_file(lorentz: Any) -> None:
     assert "mean free path" in lorentz(*arguments, "--max-collisions", "9", "--box-side", "10")
     Path("disks.csv").write_bytes(bytes(range(256)))
     assert "disks.csv" in lorentz.refused(*arguments, "--box-side", "10")
+    for word in ("hard-disks", "hard disks"):
+        found = lorentz.json("solve", "--times", "1", "--scatterers", word)
+        assert found["scatterers"] == "hard disks"
 
 
 def test_a_run_in_a_field(lorentz: Any) -> None:

@@ -403,6 +403,18 @@ class CollisionLaw:
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         return np.asarray(rate - self._bounce.beyond(z))
 
+    def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
+        """lambda(z + d) for every z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
+        at = z[:, None] + offsets
+        if self.effective_restitution == 0.0:
+            return self.decay_symbol(at)
+        # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
+        q = self.quadrature_for(_size(at))
+        lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
+        rest = np.multiply.outer(q.log_loss, offsets)
+        rate = lost @ (q.weight[:, None] * np.exp(-rest)) - q.weight @ np.expm1(-rest)
+        return self.met_again(at, rate - self._bounce.beyond(at), 0)
+
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
         """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
         q = self.quadrature_for(_size(z))

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from kinetics.errors import InputError
 from kinetics.results import write_whole
 
 
 def require_writable_folder(folder: Path) -> None:
-    """Raise ValueError, naming the folder, unless files could be created in it. Leaves nothing.
+    """Raise InputError, naming the folder, unless files could be created in it. Leaves nothing.
 
     Asked before long work starts. The folder may be new, then the one that it is to be made in is
     tried; but that one must exist.
@@ -29,27 +30,27 @@ def require_writable_folder(folder: Path) -> None:
                 return
         except OSError as error:
             why = error.strerror or str(error)
-    raise ValueError(f"output: {str(folder)!r} cannot be written: {why}")
+    raise InputError(f"output: {str(folder)!r} cannot be written: {why}")
 
 
 def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None:
-    """Raise ValueError, naming the option, unless this file, with one of these endings, could be
+    """Raise InputError, naming the option, unless this file, with one of these endings, could be
     made in its folder, which must be there.
     """
     if not file.name or (endings and file.suffix.lower() not in endings):
         must = f"end in {', '.join(endings)}" if endings else "be the name of a file"
-        raise ValueError(f"{option}: got {str(file)!r}; it must {must}")
+        raise InputError(f"{option}: got {str(file)!r}; it must {must}")
     if file.exists() and not file.is_file():
         kind = "folder" if file.is_dir() else "device"
-        raise ValueError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
+        raise InputError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
     if not file.parent.exists():
         make = f"its folder does not exist; make it first: mkdir -p {file.parent}"
-        raise ValueError(f"{option}: got {str(file)!r}; {make}")
+        raise InputError(f"{option}: got {str(file)!r}; {make}")
     require_writable_folder(file.parent)
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
-    """Write all files into the folder, or none of them; returns their paths, or ValueError.
+    """Write all files into the folder, or none of them; returns their paths, or InputError.
 
     Each is complete on disk before the first takes its final name. Links are followed. Missing
     folders are created, and removed again if nothing comes of it.
@@ -62,7 +63,7 @@ def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Pa
             for name, content in contents.items()
         })  # fmt: skip
     except OSError as error:
-        raise ValueError(
+        raise InputError(
             f"output folder {str(folder)!r} cannot be written: {error.strerror}"
         ) from None
     finally:

@@ -129,11 +129,13 @@ def numeral(value: float, form: str) -> str:
 
 def number(value: float | None, error: float | None = None, sign: str = "", digits: int = 6) -> str:
     """A number to so many digits, or to the second digit of its error; sign "+" shows a plus."""
-    if value is None:
+    if value is None or math.isnan(value):
         return "–"
-    if not error:
-        return numeral(value, f"{sign}.{digits}g")
-    if abs(value) >= 1e6 or error < 1e-6:
-        return f"{numeral(value, f'{sign}.{digits}g')} ± {numeral(error, '.2g')}"
-    decimals = max(0, 1 - math.floor(math.log10(error)))
-    return f"{numeral(value, f'{sign}.{decimals}f')} ± {error:.{decimals}f}"
+    if not error or not math.isfinite(error):
+        return numeral(value, f"{sign}.{digits}g") + (" ± ∞" if error else "")
+    size, place = max(abs(value), error), math.floor(math.log10(float(f"{error:.1e}"))) - 1
+    power = 0 if 1e-4 <= size < 1e6 else math.floor(math.log10(size))
+    decimals = max(0, power - place)
+    v, s = (round(x, -place) / 10.0**power for x in (value, error))
+    text = f"{numeral(v, f'{sign}.{decimals}f')} ± {s:.{decimals}f}"
+    return f"({text})·10{str(power).translate(_SUPERSCRIPTS)}" if power else text

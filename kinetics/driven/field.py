@@ -20,7 +20,7 @@ from kinetics.errors import ToleranceWarning
 from kinetics.field.steady import SteadyDensity, densities
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.results import Result, Value, variable
+from kinetics.results import Result, Value
 from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_positive,
@@ -185,20 +185,12 @@ class FieldState(Result):
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         """Points: speeds in sqrt(g l), angles to the field in radians."""
-        found: dict[str, Any] = {
-            name: variable((), getattr(self, name), *about) for name, about in _FIGURES.items()
-        }
         asked = ("restitution", "tangential_restitution", "dimension")
-        return velocity_dataset(
-            self,
-            f"Steady state in a uniform field: {self.law.described}; units l = g = 1",
-            {"law": self.law.described, **{name: getattr(self, name) for name in asked}},
-            found,
-            only,
-            points.get("speeds", _SPEEDS),
-            points.get("angles", _ANGLES),
-            ("sqrt(g l)", "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"),
-        )
+        about = {"law": self.law.described, **{name: getattr(self, name) for name in asked}}
+        title = f"Steady state in a uniform field: {self.law.described}; units l = g = 1"
+        units = "sqrt(g l)", "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"
+        points = {"speeds": _SPEEDS, "angles": _ANGLES} | points
+        return velocity_dataset(self, title, about, _FIGURES, only, **points, units=units)
 
     def _figures(self) -> dict[str, str]:
         found = {name: f"{getattr(self, name):.12g} {unit}" for name, (unit, _) in _FIGURES.items()}

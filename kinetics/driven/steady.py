@@ -320,19 +320,11 @@ class DrivenState(Result):
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         """Points: speeds, and angles to the field in radians."""
-        found: dict[str, Any] = {
-            name: variable((), getattr(self, name), *about) for name, about in _FIGURES.items()
-        }
-        return velocity_dataset(
-            self,
-            f"Steady state of a driven tracer: {self._asked()}; unit of length l",
-            {name: str(value) for name, value in self._asked().items()},
-            found,
-            only,
-            points.get("speeds", np.linspace(0.0, 4.0, 161) * self.thermal_speed),
-            points.get("angles", np.array([0.0, 0.5, 1.0]) * np.pi if self.field else [0.0]),
-            ("1", "1"),
-        )
+        title = f"Steady state of a driven tracer: {self._asked()}; unit of length l"
+        asked = {name: str(value) for name, value in self._asked().items()}
+        points.setdefault("speeds", np.linspace(0.0, 4.0, 161) * self.thermal_speed)
+        points.setdefault("angles", np.array([0.0, 0.5, 1.0]) * np.pi if self.field else [0.0])
+        return velocity_dataset(self, title, asked, _FIGURES, only, **points, units=("1", "1"))
 
     def _figures(self) -> dict[str, str]:
         found = {name: f"{getattr(self, name):.12g}" for name in _FIGURES}
@@ -357,24 +349,23 @@ def velocity_dataset(
     state: Any,
     title: str,
     question: Any,
-    found: dict[str, Any],
+    figures: Mapping[str, tuple[str, ...]],
     only: Collection[str] | None,
-    speed: ArrayLike,
-    angle: ArrayLike,
+    speeds: ArrayLike,
+    angles: ArrayLike,
     units: tuple[str, str],
 ) -> Any:
     """The dataset of a steady state: its figures, and its density at speeds and angles.
 
-    units : of the speed, and of the density
+    figures : name -> unit and words; units : of the speed, and of the density
     """
-    v, phi = finite_line("speeds", speed), finite_line("angles", angle)
+    v, phi = finite_line("speeds", speeds), finite_line("angles", angles)
+    found = {name: variable((), getattr(state, name), *about) for name, about in figures.items()}
     if only is None or "vdf" in only:
         words = "density of the velocity"
         found["vdf"] = variable(("angle", "v"), state.vdf(v, phi).T, units[1], words, "f")
-    axes = {
-        "v": variable(("v",), v, units[0], "speed"),
-        "angle": variable(("angle",), phi, "rad", "angle to the field"),
-    }
+    axes = {"v": variable(("v",), v, units[0], "speed")}
+    axes |= {"angle": variable(("angle",), phi, "rad", "angle to the field")}
     return dataset(
         title,
         question,

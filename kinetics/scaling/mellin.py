@@ -106,24 +106,11 @@ def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) ->
     node, weight = gauss_legendre(10)
     offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
     at = z[:, None] + offsets
-    rate = np.where(at == 0.0, 1.0, _rates(law, z, offsets))
+    rate = np.where(at == 0.0, 1.0, law.decay_rates(z, offsets))
     rho = np.log(np.where(at == 0.0, 1.0, law.mean_log_loss * at / rate))
     path = np.full(count, complex(_integral(law, float(shift), a + shift)))
     path[1:] = path[0] + 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
     return np.asarray(_from(law, shift, path, z + shift) - rho[:, :shift].sum(axis=1))
-
-
-def _rates(law: CollisionLaw, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
-    """lambda(z + d) for every z and d, shape (n_z, n_d), relative to itself."""
-    at = z[:, None] + offsets
-    if law.reaches_rest:
-        return np.asarray(law.decay_rate(at))
-    # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
-    q = law.quadrature_for(float(np.abs(at).max()))
-    lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
-    rest = np.multiply.outer(q.log_loss, offsets)
-    rate = lost @ (q.weight[:, None] * np.exp(-rest)) - q.weight @ np.expm1(-rest)
-    return np.asarray(law.met_again(at, rate, 0))
 
 
 def _integral(law: CollisionLaw, low: float, high: float) -> float:

@@ -135,7 +135,7 @@ def test_what_does_not_make_a_whole_run_is_refused() -> None:
             Ensemble.merge(parts)  # type: ignore[arg-type]
         assert "\n" not in str(refused.value)
     for part in ((0, 3), (4, 3), (1, 8), (1,), 3, (1.0, 2.0), (True, 2), "12"):
-        with pytest.raises(ValueError, match=r"^part = .* 1 <= k <= n <= 7"):
+        with pytest.raises(ValueError, match=r"^part: got .* 1 <= k <= n <= 7"):
             simulate(**SMALL, part=part)
     assert simulate(**SMALL, part=(1, 1)) == simulate(**SMALL)
 
@@ -143,6 +143,6 @@ def test_what_does_not_make_a_whole_run_is_refused() -> None:
 def test_an_error_in_a_worker_is_the_callers() -> None:
     with (
         ThreadPoolExecutor(2) as pool,
-        pytest.raises(ValueError, match=r"number_density = 0\.65: only \d+ of 17 disks"),
+        pytest.raises(ValueError, match=r"number_density: got 0\.65; only \d+ of 17 disks"),
     ):
         simulate(HardDisks(0.65, 17), 0.5, times=[1.0], media=40, executor=pool)

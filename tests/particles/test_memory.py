@@ -27,11 +27,14 @@ RAW = ["positions", "velocities", "finals"]
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (dict(medium=HardDisks(0.04, 10**12)), "count = 1000000000000"),
-        (dict(medium=HardSpheres(0.04, count=10**12)), "count = 1000000000000"),
-        (dict(media=2 * 10**9), "media = 2000000000"),
-        (dict(media=10**5, tracers=10**7, observables=RAW), "observables = ['finals', 'positions'"),
-        (dict(times=np.arange(10**6), observables=["speed_histogram"]), "times = array(["),
+        (dict(medium=HardDisks(0.04, 10**12)), "count: got 1000000000000"),
+        (dict(medium=HardSpheres(0.04, count=10**12)), "count: got 1000000000000"),
+        (dict(media=2 * 10**9), "media: got 2000000000"),
+        (
+            dict(media=10**5, tracers=10**7, observables=RAW),
+            "observables: got ['finals', 'positions'",
+        ),
+        (dict(times=np.arange(10**6), observables=["speed_histogram"]), "times: got array(["),
     ],
 )
 def test_a_run_that_is_too_large_is_refused_with_the_estimate(
@@ -71,5 +74,5 @@ def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Any) -> None:
 def test_more_scatterers_than_can_be_numbered_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Their lists are counted in 32 bits."""
     monkeypatch.setattr(arguments, "machine_memory", lambda: np.inf)
-    with pytest.raises(ValueError, match="count = 900000000: must be below 536870912, listings"):
+    with pytest.raises(ValueError, match="count: got 900000000; it must be below 536870912"):
         simulate(Poisson(0.04, 900_000_000), **GOOD)

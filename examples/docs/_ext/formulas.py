@@ -8,11 +8,13 @@ import re
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
+_DIGITS = re.compile(r"frac(\d)(\d)")  # one digit over another, as TeX reads it
 _FUNCTION = re.compile(r"\\(ln|cos|sin|exp)(?= |\\[a-z])")  # before a letter: ln n
 
 
 def _mathml(node, **options) -> str:
-    return tex2mathml(_FUNCTION.sub(r"\\\1\\,", node.astext()), **options)
+    text = _DIGITS.sub(r"frac{\1}{\2}", node.astext())
+    return tex2mathml(_FUNCTION.sub(r"\\\1\\,", text), **options)
 
 
 def _inline(translator, node) -> None:

@@ -47,7 +47,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
         default="auto",
         help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
         "first of these that the data allow, Gaussian if they have no time 0.")
-@option("--scatterers", type=Choice(["auto", "dilute", "hard disks", "overlapping"]),
+@option("--scatterers", type=options.Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
         default="auto",
         help="Dilute: the kinetic equation; else it is corrected for their density. auto: as an "
         "Ensemble says, or the likeliest for the data.")
@@ -138,7 +138,8 @@ def _done(
         require_file("output", path)  # before anything is read
         if any(path.resolve() == other.resolve() for other in data):
             raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
-    result = work(list(data), show_progress=True, **told)
+    with options.progress(name="comparing"):
+        result = work(list(data), **told)
     text = result.to_json() if as_json else tables(result) + "\n"
     if output is not None:
         numbers = output.with_suffix(".json").name

@@ -8,6 +8,7 @@ import click
 
 from kinetics.crosscheck.cli import options
 from kinetics.crosscheck.cli.options import Output, json_option, print_json, progress, refuse_given
+from kinetics.errors import InputError
 
 
 @click.command(
@@ -33,7 +34,7 @@ def derive(
         parts = ("number", "label", "title", "section", "source")
         rows = [r for r in ROWS.values() if any(word in getattr(r, p).casefold() for p in parts)]
         if not rows:
-            raise ValueError(f"search: got {search!r}; it is in none of the {len(ROWS)} equations")
+            raise InputError(f"search: got {search!r}; it is in none of the {len(ROWS)} equations")
         if as_json:
             names = ("number", "label", "title", "section")
             print_json({"equations": [{n: getattr(row, n) for n in names} for row in rows]})

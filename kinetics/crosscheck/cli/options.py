@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-from click import option
+from click import Choice, option
 from click.core import ParameterSource
+
+from kinetics.errors import InputError
 
 MOST_NUMBERS = 100_000  # of one range
 WIDTH = 100  # columns of a table
@@ -49,6 +51,20 @@ def part_of(context: Any, option: Any, text: str | None) -> tuple[int, int] | No
         what = f"{text!r}: it must be K/N, the K-th of N parts, such as 3/20"
         raise click.BadParameter(what, context, option)
     return found and (int(found[1]), int(found[2]))
+
+
+class Scatterers(Choice):
+    """A word for the scatterers, as a Scene has it, with hyphens too, or as version 0.2 had it."""
+
+    OLD = {  # noqa: RUF012
+        "overlapping": "poisson", "overlapping spheres": "poisson-spheres",
+        "dilute": "boltzmann-grad",
+    }  # fmt: skip
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The word, or click's complaint that names the option and the text."""
+        word = {old: new for new, old in self.OLD.items()}.get(value, value)
+        return super().convert(word.replace("-", " "), param, ctx)
 
 
 class Output(click.Path):
@@ -111,7 +127,7 @@ json_option = option("--json", "as_json", is_flag=True,
 _DRIVES = (
     option("--bath-speed", type=float, default=0.0,
            help="Scatterers move: standard deviation of a component of their velocity in U. This, "
-           "heating and drag are for dilute ones (with simulate --medium boltzmann-grad)."),
+           "heating and drag are for dilute ones (with simulate --scatterers dilute)."),
     option("--heating", type=float, default=0.0, help="White noise 2 D dt, D in U^3/d."),
     option("--drag", type=float, default=0.0, help="Rate of the drag -DRAG v, in U/d."),
     option("--capture-speed", type=float, default=0.0, help="Slower impacts stick [U]."),
@@ -165,12 +181,12 @@ def refuse_given(names: Iterable[str], beside: str) -> None:
 
 
 def times_until(times: tuple[float, ...], until: float | None) -> tuple[float, ...]:
-    """The times of --times, or of --until in its place. Raises ValueError for one not above 0."""
+    """The times of --times, or of --until in its place. Raises InputError for one not above 0."""
     if until is None:
         return times
     refuse_given(["times"], "--until, which stands in its place")
     if not 0.0 < until < math.inf:
-        raise ValueError(f"until: got {until:g}; it must be a finite time above 0")
+        raise InputError(f"until: got {until:g}; it must be a finite time above 0")
     return _numbers(f"{until / 1e3!r}:{until!r}:31")
 
 
@@ -189,11 +205,11 @@ def written(value: Any, digits: int = 6) -> str:
     return f"{mantissa}e{int(exponent)}" if exponent else mantissa
 
 
-def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
-    """A table of numbers, one column per head; what is too wide goes on in a table below."""
+def columns(heads: Sequence[str], values: Iterable[Iterable[Any]]) -> str:
+    """A table, a column of numbers or texts per head; what is too wide goes on in one below."""
     blocks: list[list[list[str]]] = []
     for head, column in zip(heads, values, strict=True):
-        texts = [head, *(written(float(x)) for x in column)]
+        texts = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
         texts = [text.rjust(max(map(len, texts))) for text in texts]
         if not blocks:
             blocks, first = [[]], texts
@@ -208,8 +224,11 @@ def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
 
 
 @contextmanager
-def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
-    """A function tell(name, total, done) for each part of long work: a bar, on a terminal."""
+def progress(total: int | None = None, name: str = "") -> Iterator[Callable[..., None]]:
+    """A function tell(name, total, done) for each part of long work: a bar, on a terminal.
+
+    name : shown meanwhile, for work whose parts are not told
+    """
     if sys.stderr is None or not sys.stderr.isatty():
         yield lambda *_, **__: None
         return
@@ -218,7 +237,7 @@ def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
     parts = (progress.BarColumn(), progress.MofNCompleteColumn(), progress.TimeElapsedColumn())
     where = console.Console(stderr=True)
     with progress.Progress("{task.description}", *parts, console=where, transient=True) as bar:
-        task = bar.add_task("", total=total)
+        task = bar.add_task(name, total=total)
 
         def tell(name: str, total: int | None = None, done: int | None = None) -> None:
             now = bar.tasks[0].completed + 1 if done is None else done

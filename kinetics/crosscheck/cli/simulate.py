@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import glob
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import click
 from click import Choice, option
 
 from kinetics.crosscheck.cli import options
+from kinetics.errors import InputError
 
 # name in the result -> head of its column
 ESTIMATES = {
@@ -25,12 +26,8 @@ IN_FIELD = {
 DISPERSION = ("dispersion", "dispersion_parallel", "dispersion_perpendicular")
 ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
 ARGUMENTS = ("media", "tracers", "max_collisions", "seed")
-KINDS = {
-    "HardDisks": "hard-disks", "Poisson": "poisson", "HardSpheres": "hard-spheres",
-    "PoissonSpheres": "poisson-spheres", "BoltzmannGrad": "boltzmann-grad",
-    "Positions": "positions",
-}  # fmt: skip
-OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
+MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "dilute")
+OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
 PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -39,9 +36,10 @@ PICTURES = (".png", ".svg", ".pdf")
     epilog=options.example("lorentz simulate -e 0.7 --media 10 --times 1:1000:7 -o run.h5"),
     short_help="Follow particles from collision to collision.",
 )
-@option("--medium", default="hard-disks",
-        type=Choice([kind for kind in KINDS.values() if kind != "positions"]),
-        help="Disks or spheres that do not overlap, that may, or none: random free paths.")
+@option("--scatterers", "--medium", "scatterers", default="hard disks",
+        type=options.Scatterers(MEDIA),
+        help="Disks or spheres that do not overlap, that may, or dilute: random free paths. A "
+        "space may be a hyphen, hard-disks.")
 @options.restitution_option
 @options.tangential_option
 @options.mass_option
@@ -51,8 +49,8 @@ PICTURES = (".png", ".svg", ".pdf")
         help="Scatterers where this file says: columns x and y. Needs --box-side.")
 @option("--box-side", type=float, help="Side of the periodic box of --positions.")
 @option("--dimension", type=int,
-        help="Of --medium boltzmann-grad: 2 for disks, as it is if not given, 3 for spheres. Other "
-        "media have their own. Densities of spheres are in d^-3.")
+        help="Of --scatterers dilute: 2 for disks, as it is if not given, 3 for spheres. Others "
+        "have their own. Densities of spheres are in d^-3.")
 @option("--media", type=int, default=100, help="Configurations of scatterers.")
 @option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
@@ -99,11 +97,11 @@ def simulate(
     h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     if h5md is not None:
         if arguments["resume"]:
-            raise ValueError("--resume: an H5MD file is written at the end; give --output FILE.h5")
+            raise InputError("--resume: an H5MD file is written at the end; give --output FILE.h5")
         _require_new(h5md)
         output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
     described = {name: arguments.pop(name) for name in OF_THE_MEDIUM}
-    scatterers = make_medium(number_density, **described)
+    medium = make_medium(number_density, **described)
     with _saying_how_to_go_on(output) as told, options.progress(arguments["media"]) as tell:
 
         def progress(done: int, total: int) -> None:
@@ -111,7 +109,7 @@ def simulate(
             tell("configurations", total, done)
 
         run = particles.simulate(
-            scatterers, times=times or None, observables=names or None, output=output,
+            medium, times=times or None, observables=names or None, output=output,
             progress=progress, **arguments,
         )  # fmt: skip
     if picture is not None:
@@ -136,14 +134,15 @@ def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
     _require_new(output)
     # Shells of Windows leave *.h5 as it is.
     files = [f for part in parts for f in ([part] if Path(part).exists() else glob(part) or [part])]
-    run = particles.Ensemble.merge(files)
-    run.save(output)
+    with options.progress(name="joining"):
+        run = particles.Ensemble.merge(files)
+        run.save(output)
     _show(run, as_json)
 
 
 def _require_new(output: Path) -> None:
     if output.exists():
-        raise ValueError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
+        raise InputError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
 
 
 def _show(run: Any, as_json: bool) -> None:
@@ -154,24 +153,24 @@ def _show(run: Any, as_json: bool) -> None:
 
 
 def make_medium(
-    number_density: float, medium: str, count: int, positions: Path | None,
+    number_density: float, scatterers: str, count: int, positions: Path | None,
     box_side: float | None, dimension: int | None,
 ) -> Any:  # fmt: skip
-    """The medium that the options describe. Raises ValueError where they do not fit."""
+    """The medium that the options describe. Raises InputError where they do not fit."""
     import particles
 
     if (positions is None) != (box_side is None):
-        raise ValueError("--positions and --box-side: give both or neither")
-    if medium == "boltzmann-grad" and positions is None:
+        raise InputError("--positions and --box-side: give both or neither")
+    if scatterers == "dilute" and positions is None:
         chosen: Any = 2 if dimension is None else dimension
         return particles.BoltzmannGrad(number_density, dimension=chosen)
-    own = 3 if medium.endswith("spheres") and positions is None else 2
+    own = 3 if scatterers.endswith("spheres") and positions is None else 2
     if dimension not in (None, own):
-        others = "boltzmann-grad" + ", hard-spheres or poisson-spheres" * (own == 2)
-        raise ValueError(f"dimension = {dimension}: must be {own} unless the medium is {others}")
+        others = "dilute" + ", hard or overlapping spheres" * (own == 2)
+        raise InputError(f"dimension: got {dimension}; it must be {own} unless these are {others}")
     if positions is not None and box_side is not None:
         return particles.Positions.from_csv(positions, box_side)
-    made = getattr(particles, {kind: name for name, kind in KINDS.items()}[medium])
+    made = next(kind for kind in get_args(particles.Medium) if kind.scatterers == scatterers)
     return made(number_density, count=count)
 
 
@@ -213,10 +212,11 @@ def _document(run: Any) -> dict[str, Any]:
     law = ["tangential_restitution", "number_density", "field"]
     law += [name for name in options.DRIVES if getattr(run, name)]
     law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
-    plan = run.plan
+    plan, scatterers = run.plan, run.medium.scatterers
     initial = "rest" if plan.rest else "monoenergetic" if plan.monoenergetic else "gaussian"
     return {
-        "medium": KINDS[type(run.medium).__name__], **options.law_keys(run.restitution),
+        "medium": options.Scatterers.OLD.get(scatterers, scatterers.replace(" ", "-")),
+        "scatterers": scatterers, **options.law_keys(run.restitution),
         **{name: getattr(run, name) for name in law}, "dimension": run.medium.dimension,
         "initial": initial if plan.velocities is None else None,
         **{name: getattr(plan, name) for name in ARGUMENTS},
@@ -229,18 +229,18 @@ def _document(run: Any) -> dict[str, Any]:
 
 def _text(run: Any) -> str:
     """The estimates as a table, one row for each time, the mean free path, how tracers ended."""
+    from kinetics.crosscheck.words import number
 
     def line(what: str, estimate: Any, unit: str) -> str:
-        return f"{what}: {estimate.value:.6g} +- {estimate.error:.2g} {unit}"
+        return f"{what}: {number(float(estimate.value), float(estimate.error))} {unit}"
 
-    lines, heads, values = [], ["t [d/U]"], [run.times]
+    lines = []
     shown, depth = dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
     shown |= {} if depth is None else {"passed": f"passed {depth:g} d"}
     if run.times.size:
-        for name, head in shown.items():
-            heads += [head, "+-"]
-            values += _value_and_error(getattr(run, name)).values()
-        lines.append(options.columns(heads, values))
+        found = (_value_and_error(getattr(run, name)).values() for name in shown)
+        values = [list(map(number, *one)) for one in found]
+        lines.append(options.columns(["t [d/U]", *shown.values()], [run.times, *values]))
     lines.append(line("mean free path", run.mean_free_path, "d"))
     if depth is not None and run.times.size:
         lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))

@@ -79,7 +79,8 @@ _points = partial(option, type=options.Numbers(), default="")
 @option("--speed", type=float, default=1.0, help="Of monoenergetic or beam, in U.")
 @option("--direction", type=float, default=0.0,
         help="Of beam: its angle to the x axis, in radians.")
-@option("--scatterers", type=Choice(["dilute", "overlapping", "hard disks"]), default="dilute",
+@option("--scatterers", type=options.Scatterers(["dilute", "hard disks", "overlapping"]),
+        default="dilute",
         help="Dilute: the paper's equation; else with the correction for this density.")
 @option("--density-order", type=Choice(["leading", "first", "second"]), default="second",
         help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.")
@@ -111,11 +112,12 @@ _points = partial(option, type=options.Numbers(), default="")
 @option("-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
         help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF), .h5 "
         "(for kinetics.load), or a picture of all of it, .png, .svg or .pdf.")
+@option("--plot", is_flag=True, help="Show the same picture in a window.")
 @options.json_option
 def solve(
     scaled: bool, field_steady: bool, steady: bool, field_units: tuple[float, ...], outputs: str,
     speeds: tuple[float, ...], radii: tuple[float, ...], wave_numbers: tuple[float, ...],
-    rtol: float | None, output: Path | None, as_json: bool, until: float | None,
+    rtol: float | None, output: Path | None, plot: bool, as_json: bool, until: float | None,
     viscoelastic: float | None, **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
@@ -133,6 +135,13 @@ def solve(
     drives = {name: x for name in options.DRIVES if (x := system[name])}
     system["times"] = options.times_until(system["times"], until)
     asked: dict[str, Any] = {}
+    plot &= output is None or output.suffix.lower() not in PICTURES
+    if plot:
+        from matplotlib import pyplot
+
+        if pyplot.figure().canvas.required_interactive_framework is None:
+            raise InputError("plot: there is no window to show it in; write it with -o FILE.png")
+        pyplot.close()
     if rtol is None:  # G(R) cannot have 1e-10, and averages of driven tracers take long for it
         driven = drives or viscoelastic is not None
         rtol = 1e-6 if radii or system["field"] else 1e-8 if driven else 1e-10
@@ -148,19 +157,24 @@ def solve(
             law |= drives | ({"field": system["field"]} if system["field"] else {})
         elif system["scatterers"] != "dilute":
             law |= {name: system[name] for name in MEDIUM}
-        result, found = solved_state(*MODES[mode], law, rtol)
+        with options.progress(name="solving"):
+            result, found = solved_state(*MODES[mode], law, rtol)
         if field_units:
             found["in_units"] = asdict(result.in_units(*field_units))
     else:
         points = {"speeds": speeds, "scaled_radii": radii, "wave_numbers": wave_numbers}
         asked = {name: at for name, at in points.items() if at}
-        result, found = over_time(system, outputs, asked, rtol)
+        with options.progress(name="solving"):
+            result, found = over_time(system, outputs, asked, rtol)
     if output is not None:
         write_result(result, output, asked)
     if as_json:
         options.print_json(found)
     else:
         click.echo(state_text(found) if mode else text_over_time(found))
+    if plot:
+        result.plot_all()
+        pyplot.show()
 
 
 def over_time(

@@ -52,17 +52,17 @@ def compare_data(
 
     Parameters
     ----------
-    data : a file, several files (see data.formats.FORMATS), a DataFrame or a dictionary of arrays
-        with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and medium,
-        (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
-        dimension); a run of `simulate`, or a Sample
+    data : a file, several files (as `lorentz compare --help` says), a DataFrame or a dictionary of
+        arrays with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and
+        medium, (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
+        dimension); a run of `simulate`
     restitution : 0 to 1, or a function of the impact speed as in a Scene; None: as an Ensemble
         says, or fitted to the data
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none. In a field "rest"
     positions, speed_unit, diameter, time_unit, columns, timestep, dimension, bin_times, type : of
-        files and of columns in memory, see data.tracks.Asked
+        files and of columns in memory, as the options of that command
     tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
         runs in space, averages are compared and densities are not
     field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
@@ -144,7 +144,7 @@ def compare_data(
 def fit_data(data: Any, **told: Any) -> Comparison:
     """Restitution and number density of particle data, with errors: `lorentz fit`, kinetics.fit.
 
-    The same as `compare_data` with neither of them told, and no causes looked for. The result has
+    The same as `compare` with neither of them told, and no causes looked for. The result has
     `parameters`, their `covariance`, the `medium` that was taken, and the figure "confidence".
     """
     for name in {"restitution", "number_density"} & {*told}:

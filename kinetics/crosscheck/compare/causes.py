@@ -20,7 +20,7 @@ from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
 from kinetics.crosscheck.compare.theory import Point, SampledStart
 from kinetics.crosscheck.data.sample import V2, N, Sample
-from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
+from kinetics.crosscheck.words import AGREES_BELOW, Verdict, number, numeral
 
 AGREES_ABOVE = chance(AGREES_BELOW)  # p-value from which on what a cause leaves agrees
 CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
@@ -137,10 +137,6 @@ def among(scatterers: str) -> str:
     return f"among {longer.get(scatterers, scatterers)}"
 
 
-def _pm(value: float, error: float, form: str = ".5g", of_error: str = ".2g") -> str:
-    return f"{numeral(value, form)} ± {numeral(error, of_error)}"
-
-
 def _of_medium(both: Both, found: Fit, value: Any, error: Any) -> Words:
     n = numeral(both.sample.law.free_path(both.point.path), ".4g")
     v0, r2 = (numeral(found.theory[k, -1] / both.theory[k, -1] - 1, "+.2%") for k in (0, 2))
@@ -178,7 +174,7 @@ def _of_number(symbol: str, title: str, kind: str = "", unit: str = "") -> Any:
         told = float(getattr(both.point, found.free[0]))
         size, own = both.sample.units.get(kind, (1.0, ""))
         name = f" {own}" if own else unit
-        text = f"{symbol} = {_pm(value * size, error * size)}{name} in place of "
+        text = f"{symbol} = {number(value * size, error * size)}{name} in place of "
         text += f"{numeral(told * size, '.5g')}{name}"
         return f"Another {title}: {text} fits best.", text, value * size, error * size
 
@@ -189,7 +185,7 @@ def _of_noise(title: str, unit: str) -> Any:
     def words(both: Both, found: Fit, value: float, error: float) -> Words:
         size = math.sqrt(max(value, 0.0))
         width = error / (2 * size) if size else math.sqrt(error)
-        text = f"noise of {_pm(size, width)} {unit} in each component of the {title}"
+        text = f"noise of {number(size, width)} {unit} in each component of the {title}"
         return f"{text[0].upper()}{text[1:]}.", text, size, width
 
     return words

@@ -191,8 +191,12 @@ class Comparison(Result):
         about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
         return made.assign_attrs(**about, scene=scene, version=__version__)
 
-    def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
-        """Draw one of `figures` on ``ax`` or on new axes, which are returned; or InputError."""
+    def plot(self, name: str | None = None, ax: Any = None, **points: Any) -> Any:
+        """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned; or
+        InputError.
+        """
+        if name is None:
+            return super().plot(None, ax)
         figures = [figure.replace("-", "_") for figure in self.figures]
         if str(name).replace("-", "_") not in figures:
             known = ", ".join(figures) or "no figures"
@@ -203,6 +207,10 @@ class Comparison(Result):
             _, ax = pyplot.subplots(layout="constrained")
         draw(self, name, ax)
         return ax
+
+    def plot_all(self, **points: Any) -> Any:
+        """Draw every one of `figures`, each in a figure of its own; an array of axes."""
+        return np.array([self.plot(name) for name in self.figures])
 
     def _to_storage(self) -> dict[str, Any]:
         return {"document": self.to_json()}

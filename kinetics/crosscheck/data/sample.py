@@ -283,7 +283,7 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
 
     InputError for a run without output times or with fewer than two groups.
     """
-    from particles import BoltzmannGrad, HardDisks, Poisson
+    from particles import BoltzmannGrad
     from particles.kernel.columns import CAUGHT
 
     times, medium, plan = np.asarray(ensemble.times), ensemble.medium, ensemble.plan
@@ -321,9 +321,7 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     if plan.rest or plan.velocities is None:
         told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
         told["initial"] = "rest" if plan.rest else told["initial"]
-    scatterers = {HardDisks: "hard disks", Poisson: "overlapping"}
-    if type(medium) in scatterers:
-        told["scatterers"] = scatterers[type(medium)]
+    told["scatterers"] = medium.scatterers
     law = Law(
         ensemble.tangential_restitution, medium.dimension, ensemble.field,
         varies=bool(ensemble.plan.varies), mass_ratio=ensemble.mass_ratio,

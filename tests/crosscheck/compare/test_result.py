@@ -93,6 +93,8 @@ def test_every_figure_is_drawn(differing: Comparison) -> None:
         pyplot.close(ax.figure)
     with pytest.raises(InputError, match="msd"):
         differing.plot("nothing")
+    assert len(differing.plot()) == len(differing.figures)
+    pyplot.close("all")
 
 
 def test_the_page_says_the_verdict_first_and_every_number(differing: Comparison) -> None:

@@ -385,3 +385,6 @@ def test_states_and_solutions_are_saved(tmp_path, law):
         assert load(tmp_path / name) == one
     assert load(tmp_path / "state.h5").moment(1) == pytest.approx(state.moment(1), rel=1e-12)
     assert {"vdf", "thermal_speed"} <= set(state.to_xarray())
+    (axes,) = state.plot()
+    assert axes.lines
+    assert axes.get_legend() is None  # it is isotropic
