@@ -307,13 +307,3 @@ def test_viscoelastic_is_what_it_says() -> None:
     assert Viscoelastic(0.45)(1.0) == pytest.approx(0.79912, abs=1e-5)
     a = 1.15345 * 0.45**2
     assert 1 - Viscoelastic(0.45)(1e-30) == pytest.approx(a * 1e-6, rel=1e-5)
-
-
-def test_the_command(lorentz: Any) -> None:
-    command = "simulate --medium boltzmann-grad --viscoelastic 0.45 --times 1 --media 2 --tracers 3"
-    found = lorentz.json(*f"{command} --heating 0.5 --drag 0.3 --capture-speed 0.1".split())
-    assert (found["viscoelastic"], found["heating"], found["drag"]) == (0.45, 0.5, 0.3)
-    assert found["statuses"]["captured"] == found["trapped"][0]
-    found = lorentz.json(*f"{command} --bath-speed 2 --initial rest".split())
-    assert found["bath_speed"] == 2.0
-    assert "restitution" in lorentz.refused(*command.split(), "-e", "0.5")

@@ -89,20 +89,6 @@ def test_elastic_tracers_from_rest_gain_speed_as_the_exact_relation_says(
         check((cubes[k] + factor * run.velocities[k, :, 0])[None] / time, factor)
 
 
-def test_drift_and_displacement_from_rest() -> None:
-    run = simulate(DISKS, 0.7, "rest", [0.1, 0.5, 2.0, 5.0], media=100, tracers=500, field=1.0)
-    for estimate, exact in (
-        (run.drift, [0.09962311, 0.45545144, 0.62108221, 0.50135393]),
-        (run.mean_displacement, [0.004990570, 0.119322259, 1.11237376, 2.66810824]),
-    ):
-        value, error = estimate.value, estimate.error
-        if value.ndim == 2:  # across the field it is 0
-            assert np.all(abs(value[:, 1]) < 4 * error[:, 1])
-            value, error = value[:, 0], error[:, 0]
-        assert np.all(error[2:] < 0.02)
-        assert np.all(abs(value - exact) < 4 * error)
-
-
 @pytest.mark.parametrize(
     ("medium", "restitution", "parallel", "perpendicular"),
     slow_but(

@@ -6,14 +6,11 @@ from scattered import Around
 from scipy.spatial import cKDTree
 
 from particles import (
-    OBSERVABLES,
     HardDisks,
     Poisson,
     Positions,
     simulate,
 )
-
-EVERYTHING = sorted({*OBSERVABLES} - {"velocity_component_histogram"})
 
 
 def gaps(medium: HardDisks | Poisson, seed: int, places: np.ndarray) -> np.ndarray:

@@ -86,17 +86,6 @@ def test_a_low_density_is_the_dilute_gas(order: str) -> None:
         assert not np.array_equal(getattr(dense, name), getattr(dilute, name))
 
 
-@pytest.mark.parametrize("scatterers", ["overlapping", "hard disks"])
-def test_nothing_jumps_where_the_constants_begin(scatterers: str) -> None:
-    outputs = ("msd", "thermal_speed", "kurtosis", "collisions")
-    below, above = (
-        solve(Scene(e, 0.04, times=[1.0, 1e2, 1e4], scatterers=scatterers, outputs=outputs))
-        for e in (0.2 - 1e-9, 0.2)
-    )
-    for name in outputs:
-        assert getattr(below, name) == pytest.approx(getattr(above, name), rel=1e-7)
-
-
 # -- the constants of the first order ------------------------------------------------------------
 
 

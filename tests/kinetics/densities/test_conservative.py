@@ -6,6 +6,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from collision import decay_rates
 
 from kinetics import (
     Beam,
@@ -68,14 +69,9 @@ def masses(e: float, state: Any, times: Any, nodes: int = 300) -> Any:
 
 @lru_cache(maxsize=16)
 def decay(e: float) -> tuple[Any, ...]:
-    """lambda(p) = 1 - E[s^p], p = 0, 1, ...: (p+1) E[s^p] = 1 + p e^2 E[s^(p-2)] upwards."""
+    """lambda(p) = 1 - E[s^p], p = 0, 1, ..."""
     with mp.workdps(60):
-        e_ = mp.mpf(e)
-        mean = mp.quad(lambda y: mp.sqrt(e_**2 + (1 - e_**2) * y**2), [0, 0.05, 0.3, 1])
-        phi = [mp.mpf(1), mean]
-        for p in range(2, 160):
-            phi.append((1 + p * e_**2 * phi[p - 2]) / (p + 1))
-        return tuple(1 - f for f in phi)
+        return tuple(decay_rates(e, 0, 0, 160))
 
 
 @pytest.mark.parametrize("name", ROUGH)
@@ -125,37 +121,6 @@ def test_second_order_in_the_moments(e: float) -> None:
     order = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     assert 1.9 < order < 2.1, errors
     assert errors[-1] < 3e-5, errors
-
-
-@pytest.mark.parametrize("e", [0.3, 0.7])
-def test_a_delta_peak_collision_by_collision(e: float) -> None:
-    """Shares of 300,000 tracers in bins of the speed after one or two collisions; 5 sigma."""
-    n, t = 300_000, 1.5
-    rng = np.random.default_rng(17)
-    speed, clock, hits = np.ones(n), np.zeros(n), np.zeros(n)
-    moving = np.arange(n)
-    while moving.size:
-        clock[moving] += rng.exponential(size=moving.size) / speed[moving]
-        moving = moving[clock[moving] < t]
-        y = rng.uniform(0.0, 1.0, moving.size)
-        speed[moving] *= np.sqrt(y * y + e * e * (1 - y * y))
-        hits[moving] += 1
-    scene = Scene(
-        restitution=e,
-        number_density=0.5,
-        initial="monoenergetic",
-        times=[t],
-        outputs=("speed_density",),
-    )
-    solution = solve(scene, rtol=1e-7, nodes=6000)
-    edges = np.linspace(0.05, 1.0, 19)  # not at e
-    fine = np.linspace(edges[0], edges[-1], 18 * 400 + 1)
-    f = solution.speed_density(fine)[0]
-    f[-1] = f[-2]  # at u itself the density steps to zero
-    shares = np.add.reduceat(0.5 * (f[1:] + f[:-1]) * np.diff(fine), np.arange(0, 7200, 400))
-    counts = np.histogram(speed[hits > 0], edges)[0] / n
-    assert np.all(np.abs(counts - shares) < 5 * np.sqrt(shares / n) + 1e-5)
-    assert abs(np.mean(hits == 0) - solution.uncollided[0]) < 5 * np.sqrt(0.25 / n)
 
 
 def test_harmonics_of_a_peak() -> None:

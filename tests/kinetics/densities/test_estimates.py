@@ -5,7 +5,6 @@ tracers slower than v.
 """
 
 import math
-import tracemalloc
 from dataclasses import replace
 from typing import Any
 
@@ -185,17 +184,3 @@ def test_no_false_alarm_before_the_first_collisions_and_in_the_scaling_state() -
     for start in (table, "monoenergetic"):
         scene = Scene(0.999, initial=start, times=[0.0, 1e150], outputs=("speed_density",))
         assert solve(scene, 1e-3, method="conservative").status is SolverStatus.CONVERGED
-
-
-def test_memory_is_some_times_that_of_the_result() -> None:
-    times = np.geomspace(0.1, 1e3, 2500)
-    asked = HarmonicProblem(CollisionLaw(0.99), 1.0, Gaussian(1.0, 2.0), 4, times, 1e-10)
-    solve_spectral(replace(asked, times=times[:2]))  # what is kept for the next question
-    tracemalloc.start()
-    try:
-        found = solve_spectral(asked)
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    assert found is not None
-    assert peak < 3.5 * 8 * times.size * found.nodes

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.special import airy, gamma, iv
+from scipy.special import airy, gamma
 
 from kinetics import (
     CollisionLaw,
@@ -23,9 +23,6 @@ from kinetics import (
     solve_field,
     solve_steady,
 )
-from kinetics.driven.axis import SpeedAxis
-from kinetics.driven.generator import Generator, Resolution
-from kinetics.driven.system import System
 
 DENSE = {2: 0.5, 3: 1.0 / math.pi}  # number densities at which l = 1
 
@@ -88,20 +85,6 @@ def test_both_limits_of_diffusion_in_a_bath(dimension):
     ratio = heavy.diffusion_coefficient / first * math.sqrt(1e-3)
     expected = 3.0 * math.pi / 8.0 if dimension == 2 else 32.0 / (9.0 * math.pi)
     assert ratio == pytest.approx(expected, abs=3e-3)
-
-
-def test_the_rate_of_collisions_in_a_bath(dimension):
-    one = Generator(System(0.5, dimension, bath_speed=0.8), SpeedAxis(6.0, 0.8, 20, 1.0, True),
-                    Resolution(20, 40, 1, 1e-12))  # fmt: skip
-    v, w = one.axis.speeds, 0.8
-    x = v * v / (2.0 * w * w)
-    if dimension == 2:
-        bessel = (1.0 + x) * iv(0, x / 2) + x * iv(1, x / 2)
-        expected = w * math.sqrt(math.pi / 2) * np.exp(-x / 2) * bessel
-    else:
-        error = np.vectorize(math.erf)(v / (w * math.sqrt(2.0)))
-        expected = w * math.sqrt(2.0 / math.pi) * np.exp(-x) + (v + w * w / v) * error
-    assert one.rate == pytest.approx(expected, rel=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -172,14 +155,6 @@ def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
     assert solution.thermal_speed[-1] == pytest.approx(math.sqrt(6.0) * 80.0, rel=0.03)
     with pytest.raises(InputError, match="steady"):
         solve_steady(1.0, bath_speed=1.0)
-
-
-def test_a_cold_bath_is_no_bath():
-    scene = dict(times=[1.0, 10.0], outputs=("thermal_speed", "msd"))
-    cold = solve(one_l(0.7, bath_speed=1e-4, **scene))
-    none = solve(one_l(0.7, **scene))
-    assert cold.thermal_speed == pytest.approx(none.thermal_speed, rel=1e-6)
-    assert cold.msd == pytest.approx(none.msd, rel=1e-6)
 
 
 # -- noise and drag --------------------------------------------------------------------------------
@@ -314,9 +289,6 @@ def test_all_stick_without_a_field_in_the_end():
     assert solution.captured[-1] > 0.99
     with pytest.raises(InputError, match="capture_speed"):
         _ = solve(one_l(0.5, times=[1.0])).captured
-
-
-SAMPLES = CollisionLaw.from_samples([1.0], [0.5], [0.0])
 
 
 # -- doors ---------------------------------------------------------------------------------------

@@ -161,21 +161,6 @@ def test_a_start_close_to_rest_is_rest() -> None:
     assert np.all(cold.mean_velocity == rest.mean_velocity)
 
 
-def test_few_velocities_and_many_are_alike() -> None:
-    """A beam of 65 equal samples is solved by its harmonics, of 1 in closed form until it collides.
-
-    Harmonics of a beam converge slowly.
-    """
-    outputs = ("mean_velocity", "mean_displacement", "velocity_tensor", "msd")
-    ask = {"field": 0.08, "outputs": outputs}
-    one = solve(scene([0.5, 3.0], initial=VelocitySamples([[0.9, 1.2]]), **ask), rtol=1e-4)
-    many = [[0.9, 1.2]] * 65
-    found = solve(scene([0.5, 3.0], initial=VelocitySamples(many), **ask), rtol=1e-4)
-    assert found.mean_velocity == pytest.approx(one.mean_velocity, abs=3e-3)
-    assert found.velocity_tensor == pytest.approx(one.velocity_tensor, abs=3e-3)
-    assert found.msd == pytest.approx(one.msd, rel=3e-3)
-
-
 def test_a_miss_is_warned_of() -> None:
     with pytest.warns(ToleranceWarning, match="averages"):
         found = solve(scene([3.0], outputs=("mean_velocity",)), rtol=1e-12)
@@ -183,40 +168,11 @@ def test_a_miss_is_warned_of() -> None:
     assert found.error_estimate > 1e-12
 
 
-@pytest.mark.parametrize("initial", ["rest", Beam(2.0)])
-def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
-    """Averages that nobody asks for are not solved."""
-    times = [0.1, 1.0, 3.0]
-    everything = solve(scene(times, 0.08, initial=initial), rtol=1e-3)
-    for name in OUTPUTS:
-        alone = getattr(solve(scene(times, 0.08, initial=initial, outputs=(name,)), 1e-3), name)
-        expected = getattr(everything, name)
-        scale = everything.thermal_speed if "velocity" in name else expected.max()
-        assert np.all(np.abs(alone - expected) <= 2e-3 * np.max(scale))
-
-
 def test_moments_at_will_are_refused_with_a_field() -> None:
     solution = solve(scene([0.5]), rtol=1e-3)
     for question in (lambda: solution.moment(2.0), lambda: solution.harmonic(1.0, 1)):
         with pytest.raises(InputError, match="field"):
             question()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"field": -1.0}, "field"),
-        ({"field": math.nan}, "field"),
-        ({"field": 0.0, "initial": "rest"}, "give a field"),
-        ({"field": 1.0, "outputs": ("kurtosis",)}, "not available with a field"),
-        ({"outputs": ("displacement_tensor",)}, "not available without a field"),
-        ({"field": 1e300, "outputs": ("mean_velocity",)}, "out of range"),
-    ],
-)
-def test_refusals(arguments: dict[str, Any], words: str) -> None:
-    with pytest.raises(InputError, match=words) as caught:
-        solve(Scene(0.7, times=[1.0], **arguments))
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(("dimension", "family"), [(2, 0), (2, 1), (3, 0), (3, 1)])

@@ -210,13 +210,3 @@ def test_slope_on_its_way_to_the_late_one() -> None:
     late = scene.mean_free_path**2 * ScalingSolution(law).diffusion_slope
     left = found.msd_slope / late - 1.0
     assert left[1:] / left[:-1] == pytest.approx(1e4**z, rel=1e-3)
-
-
-def test_high_harmonics_are_forgotten_slowly_at_smooth_disks_too() -> None:
-    """At e = 0, <v cos(4 phi)> t falls as T^-0.60: it once stayed at 1e-10 of <v> t."""
-    law = CollisionLaw(0.0)
-    z = float(mp.findroot(lambda p: 8 / (p + 5) - 8 / (p + 3) + 1 / (p + 1) - 1, -0.57))
-    times = 1e22 * np.array([1.0, 1e4])
-    found = solve(Scene(law, initial=Beam(), times=times), rtol=1e-12)
-    left = np.abs(found.harmonic(1.0, 4)) * times
-    assert left[1] / left[0] == pytest.approx(1e4**z, rel=1e-3)

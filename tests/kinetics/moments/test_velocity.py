@@ -109,21 +109,3 @@ def test_the_latest_times_are_the_scaling_state(e: float, name: str) -> None:
     np.testing.assert_allclose(slope, 12.5**2 * exact.diffusion_slope, rtol=1e-9)
     rate = np.diff(solution.collisions) / np.diff(np.log(times))
     np.testing.assert_allclose(rate, 1 / exact.law.mean_log_loss, rtol=1e-9)
-
-
-@pytest.mark.parametrize("scale", [1e-150, 1e150])
-def test_a_change_of_units_changes_nothing(scale: float) -> None:
-    """Speeds times scale, times over scale: v0 times scale, the rest as it was."""
-    samples = np.array([0.3, 1.0, 1.7, 2.5])
-    times = np.array([0.0, 1.0, 100.0, 1e6])
-    outputs = ("thermal_speed", "a2", "collisions", "msd")
-    for e in (0.0, 0.6, 1.0):
-        plain = solve(Scene(e, times=times, initial=SpeedSamples(samples), outputs=outputs))
-        scene = Scene(
-            e, times=times / scale, initial=SpeedSamples(samples * scale), outputs=outputs
-        )
-        scaled = solve(scene)
-        np.testing.assert_allclose(scaled.thermal_speed / scale, plain.thermal_speed, rtol=1e-12)
-        np.testing.assert_allclose(scaled.a2 + 1, plain.a2 + 1, rtol=1e-11)
-        np.testing.assert_allclose(scaled.collisions, plain.collisions, rtol=1e-11)
-        np.testing.assert_allclose(scaled.msd, plain.msd, rtol=1e-10)

@@ -10,7 +10,6 @@ from scipy.special import j0, kv
 
 from kinetics import CollisionLaw, InputError, Scene, SolverStatus, solve
 from particles import HardDisks, simulate
-from tests.references.returning_flights import returning_flights
 
 
 @pytest.mark.parametrize(("e", "n"), [(0.7, 0.04), (0.3, 0.1)])
@@ -128,23 +127,3 @@ def test_the_density_has_its_moments(e: float, n: float, t: float) -> None:
     assert 0.0 < solution.position_density([1e-6])[0, 0] < 1e-2
     with pytest.raises(InputError, match="come straight back"):
         solution.position_tail([1.0])
-
-
-def test_random_flights_have_this_density_of_the_displacement() -> None:
-    e, n, time = 0.5, 0.04, 4.0
-    eps = 2 * e / (1 + e) * n * math.log(1 / n)
-    flights = returning_flights(e, eps, time, 240_000, 8)
-    path = 1.0 / (2.0 * n)
-    edges = np.array([0.01, 0.1, 0.2, 0.4, 0.6, 0.9, 1.3, 1.8, 2.6])
-    medium = {"scatterers": "overlapping", "density_order": "leading"}
-    pulls = []
-    for arguments in (medium, {}):
-        scene = Scene(e, n, times=[time * path], outputs="position_density", **arguments)
-        shares = solve(scene, rtol=1e-2).position_fraction(edges * path)[0]
-        for low, high, share in zip(edges[:-1], edges[1:], shares, strict=True):
-            r = abs(flights.place)
-            found, error = flights.mean((r > low) & (r < high))
-            pulls.append((found - share) / error)
-    count = edges.size - 1
-    assert max(map(abs, pulls[:count])) < 3.5
-    assert max(map(abs, pulls[count:])) > 6.0  # the dilute one is another

@@ -7,8 +7,6 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from marking import slow_but
 
 from kinetics import (
@@ -115,20 +113,6 @@ def test_extreme_restitutions_end_with_what_their_estimate_says(
         assert vdf.status is SolverStatus.TOLERANCE_NOT_REACHED
     f = vdf.vdf(np.array([1.0, 1.0 + 1e-6]))
     assert np.all(f > 0.0)
-
-
-@settings(max_examples=40, deadline=None, derandomize=True)
-@given(e=st.floats(1e-3, 0.995), rtol=st.sampled_from([1e-4, 1e-8, 1e-12]))
-def test_any_restitution(e: float, rtol: float) -> None:
-    """The scaled equation's own identities: <c^0> = <c^2> = 1 and h = M2/2, M2 = lambda(2)<c^3>."""
-    vdf = solve_scaled(e, rtol=rtol)
-    assert vdf.moment(0) == 1.0
-    assert vdf.moment(2) == 1.0
-    # paper, the scaled energy balance: h = lambda(2) <c^3>/2 ... with v0' = -h v0^2/(2 l)
-    energy = 2.0 / 3.0 * (1.0 - e * e) * vdf.moment(3.0)
-    assert vdf.cooling_rate == pytest.approx(energy, rel=20 * rtol + 1e-12, abs=0.0)
-    assert vdf.error_estimate <= max(rtol, 5e-12)
-    assert (vdf.status is SolverStatus.CONVERGED) == (vdf.error_estimate <= rtol)
 
 
 @pytest.mark.parametrize(

@@ -205,29 +205,3 @@ def test_isotropic_states_written_as_directed_ones() -> None:
 
 
 # -- a state of one's own -------------------------------------------------------------------------
-
-
-def test_a_state_written_by_the_docstring() -> None:
-    from dataclasses import dataclass
-
-    from kinetics.states.quadrature import LogMeasure
-
-    @dataclass(frozen=True)
-    class TwoSpeeds(State):
-        speed: Any
-
-        def __post_init__(self) -> None:
-            self.store(speed=np.asarray(self.speed, dtype=float))
-
-        def harmonic(
-            self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-        ) -> LogMeasure | None:
-            return None if m else LogMeasure(np.log(self.speed), np.full(2, 0.5))
-
-    mine = TwoSpeeds([0.5, 2.0])
-    assert mine == TwoSpeeds([0.5, 2.0])
-    assert mine != TwoSpeeds([0.5, 2.5])
-    times = [0.0, 10.0, 1e4]
-    found = solve(Scene(0.7, initial=mine, times=times)).thermal_speed
-    known = solve(Scene(0.7, initial=SpeedSamples([0.5, 2.0]), times=times)).thermal_speed
-    assert np.array_equal(found, known)
