@@ -158,14 +158,7 @@ def scattering_function(**scene: Any) -> Any:
     return solve(wanted, rtol=1e-9).intermediate_scattering([0.01, 0.1, 0.5])
 
 
-# The tables of section 3 of the theory, made by a spectral prototype that is not in this package.
-FIELD = {
-    "disks 0.5": (0.617488570787, 1.461042878482, 1.050469278790, 0.160476753702, 0.268043058233),
-    "disks 0.7": (0.501926119920, 1.702146383757, 1.160252548014, 0.190614669672, 0.329659424454),
-    "disks 0.9": (0.360142486812, 2.749139290890, 1.509687290815, 0.260928234751, 0.502760054023),
-    "spheres 0.5": (0.739513156314, 2.117863778575, 1.320254784299, 0.207270834292, 0.332689794549),
-    "spheres 0.9": (0.433647012969, 3.934205475335, 1.864407123796, 0.305814928981, 0.568114933278),
-}
+FIELD = ("disks 0.5", "disks 0.7", "disks 0.9", "spheres 0.5", "spheres 0.9")
 
 
 @question(3e-11, **{name: {"which": name} for name in FIELD})
@@ -189,7 +182,7 @@ def averages_in_a_field() -> Any:
     scene = Scene(
         0.7, initial="rest", field=g, times=times, outputs=("mean_velocity", "mean_displacement")
     )
-    found = solve(scene, rtol=1e-8)
+    found = solve(scene, rtol=3e-7)
     return found.mean_velocity[:, 0] / np.sqrt(12.5 * g), found.mean_displacement[:, 0] / 12.5
 
 
@@ -233,8 +226,8 @@ def paper_algebra() -> Any:
     ]
 
 
-STEP, SIDE = 0.25, 25.0
-"""Time of a step, and side of the periodic box, of the files of particle data."""
+SIDE = 25.0
+"""Of the square in which the tracers of the particle data start."""
 
 
 def trajectories(dimension: int = 2, tracers: int = 150) -> tuple[Any, Any, Any]:
@@ -277,84 +270,9 @@ def columns(times: Any, place: Any, speed: Any) -> dict[str, Any]:
 def write_table(path: Path, *run: Any) -> None:
     import pandas as pd
 
-    frame = pd.DataFrame(columns(*run))
-    if path.suffix == ".parquet":
-        frame.to_parquet(path)
-    elif path.name == "columns.npz":
-        np.savez(path, **columns(*run))
-    else:
-        frame.to_csv(path, index=False)
+    pd.DataFrame(columns(*run)).to_csv(path, index=False)
 
 
-def write_arrays(path: Path, times: Any, place: Any, speed: Any) -> None:
-    np.savez(path, times=times, positions=place, velocities=speed)
-
-
-def write_h5md(path: Path, times: Any, place: Any, speed: Any) -> None:
-    import h5py
-
-    image = np.floor(place / SIDE).astype(int)
-    with h5py.File(path, "w") as file:
-        file.create_group("h5md").attrs["version"] = [1, 1]
-        group = file.create_group("particles/tracers")
-        group["box/edges"] = [SIDE] * place.shape[2]
-        group["box"].attrs["boundary"] = [b"periodic"] * place.shape[2]
-        parts = {"position": place - image * SIDE, "velocity": speed, "image": image}
-        for name, values in parts.items():
-            group[f"{name}/value"], group[f"{name}/time"] = values, times
-            group[f"{name}/step"] = np.round(times / STEP).astype(int)
-
-
-def write_dump(path: Path, times: Any, place: Any, speed: Any) -> None:
-    image = np.floor(place / SIDE).astype(int)
-    lines = []
-    for k, time in enumerate(times):
-        lines += ["ITEM: TIMESTEP", str(round(time / STEP)), "ITEM: NUMBER OF ATOMS"]
-        lines += [str(place.shape[1]), "ITEM: BOX BOUNDS pp pp pp", "0.0 25.0", "0.0 25.0"]
-        lines += ["-0.5 0.5", "ITEM: ATOMS id type x y ix iy vx vy"]
-        for n in range(place.shape[1]):
-            row = [*(place - image * SIDE)[k, n], *image[k, n], *speed[k, n]]
-            lines.append(" ".join([str(n + 1), "1", *(repr(x.item()) for x in row)]))
-    path.write_text("\n".join(lines) + "\n")
-
-
-def write_xyz(path: Path, times: Any, place: Any, speed: Any) -> None:
-    lines = []
-    for time, r, v in zip(times.tolist(), place.tolist(), speed.tolist(), strict=True):
-        lines += [str(len(r)), f"Properties=species:S:1:pos:R:3:id:I:1:vel:R:3 Time={time!r}"]
-        for n in range(len(r)):
-            lines.append(" ".join(["X", *map(repr, r[n]), "0.0", str(n), *map(repr, v[n]), "0.0"]))
-    path.write_text("\n".join(lines) + "\n")
-
-
-def write_gsd(path: Path, times: Any, place: Any, speed: Any) -> None:
-    from gsd import hoomd
-
-    image = np.floor(place / SIDE + 0.5).astype(int)
-    with hoomd.open(str(path), "w") as file:
-        for k, time in enumerate(times):
-            frame = hoomd.Frame()
-            frame.configuration.step, frame.configuration.dimensions = round(time / STEP), 2
-            frame.configuration.box = [SIDE, SIDE, 0, 0, 0, 0]
-            frame.particles.N = place.shape[1]
-            three = [
-                np.pad(part[k], ((0, 0), (0, 1))) for part in (place - image * SIDE, speed, image)
-            ]
-            frame.particles.position, frame.particles.velocity, frame.particles.image = three
-            file.append(frame)
-
-
-FILES: dict[str, Callable[..., None]] = {
-    "run.csv": write_table,
-    "run.parquet": write_table,
-    "columns.npz": write_table,
-    "run.npz": write_arrays,
-    "run.h5md": write_h5md,
-    "run.dump": write_dump,
-    "run.xyz": write_xyz,
-    "run.gsd": write_gsd,
-}
-SINGLE_PRECISION = ("run.gsd",)
 TOLD: dict[str, list[str]] = {
     "true": ["-e", "0.7", "--number-density", "0.04"],
     "false": ["-e", "0.85", "--number-density", "0.04"],
@@ -371,7 +289,7 @@ def judged(file: Path, *told: str) -> Any:
 
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        status = main(["compare", str(file), "--timestep", str(STEP), "--json", *told])
+        status = main(["compare", str(file), "--json", *told])
     assert status == 0
     return json.loads(out.getvalue())
 

@@ -273,7 +273,7 @@ def test_damage_and_other_files_are_refused(tmp_path: Path) -> None:
     (value := VALUES["solution"]()).save(path)
     whole = path.read_bytes()
     noticed = 0
-    for place in np.random.default_rng(1).integers(0, 8 * len(whole), 300):
+    for place in np.random.default_rng(1).integers(0, 8 * len(whole), 100):
         damaged = bytearray(whole)
         damaged[place // 8] ^= 1 << (place % 8)
         bad.write_bytes(damaged)
@@ -281,7 +281,7 @@ def test_damage_and_other_files_are_refused(tmp_path: Path) -> None:
             assert load(bad) == value  # a byte that nothing is read from
         except InputError:
             noticed += 1
-    assert noticed > 30
+    assert noticed > 10
     for contents in (b"", b"time,x\n0,1\n", whole[: len(whole) // 2]):
         bad.write_bytes(contents)
         refused(lambda: load(bad), "b.h5")

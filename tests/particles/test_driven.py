@@ -186,9 +186,10 @@ def test_a_law_of_the_impact_speed_in_a_field(dimension: int, seed: int, size: i
 
 DISKS, SPHERES = HardDisks(0.1, count=400), HardSpheres(0.1, count=400)
 OVERLAPPING = [Poisson(0.1, count=400), particles.PoissonSpheres(0.1, count=400)]
-# each medium with places is another compiled loop: the default tests have two of them
-LATE = [pytest.param(medium, marks=pytest.mark.slow) for medium in (SPHERES, OVERLAPPING[1])]
-FIXED = [DISKS, OVERLAPPING[0], *LATE, BoltzmannGrad(0.1), BoltzmannGrad(0.1, dimension=3)]
+# laws of the impact speed among places are compiled loops of their own
+PLACES = (DISKS, OVERLAPPING[0], SPHERES, OVERLAPPING[1])
+LATE = [pytest.param(medium, marks=pytest.mark.slow) for medium in PLACES]
+FIXED = [*LATE, BoltzmannGrad(0.1), BoltzmannGrad(0.1, dimension=3)]
 NAMED: Any = dict(ids=lambda m: f"{type(m).__name__} {m.dimension}")
 LAWS = [Viscoelastic(0.6), lambda v: 0.9 / (1 + v), ([0.1, 0.5, 2.0], [0.9, 0.4, 0.6])]
 

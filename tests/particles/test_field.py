@@ -47,7 +47,9 @@ def check(per_tracer: np.ndarray, expected: float, sigmas: float = 4.0) -> None:
     assert abs(values.mean() - expected) < sigmas * error, (values.mean(), expected, error)
 
 
-@pytest.mark.parametrize(("medium", "restitution", "figures"), TABLE)
+@pytest.mark.parametrize(
+    ("medium", "restitution", "figures"), slow_but([TABLE[0], TABLE[2], TABLE[4]], TABLE)
+)
 def test_the_steady_state_is_that_of_the_table_and_of_the_exact_relations(
     medium: BoltzmannGrad, restitution: float, figures: tuple[float, ...]
 ) -> None:
@@ -80,7 +82,7 @@ def test_rough_scatterers_take_the_momentum_that_their_law_says(
 def test_elastic_tracers_from_rest_gain_speed_as_the_exact_relation_says(
     medium: BoltzmannGrad, factor: float
 ) -> None:
-    times = np.array([0.3, 1.0, 3.0, 10.0, 30.0, 100.0])
+    times = np.array([0.3, 1.0, 3.0, 10.0, 30.0])
     run = simulate(
         medium, 1.0, "rest", times, media=20, tracers=1000, field=1.0, observables=["velocities"]
     )

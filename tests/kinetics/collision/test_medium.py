@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import CollisionLaw, ScalingSolution, Scene, solve, solve_scaled
 from kinetics.collision import law_in_medium
@@ -93,7 +94,10 @@ def table() -> dict[str, Any]:
     return json.loads(files("kinetics.collision").joinpath("returns.json").read_text("utf-8"))
 
 
-@pytest.mark.parametrize(("e", "m", "p"), [(1.0, 1, 0), (0.5, 1, 0), (0.7, 2, 0), (0.5, 0, 1)])
+@pytest.mark.parametrize(
+    ("e", "m", "p"),
+    slow_but([(1.0, 1, 0), (0.5, 0, 1)], [(1.0, 1, 0), (0.5, 1, 0), (0.7, 2, 0), (0.5, 0, 1)]),
+)
 def test_the_constants_come_out_of_the_integrals_again(e: float, m: int, p: int) -> None:
     """With a sixteenth of the points: the parts that are no quadrature must be right."""
     row = returns.constants(e, points=13, shifts=4)
@@ -105,10 +109,8 @@ def test_the_constants_come_out_of_the_integrals_again(e: float, m: int, p: int)
     assert value == pytest.approx(known[f"ln C {m}"][i], abs=4 * error + 0.01)
 
 
-@pytest.mark.parametrize(
-    ("name", "e"),
-    [("hard disks", 0.7), pytest.param("overlapping", 0.9, marks=pytest.mark.slow)],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "e"), [("hard disks", 0.7), ("overlapping", 0.9)])
 def test_a_simulation_meets_the_theory_and_not_the_dilute_equation(name: str, e: float) -> None:
     """<r^2> at 100 and 1000 l/U among n = 0.04; the table is measurements/density.py."""
     found = density.deviations(name, e, 0.04, 40_000)

@@ -6,6 +6,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import (
     AngularHarmonics,
@@ -31,6 +32,7 @@ LAWS: dict[str, CollisionLaw] = {
 }
 # At those of a few ratios v t/l oscillates for long; the closed form of "no slip" takes seconds.
 SMOOTH = tuple(LAWS)[:9]
+SOME = ("disks, 0.05", "disks, 0.95", "spheres, 0", "rough spheres", "some elastic")
 
 
 def solved(law: CollisionLaw, paths: Any, rtol: float, **options: Any) -> Solution:
@@ -44,7 +46,7 @@ def maxwell(v: Any) -> Any:
     return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", slow_but(SOME, LAWS))
 def test_mass_moments_and_sign(name: str) -> None:
     """Against the backward equation, which has no density in it."""
     law, rtol = LAWS[name], 1e-10

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import (
     CollisionLaw,
@@ -153,8 +154,11 @@ ROUGH: dict[str, Any] = {
 
 @pytest.mark.parametrize(
     ("e", "start"),
-    [(0.0, "one speed"), (0.37, "steps"), (0.9, "ends above zero"), (0.9, "one speed"),
-     (0.37, "smooth")],
+    slow_but(
+        [(0.0, "one speed"), (0.37, "steps"), (0.37, "smooth")],
+        [(0.0, "one speed"), (0.37, "steps"), (0.9, "ends above zero"), (0.9, "one speed"),
+         (0.37, "smooth")],
+    ),
 )  # fmt: skip
 def test_the_distribution_function_is_kept(e: float, start: str) -> None:
     """Against many more nodes, or the spectral method, at speeds between nodes too."""

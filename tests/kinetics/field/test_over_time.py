@@ -124,7 +124,9 @@ def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
         ("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4),  # nearly at rest
         # at 1e6 of the speeds that the field makes
         pytest.param("gaussian", 1e-12, [1e-6, 1e-3], 1e-4, marks=pytest.mark.slow),
-        (Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0], 1e-3),
+        pytest.param(
+            Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0], 1e-3, marks=pytest.mark.slow
+        ),
         ("monoenergetic", 3.0, [0.1, 1.0, 30.0], 1e-4),  # slow, of all directions
         # slow tracers of many directions, whose first steps of time were too long
         pytest.param(MANY, 0.08, [0.1, 1.0, 5.0], 1e-4, marks=pytest.mark.slow),

@@ -52,8 +52,8 @@ def test_mean_velocity_and_tensor_of_a_turned_beam(e: float) -> None:
     assert np.allclose(np.trace(solution.velocity_tensor, axis1=1, axis2=2), square, rtol=1e-10)
 
 
-def test_two_temperature_gaussian_at_the_start() -> None:
-    sx, sy = 1.3, 0.4
+@pytest.mark.parametrize(("sx", "sy"), [(1.3, 0.4), (0.5, 1.1)])
+def test_two_temperature_gaussian_at_the_start(sx: float, sy: float) -> None:
     outputs = ("mean_velocity", "velocity_tensor", "velocity_density")
     solution = solve(scene(0.5, Gaussian(sx, sy), [0.0], outputs=outputs, harmonics=60), rtol=1e-6)
     assert np.allclose(solution.velocity_tensor[0], np.diag([sx**2, sy**2]), rtol=1e-6, atol=1e-12)
