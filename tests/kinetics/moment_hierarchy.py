@@ -19,23 +19,24 @@ DIGITS = 110  # the terms of the series grow to e^(v t) before they cancel
 
 
 @lru_cache(maxsize=32)
-def rates(e: float, m: int) -> tuple[Any, ...]:
-    """nu_m(0), nu_m(1), ..."""
+def rates(e: float, m: int, first: float = 0) -> tuple[Any, ...]:
+    """nu_m(p), p = first, first + 1, ..."""
     with mp.workdps(DIGITS):
-        return tuple(decay_rates(e, m, 0, 700))
+        return tuple(decay_rates(e, m, first, 700))
 
 
-def series(e: float, m: int, p: int, t: float, moment: Callable[[int], Any] = lambda q: 1) -> float:
+def series(
+    e: float, m: int, p: float, t: float, moment: Callable[[float], Any] = lambda q: 1
+) -> float:
     """<v^p e^-im phi> at t for a start with the moments moment(q)."""
-    nu = rates(e, m)
     with mp.workdps(DIGITS):
         total, factor = mp.mpf(0), mp.mpf(1)
-        for k in range(len(nu) - p):
+        for k, rate in enumerate(rates(e, m, p)):
             term = factor * moment(p + k)
             total += term
             if abs(term) < mp.mpf(10) ** -30 and k > 20:
                 return float(total)
-            factor *= -mp.mpf(t) * nu[p + k] / (k + 1)
+            factor *= -mp.mpf(t) * rate / (k + 1)
     raise ArithmeticError("the series needs more terms")
 
 

@@ -9,15 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import (
-    Beam,
-    Gaussian,
-    InputError,
-    ScalingSolution,
-    Scene,
-    SpeedTable,
-    solve,
-)
+from kinetics import Beam, Gaussian, InputError, ScalingSolution, Scene, SpeedTable, solve
 
 pytestmark = pytest.mark.usefixtures("no_hang")
 DENSITY = ("speed_density", "thermal_speed")

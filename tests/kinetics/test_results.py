@@ -7,7 +7,6 @@ import io
 import json
 import os
 import pickle
-import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -352,9 +351,3 @@ def test_links_are_followed_and_nothing_but_files_is_written(tmp_path: Path) -> 
     for name in ("pipe", "null", "", os.path.join("none", "a.h5")):
         refused(lambda n=name: scene.save(tmp_path / n), "path")
         refused(lambda n=name: load(tmp_path / n), "path")
-
-
-def test_importing_kinetics_is_light() -> None:
-    code = "import sys, kinetics.solver; print({'pandas', 'xarray', 'h5py'} & {*sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "set()\n"

@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 from marking import slow_but
 
-from particles import (
-    BoltzmannGrad,
-    simulate,
-)
+from particles import BoltzmannGrad, simulate
 
 DISKS, SPHERES = BoltzmannGrad(0.5), BoltzmannGrad(1 / np.pi, dimension=3)
 # The steady state by a spectral solution, to its digits: medium, e -> <v_x>, <v^2>, <v_x^2>, <v>.

@@ -5,12 +5,7 @@ import pytest
 from scattered import Around
 from scipy.spatial import cKDTree
 
-from particles import (
-    HardDisks,
-    Poisson,
-    Positions,
-    simulate,
-)
+from particles import HardDisks, Poisson, Positions, simulate
 
 
 def gaps(medium: HardDisks | Poisson, seed: int, places: np.ndarray) -> np.ndarray:

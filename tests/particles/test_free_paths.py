@@ -47,17 +47,6 @@ def test_free_paths_are_exponential(medium: Any, path: float, run: dict[str, Any
         assert abs(found.mean_free_path.value - path) < 4 * found.mean_free_path.error
 
 
-@pytest.mark.parametrize("density", [0.01, 0.2])
-def test_mean_free_path_of_overlapping_disks(density: float) -> None:
-    # Santalo: 1/(2 d rho0) at any density. One long path in each of many configurations: those that
-    # share one agree too much to tell more.
-    medium = Poisson(density, 2000)
-    run = simulate(medium, 1.0, "monoenergetic", times=[300 / density], media=400, tracers=1)
-    path = run.mean_free_path
-    assert path.error < 0.01 * path.value
-    assert abs(path.value - 0.5 / density) < 3 * path.error
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("density", "expected"), [(0.005, 0.970), (0.01, 0.947), (0.02, 0.908)])
 def test_elastic_diffusion_among_overlapping_disks(density: float, expected: float) -> None:

@@ -6,14 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from kinetics import (
-    CollisionLaw,
-    ScalingSolution,
-    Scene,
-    solve,
-    solve_field,
-    solve_scaled,
-)
+from kinetics import CollisionLaw, ScalingSolution, Scene, solve, solve_field, solve_scaled
 
 GIVEN = ([0.25, 0.75], [0.5, 0.9], [0.3, -1.0])
 
@@ -35,31 +28,6 @@ def test_sums_over_samples() -> None:
 
 
 # -- mixtures -------------------------------------------------------------------------------------
-
-PARTS = [
-    (0.5, 1.0, 2),
-    (0.0, 1.0, 2),
-    (0.8, 0.8, 2),
-    (0.6, 0.0, 2),
-    (0.0, 1.0, 3),
-    (0.9, 0.7, 3),
-]
-
-
-@pytest.mark.parametrize(("e", "et", "dimension"), PARTS)
-def test_a_law_mixed_with_itself_is_that_law(e: float, et: float, dimension: int) -> None:
-    law = CollisionLaw(e, et, dimension)
-    mixed = CollisionLaw.mixture([1.0, 2.0], [law, law])
-    one, other = ScalingSolution(law), ScalingSolution(mixed)
-    assert other.cooling_rate == pytest.approx(one.cooling_rate, rel=1e-12)
-    assert other.a2 == pytest.approx(one.a2, rel=1e-12, abs=1e-12)
-    outputs = ("thermal_speed", "a2", "msd", "kurtosis")
-    scenes = [
-        Scene(x, dimension=dimension, times=[0.5, 10.0, 1e6], outputs=outputs) for x in (law, mixed)
-    ]
-    first, second = (solve(scene) for scene in scenes)
-    for name in outputs:
-        assert getattr(second, name) == pytest.approx(getattr(first, name), rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -5,12 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import (
-    Scene,
-    Solution,
-    SolverStatus,
-    solve,
-)
+from kinetics import Scene, Solution, SolverStatus, solve
 
 OUTPUTS = ("speed_density", "thermal_speed", "a2")
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from kinetics import CollisionLaw, FieldState, InputError, ToleranceWarning, solve_field
+from kinetics import FieldState, InputError, ToleranceWarning, solve_field
 from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
@@ -146,16 +146,6 @@ def test_what_is_not_reached_is_said() -> None:
     assert state.status.name == "TOLERANCE_NOT_REACHED"
     assert 1e-14 < state.error_estimate < 1e-11
     assert "raise rtol" in state.message
-
-
-def test_two_kinds_of_bounces() -> None:
-    """Samples with two deflections: rays through rest are scattered into other rays."""
-    law = CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.6, -0.7])
-    coarse, fine = solve_field(law, rtol=1e-4), solve_field(law, rtol=1e-8)
-    assert coarse.drift == pytest.approx(fine.drift, rel=1e-4)
-    assert fine.status.name == "CONVERGED"
-    left = law.harmonic_decay_rate(1.0, 1) * fine.moment(2, 1)
-    assert left == pytest.approx(1.0, rel=1e-8)
 
 
 def test_density() -> None:

@@ -7,18 +7,7 @@ import numpy as np
 import pytest
 from marking import slow_but
 
-from kinetics import (
-    Beam,
-    CollisionLaw,
-    InputError,
-    Scene,
-    ToleranceWarning,
-    VelocitySamples,
-    solve,
-    solve_field,
-)
-from kinetics.field.elimination import Chain
-from kinetics.field.grid import SpeedPanels, loss_matrices
+from kinetics import Beam, InputError, Scene, ToleranceWarning, VelocitySamples, solve, solve_field
 from kinetics.field.starts import free_way
 from kinetics.numerics.gauss import gauss_legendre
 
@@ -175,27 +164,6 @@ def test_moments_at_will_are_refused_with_a_field() -> None:
     for question in (lambda: solution.moment(2.0), lambda: solution.harmonic(1.0, 1)):
         with pytest.raises(InputError, match="field"):
             question()
-
-
-@pytest.mark.parametrize(("dimension", "family"), [(2, 0), (2, 1), (3, 0), (3, 1)])
-def test_no_error_grows_over_time(dimension: int, family: int) -> None:
-    """No solution of the equation on panels grows, down to low speeds: it had rates of 300."""
-    panels, top = SpeedPanels.rising(6.0, 0.01, 7), 11 - family
-    chain, n = Chain(panels, dimension, family), panels.size
-    lost = loss_matrices(panels, CollisionLaw(0.7, dimension=dimension), 11)
-    count = top + 1 - family
-    rates = np.zeros((count, n, count, n))
-    for i, m in enumerate(range(family, top + 1)):
-        rates[i, :, i] = -panels.speeds[:, None] * lost[m]
-        if m < top:
-            rates[i, :, i + 1] = -chain.from_above(m)
-        else:
-            rates[i, :, i] -= chain.beyond(m)
-        if i > 0:
-            rates[i, :, i - 1] = -chain.from_below(m)
-    rates /= panels.speeds[:, None, None]
-    fastest = np.linalg.eigvals(rates.reshape(count * n, count * n)).real.max()
-    assert fastest <= 1e-9
 
 
 def test_the_free_way_in_a_field() -> None:

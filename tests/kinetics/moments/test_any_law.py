@@ -7,13 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kinetics import (
-    Beam,
-    CollisionLaw,
-    ScalingSolution,
-    Scene,
-    solve,
-)
+from kinetics import Beam, CollisionLaw, ScalingSolution, Scene, solve
 from kinetics.status import SolverStatus
 
 PATH = 1.0 / (math.pi * 0.04)  # of spheres of number density 0.04
@@ -198,15 +192,3 @@ def test_late_slope_where_directions_are_forgotten_slowly(
     assert found.status is SolverStatus.CONVERGED
     late = scene.mean_free_path**2 * ScalingSolution(law).diffusion_slope
     assert found.msd_slope[-1] == pytest.approx(late, rel=1e-11)
-
-
-def test_slope_on_its_way_to_the_late_one() -> None:
-    """It differs from its limit by T^z, z + 3 = 2 et^z, at e = 0 in space: once by a constant."""
-    et, times = 0.3, np.array([1e22, 1e26, 1e30])
-    z = float(mp.findroot(lambda p: p + 3 - 2 * mp.mpf(et) ** p, -0.2))
-    law = CollisionLaw(0.0, et, 3)
-    scene = Scene(law, times=times, outputs="diffusion_coefficient")
-    found = solve(scene, rtol=1e-12)
-    late = scene.mean_free_path**2 * ScalingSolution(law).diffusion_slope
-    left = found.msd_slope / late - 1.0
-    assert left[1:] / left[:-1] == pytest.approx(1e4**z, rel=1e-3)

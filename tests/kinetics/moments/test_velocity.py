@@ -7,15 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import (
-    ScalingSolution,
-    Scene,
-    Solution,
-    SolverStatus,
-    SpeedSamples,
-    SpeedTable,
-    solve,
-)
+from kinetics import ScalingSolution, Scene, Solution, SolverStatus, SpeedSamples, SpeedTable, solve
 
 MEANS = ("thermal_speed", "temperature", "a2", "collisions", "msd")
 

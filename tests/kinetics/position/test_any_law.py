@@ -8,14 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kinetics import (
-    AngularHarmonics,
-    Beam,
-    CollisionLaw,
-    Scene,
-    SolverStatus,
-    solve,
-)
+from kinetics import AngularHarmonics, Beam, CollisionLaw, Scene, SolverStatus, solve
 from kinetics.position.directions import mean_phase
 
 FloatArray = NDArray[np.float64]

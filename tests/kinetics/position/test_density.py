@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kinetics import (
-    CollisionLaw,
-    Scene,
-    Solution,
-    SolverStatus,
-    SpeedTable,
-    solve,
-)
+from kinetics import CollisionLaw, Scene, Solution, SolverStatus, SpeedTable, solve
 from kinetics.collision import ImpactQuadrature
 from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages

@@ -7,15 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from kinetics import (
-    Beam,
-    CollisionLaw,
-    Gaussian,
-    Monoenergetic,
-    Scene,
-    ToleranceWarning,
-    solve,
-)
+from kinetics import Beam, CollisionLaw, Gaussian, Monoenergetic, Scene, ToleranceWarning, solve
 from kinetics.position import scattering
 
 

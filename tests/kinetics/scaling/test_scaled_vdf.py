@@ -9,13 +9,7 @@ import numpy as np
 import pytest
 from marking import slow_but
 
-from kinetics import (
-    InputError,
-    ScaledVDF,
-    ScalingSolution,
-    SolverStatus,
-    solve_scaled,
-)
+from kinetics import InputError, ScaledVDF, ScalingSolution, SolverStatus, solve_scaled
 
 # what is promised: h, a2, moments to 1e-12 and F(c) to 1e-9 at these restitutions
 TABLE = [0.0, 1e-3, *np.round(np.arange(0.05, 0.951, 0.05), 2).tolist(), 0.99, 0.999]

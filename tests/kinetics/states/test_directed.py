@@ -1,6 +1,5 @@
 """Directed states against the moment hierarchy in many digits, an integral, a small Monte Carlo."""
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -136,40 +135,6 @@ def test_samples_of_velocities(n: int) -> None:
             exact += factor * known[1 + k]
             factor *= -times[1] * float(nu[1 + k]) / (k + 1)
         assert abs(solution.harmonic(1, m)[1] - exact) < 1e-9
-
-
-def test_velocity_density_after_collisions() -> None:
-    """A beam with Gaussian speeds, 200,000 tracers, 4 x 6 bins of speed and angle, 5 sigma."""
-    e, t, n = 0.6, 0.8, 200_000
-    rng = np.random.default_rng(3)
-    first = np.hypot(*rng.normal(size=(2, n)))
-    speed, angle, clock = first.copy(), np.zeros(n), np.zeros(n)
-    moving = np.arange(n)
-    while moving.size:
-        clock[moving] += rng.exponential(size=moving.size) / speed[moving]
-        moving = moving[clock[moving] < t]
-        y = rng.uniform(-1.0, 1.0, moving.size)
-        normal = np.sqrt(1.0 - y * y)
-        angle[moving] += np.arctan2(-e * normal, y) - np.arctan2(normal, y)
-        speed[moving] *= np.hypot(y, e * normal)
-    kept = angle != 0.0  # the uncollided ones are a peak in the angle
-    # so the sum over harmonics never ends: compare the harmonics bin by bin in the speed
-    solution = solve(
-        scene(e, Beam(speeds="gaussian"), [t], outputs=("velocity_density",), harmonics=3),
-        rtol=1e-7,
-    )
-    assert 0.2 < kept.mean() < 0.8
-    edges = np.array([0.1, 0.5, 1.0, 1.5, 2.5])
-    phi = 2 * np.pi * np.arange(16) / 16
-    for low, high in itertools.pairwise(edges):
-        node, weight = np.polynomial.legendre.leggauss(24)
-        v = 0.5 * (low + high) + 0.5 * (high - low) * node
-        f = solution.velocity_density(v, phi)[0]
-        inside = (speed > low) & (speed < high)
-        for m in range(4):
-            exact = (weight * v) @ f @ np.cos(m * phi) * 0.5 * (high - low) * 2 * np.pi / 16
-            sample = np.where(inside, np.cos(m * angle), 0.0)
-            assert abs(sample.mean() - exact) < 5 * sample.std() / np.sqrt(n), (low, m)
 
 
 # -- elastic, where there is nothing to discretise -----------------------------------------------
