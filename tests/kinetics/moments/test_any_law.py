@@ -17,6 +17,7 @@ TERMS = 160
 
 def power(e: Any, et: Any, dimension: int, p: int) -> Any:
     """E[s^p]; in space s^2 is uniform between e^2 and et^2."""
+    e = abs(e)
     if dimension == 3:
         ends = (et ** (p + 2) - e ** (p + 2)) / (p + 2) if p != -2 else mp.log(et / e)
         return 2 * ends / (et**2 - e**2)
@@ -66,14 +67,19 @@ def sampled(dimension: int, *samples: tuple[float, float, float]) -> tuple[Colli
     return CollisionLaw.from_samples(*zip(*samples, strict=True), dimension), found
 
 
-def bounces(e: float, et: float, dimension: int = 2) -> tuple[CollisionLaw, Any]:
-    """Disks or spheres, and their rates."""
-    return CollisionLaw(e, et, dimension), lambda m, first: rates(e, et, dimension, m, first)
+def bounces(
+    e: float, et: float, dimension: int = 2, mass: float = math.inf
+) -> tuple[CollisionLaw, Any]:
+    """Disks or spheres, and their rates; scatterers that may move act by the restitution e*."""
+    star = e if mass == math.inf else (1.0 + e) * mass / (1.0 + mass) - 1.0
+    law = CollisionLaw(e, et, dimension, mass_ratio=mass)
+    return law, lambda m, first: rates(star, et, dimension, m, first)
 
 
 LAWS = {
     "smooth disks": bounces(0.7, 1.0),
     "smooth spheres": bounces(0.7, 1.0, 3),
+    "light spheres": bounces(1.0, 1.0, 3, 0.01),
     "rough disks": bounces(0.7, 0.4),
     "rough spheres": bounces(0.3, 0.8, 3),
     "elastic normal to the sphere": bounces(1.0, 0.6, 3),

@@ -1,6 +1,5 @@
 """solve: averages in time against Mellin-Barnes integrals and power series in mpmath."""
 
-import math
 from types import ModuleType
 from typing import Any
 
@@ -62,29 +61,6 @@ def test_other_starts(e: str, name: str, formulas: ModuleType, numbers: Any) -> 
     scene = Scene(float(e), times=formulas.TIMES, initial=state(name, formulas), outputs=MEANS)
     found = errors(solve(scene, rtol=1e-12), numbers["evolution"][e][name])
     assert max(found.values()) <= 2e-12, found
-
-
-@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
-def test_early_times_and_the_start(e: float, name: str) -> None:
-    times = [0.0, 1e-300, 1e-12, 1e-6]
-    outputs = (*MEANS, "kurtosis", "mean_displacement", "diffusion_coefficient")
-    solution = solve(Scene(e, times=times, initial=name, outputs=outputs))
-    kurtosis = 2.0 if name == "gaussian" else 1.0  # of the flights
-    assert solution.kurtosis == pytest.approx([kurtosis] * 4, rel=1e-6)
-    assert not solution.mean_displacement.any()
-    v2 = 2.0 if name == "gaussian" else 1.0
-    assert solution.thermal_speed[:2] == pytest.approx([math.sqrt(v2)] * 2, rel=1e-11, abs=0.0)
-    assert solution.a2[:2] + 1 == pytest.approx(
-        [1.0 if name == "gaussian" else 0.5] * 2, rel=1e-10, abs=0.0
-    )
-    assert solution.collisions[0] == 0.0
-    assert solution.msd[0] == 0.0
-    mean = math.sqrt(math.pi / 2) if name == "gaussian" else 1.0
-    for k, t in enumerate(times[1:3], start=1):
-        assert solution.collisions[k] == pytest.approx(mean * t / 12.5, rel=1e-10, abs=0.0)
-        assert solution.msd[k] == pytest.approx(v2 * t * t, rel=1e-10, abs=1e-300)
-        assert solution.diffusion_coefficient[k] == pytest.approx(0.5 * v2 * t, rel=1e-10, abs=0.0)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.4, 0.9, 0.99])
