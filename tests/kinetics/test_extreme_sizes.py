@@ -11,7 +11,6 @@ import pytest
 
 from kinetics import Beam, Gaussian, InputError, ScalingSolution, Scene, SpeedTable, solve
 
-pytestmark = pytest.mark.usefixtures("no_hang")
 DENSITY = ("speed_density", "thermal_speed")
 
 

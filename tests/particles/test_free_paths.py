@@ -12,7 +12,6 @@ from particles import (
     HardSpheres,
     Poisson,
     PoissonSpheres,
-    Positions,
     simulate,
 )
 
@@ -104,25 +103,6 @@ def test_the_mean_free_path_is_that_of_santalo(medium: Any) -> None:
         assert abs(path.value * np.pi * rho / (1 - phi) ** 3 * (1 - phi / 2) - 1) < 0.03
     elif isinstance(medium, PoissonSpheres):  # any density (Santalo)
         assert abs(path.value * np.pi * rho - 1) < 0.015
-
-
-def test_a_box_that_a_tracer_does_not_cross_is_as_good_as_the_plane() -> None:
-    """The same disks in a box, and in one three times as wide with others around them."""
-    rng = np.random.default_rng(8)
-    box, own = 60.0, rng.uniform(-30.0, 30.0, (200, 2))
-    own = own[np.hypot(*own.T) > 1.0]
-    outside = rng.uniform(-90.0, 90.0, (1800, 2))
-    outside = outside[abs(outside).max(axis=1) > 31.0]
-    usual: Any = dict(restitution=0.7, times=[1.0, 20.0, 60.0], media=1, tracers=200, seed=2)
-    small, large = (
-        simulate(Positions(disks, side, start=(0.0, 0.0)), **usual, observables=["positions"])
-        for disks, side in ((own, box), (np.concatenate((own, outside)), 3 * box))
-    )
-    kept = np.all(abs(small.positions).max(axis=2) < box / 2 - 2.0, axis=0)
-    assert kept.sum() > 150
-    np.testing.assert_allclose(
-        small.positions[:2, kept], large.positions[:2, kept], rtol=0, atol=1e-6
-    )
 
 
 @pytest.mark.parametrize(

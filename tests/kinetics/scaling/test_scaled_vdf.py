@@ -109,27 +109,6 @@ def test_extreme_restitutions_end_with_what_their_estimate_says(
     assert np.all(f > 0.0)
 
 
-@pytest.mark.parametrize(
-    ("e", "rtol"),
-    slow_but(
-        [(0.9999, 1e-9), (0.78, 3e-8)],
-        [(0.9999, 1e-9), (0.997, 1e-7), (0.9995, 1e-3), (0.78, 3e-8), (0.3, 1e-8), (0.14, 1e-7)],
-    ),
-)
-def test_both_tails_keep_the_accuracy_asked(e: float, rtol: float) -> None:
-    """Down to 1e-95 of its largest: errors of seams add up, and one of the unit of speed counts."""
-    exact = ScalingSolution(e)
-    c = np.concatenate(
-        [np.geomspace(1e-3, 0.5, 6), np.geomspace(0.6, 5.0, 20), [20.0, 60.0, 100.0]]
-    )
-    f = exact.vdf(c)
-    seen = f > 1e-95 * f[c > 0.3].max()
-    state = solve_scaled(e, rtol)
-    error = np.abs(state.vdf(c[seen]) / f[seen] - 1.0).max()
-    assert error <= rtol
-    assert state.status is SolverStatus.CONVERGED
-
-
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10])
 def test_the_rounding_of_a_steep_density_is_in_the_estimate(gap: float, dimension: int) -> None:
