@@ -43,7 +43,7 @@ def test_mean_log_loss_and_mean_cosine(e: float, formulas: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("e", [*NEAR_AND_FAR, 0.0, 1.0])
-@pytest.mark.parametrize("m", [1, 2, 3, 8])
+@pytest.mark.parametrize("m", [1, 2, 5])
 def test_harmonic_decay_rate(e: float, m: int, formulas: ModuleType) -> None:
     law = CollisionLaw(e)
     # the reference loses m times the digits of 1 - e

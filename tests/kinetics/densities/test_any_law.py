@@ -32,7 +32,7 @@ LAWS: dict[str, CollisionLaw] = {
 }
 # At those of a few ratios v t/l oscillates for long; the closed form of "no slip" takes seconds.
 SMOOTH = tuple(LAWS)[:9]
-SOME = ("disks, 0.05", "disks, 0.95", "spheres, 0", "rough spheres", "some elastic")
+SOME = ("disks, 0.05", "disks, 0.95", "rough spheres", "two kinds of disk")
 
 
 def solved(law: CollisionLaw, paths: Any, rtol: float, **options: Any) -> Solution:

@@ -89,7 +89,7 @@ def test_moment_hierarchy_of_higher_harmonics(dimension: int, e: float) -> None:
     """Row m of the equation, times v^p: it meets the harmonics m - 1, m and m + 1."""
     state = solve_field(e, dimension)
     for m in (1, 2, 3, 4):
-        for p in (1.0, 2.0, 3.5):
+        for p in (0.5, 1.0, 2.0, 3.5):
             below, above = state.moment(p - 1, m - 1), state.moment(p - 1, m + 1)
             if dimension == 2:
                 left = 0.5 * (p + m) * below + 0.5 * (p - m) * above

@@ -65,7 +65,7 @@ def test_very_lossy_rough_scatterers() -> None:
     assert found.mean_velocity[1, 0] == pytest.approx(state.drift, rel=1e-4)
 
 
-@pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 2), (0.7, 1.0, 3), (0.4, 0.4, 2)])
+@pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 3), (0.4, 0.4, 2)])
 def test_late_times_reach_the_steady_state(e: float, et: float, dimension: int) -> None:
     state = solve_field(e, dimension, et, rtol=1e-7)
     path = PATH if dimension == 2 else 1.0 / (math.pi * 0.04)
@@ -83,7 +83,7 @@ def test_late_times_reach_the_steady_state(e: float, et: float, dimension: int) 
 
 @pytest.mark.parametrize(
     ("initial", "dimension"),
-    [(Beam(0.8, "monoenergetic"), 2), (Beam(0.0, "monoenergetic"), 3), ("gaussian", 3)],
+    [(Beam(0.8, "monoenergetic"), 2), ("gaussian", 3)],
 )
 def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
     """Against the equation without a field, in all outputs."""
@@ -110,7 +110,7 @@ def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
     [
         ("rest", 0.01, np.geomspace(0.003, 99.0, 12), 1e-4),
         ("gaussian", 0.08, [0.3, 1.0, 3.0, 10.0], 1e-4),
-        ("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4),  # nearly at rest
+        pytest.param("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4, marks=pytest.mark.slow),  # at rest
         # at 1e6 of the speeds that the field makes
         pytest.param("gaussian", 1e-12, [1e-6, 1e-3], 1e-4, marks=pytest.mark.slow),
         pytest.param(

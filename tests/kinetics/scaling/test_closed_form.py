@@ -17,7 +17,7 @@ EXTREME = [1e-8, 1e-4, 1 - 1e-4, 1 - 1e-8]
 LIMIT = 1e-13
 
 
-@pytest.mark.parametrize("e", slow_but(TABLE[::2] + EXTREME, TABLE + EXTREME))
+@pytest.mark.parametrize("e", slow_but(TABLE[::5] + EXTREME, TABLE + EXTREME))
 def test_cooling_rate_a2_and_integer_moments(e: float, formulas: ModuleType) -> None:
     exact = ScalingSolution(e)
     with mp.workdps(80):
@@ -99,7 +99,7 @@ def test_the_elastic_limit() -> None:
 def test_large_speeds_beside_small_ones_near_zero() -> None:
     """What resolves a long tail towards rest lost eight digits where it ends at large speeds."""
     c = np.concatenate([np.geomspace(1e-3, 0.1, 12), np.linspace(0.2, 12.5, 40)])
-    for e, d in ((1e-10, 2), (1e-8, 2), (1e-8, 3)):
+    for e, d in ((1e-10, 2), (1e-8, 3)):
         exact, found = ScalingSolution(e, 1.0, d), solve_scaled(e, 1e-12, dimension=d)
         np.testing.assert_allclose(exact.vdf(c), found.vdf(c), rtol=2e-12)
 
