@@ -105,6 +105,20 @@ def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
         assert np.all(np.abs(value - expected) <= 2e-5 * np.maximum(scale, 1.0 * (name == "a2")))
 
 
+def test_the_displacement_turns_with_the_start() -> None:
+    """Where the field has no effect yet: all its components, also xy."""
+    one, other = (
+        solve(
+            Scene(0.7, initial=Beam(angle, "monoenergetic"), field=1e-13, times=[10.0, 50.0],
+                  outputs=("displacement_tensor",)), rtol=1e-4,
+        ).displacement_tensor
+        for angle in (0.0, 0.8)
+    )  # fmt: skip
+    turn = np.array([[math.cos(0.8), -math.sin(0.8)], [math.sin(0.8), math.cos(0.8)]])
+    expected = turn @ one @ turn.T
+    assert np.all(abs(other - expected) < 1e-3 * abs(expected))
+
+
 @pytest.mark.parametrize(
     ("initial", "field", "times", "rtol"),
     [
