@@ -61,7 +61,7 @@ def test_no_contact_is_missed_and_none_invented() -> None:
     answer is right.
     """
     hits = 0
-    for row in cases(150, 1):
+    for row in cases(60, 1):
         t = contact_in_field((row[0], row[1]), (row[2], row[3]), row[4], ENDLESS, APART)
         with mp.workdps(40):
             exact = roots(*row)
@@ -73,7 +73,7 @@ def test_no_contact_is_missed_and_none_invented() -> None:
                 hits += 1
                 distance, scale = place(row, mp.mpf(t))
                 assert abs(distance - 1) < 3e-15 * scale
-    assert hits > 45
+    assert hits > 18
 
 
 def test_the_second_contact_after_a_bounce_of_any_height() -> None:
