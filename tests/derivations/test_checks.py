@@ -93,6 +93,7 @@ def test_a_row_says_what_its_status_promises(rows: Rows) -> None:
         ("sonine12", "Sonine a_2 at e = 0.9", -0.181),
         ("ad7", "their ratio", 0.8488),
         ("beyond:position", "flatness of the K_0 form", 4.0),
+        ("msd", "slope at e = 0.4, with the paper's l = 13.5 d (l^2)", 3.0286),
     ],
 )
 def test_numbers_that_were_known_before(label: str, name: str, value: float, rows: Rows) -> None:
