@@ -54,10 +54,12 @@ def lorentz(capsys: pytest.CaptureFixture[str]) -> Iterator[Lorentz]:
 
 
 # The first test compiles nearly all kernels while another process derives and solves: two processes
-# that came to the same kernel at the same time would both compile it. Short tests come last.
+# that came to the same kernel at the same time would both compile it. Then come the files that take
+# longest.
 ORDER = [
-    "tests/particles/test_every_event.py", "tests/derivations", "tests/kinetics",
-    "tests/fuzz", "tests/particles", "tests/crosscheck", "tests",
+    "tests/particles/test_every_event.py", "tests/derivations",
+    "tests/crosscheck/compare/test_verdicts.py", "tests/crosscheck/report",
+    "tests/kinetics", "tests/particles", "tests/crosscheck", "tests",
 ]  # fmt: skip
 
 

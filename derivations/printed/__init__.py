@@ -1,9 +1,9 @@
 """The paper as transcribed, and the other statements that are judged; nothing is corrected here.
 
 What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
-LaTeX of it; ``main_text`` and ``appendices`` transcribe the same equations into sympy, and a test
-holds each transcription against its LaTeX. ``beyond`` and ``beyond_media`` state the results that
-the paper does not have, under labels that start with ``beyond:``.
+LaTeX of it; ``main_text`` and ``appendices`` transcribe the same equations into sympy, each held
+against its LaTeX by a reader apart from them. ``beyond`` and ``beyond_media`` state the results
+that the paper does not have, under labels that start with ``beyond:``.
 
 May import: ``symbols``, ``formal``, ``printers``; never ``derived``. A new row is stated here and
 derived by a function under ``@derives(label)`` in :mod:`derivations.derived`.

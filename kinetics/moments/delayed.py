@@ -28,7 +28,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import exp1
 
 from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium
@@ -72,6 +71,8 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
 
     The sum of w exp(-s y) is k of near loops; of the others its integral is 1.
     """
+    from scipy.special import exp1
+
     e, a = medium.restitution, _shortest(medium)
     u, step = equal_panels(math.log(_FASTEST / a / _SLOWEST), _MODES, math.inf)
     grown = np.append(0.5 * _SLOWEST, _SLOWEST * np.exp(u))

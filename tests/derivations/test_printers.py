@@ -10,51 +10,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-import sympy as sp
 
-import derivations
 from derivations import Check, printed_equation, to_json, to_latex_document, to_text, verify
-from derivations import symbols as sy
-from derivations.formal import Avg, Dt, Int, Partial, Second, dot, eq
 from derivations.printed import ROWS
-from derivations.printers import LETTERS, counts, latex, mathml, plain
-
-
-def content(formula: sp.Basic) -> str:
-    """The letters and signs of the MathML in their order, without the invisible ones."""
-    root = ElementTree.fromstring(unescape(mathml(formula)))
-    return "".join(root.itertext()).replace("\N{INVISIBLE TIMES}", "")
-
-
-def test_text_and_latex_of_formulas() -> None:
-    assert plain(sp.Tuple(eq(sy.h, sy.M2), sy.a2)) == "h = M_2; a_2"
-    assert plain(sp.Le(sy.e, 1, evaluate=False)) == "e <= 1"
-    assert latex(sy.bv) == r"\mathbf{v}"
-    assert latex(sy.msd(sy.t)) == r"\langle r^{2}\rangle_{e}{\left(t \right)}"
-    assert latex(sp.Tuple(sy.a2, sy.h)) == r"a_{2},\quad h"
-    assert latex(dot(sy.bv, sy.sigma)) == r"\hat{\sigma} \cdot \mathbf{v}"
-    assert plain(None) == latex(None) == mathml(None) == ""
-
-
-@pytest.mark.parametrize(
-    ("formula", "expected"),
-    [
-        (sy.T(sy.t), "T(t)"),
-        (sy.bvs, "𝐯*"),
-        (sy.a2bar + sy.pm, "ā2+±"),
-        (dot(sy.bv, sy.sigma), "σ̂·𝐯"),
-        (Int(sy.f(sy.bv, sy.t), sy.sigma, sy.hemi), "∫𝐯·σ̂ > 0f(𝐯,t)dσ̂"),
-        (Int(1 + sy.v, sy.bv), "∫[v+1]d𝐯"),
-        (Partial(sy.T(sy.t), sy.t), "∂T(t)∂t"),
-        (Second(sy.f(sy.v), sy.v, sy.c), "∂2f(v)∂v2|v=c"),
-        (Dt(1, sy.T(sy.t)), "∂t(1)T(t)"),
-        (Avg(sy.c**2), "⟨c2⟩"),
-        (sp.log(sy.t), "ln(t)"),
-        (sp.Derivative(sy.T(sy.t), sy.t), "ddtT(t)"),
-    ],
-)
-def test_mathml_of_formal_pieces(formula: sp.Basic, expected: str) -> None:
-    assert content(formula) == expected
+from derivations.printers import LETTERS, counts, mathml
 
 
 def test_the_mathml_of_a_row_is_well_formed_and_shows_no_name_of_python() -> None:
@@ -68,6 +27,7 @@ def test_the_mathml_of_a_row_is_well_formed_and_shows_no_name_of_python() -> Non
 
 
 def test_the_latex_document(checks: tuple[Check, ...], tmp_path: Path) -> None:
+    checks = checks[::3]
     document = to_latex_document(checks)
     assert document.isascii()
     unescaped = re.sub(r"\\[{}]", "", document)
@@ -89,12 +49,13 @@ def test_the_latex_document(checks: tuple[Check, ...], tmp_path: Path) -> None:
     assert run.returncode == 0, run.stdout[-2000:]
 
 
-def test_json_holds_every_row_and_survives_a_round_trip(checks: tuple[Check, ...]) -> None:
+def test_json_survives_a_round_trip(checks: tuple[Check, ...], rows: dict) -> None:
+    checks = (*checks[::4], rows["sonine9"])
     data = to_json(checks)
     assert json.loads(json.dumps(data, allow_nan=False)) == data
     assert [row["label"] for row in data["checks"]] == [check.label for check in checks]
     assert sum(data["counts"].values()) == len(checks)
-    (row,) = (row for row in data["checks"] if row["label"] == "sonine9")
+    row = data["checks"][-1]
     assert row["status"] == "verified"
     assert row["printed"] == "M_2 = sqrt(pi)*(1 - e**2)*(3*a_2/8 + 1)"
     assert row["source_latex"].startswith("M_{2}")
@@ -128,11 +89,3 @@ def test_checks_and_equations_are_values(checks: tuple[Check, ...]) -> None:
     assert equation.mathml.startswith("<math>")
     with pytest.raises(ValueError, match="sonine99"):
         printed_equation("sonine99")
-
-
-def test_the_package_shows_its_public_names() -> None:
-    assert {*derivations.__all__, "__version__"} <= set(dir(derivations))
-    assert all(getattr(derivations, name) is not None for name in derivations.__all__)
-    assert derivations.__version__[0].isdigit()
-    with pytest.raises(AttributeError):
-        _ = derivations.no_such_name

@@ -19,7 +19,7 @@ LONGEST = 400  # characters of a refusal that lists the names that are known; el
 
 
 def fuzz(few: int, **arguments: st.SearchStrategy[Any]) -> Any:
-    """A test with so many examples, the same ones each time; forty times as many with `-m slow`."""
+    """A test with so many examples, the same each time; eighty times as many with `-m slow`."""
 
     def decorate(check: Callable[..., None]) -> Callable[..., None]:
         def run(tries: int) -> None:
@@ -29,7 +29,7 @@ def fuzz(few: int, **arguments: st.SearchStrategy[Any]) -> Any:
                 suppress_health_check=list(HealthCheck),
             )(given(**arguments)(check))()  # fmt: skip
 
-        slow = pytest.param(40 * few, marks=pytest.mark.slow)
+        slow = pytest.param(80 * few, marks=pytest.mark.slow)
         return pytest.mark.parametrize("tries", [few, slow])(run)
 
     return decorate

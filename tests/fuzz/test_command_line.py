@@ -90,7 +90,7 @@ def check_refused(status: int, out: str, err: str, new: set[str]) -> None:
     check_line(err)
 
 
-@fuzz(120, arguments=solve | solve | scaled | simulate | compare)
+@fuzz(60, arguments=solve | solve | scaled | simulate | compare)
 def test_commands(arguments: list[str]) -> None:
     status, out, err, new = called(arguments)
     if status:
@@ -103,7 +103,7 @@ def test_commands(arguments: list[str]) -> None:
 
 
 @fuzz(
-    40, extra=st.sampled_from([[], ["--json"], ["--seed", "x"]]), case=st.sampled_from([
+    20, extra=st.sampled_from([[], ["--json"], ["--seed", "x"]]), case=st.sampled_from([
         "report -e 1.5", "report --count 0", "report -o data.csv", "report --figures gif",
         "derive --only no", "derive --latex data.csv/x", "bench --case x", "bench -o data.csv",
         "stress --group x", "stress -o data.csv/x",

@@ -81,7 +81,7 @@ def solved(system: dict[str, Any], rtol: Any, **options: Any) -> Any:
 
 
 @fuzz(
-    40, system=st.fixed_dictionaries(SYSTEM | {
+    20, system=st.fixed_dictionaries(SYSTEM | {
         "outputs": mostly(st.lists(st.sampled_from(CHEAP), min_size=1, max_size=4)),
         "scatterers": mostly(["dilute", "dilute", "overlapping", "hard disks"]),
     }), rtol=mostly([1e-2, 1e-4, 1e-8, 1e-10, 1e-12]), power=mostly(st.floats(-1.5, 6.0), extremes),

@@ -40,7 +40,7 @@ RUN = {
 }
 
 
-@fuzz(60, medium=media, arguments=st.fixed_dictionaries(RUN))
+@fuzz(40, medium=media, arguments=st.fixed_dictionaries(RUN))
 def test_runs(medium: Any, arguments: Any) -> None:
     kind, *described = medium
     made = tried(kind, *described)

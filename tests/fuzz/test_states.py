@@ -29,7 +29,7 @@ def test_the_averages_of_a_collision(law: Any, p: Any, m: Any) -> None:
 
 
 @fuzz(
-    30, e=mostly(st.integers(5, 95).map(lambda k: k / 100), restitutions),
+    15, e=mostly(st.integers(5, 95).map(lambda k: k / 100), restitutions),
     rtol=mostly([1e-12, 1e-10, 1e-6, 1e-3, 0.1]), nodes=mostly(st.none() | st.integers(8, 200)),
     p=powers, c=mostly(st.lists(st.floats(0.001, 8.0), min_size=1, max_size=3)),
 )  # fmt: skip
@@ -53,7 +53,7 @@ def test_the_scaled_distribution(e: Any, rtol: Any, nodes: Any, p: Any, c: Any) 
 
 
 @fuzz(
-    6, law=st.fixed_dictionaries(laws), rtol=mostly([1e-2, 1e-4, 1e-8]), p=powers,
+    4, law=st.fixed_dictionaries(laws), rtol=mostly([1e-2, 1e-4, 1e-8]), p=powers,
     m=mostly(st.integers(0, 3)), at=points,
 )  # fmt: skip
 def test_the_steady_state_in_a_field(law: Any, rtol: Any, p: Any, m: Any, at: Any) -> None:

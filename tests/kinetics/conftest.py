@@ -1,8 +1,6 @@
 """What the tests of the solver share: the reference values, and the formulas behind them."""
 
-import signal
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -34,20 +32,3 @@ def formulas() -> SimpleNamespace:
 def numbers() -> Any:
     """The tables of `kinetics.crosscheck.references`."""
     return load()
-
-
-@pytest.fixture
-def no_hang() -> Iterator[None]:
-    """A test that is stuck fails, and does not stop the suite; five minutes for a few cases."""
-
-    def stop(*_: Any) -> None:
-        raise TimeoutError("the run did not end")
-
-    if not hasattr(signal, "SIGALRM"):
-        yield
-        return
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(300)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)

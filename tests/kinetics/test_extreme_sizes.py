@@ -20,7 +20,6 @@ from kinetics import (
     solve,
 )
 
-pytestmark = pytest.mark.usefixtures("no_hang")
 DENSITY = ("speed_density", "thermal_speed")
 
 

@@ -8,17 +8,14 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.special import eval_legendre
 
 from kinetics import (
-    Beam,
     CollisionLaw,
     InputError,
-    Monoenergetic,
     ScalingSolution,
     Scene,
     solve,
@@ -122,32 +119,6 @@ def test_directions_that_last_are_followed_to_the_end(mass: float, dimension: in
     if mass == 0.2:
         z = math.log(off[1] / off[0]) / math.log(times[1] / times[0])
         assert exact.law.harmonic_decay_rate(z, 1) == pytest.approx(0.0, abs=1e-7)
-
-
-@pytest.mark.parametrize("mass", [1e-4, 0.01, 0.2, 0.5])
-def test_a_beam_meets_the_series_of_its_moments(mass: float) -> None:
-    """d<v^p cos>/dt = -nu(p) <v^(p+1) cos>: an entire series in t, summed in many digits."""
-    times = [0.1, 3.0, 25.0]
-    scene = Scene(
-        1.0, number_density=1 / math.pi, dimension=3, mass_ratio=mass, times=times,
-        initial=Beam(0.0, Monoenergetic(1.0)), outputs=("mean_velocity", "mean_displacement"),
-    )  # fmt: skip
-    solution = solve(scene, rtol=1e-11)
-    with mp.workdps(60):
-        e = (mp.mpf(mass) - 1) / (mp.mpf(mass) + 1)
-
-        def power(r: int) -> Any:  # s^2 is uniform from e^2 to 1
-            return 2 * (1 - abs(e) ** (r + 2)) / ((r + 2) * (1 - e**2))
-
-        # s cos(chi) = (s^2 - e)/(1 - e)
-        rates = [1 - (power(p + 1) - e * power(p - 1)) / (1 - e) for p in range(1, 300)]
-        for i, t in enumerate(map(mp.mpf, times)):
-            terms = [mp.mpf(1)]
-            for k, rate in enumerate(rates):
-                terms.append(-terms[-1] * rate * t / (k + 1))
-            velocity, place = sum(terms), sum(x * t / (k + 1) for k, x in enumerate(terms))
-            assert solution.mean_velocity[i, 0] == pytest.approx(float(velocity), rel=2e-11)
-            assert solution.mean_displacement[i, 0] == pytest.approx(float(place), rel=2e-11)
 
 
 @pytest.mark.parametrize(("alpha", "mass", "dimension"), IN_A_FIELD)

@@ -1,8 +1,5 @@
 """The table of outputs: every row can be asked for, and a new output is one row."""
 
-import subprocess
-import sys
-
 import pytest
 
 from kinetics import Beam, Scene, solve
@@ -16,7 +13,7 @@ TIMES = [0.0, 1.0, 100.0]
 def test_every_row(name: str) -> None:
     """Array or method under the name of the row, of the shape that the row says."""
     row = OUTPUTS[name]
-    solution = solve(Scene(0.7, initial=Beam(), times=TIMES, outputs=name), rtol=1e-3)
+    solution = solve(Scene(0.7, initial=Beam(), times=TIMES, outputs=name, harmonics=1), rtol=1e-3)
     assert row.name == name
     assert row.description
     assert row.shape[0] == "n_times"
@@ -33,11 +30,3 @@ def test_every_row(name: str) -> None:
     assert all(described(n, 2)[0] for n in row.names)
     steps = {step.part: step.solved for step in solution.plan}
     assert steps[row.step]
-
-
-def test_the_table_loads_nothing() -> None:
-    code = (
-        "import sys, kinetics.outputs; print('numpy' in sys.modules, 'dataclasses' in sys.modules)"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.split() == ["False", "False"]

@@ -7,7 +7,6 @@ import sys
 import numpy as np
 import pytest
 
-import kinetics
 from kinetics import Beam, Scene, SpeedSamples, solve
 
 
@@ -62,9 +61,3 @@ def test_averages_alone_load_no_scipy() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "False"
-
-
-def test_public_names() -> None:
-    for name in kinetics.__all__:
-        assert getattr(kinetics, name).__doc__
-    assert kinetics.__all__ == sorted(kinetics.__all__)

@@ -5,14 +5,7 @@ import pytest
 from scipy import stats
 
 import particles
-from particles import (
-    BoltzmannGrad,
-    HardDisks,
-    HardSpheres,
-    Poisson,
-    PoissonSpheres,
-    simulate,
-)
+from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
 
 TIMES = [0.0, 1.0, 30.0, 1000.0]
 

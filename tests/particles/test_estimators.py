@@ -27,12 +27,16 @@ def test_the_error_of_a_share_of_unequal_configurations_is_cochrans() -> None:
 
 
 @pytest.mark.parametrize("n", [2, 3, 10])
-def test_the_jackknife_of_a_mean_is_its_standard_error(n: int) -> None:
+def test_the_jackknife_of_a_mean_and_of_a_bent_function(n: int) -> None:
     values = np.random.default_rng(n).normal(size=n)
     sums = np.stack((np.ones(n), values), axis=1)
     estimate = jackknife(sums, lambda s: s[1] / s[0])
     assert float(estimate.value) == pytest.approx(values.mean(), rel=1e-13)
     assert float(estimate.error) == pytest.approx(values.std(ddof=1) / np.sqrt(n), rel=1e-10)
+    # where the mean of the n values without one part is not the value itself
+    without = np.exp(3.0 * (values.sum() - values) / (n - 1))
+    found = jackknife(sums, lambda s: np.exp(3.0 * s[1] / s[0])).error
+    assert float(found) == pytest.approx(without.std() * np.sqrt(n - 1), rel=1e-10)
 
 
 @pytest.mark.parametrize("field", [0.0, 0.3])

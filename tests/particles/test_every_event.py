@@ -36,7 +36,7 @@ PLACE = {2: [2, 3], 3: [2, 3, 5]}  # columns of `finals`
 def test_every_event(medium: Any, law: tuple[float, float]) -> None:
     # The same tracers stopped after 1, 2, ... collisions: in contact, nothing in the way, and the
     # rule of the collision from the geometry alone.
-    tracers, seed, (e, et) = 10_000, 11, law
+    tracers, seed, (e, et) = 4_000, 11, law
     around, columns = Around(medium, seed), PLACE[medium.dimension]
     seen = 0
     before: Any = None

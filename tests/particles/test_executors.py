@@ -77,6 +77,7 @@ def dask_executor() -> Iterator[Executor]:
             yield client.get_executor()
 
 
+@pytest.mark.slow
 def test_a_dask_cluster(alone: list[Ensemble], dask_executor: Executor) -> None:
     assert run(dask_executor) == alone
 

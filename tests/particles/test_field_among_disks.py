@@ -5,15 +5,7 @@ import pytest
 from scattered import Around
 from scipy.spatial import cKDTree
 
-from particles import (
-    OBSERVABLES,
-    HardDisks,
-    Poisson,
-    Positions,
-    simulate,
-)
-
-EVERYTHING = sorted({*OBSERVABLES} - {"velocity_component_histogram"})
+from particles import HardDisks, Poisson, Positions, simulate
 
 
 def gaps(medium: HardDisks | Poisson, seed: int, places: np.ndarray) -> np.ndarray:
@@ -87,27 +79,6 @@ def corners_of(positions: np.ndarray, box: float, field: float) -> np.ndarray:
         found.append((one + a)[held] % box)
     every = np.concatenate(found)
     return every[tree.query(every)[0] > 1 - 1e-9]
-
-
-def test_the_density_of_traps_and_that_each_of_them_holds_a_grain() -> None:
-    n, box = 0.3, 200.0
-    rng = np.random.default_rng(2)
-    positions = rng.uniform(0, box, (rng.poisson(n * box * box), 2))
-    traps = corners_of(positions, box, 1.0)
-    expected = np.pi * n * n * np.exp(-np.pi * n) * box * box
-    # Twice the Poisson error: they are correlated, measured 1.05 of it.
-    assert abs(len(traps) - expected) < 4 * np.sqrt(expected)
-    kept = 0
-    for corner in traps[:12]:
-        start = corner - [1e-3, 0.0]
-        if cKDTree(positions, boxsize=box).query(start % box)[0] < 1:
-            continue  # a third disk is in between
-        kept += 1
-        medium = Positions(positions, box, start=tuple(start))
-        run = simulate(medium, 0.5, "rest", [50.0], media=1, tracers=1, field=1.0)
-        assert run.statuses.trapped == 1
-        np.testing.assert_allclose(run.statuses.trap_places[0], [1e-3, 0.0], atol=1e-9)
-    assert kept > 8
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.6])

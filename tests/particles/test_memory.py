@@ -11,7 +11,6 @@ from particles import (
     BoltzmannGrad,
     HardDisks,
     HardSpheres,
-    Poisson,
     PoissonSpheres,
     Positions,
     arguments,
@@ -69,10 +68,3 @@ def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Any) -> None:
     run = simulate(medium, 0.5, times=[1.0, 2.0], media=1, tracers=50, observables=RAW)
     raw = sum(array.nbytes for name, array in run.arrays.items() if name.startswith("raw"))
     assert arguments.estimate(run.plan, 1)["observables"] == 3 * raw
-
-
-def test_more_scatterers_than_can_be_numbered_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their lists are counted in 32 bits."""
-    monkeypatch.setattr(arguments, "machine_memory", lambda: np.inf)
-    with pytest.raises(ValueError, match="count: got 900000000; it must be below 536870912"):
-        simulate(Poisson(0.04, 900_000_000), **GOOD)

@@ -70,7 +70,7 @@ def between_planes(walls: np.ndarray, u: np.ndarray, law: tuple[float, float]) -
 def test_three_planes_against_one_bounce_after_another(law: tuple[float, float]) -> None:
     rng = np.random.default_rng(7)
     ends, wrong = [0, 0, 0], 0
-    for _ in range(1000):
+    for _ in range(500):
         angles = np.array([0.0, 2.1, 4.2]) + rng.uniform(-0.5, 0.5, 3)
         tilt = rng.uniform(0.05, 0.7, 3)  # small: the planes are steep, the pocket is narrow
         normals = np.stack(
@@ -90,9 +90,9 @@ def test_three_planes_against_one_bounce_after_another(law: tuple[float, float])
         elif np.max(abs(ratio * np.array(found) - expected)) > 1e-5:
             assert end == FOR_EVER
             wrong += 1
-    assert ends[LEAVES] > 100
-    assert ends[RESTS] > 3
-    assert (ends[FOR_EVER] > 3) == (law[1] == 1.0)
+    assert ends[LEAVES] > 50
+    assert ends[RESTS] > 1
+    assert (ends[FOR_EVER] > 1) == (law[1] == 1.0)
     # Where a groove leads a tracer into the point of the pocket itself, all gaps are 0 and the
     # order of the next bounces is that of rounding.
     assert wrong <= 0.02 * ends[FOR_EVER]

@@ -24,7 +24,7 @@ MEDIA: list[Any] = [
 )
 def test_the_first_events_are_those_of_the_reference(medium: Any, law: tuple[float, float]) -> None:
     compared, d = 0, medium.dimension
-    for seed in range(4):
+    for seed in range(2):
         velocity = np.random.default_rng(seed).normal(size=d)
         own = places(medium, seed)
         expected = reference.follow(own, medium.box_side, velocity, law, EVENTS[d], 40)
@@ -45,13 +45,13 @@ def test_the_first_events_are_those_of_the_reference(medium: Any, law: tuple[flo
             assert abs(ln_t - float(mp.log(t))) < 10 * error + 1e-13
             speed = mp.sqrt(reference.dot(state[d:], state[d:]))
             assert abs(ln_v - float(mp.log(speed))) < 10 * error + 1e-13
-    assert compared >= 2 * EVENTS[d]
+    assert compared >= EVENTS[d]
 
 
 @pytest.mark.parametrize("medium", MEDIA[1::2], ids=repr)
 def test_outputs_between_events_are_on_the_reference_path(medium: Any) -> None:
     d = medium.dimension
-    for seed in range(3):
+    for seed in range(2):
         velocity = np.random.default_rng(50 + seed).normal(size=d)
         own = places(medium, seed)
         path = reference.follow(own, medium.box_side, velocity, (0.6, 1.0), 4, 40)

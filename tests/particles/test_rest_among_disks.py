@@ -18,17 +18,6 @@ def released(medium: Medium, media: int, tracers: int, last: float = 20.0) -> En
     )  # fmt: skip
 
 
-def test_tracers_of_one_configuration_spread_as_those_of_different_ones_do() -> None:
-    media, tracers = 150, 30
-    run = released(HardDisks(0.04, 4000), media, tracers)
-    z = run.positions[0, :, 0].reshape(media, tracers)
-    within = z.var(axis=1, ddof=1).mean()
-    between = tracers * z.mean(axis=1).var(ddof=1)
-    # Of independent tracers the ratio is 1, with this standard deviation; of one path, infinite.
-    sigma = np.sqrt(2 / (media - 1) + 2 / (media * (tracers - 1)))
-    assert abs(between / within - 1) < 4 * sigma
-
-
 @pytest.mark.parametrize(
     "medium",
     [Poisson(0.2, 400, diameter=2.0), HardDisks(0.3, 400)],

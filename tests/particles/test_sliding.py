@@ -119,7 +119,19 @@ def test_a_tracer_balances_on_the_very_top_only() -> None:
     assert run.statuses.finished == 1
 
 
-def compare(restitution: float, field: float, seed: int, tracers: int) -> None:
+MANY = [(0.5, 0.5, 1), (0.0, 0.5, 2), (0.2, -1.0, 3), (0.8, 2.0, 4), (1.0, 0.3, 5), (0.0, 1.0, 6)]
+
+
+@pytest.mark.parametrize(
+    ("restitution", "field", "seed", "tracers"),
+    [
+        *((*MANY[k], 2) for k in (0, 5)),
+        *(pytest.param(*case, 12, marks=pytest.mark.slow) for case in MANY),
+    ],
+)
+def test_the_paths_are_those_of_the_reference(
+    restitution: float, field: float, seed: int, tracers: int
+) -> None:
     rng = np.random.default_rng(seed)
     box = 12.0
     disks = rng.uniform(-box / 2, box / 2, (40, 2))
@@ -136,19 +148,3 @@ def compare(restitution: float, field: float, seed: int, tracers: int) -> None:
         found = run.positions[: len(places), tracer]
         assert len(places) > 2
         np.testing.assert_allclose(found, places, rtol=0, atol=1e-8)
-
-
-@pytest.mark.parametrize(("restitution", "field", "seed"), [(0.5, 0.5, 1), (0.0, 1.0, 6)])
-def test_the_paths_are_those_of_the_reference(restitution: float, field: float, seed: int) -> None:
-    compare(restitution, field, seed, 2)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("restitution", "field", "seed"),
-    [(0.5, 0.5, 1), (0.0, 0.5, 2), (0.2, -1.0, 3), (0.8, 2.0, 4), (1.0, 0.3, 5), (0.0, 1.0, 6)],
-)
-def test_the_paths_of_many_are_those_of_the_reference(
-    restitution: float, field: float, seed: int
-) -> None:
-    compare(restitution, field, seed, 12)

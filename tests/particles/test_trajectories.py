@@ -7,14 +7,7 @@ import pytest
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 
-from particles import (
-    BoltzmannGrad,
-    HardDisks,
-    HardSpheres,
-    Poisson,
-    Positions,
-    simulate,
-)
+from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, Positions, simulate
 from particles.paths import disks_within
 
 SQUARE = Positions(np.array([(x, y) for x in (1.5, 4.5) for y in (1.5, 4.5)]), 6.0)

@@ -280,7 +280,7 @@ def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array
 
 # Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
 # 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
-# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density_error.py),
+# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density.py),
 # rounded up. Twice for v0 before and for a2 after, whose deviations have one sign.
 _OWN_ERROR: Mapping[str, tuple[float, float]] = {
     "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),

@@ -328,7 +328,7 @@ def test_fitted_values_have_honest_errors(medium: str, tracers: int) -> None:
     """Over 100 sets, the medium told: pulls with mean 0 within .3 and standard deviation 1 within
     .25, three standard errors of each; and so many p-values below 5 % of each average as may be.
     """
-    pulls, p_values = [], []
+    pulls, p_values, wrong = [], [], 0
     kind = HardDisks(DENSITY, 5000) if medium == "hard disks" else BoltzmannGrad(DENSITY)
     for seed in range(100):
         run = simulated(medium=kind, restitution=0.75, times=np.geomspace(0.3, 100, 10) * PATH,
@@ -336,11 +336,14 @@ def test_fitted_values_have_honest_errors(medium: str, tracers: int) -> None:
         known: Any = {"scatterers": medium, "explain": False}
         found = compare(run, fitted=True, **known).parameters
         e, path = found["restitution"], found["mean_free_path"]
-        width = path.error / path.value
-        pulls.append([(e.value - 0.75) / e.error, np.log(path.value / PATH) / width])
+        if e.value is not None:
+            width = path.error / path.value
+            pulls.append([(e.value - 0.75) / e.error, np.log(path.value / PATH) / width])
         told = compare(run, **known)
-        assert told.verdict != "differs"
+        wrong += told.verdict == "differs"
         p_values.append([test.p_value for test in told.tests if test.time is None])
+    assert wrong <= 1  # 0.1 are expected of 13 tests a set at 4 sigma
+    assert len(pulls) >= 98  # of a set that nothing fits there is no value
     # many tracers among hard disks: the theory's own error, stated with a margin, is most of it
     most = 1.1 if medium == "hard disks" and tracers > 500 else 1.25
     assert np.all(np.abs(np.mean(pulls, axis=0)) < (0.3 if medium == "dilute" else 1.0))

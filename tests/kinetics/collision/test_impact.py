@@ -4,6 +4,7 @@ from itertools import product
 
 import mpmath as mp
 import pytest
+from marking import slow_but
 
 from kinetics import CollisionLaw
 
@@ -11,6 +12,7 @@ LIMIT = 1e-13
 NORMAL = [0.0, 1e-6, 0.3, 0.7, 0.999, 1.0]
 TANGENTIAL = [0.0, 0.01, 0.7, 0.8, 1.0]
 LAWS = [(e, et) for e, et in product(NORMAL, TANGENTIAL) if e + et > 0.0]
+CASES = [(e, et, d) for e, et in ((0.0, 0.5), (0.9, 0.6), (0.3, 0.0), (1.0, 0.5)) for d in (2, 3)]
 POWERS = [-0.9, -0.5, 0.5, 1.0, 2.0, 3.7, 40.0]
 
 
@@ -53,18 +55,7 @@ def test_spheres_against_the_closed_form(e: float, et: float) -> None:
             assert relative(law.mean_speed_ratio_power(p), 1 - exact) <= LIMIT
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize(
-    ("e", "et"),
-    [
-        (0.0, 0.5),
-        (0.9, 0.6),
-        *(
-            pytest.param(*law, marks=pytest.mark.slow)
-            for law in ((0.3, 0.0), (0.3, 0.7), (1.0, 0.5))
-        ),
-    ],
-)
+@pytest.mark.parametrize(("e", "et", "dimension"), slow_but([CASES[1], CASES[2]], CASES))
 def test_harmonics_against_integrals(e: float, et: float, dimension: int) -> None:
     law = CollisionLaw(e, et, dimension)
     with mp.workdps(30):

@@ -8,7 +8,7 @@ import pytest
 
 from kinetics import CollisionLaw
 
-NEAR_AND_FAR = [1e-8, 1e-4, 1e-2, 0.1, 0.5, 0.9, 0.99, 1 - 1e-4, 1 - 1e-8]
+NEAR_AND_FAR = [1e-8, 1e-2, 0.5, 0.99, 1 - 1e-8]
 REAL = [-0.7, 1e-6, 0.5, 1.0, 2.0, 3.0, 4.7, 10.0, 25.3, 100.0, 300.0]
 NEGATIVE = [-1.0, -2.0, -3.5, -8.0]
 COMPLEX = [0.5 + 1j, 2 + 10j, 1 + 40j, -0.5 + 3j, 3 - 150j, 2 + 600j]
@@ -43,7 +43,7 @@ def test_mean_log_loss_and_mean_cosine(e: float, formulas: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("e", [*NEAR_AND_FAR, 0.0, 1.0])
-@pytest.mark.parametrize("m", [1, 2, 3, 8])
+@pytest.mark.parametrize("m", [1, 2, 5])
 def test_harmonic_decay_rate(e: float, m: int, formulas: ModuleType) -> None:
     law = CollisionLaw(e)
     # the reference loses m times the digits of 1 - e

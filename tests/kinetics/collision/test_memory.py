@@ -83,11 +83,3 @@ def test_nearly_one_ratio_against_many_digits() -> None:
     slow = time_to_forget(found[0], 1e6)
     assert math.exp(found[0].real * slow) * 1e6 == pytest.approx(1.0)
     assert time_to_forget(found[0], 0.5) == 0.0
-
-
-@pytest.mark.slow
-def test_ratios_next_to_zero_overflow_nowhere() -> None:
-    """A thousandth of the bounces leave 1e-300: their tracers come back at rates 1000^(-1/691)."""
-    law = CollisionLaw.from_samples([0.5, 0.499, 0.001], [0.9, 0.4, 1e-300], [0.0, 0.0, 0.0])
-    slowest = max(z.real for z in oscillations(law, 20.0))
-    assert -0.011 < slowest < -0.005

@@ -5,17 +5,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from marking import slow_but
 
-from kinetics import (
-    CollisionLaw,
-    Monoenergetic,
-    ScalingSolution,
-    Scene,
-    solve,
-    solve_field,
-    solve_scaled,
-)
+from kinetics import CollisionLaw, ScalingSolution, Scene, solve, solve_field, solve_scaled
 
 GIVEN = ([0.25, 0.75], [0.5, 0.9], [0.3, -1.0])
 
@@ -37,39 +28,6 @@ def test_sums_over_samples() -> None:
 
 
 # -- mixtures -------------------------------------------------------------------------------------
-
-PARTS = [
-    (0.5, 1.0, 2),
-    (0.0, 1.0, 2),
-    (0.8, 0.8, 2),
-    (0.6, 0.0, 2),
-    (0.0, 1.0, 3),
-    (0.9, 0.7, 3),
-]
-
-
-@pytest.mark.parametrize(("e", "et", "dimension"), slow_but([PARTS[2]], PARTS))
-def test_the_scaled_speeds_of_a_law_mixed_with_itself(e: float, et: float, dimension: int) -> None:
-    """Where a bounce may stop the tracer, the closed form of a mixture takes 15 s."""
-    law, c = CollisionLaw(e, et, dimension), np.array([0.2, 1.0, 3.0])
-    mixed = ScalingSolution(CollisionLaw.mixture([1.0, 2.0], [law, law]))
-    assert mixed.vdf(c) == pytest.approx(ScalingSolution(law).vdf(c), rel=1e-12)
-
-
-@pytest.mark.parametrize(("e", "et", "dimension"), PARTS)
-def test_a_law_mixed_with_itself_is_that_law(e: float, et: float, dimension: int) -> None:
-    law = CollisionLaw(e, et, dimension)
-    mixed = CollisionLaw.mixture([1.0, 2.0], [law, law])
-    one, other = ScalingSolution(law), ScalingSolution(mixed)
-    assert other.cooling_rate == pytest.approx(one.cooling_rate, rel=1e-12)
-    assert other.a2 == pytest.approx(one.a2, rel=1e-12, abs=1e-12)
-    outputs = ("thermal_speed", "a2", "msd", "kurtosis")
-    scenes = [
-        Scene(x, dimension=dimension, times=[0.5, 10.0, 1e6], outputs=outputs) for x in (law, mixed)
-    ]
-    first, second = (solve(scene) for scene in scenes)
-    for name in outputs:
-        assert getattr(second, name) == pytest.approx(getattr(first, name), rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -128,48 +86,3 @@ def test_a_mixture_is_its_joined_points() -> None:
     assert solve_scaled(mixed).vdf([0.3, 1.0]) == pytest.approx(exact.vdf([0.3, 1.0]), rel=1e-9)
     assert mixed.tail_exponent == pytest.approx(0.4 / 0.75 + 0.6 / 0.19)
     assert ScalingSolution(joined).cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-13)
-
-
-def test_a_mixture_meets_tracers_that_are_thrown() -> None:
-    """A path of numpy, with a bounce of its own; each collision off e = .5 or .9 at random."""
-    random, count, t = np.random.default_rng(39), 200_000, 6.0
-    v = np.stack([np.ones(count), np.zeros(count)])
-    r, left = np.zeros((2, count)), np.full(count, t)
-    while np.any(left > 0.0):
-        flight = random.exponential(size=count) / np.hypot(*v)
-        flown = np.minimum(flight, left)
-        r += v * flown
-        left -= flown
-        speed = np.hypot(*v)
-        along = v / speed
-        y = random.uniform(-1.0, 1.0, count)
-        normal = -np.sqrt(1.0 - y**2) * along + y * np.stack([-along[1], along[0]])
-        e = np.where(random.random(count) < 0.3, 0.5, 0.9)
-        after = v - (1.0 + e) * (v * normal).sum(axis=0) * normal
-        v = np.where(left > 0.0, after, v)
-    law = CollisionLaw.mixture([0.3, 0.7], [CollisionLaw(0.5), CollisionLaw(0.9)])
-    scene = Scene(law, initial=Monoenergetic(), number_density=0.5, times=[t],
-                  outputs=("thermal_speed", "msd"))  # fmt: skip
-    solution = solve(scene)  # l = 1
-    for sample, value in (
-        ((v**2).sum(axis=0), solution.thermal_speed[0] ** 2),
-        ((r**2).sum(axis=0), solution.msd[0]),
-    ):
-        assert abs(sample.mean() - value) < 4.0 * sample.std() / count**0.5
-
-
-def test_densities_of_a_mixture() -> None:
-    """From one speed: fronts where either law begins; the density has the moments."""
-    law = CollisionLaw.mixture([0.5, 0.5], [CollisionLaw(0.5), CollisionLaw(0.9)])
-    outputs = ("speed_density", "thermal_speed")
-    scene = Scene(law, initial=Monoenergetic(), number_density=0.5, times=[1.0], outputs=outputs)
-    solution = solve(scene)
-    assert {0.5, 0.9} <= set(np.round(solution.speed_fronts, 12))
-    edges = np.unique(np.clip(np.append(solution.speed_fronts, [1e-3, 1.0]), 1e-3, 1.0))
-    node, weight = np.polynomial.legendre.leggauss(40)
-    half = 0.5 * np.diff(edges)[:, None]
-    v = edges[:-1, None] + half * (node + 1.0)
-    f = solution.speed_density(v.ravel()).reshape(v.shape)
-    peak = np.exp(-1.0)
-    second = float((half * weight * f * v**2).sum())
-    assert second + peak == pytest.approx(float(solution.thermal_speed[0]) ** 2, rel=1e-3)

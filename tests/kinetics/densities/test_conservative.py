@@ -1,11 +1,10 @@
 """The conservative scheme: positivity, mass and energy node by node, order, delta peaks, steps."""
 
-from functools import lru_cache
 from typing import Any
 
-import mpmath as mp
 import numpy as np
 import pytest
+from moment_hierarchy import series
 
 from kinetics import (
     Beam,
@@ -66,20 +65,8 @@ def masses(e: float, state: Any, times: Any, nodes: int = 300) -> Any:
     return held.x, held.mass, peak
 
 
-@lru_cache(maxsize=16)
-def decay(e: float) -> tuple[Any, ...]:
-    """lambda(p) = 1 - E[s^p], p = 0, 1, ...: (p+1) E[s^p] = 1 + p e^2 E[s^(p-2)] upwards."""
-    with mp.workdps(60):
-        e_ = mp.mpf(e)
-        mean = mp.quad(lambda y: mp.sqrt(e_**2 + (1 - e_**2) * y**2), [0, 0.05, 0.3, 1])
-        phi = [mp.mpf(1), mean]
-        for p in range(2, 160):
-            phi.append((1 + p * e_**2 * phi[p - 2]) / (p + 1))
-        return tuple(1 - f for f in phi)
-
-
 @pytest.mark.parametrize("name", ROUGH)
-@pytest.mark.parametrize("e", [0.0, 0.3, 0.95])
+@pytest.mark.parametrize("e", [0.0, 0.95])
 def test_positive_and_mass_kept(e: float, name: str) -> None:
     _, mass, peak = masses(e, ROUGH[name], TIMES)
     assert mass.min() >= 0.0
@@ -97,25 +84,15 @@ def test_energy_balance_of_the_nodes(e: float, name: str) -> None:
         x, mass, peak = masses(e, ROUGH[name], times, nodes=60)
         energy = mass @ np.exp(2 * x) + peak * 1.3**2
         third = mass @ np.exp(3 * x) + peak * 1.3**3
-        lost = float(decay(e)[2]) * half * (weight @ third[1:-1])
+        lost = 2.0 / 3.0 * (1.0 - e * e) * half * (weight @ third[1:-1])
         assert abs(energy[0] - energy[-1] - lost) < 1e-11 * energy[0]
-
-
-def mean_speed_power(e: float, p: int, t: float) -> float:
-    """<v^p> at t of tracers that all start with speed 1, l = 1: the alternating series."""
-    with mp.workdps(60):
-        total, term = mp.mpf(0), mp.mpf(1)
-        for k in range(150):
-            total += term
-            term *= -mp.mpf(t) * decay(e)[p + k] / (k + 1)
-        return float(total)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 0.8])
 def test_second_order_in_the_moments(e: float) -> None:
     """<v>, <v^3> and <v^4> of a delta peak, six resolutions, against the series."""
     times = [0.5, 3.0, 12.0]
-    exact = np.array([[mean_speed_power(e, p, t) for t in times] for p in (1, 3, 4)])
+    exact = np.array([[series(e, 0, p, t) for t in times] for p in (1, 3, 4)])
     sizes = [75, 150, 300, 600, 1200, 2400]
     errors = []
     for nodes in sizes:
@@ -125,37 +102,6 @@ def test_second_order_in_the_moments(e: float) -> None:
     order = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     assert 1.9 < order < 2.1, errors
     assert errors[-1] < 3e-5, errors
-
-
-@pytest.mark.parametrize("e", [0.3, 0.7])
-def test_a_delta_peak_collision_by_collision(e: float) -> None:
-    """Shares of 300,000 tracers in bins of the speed after one or two collisions; 5 sigma."""
-    n, t = 300_000, 1.5
-    rng = np.random.default_rng(17)
-    speed, clock, hits = np.ones(n), np.zeros(n), np.zeros(n)
-    moving = np.arange(n)
-    while moving.size:
-        clock[moving] += rng.exponential(size=moving.size) / speed[moving]
-        moving = moving[clock[moving] < t]
-        y = rng.uniform(0.0, 1.0, moving.size)
-        speed[moving] *= np.sqrt(y * y + e * e * (1 - y * y))
-        hits[moving] += 1
-    scene = Scene(
-        restitution=e,
-        number_density=0.5,
-        initial="monoenergetic",
-        times=[t],
-        outputs=("speed_density",),
-    )
-    solution = solve(scene, rtol=1e-7, nodes=6000)
-    edges = np.linspace(0.05, 1.0, 19)  # not at e
-    fine = np.linspace(edges[0], edges[-1], 18 * 400 + 1)
-    f = solution.speed_density(fine)[0]
-    f[-1] = f[-2]  # at u itself the density steps to zero
-    shares = np.add.reduceat(0.5 * (f[1:] + f[:-1]) * np.diff(fine), np.arange(0, 7200, 400))
-    counts = np.histogram(speed[hits > 0], edges)[0] / n
-    assert np.all(np.abs(counts - shares) < 5 * np.sqrt(shares / n) + 1e-5)
-    assert abs(np.mean(hits == 0) - solution.uncollided[0]) < 5 * np.sqrt(0.25 / n)
 
 
 def test_harmonics_of_a_peak() -> None:

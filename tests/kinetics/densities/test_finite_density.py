@@ -1,13 +1,9 @@
 """Densities of the velocity among scatterers that are met again, by other routes."""
 
-import itertools
-import math
-
 import numpy as np
 import pytest
 
-from kinetics import AngularHarmonics, InputError, Scene, SolverStatus, SpeedTable, solve
-from tests.references.returning_flights import returning_flights
+from kinetics import AngularHarmonics, InputError, Scene, SolverStatus, solve
 
 
 def maxwell(v: np.ndarray) -> np.ndarray:
@@ -62,41 +58,6 @@ def test_the_conservative_method_meets_the_spectral_one() -> None:
     # the masses lose energy as the operator does, to rounding of the shares
     masses = rough._answer.profiles[0].density
     assert masses.mass.sum(axis=1) == pytest.approx(1.0, abs=1e-13)
-
-
-def test_a_table_of_speeds_keeps_its_averages() -> None:
-    table = SpeedTable([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])
-    scene = Scene(
-        0.5, 0.04, initial=table, times=[5.0, 100.0], scatterers="overlapping",
-        outputs=("speed_density", "thermal_speed"),
-    )  # fmt: skip
-    solution = solve(scene, rtol=3e-4)
-    assert solution.status is SolverStatus.CONVERGED
-    x = np.linspace(-15.0, 1.5, 20001)
-    f = solution.speed_density(np.exp(x))
-    square = (f * np.exp(3.0 * x)).sum(axis=1) * (x[1] - x[0])
-    assert np.sqrt(square) == pytest.approx(solution.thermal_speed, rel=2e-4)
-
-
-def test_random_flights_have_this_speed_density() -> None:
-    e, n, time = 0.5, 0.04, 2.0
-    eps = 2 * e / (1 + e) * n * math.log(1 / n)
-    flights = returning_flights(e, eps, time, 300_000, 5)
-    edges = np.array([0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5])
-    node, weight = np.polynomial.legendre.leggauss(20)
-    medium = {"scatterers": "overlapping", "density_order": "leading"}
-    pulls = []
-    for arguments in (medium, {}):
-        scene = Scene(e, n, times=[time / (2 * n)], outputs="speed_density", **arguments)
-        solution = solve(scene)
-        for low, high in itertools.pairwise(edges):
-            half = 0.5 * (high - low)
-            share = half * float(weight @ solution.speed_density(low + half * (1 + node))[0])
-            found, error = flights.mean((flights.speed > low) & (flights.speed < high))
-            pulls.append((found - share) / error)
-    count = edges.size - 1
-    assert max(map(abs, pulls[:count])) < 3.5
-    assert max(map(abs, pulls[count:])) > 6.0  # the dilute one is another
 
 
 def test_what_is_not_known_is_said() -> None:

@@ -37,8 +37,7 @@ def test_late_lengths_are_exponential_and_durations_are_not(e: float) -> None:
 
 @pytest.mark.parametrize(
     ("e", "dimension", "initial"),
-    [(0.0, 2, "gaussian"), (0.5, 2, "gaussian"), (1.0, 2, "gaussian"), (0.0, 3, "gaussian"),
-     (0.5, 3, "gaussian"), (1.0, 3, "gaussian"), (0.5, 3, "monoenergetic")],
+    [(0.0, 3, "gaussian"), (1.0, 2, "gaussian"), (0.5, 3, "monoenergetic")],
 )  # fmt: skip
 def test_particles_have_the_same_flights(e: float, dimension: int, initial: str) -> None:
     names = ("free_path", "free_time")

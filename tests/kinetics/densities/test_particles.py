@@ -8,14 +8,12 @@ has bins, less one. A test fails if it is 4 of its own standard deviations from 
 from typing import Any
 
 import numpy as np
-import pytest
 
-from kinetics import AngularHarmonics, CollisionLaw, Scene, Solution, solve
+from kinetics import AngularHarmonics, CollisionLaw, Scene, solve
 from particles import BoltzmannGrad, simulate
 
 SIGMAS, TRACERS = 4.0, 150_000
 TIMES = np.array([0.7, 4.0, 40.0])
-LAWS = [(0.7, 1.0, 3), (0.0, 1.0, 3), (0.7, 0.8, 2), (0.6, 0.6, 2), (0.9, 0.3, 3), (1.0, 0.5, 2)]
 
 
 def density(dimension: int) -> float:
@@ -33,33 +31,6 @@ def check(counts: Any, shares: Any) -> None:
     chi_square, freedom = np.sum((found - expected)[kept] ** 2 / expected[kept]), kept.sum() - 1
     assert freedom > 10
     assert abs(chi_square - freedom) < SIGMAS * np.sqrt(2.0 * freedom), (chi_square, freedom)
-
-
-def shares_between(solution: Solution, i: int, edges: Any) -> Any:
-    """The integral of the speed density over each bin."""
-    x, w = np.polynomial.legendre.leggauss(8)
-    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
-    v = middle[:, None] + half[:, None] * x
-    return (solution.speed_density(v.ravel())[i].reshape(v.shape) @ w) * half
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_speeds_of_a_gaussian_start(law: tuple[float, float, int]) -> None:
-    e, et, d = law
-    scene = Scene(
-        CollisionLaw(e, et, d), number_density=density(d), times=TIMES,
-        outputs=("speed_density", "thermal_speed"),
-    )  # fmt: skip
-    solution = solve(scene, 1e-8)
-    medium = BoltzmannGrad(density(d), dimension=d)
-    ensemble = simulate(
-        medium, e, "gaussian", TIMES, media=1, tracers=TRACERS, seed=7, observables=["velocities"],
-        tangential_restitution=et,
-    )  # fmt: skip
-    for i, thermal in enumerate(solution.thermal_speed):
-        edges = np.linspace(0.0, 2.6, 41) * thermal
-        speed = np.linalg.norm(ensemble.velocities[i], axis=1)
-        check(np.histogram(speed, edges)[0], shares_between(solution, i, edges))
 
 
 def test_speeds_and_angles_in_space() -> None:

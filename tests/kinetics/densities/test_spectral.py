@@ -1,30 +1,17 @@
 """The speed density in time: mass, positivity, moments, late times, and exact short answers."""
 
-import math
 from typing import Any
 
 import numpy as np
 import pytest
 
-from kinetics import (
-    Scene,
-    Solution,
-    SolverStatus,
-    solve,
-)
+from kinetics import Scene, Solution, SolverStatus, solve
 
-TIMES = np.array([0.0, 0.5, 10.0, 60.0, 1e3, 1e5, 1e9])
 OUTPUTS = ("speed_density", "thermal_speed", "a2")
 
 
 def density(e: float, times: Any, initial: Any = "gaussian", **options: Any) -> Solution:
     return solve(Scene(e, times=times, initial=initial, outputs=OUTPUTS), **options)
-
-
-def nodes(low: float, high: float, count: int = 1500) -> tuple[Any, float]:
-    """Speeds equidistant in ln v, where the trapezoid rule is spectrally accurate."""
-    x = np.linspace(math.log(low), math.log(high), count)
-    return np.exp(x), float(x[1] - x[0])
 
 
 @pytest.mark.parametrize(

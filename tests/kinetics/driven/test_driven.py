@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.special import airy, gamma, iv
+from scipy.special import airy, gamma
 
 from kinetics import (
     Beam,
@@ -25,9 +25,6 @@ from kinetics import (
     solve_field,
     solve_steady,
 )
-from kinetics.driven.axis import SpeedAxis
-from kinetics.driven.generator import Generator, Resolution
-from kinetics.driven.system import System
 
 DENSE = {2: 0.5, 3: 1.0 / math.pi}  # number densities at which l = 1
 
@@ -90,20 +87,6 @@ def test_both_limits_of_diffusion_in_a_bath(dimension):
     ratio = heavy.diffusion_coefficient / first * math.sqrt(1e-3)
     expected = 3.0 * math.pi / 8.0 if dimension == 2 else 32.0 / (9.0 * math.pi)
     assert ratio == pytest.approx(expected, abs=3e-3)
-
-
-def test_the_rate_of_collisions_in_a_bath(dimension):
-    one = Generator(System(0.5, dimension, bath_speed=0.8), SpeedAxis(6.0, 0.8, 20, 1.0, True),
-                    Resolution(20, 40, 1, 1e-12))  # fmt: skip
-    v, w = one.axis.speeds, 0.8
-    x = v * v / (2.0 * w * w)
-    if dimension == 2:
-        bessel = (1.0 + x) * iv(0, x / 2) + x * iv(1, x / 2)
-        expected = w * math.sqrt(math.pi / 2) * np.exp(-x / 2) * bessel
-    else:
-        error = np.vectorize(math.erf)(v / (w * math.sqrt(2.0)))
-        expected = w * math.sqrt(2.0 / math.pi) * np.exp(-x) + (v + w * w / v) * error
-    assert one.rate == pytest.approx(expected, rel=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -174,14 +157,6 @@ def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
     assert solution.thermal_speed[-1] == pytest.approx(math.sqrt(6.0) * 80.0, rel=0.03)
     with pytest.raises(InputError, match="steady"):
         solve_steady(1.0, bath_speed=1.0)
-
-
-def test_a_cold_bath_is_no_bath():
-    scene = dict(times=[1.0, 10.0], outputs=("thermal_speed", "msd"))
-    cold = solve(one_l(0.7, bath_speed=1e-4, **scene))
-    none = solve(one_l(0.7, **scene))
-    assert cold.thermal_speed == pytest.approx(none.thermal_speed, rel=1e-6)
-    assert cold.msd == pytest.approx(none.msd, rel=1e-6)
 
 
 def test_the_direction_of_a_start_does_not_matter_to_what_has_none():
@@ -286,7 +261,7 @@ def test_a_constant_function_is_a_number(dimension):
 
 def test_a_smooth_law_ends_in_the_scaling_state_of_slow_impacts():
     scene = one_l(lambda v: 0.7 + 0.2 * np.tanh(v), times=[1e3], outputs=("thermal_speed", "a2"))
-    solution, exact = solve(scene, rtol=1e-6), ScalingSolution(0.7)
+    solution, exact = solve(scene, rtol=1e-4), ScalingSolution(0.7)
     assert solution.a2[0] == pytest.approx(exact.a2, abs=2e-3)
     assert solution.thermal_speed[0] * 1e3 == pytest.approx(2.0 / exact.cooling_rate, rel=0.03)
 
@@ -342,9 +317,6 @@ def test_all_stick_without_a_field_in_the_end():
         _ = solve(one_l(0.5, times=[1.0])).captured
 
 
-SAMPLES = CollisionLaw.from_samples([1.0], [0.5], [0.0])
-
-
 # -- doors ---------------------------------------------------------------------------------------
 
 
@@ -372,8 +344,8 @@ def test_what_cannot_be_solved_is_refused(given, named):
 
 def test_a_miss_is_said():
     with pytest.warns(ToleranceWarning):
-        solution = solve(one_l(0.5, capture_speed=0.3, times=[3.0]), rtol=1e-12)
-    assert solution.error_estimate > 1e-12
+        solution = solve(one_l(0.5, capture_speed=0.3, times=[3.0]), rtol=1e-9)
+    assert solution.error_estimate > 1e-9
 
 
 @pytest.mark.parametrize("law", [0.5, Viscoelastic(0.3), ([0.5, 1.0], [0.9, 0.7])])

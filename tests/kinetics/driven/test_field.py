@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from kinetics import CollisionLaw, FieldState, InputError, ToleranceWarning, solve_field
+from kinetics import FieldState, InputError, ToleranceWarning, solve_field
 from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
@@ -78,17 +78,6 @@ def test_exact_relations(arguments: dict[str, Any]) -> None:
         assert moment(-2, 1) == pytest.approx(-law.decay_rate(-1.0), rel=tight)
 
 
-def test_relations_in_closed_form() -> None:
-    """<v v_x> and <cos/v^2>, with averages worked out by hand."""
-    e = 0.7
-    b = math.sqrt(1 - e**2)
-    disks, spheres = solve_field(e), solve_field(e, 3)
-    assert disks.moment(2, 1) == pytest.approx(1.5 / (1 + e), rel=1e-11)
-    assert spheres.moment(2, 1) == pytest.approx(2 / (1 + e), rel=1e-11)
-    assert disks.moment(-2, 1) == pytest.approx(math.asinh(b / e) / b - 1, rel=1e-10)
-    assert spheres.moment(-2, 1) == pytest.approx((1 - e) / (1 + e), rel=1e-10)
-
-
 @pytest.mark.parametrize(
     ("e", "dimension"),
     [
@@ -100,7 +89,7 @@ def test_moment_hierarchy_of_higher_harmonics(dimension: int, e: float) -> None:
     """Row m of the equation, times v^p: it meets the harmonics m - 1, m and m + 1."""
     state = solve_field(e, dimension)
     for m in (1, 2, 3, 4):
-        for p in (1.0, 2.0, 3.5):
+        for p in (0.5, 1.0, 2.0, 3.5):
             below, above = state.moment(p - 1, m - 1), state.moment(p - 1, m + 1)
             if dimension == 2:
                 left = 0.5 * (p + m) * below + 0.5 * (p - m) * above
@@ -159,22 +148,6 @@ def test_what_is_not_reached_is_said() -> None:
     assert "raise rtol" in state.message
 
 
-def test_two_kinds_of_bounces() -> None:
-    """Samples with two deflections: rays through rest are scattered into other rays."""
-    law = CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.6, -0.7])
-    coarse, fine = solve_field(law, rtol=1e-4), solve_field(law, rtol=1e-8)
-    assert coarse.drift == pytest.approx(fine.drift, rel=1e-4)
-    assert fine.status.name == "CONVERGED"
-    left = law.harmonic_decay_rate(1.0, 1) * fine.moment(2, 1)
-    assert left == pytest.approx(1.0, rel=1e-8)
-
-
-def test_samples_of_a_law_are_that_law() -> None:
-    q = CollisionLaw(0.7).quadrature_for(70.0, 31)
-    law = CollisionLaw.from_samples(q.weight, q.ratio, q.cosine)
-    assert solve_field(law, rtol=1e-8).drift == pytest.approx(solve_field(0.7).drift, rel=1e-8)
-
-
 def test_density() -> None:
     """Integral 1, the drift, and no negative values; in the plane and in space."""
     v, w = panels_between(np.array([0.0, 0.3, 1.0, 3.0, 8.4]), 8)
@@ -218,15 +191,6 @@ def test_density_where_bounces_stop_a_tracer() -> None:
         solve_field(1e-12, rtol=1e-6).vdf([1.0], [0.0])
 
 
-def test_tail_is_gaussian() -> None:
-    """f_0 ~ v^(L - 1) exp(-v^2/2) with L = .377 at e = .7: from f_0 at high speeds."""
-    v = np.array([5.0, 5.5, 6.0])
-    angle, w = panels_between(np.array([0.0, 0.2, 0.6, math.pi]), 12)
-    f = solve_field(0.7).vdf(v, angle) @ w
-    power = np.diff(np.log(f * np.exp(v * v / 2))) / np.diff(np.log(v))
-    assert power == pytest.approx(np.full(2, 0.377 - 1.0), abs=0.15)
-
-
 def test_in_units() -> None:
     state = solve_field(0.7, 3)
     found = state.in_units(9.81, 1e-3, 1e8)
@@ -241,22 +205,6 @@ def test_in_units() -> None:
     for bad in ((0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, math.nan), (1e300, 1e-300, 1.0)):
         with pytest.raises(InputError):
             state.in_units(*bad)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"restitution": 1.0}, "no steady state"),
-        ({"restitution": -0.1}, "restitution"),
-        ({"restitution": 0.5, "dimension": 4}, "dimension"),
-        ({"restitution": 0.5, "rtol": 0.0}, "rtol"),
-        ({"restitution": 0.5, "tangential_restitution": 2.0}, "tangential_restitution"),
-    ],
-)
-def test_bad_arguments(arguments: dict[str, Any], words: str) -> None:
-    with pytest.raises(InputError, match=words) as caught:
-        solve_field(**arguments)
-    assert "\n" not in str(caught.value)
 
 
 def test_moments_that_do_not_exist() -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import (
     Beam,
@@ -70,7 +71,7 @@ def test_elastic_tracers_reach_the_self_similar_state() -> None:
     assert density == pytest.approx(expected, abs=5e-3 * expected.max())
 
 
-@pytest.mark.parametrize("et", [1.0, 0.5])
+@pytest.mark.parametrize("et", slow_but([1.0], [1.0, 0.5]))
 def test_from_rest_the_uncollided_are_apart(et: float) -> None:
     """Those that have collided once have fronts: the status says that they are missed."""
     asked = scene([0.5, 1.5, 12.0], initial="rest", tangential_restitution=et)
@@ -118,8 +119,10 @@ def test_a_start_that_is_not_symmetric() -> None:
     assert total + found.uncollided[0] == pytest.approx(1.0, abs=5e-3)
 
 
-def test_the_density_of_the_component_along_the_field() -> None:
-    solution = solve(scene([0.5], outputs=("speed_density", "mean_velocity")), rtol=0.1)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_density_of_the_component_along_the_field(dimension: int) -> None:
+    outputs = ("speed_density", "mean_velocity")
+    solution = solve(scene([0.5], dimension=dimension, outputs=outputs), rtol=0.1)
     v, w = panels_between(np.linspace(-7.0, 7.0, 8), 6)
     f = solution.velocity_component_density(v)[0]
     assert f @ w == pytest.approx(1.0, abs=1e-3)

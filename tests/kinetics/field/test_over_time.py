@@ -7,18 +7,7 @@ import numpy as np
 import pytest
 from marking import slow_but
 
-from kinetics import (
-    Beam,
-    CollisionLaw,
-    InputError,
-    Scene,
-    ToleranceWarning,
-    VelocitySamples,
-    solve,
-    solve_field,
-)
-from kinetics.field.elimination import Chain
-from kinetics.field.grid import SpeedPanels, loss_matrices
+from kinetics import Beam, InputError, Scene, ToleranceWarning, VelocitySamples, solve, solve_field
 from kinetics.field.starts import free_way
 from kinetics.numerics.gauss import gauss_legendre
 
@@ -76,7 +65,7 @@ def test_very_lossy_rough_scatterers() -> None:
     assert found.mean_velocity[1, 0] == pytest.approx(state.drift, rel=1e-4)
 
 
-@pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 2), (0.7, 1.0, 3), (0.4, 0.4, 2)])
+@pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 3), (0.4, 0.4, 2)])
 def test_late_times_reach_the_steady_state(e: float, et: float, dimension: int) -> None:
     state = solve_field(e, dimension, et, rtol=1e-7)
     path = PATH if dimension == 2 else 1.0 / (math.pi * 0.04)
@@ -94,7 +83,7 @@ def test_late_times_reach_the_steady_state(e: float, et: float, dimension: int) 
 
 @pytest.mark.parametrize(
     ("initial", "dimension"),
-    [(Beam(0.8, "monoenergetic"), 2), (Beam(0.0, "monoenergetic"), 3), ("gaussian", 3)],
+    [(Beam(0.8, "monoenergetic"), 2), ("gaussian", 3)],
 )
 def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
     """Against the equation without a field, in all outputs."""
@@ -116,15 +105,31 @@ def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
         assert np.all(np.abs(value - expected) <= 2e-5 * np.maximum(scale, 1.0 * (name == "a2")))
 
 
+def test_the_displacement_turns_with_the_start() -> None:
+    """Where the field has no effect yet: all its components, also xy."""
+    one, other = (
+        solve(
+            Scene(0.7, initial=Beam(angle, "monoenergetic"), field=1e-13, times=[10.0, 50.0],
+                  outputs=("displacement_tensor",)), rtol=1e-4,
+        ).displacement_tensor
+        for angle in (0.0, 0.8)
+    )  # fmt: skip
+    turn = np.array([[math.cos(0.8), -math.sin(0.8)], [math.sin(0.8), math.cos(0.8)]])
+    expected = turn @ one @ turn.T
+    assert np.all(abs(other - expected) < 1e-3 * abs(expected))
+
+
 @pytest.mark.parametrize(
     ("initial", "field", "times", "rtol"),
     [
         ("rest", 0.01, np.geomspace(0.003, 99.0, 12), 1e-4),
         ("gaussian", 0.08, [0.3, 1.0, 3.0, 10.0], 1e-4),
-        ("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4),  # nearly at rest
+        pytest.param("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4, marks=pytest.mark.slow),  # at rest
         # at 1e6 of the speeds that the field makes
         pytest.param("gaussian", 1e-12, [1e-6, 1e-3], 1e-4, marks=pytest.mark.slow),
-        (Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0], 1e-3),
+        pytest.param(
+            Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0], 1e-3, marks=pytest.mark.slow
+        ),
         ("monoenergetic", 3.0, [0.1, 1.0, 30.0], 1e-4),  # slow, of all directions
         # slow tracers of many directions, whose first steps of time were too long
         pytest.param(MANY, 0.08, [0.1, 1.0, 5.0], 1e-4, marks=pytest.mark.slow),
@@ -161,21 +166,6 @@ def test_a_start_close_to_rest_is_rest() -> None:
     assert np.all(cold.mean_velocity == rest.mean_velocity)
 
 
-def test_few_velocities_and_many_are_alike() -> None:
-    """A beam of 65 equal samples is solved by its harmonics, of 1 in closed form until it collides.
-
-    Harmonics of a beam converge slowly.
-    """
-    outputs = ("mean_velocity", "mean_displacement", "velocity_tensor", "msd")
-    ask = {"field": 0.08, "outputs": outputs}
-    one = solve(scene([0.5, 3.0], initial=VelocitySamples([[0.9, 1.2]]), **ask), rtol=1e-4)
-    many = [[0.9, 1.2]] * 65
-    found = solve(scene([0.5, 3.0], initial=VelocitySamples(many), **ask), rtol=1e-4)
-    assert found.mean_velocity == pytest.approx(one.mean_velocity, abs=3e-3)
-    assert found.velocity_tensor == pytest.approx(one.velocity_tensor, abs=3e-3)
-    assert found.msd == pytest.approx(one.msd, rel=3e-3)
-
-
 def test_a_miss_is_warned_of() -> None:
     with pytest.warns(ToleranceWarning, match="averages"):
         found = solve(scene([3.0], outputs=("mean_velocity",)), rtol=1e-12)
@@ -183,61 +173,11 @@ def test_a_miss_is_warned_of() -> None:
     assert found.error_estimate > 1e-12
 
 
-@pytest.mark.parametrize("initial", ["rest", Beam(2.0)])
-def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
-    """Averages that nobody asks for are not solved."""
-    times = [0.1, 1.0, 3.0]
-    everything = solve(scene(times, 0.08, initial=initial), rtol=1e-3)
-    for name in OUTPUTS:
-        alone = getattr(solve(scene(times, 0.08, initial=initial, outputs=(name,)), 1e-3), name)
-        expected = getattr(everything, name)
-        scale = everything.thermal_speed if "velocity" in name else expected.max()
-        assert np.all(np.abs(alone - expected) <= 2e-3 * np.max(scale))
-
-
 def test_moments_at_will_are_refused_with_a_field() -> None:
     solution = solve(scene([0.5]), rtol=1e-3)
     for question in (lambda: solution.moment(2.0), lambda: solution.harmonic(1.0, 1)):
         with pytest.raises(InputError, match="field"):
             question()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"field": -1.0}, "field"),
-        ({"field": math.nan}, "field"),
-        ({"field": 0.0, "initial": "rest"}, "give a field"),
-        ({"field": 1.0, "outputs": ("kurtosis",)}, "not available with a field"),
-        ({"outputs": ("displacement_tensor",)}, "not available without a field"),
-        ({"field": 1e300, "outputs": ("mean_velocity",)}, "out of range"),
-    ],
-)
-def test_refusals(arguments: dict[str, Any], words: str) -> None:
-    with pytest.raises(InputError, match=words) as caught:
-        solve(Scene(0.7, times=[1.0], **arguments))
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(("dimension", "family"), [(2, 0), (2, 1), (3, 0), (3, 1)])
-def test_no_error_grows_over_time(dimension: int, family: int) -> None:
-    """No solution of the equation on panels grows, down to low speeds: it had rates of 300."""
-    panels, top = SpeedPanels.rising(6.0, 0.01, 7), 11 - family
-    chain, n = Chain(panels, dimension, family), panels.size
-    lost = loss_matrices(panels, CollisionLaw(0.7, dimension=dimension), 11)
-    count = top + 1 - family
-    rates = np.zeros((count, n, count, n))
-    for i, m in enumerate(range(family, top + 1)):
-        rates[i, :, i] = -panels.speeds[:, None] * lost[m]
-        if m < top:
-            rates[i, :, i + 1] = -chain.from_above(m)
-        else:
-            rates[i, :, i] -= chain.beyond(m)
-        if i > 0:
-            rates[i, :, i - 1] = -chain.from_below(m)
-    rates /= panels.speeds[:, None, None]
-    fastest = np.linalg.eigvals(rates.reshape(count * n, count * n)).real.max()
-    assert fastest <= 1e-9
 
 
 def test_the_free_way_in_a_field() -> None:

@@ -58,7 +58,7 @@ def relative_error(equation: BackwardEquation, exact: BackwardEquation, y: Obser
     return float(np.max(np.abs(evaluate(equation, y, x) - truth) / np.abs(scale)))
 
 
-@pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::2], RESTITUTIONS))
+@pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::3], RESTITUTIONS))
 def test_the_estimate_covers_the_error(e: float) -> None:
     # against 30 nodes a panel, which other tests hold against mpmath
     law = CollisionLaw(e)

@@ -56,8 +56,7 @@ def check(values: Any, expected: float) -> None:
     assert abs(sigmas) < SIGMAS, (sigmas, values.mean(), expected)
 
 
-LAWS = [(0.7, 1.0, 2), (0.5, 0.8, 2), (0.6, 0.8, 3), (0.5, 0.5, 2), (0.7, 0.0, 2), (0.0, 0.9, 3),
-        (0.0, 1.0, 2), (0.4, 1.0, 3), (1.0, 1.0, 3)]  # fmt: skip
+LAWS = [(0.7, 1.0, 2), (0.5, 0.5, 2), (0.0, 0.9, 3)]
 
 
 @pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])

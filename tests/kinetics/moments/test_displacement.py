@@ -72,7 +72,7 @@ def test_elastic_moments_are_those_of_the_hierarchy(c: float) -> None:
 def test_elastic_displacement_to_the_end_of_the_range(c: float) -> None:
     """<r^2> = 2 l^2 T/(1-c), and T^2 l^2 where nothing turns; along one line the kurtosis is 3."""
     law = CollisionLaw.from_samples([1.0], [1.0], [c])
-    times = np.array([1e25, 1e100, 1e150])
+    times = np.array([1e13, 2e13, 1e150])
     found = run(law, (*NAMES, "diffusion_coefficient"), times, "monoenergetic", rtol=1e-10)
     exact = times**2 if c == 1.0 else 2.0 * LENGTH * times / (1.0 - c)
     assert np.allclose(found.msd, exact, rtol=1e-11, atol=0.0)

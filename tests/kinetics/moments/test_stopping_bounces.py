@@ -4,12 +4,12 @@ At restitution 0 a head-on bounce stops it, and every p above -1 exists; at e = 
 leaves the same small share s of the speed.
 """
 
-import math
 from functools import cache
 
 import mpmath as mp
 import numpy as np
 import pytest
+from moment_hierarchy import series
 
 from kinetics import Beam, CollisionLaw, Scene, SolverStatus, solve
 
@@ -29,24 +29,6 @@ def one_speed(p: float, reduced: float) -> float:
         return float(t**-p_ * mp.gammainc(p_ + 1, 0, t) + mp.exp(-t))
 
 
-def harmonic(p: float, m: int, reduced: float) -> float:
-    """<(v/v(0))^p cos(m phi)> of a beam by its power series; cos(chi) = s at e = 0."""
-    # T_m(s) as a polynomial in s: T_(k+1) = 2 s T_k - T_(k-1)
-    before, polynomial = np.array([1.0]), np.array([0.0, 1.0])
-    for _ in range(m - 1):
-        before, polynomial = polynomial, np.polynomial.polynomial.polysub(
-            2.0 * np.append(0.0, polynomial), before
-        )  # fmt: skip
-    with mp.workdps(60 + int(reduced)):
-        p_, t = mp.mpf(p), mp.mpf(reduced)
-        term = total = mp.mpf(1)
-        for k in range(int(40 + 6 * reduced)):
-            kept = mp.fsum(mp.mpf(c) / (p_ + k + 1 + j) for j, c in enumerate(polynomial))
-            term *= -(1 - kept) * t / (k + 1)
-            total += term
-        return float(total)
-
-
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-12])
 @pytest.mark.parametrize("p", POWERS)
 def test_every_power_above_minus_one(p: float, rtol: float) -> None:
@@ -60,7 +42,7 @@ def test_every_power_above_minus_one(p: float, rtol: float) -> None:
 def test_harmonics_of_a_beam(p: float, m: int) -> None:
     """To rtol of <v^p>; even m keep their sign at s = 0, where chi = pi/2, and odd m vanish."""
     reduced = np.array([0.01, 0.3, 1.0, 10.0, 30.0])
-    exact = np.array([harmonic(p, m, t) for t in reduced])
+    exact = np.array([series(0.0, m, p, t) for t in reduced])
     for rtol in (1e-6, 1e-11):
         solution = solve(Scene(0.0, times=FREE_PATH * reduced, initial=Beam()), rtol)
         error = np.abs(solution.harmonic(p, m) - exact) / solution.moment(p)
@@ -106,23 +88,3 @@ def test_between_one_bounce_and_the_next(share: float, rtol: float) -> None:
     assert np.max(np.abs(found.thermal_speed**2 / second - 1.0)) <= rtol
     assert np.max(np.abs((1.0 + found.a2) / (0.5 * fourth / second**2) - 1.0)) <= rtol
     assert float(found.a2.min()) >= -0.5
-
-
-@pytest.mark.parametrize("rtol", [1e-6, 1e-12])
-def test_slow_tracers_of_the_start_are_what_is_left(rtol: float) -> None:
-    """Of a Gaussian start: before the others have met 1/s scatterers, <v^2> is that of few."""
-    share, times = 1e-7, np.array([1e3, 1e5])
-    scene = Scene(CollisionLaw(share, share), times=times, outputs=("thermal_speed", "a2"))
-    found = solve(scene, rtol)
-    # the trapezoid rule in ln v; below e^-16 and above e^2.5 nothing is left
-    spacing = 0.125
-    v = np.exp(np.arange(-16.0, 2.5, spacing))
-    weight = spacing * v**2 * np.exp(-0.5 * v * v)
-    for i, t in enumerate(times):
-        second, fourth = (
-            math.fsum(w * u**p * equal_bounces(p, share, u * t / FREE_PATH)
-                      for u, w in zip(v.tolist(), weight, strict=True))
-            for p in (2, 4)
-        )  # fmt: skip
-        assert abs(found.thermal_speed[i] / math.sqrt(second) - 1.0) <= rtol
-        assert abs((1.0 + found.a2[i]) / (0.5 * fourth / second**2) - 1.0) <= rtol

@@ -7,11 +7,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kinetics import CollisionLaw, ScalingSolution, sonine
+from kinetics import sonine
 from kinetics.paper.series import SeriesStatus
-
-GAUSS_SPEED = math.sqrt(math.pi) / 2  # <c> of the Gaussian
-
 
 # -- the scaled state -----------------------------------------------------------------------------
 
@@ -98,15 +95,6 @@ def test_even_orders_have_a_real_root_at_every_restitution(order: int) -> None:
         assert sonine.scaled_state(float(e), order).status is SeriesStatus.REAL
 
 
-def test_for_small_restitution_higher_orders_lead_away() -> None:
-    rates = [sonine.scaled_state(0.4, n).cooling_rate for n in (2, 10, 20, 40)]
-    np.testing.assert_allclose(rates, [0.742, 0.520, 0.394, 0.289], atol=5e-4)
-    assert ScalingSolution(0.4).cooling_rate == pytest.approx(0.847, abs=5e-4)
-    a2 = [sonine.scaled_state(0.4, n).a2 for n in (2, 10, 20, 40)]
-    assert np.all(np.diff(a2) < 0)
-    assert a2[-1] == pytest.approx(-0.838, abs=5e-4)
-
-
 def test_orders_that_rounding_spoils_say_so() -> None:
     spoilt = sonine.scaled_state(0.4, 60)
     assert spoilt.status is SeriesStatus.ILL_CONDITIONED
@@ -126,22 +114,6 @@ def test_diffusion_of_first_order_is_the_printed_one(e: float) -> None:
     # d<r^2>/d ln t of eq. ad8 is its prefactor
     late = sonine.msd_sonine([1e12, math.e * 1e12], e, number_density=0.5)
     assert found.slope == pytest.approx(float(np.diff(late)[0]), rel=1e-9)
-
-
-def test_elastic_diffusion_converges_to_the_exact_one_as_a_power() -> None:
-    orders = np.array([5, 10, 20, 40])
-    exact = 3 / 8 * GAUSS_SPEED
-    error = np.array(
-        [1 - sonine.diffusion_of_order(1.0, int(n)).coefficient / exact for n in orders]
-    )
-    assert sonine.diffusion_of_order(1.0, 1).coefficient == pytest.approx(
-        1 / (2 * math.sqrt(math.pi))
-    )
-    assert np.all(error > 0)
-    slopes = np.diff(np.log(error)) / np.diff(np.log(orders))
-    np.testing.assert_allclose(slopes, -1.5, atol=0.08)
-    assert error[-1] == pytest.approx(9.3e-4, rel=0.01)
-    assert math.isinf(sonine.diffusion_of_order(1.0, 3).slope)
 
 
 @pytest.mark.parametrize(("e", "order"), [(0.4, 2), (0.7, 5), (0.95, 8), (1.0, 6)])
@@ -178,21 +150,3 @@ def _derivative(j: int, c: np.ndarray) -> np.ndarray:
     """d/dc of c S_j(c^2)."""
     series = np.polynomial.laguerre.Laguerre(np.ones(j + 1))
     return series(c**2) + 2 * c**2 * series.deriv()(c**2)
-
-
-def test_diffusion_inherits_the_divergence() -> None:
-    for e, orders, ratios in (
-        (0.9, (1, 3, 5, 10, 20), (0.893, 0.941, 1.003, 1.073, 0.987)),
-        (0.4, (2, 4, 6, 10, 20), (1.296, 0.750, 1.510, 1.798, 2.345)),
-    ):
-        exact = ScalingSolution(e).moment(1.0) / (2 * CollisionLaw(e).harmonic_decay_rate(0.0, 1))
-        found = [sonine.diffusion_of_order(e, n).coefficient / exact for n in orders]
-        np.testing.assert_allclose(found, ratios, atol=1e-3)
-    assert math.isnan(sonine.diffusion_of_order(0.4, 3).coefficient)
-    assert sonine.diffusion_of_order(0.4, 3).status is SeriesStatus.NO_REAL_SOLUTION
-    spoilt = sonine.diffusion_of_order(0.4, 40)
-    assert spoilt.status is SeriesStatus.ILL_CONDITIONED
-    assert math.isnan(spoilt.coefficient)
-    # as 70 digits have it, within the rounding that is said
-    kept = sonine.diffusion_of_order(0.4, 20)
-    assert abs(kept.coefficient / 0.932364706647683 - 1) < kept.rounding < 1e-5

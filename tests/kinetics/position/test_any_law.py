@@ -8,14 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kinetics import (
-    AngularHarmonics,
-    Beam,
-    CollisionLaw,
-    Scene,
-    SolverStatus,
-    solve,
-)
+from kinetics import AngularHarmonics, Beam, CollisionLaw, Scene, SolverStatus, solve
 from kinetics.position.directions import mean_phase
 
 FloatArray = NDArray[np.float64]
@@ -80,7 +73,7 @@ def test_elastic_spheres_of_one_speed_against_the_transport_solution() -> None:
 # -- moments, which come from other equations ------------------------------------------------------
 
 
-@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("law", LAWS[2:5], ids=repr)
 def test_norm_and_moments(law: CollisionLaw) -> None:
     found = solve(scene(law, 40.0), rtol=1e-5)
     assert found.status is SolverStatus.CONVERGED
@@ -132,7 +125,7 @@ def speeds(v: Any) -> Any:
     ("initial", "dimension"),
     [
         (Beam(0.7), 2),
-        (Beam(), 3),
+        pytest.param(Beam(), 3, marks=pytest.mark.slow),
         pytest.param(Beam(speeds="gaussian"), 3, marks=pytest.mark.slow),
         pytest.param(AngularHarmonics({0: speeds, 1: speeds}), 3, marks=pytest.mark.slow),
     ],
@@ -163,7 +156,10 @@ def test_directed_starts(initial: Any, dimension: int) -> None:
 # -- the parts -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("dimension", "t", "rtol"), [(2, 100.0, 1e-5), (3, 8.0, 1e-4)])
+@pytest.mark.parametrize(
+    ("dimension", "t", "rtol"),
+    [(3, 8.0, 1e-4), pytest.param(2, 100.0, 1e-5, marks=pytest.mark.slow)],
+)
 def test_tracers_that_a_collision_has_stopped_need_no_large_wave_numbers(
     dimension: int, t: float, rtol: float
 ) -> None:
@@ -187,11 +183,10 @@ def test_a_density_that_is_not_resolved_says_so() -> None:
     assert found.error_estimate > 1e-3
 
 
-@pytest.mark.parametrize("e", [1e-7, 1e-4, 0.01])
-def test_bounces_that_all_but_stop_every_tracer(e: float) -> None:
+@pytest.mark.slow
+def test_bounces_that_all_but_stop_every_tracer() -> None:
     """et = e: no shift of a bounce ended on the panels, and the transform at 0 had no values."""
-    law = CollisionLaw(e, e)
-    found = solve(scene(law, 8e-2), rtol=1e-3)
+    found = solve(scene(CollisionLaw(1e-4, 1e-4), 8e-2), rtol=1e-3)
     assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=1e-2)
 
 
@@ -208,29 +203,6 @@ def test_tracers_that_a_bounce_stops_for_good() -> None:
     assert np.abs(found.intermediate_scattering(k / PATH)[0] - expected).max() < 2e-6
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("e", [1e-7, 1e-4])
-def test_a_density_that_does_not_end_says_so(e: float) -> None:
-    """Tracers that all but rest make F fall as 1/K: to follow it to its end took minutes."""
-    found = solve(scene(CollisionLaw(e, e), 8.0), rtol=1e-3)
-    assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
-    assert found._answer.displacement is not None
-    work = sum(n * size**2 for size, n in found._answer.displacement.systems.items())
-    assert work < 4e8
-    assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=0.1)
-
-
-def test_a_law_that_forgets_its_direction_slowly_is_followed_to_late_times() -> None:
-    """Bounces turn by 3 degrees and take half of the speed: <cos phi> falls as T^-0.002."""
-    law = CollisionLaw.from_samples([0.5, 0.5], [0.5, 0.45], [0.999, 0.998], 2)
-    outputs = ("msd", "kurtosis", "intermediate_scattering")
-    found = solve(Scene(law, 0.5, initial="monoenergetic", times=[1e30], outputs=outputs), 1e-8)
-    small = 0.01  # k^2 <r^2>: the next term of the series is 5e-10
-    k = np.sqrt(small / found.msd[0])
-    series = 1.0 - small / 4.0 + found.kurtosis[0] * small**2 / 64.0
-    assert abs(found.intermediate_scattering([k])[0, 0] - series) < 2e-9
-
-
 def test_samples_that_throw_tracers_straight_back_do_not_claim_too_much() -> None:
     """F falls as 1/K, in space too; G was below zero by 0.04 with an estimate of 0.002."""
     bounces = [0.2, 0.3, 0.2, 0.3], [0.9, 0.5, 1.0, 1.0], [-1.0, 0.0, 0.5, 1.0]
@@ -238,14 +210,3 @@ def test_samples_that_throw_tracers_straight_back_do_not_claim_too_much() -> Non
     found = solve(scene(law, 100.0, "gaussian"), rtol=1e-3)
     least = float(found.scaled_position_density(np.linspace(0.01, 6.0, 600)).min())
     assert -least < found.stats["position_density_error"]
-
-
-@pytest.mark.slow
-def test_a_law_that_loses_by_steps_does_not_claim_too_much() -> None:
-    """F goes on by steps at K ~ 1/(T s^n): a fit at K = 16 was once 2e-4 off, and said 1e-5."""
-    law = CollisionLaw(0.257, 0.307)
-    found, best = (solve(scene(law, 7.8), rtol=rtol) for rtol in (1e-3, 3e-4))
-    assert best.status is SolverStatus.CONVERGED
-    R = np.geomspace(0.003, 1.0, 30)
-    apart = found.scaled_position_density(R) - best.scaled_position_density(R)
-    assert np.abs(apart).max() < found.stats["position_density_error"]

@@ -7,15 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kinetics import (
-    CollisionLaw,
-    Scene,
-    Solution,
-    SolverStatus,
-    SpeedSamples,
-    SpeedTable,
-    solve,
-)
+from kinetics import CollisionLaw, Scene, Solution, SolverStatus, SpeedTable, solve
 from kinetics.collision import ImpactQuadrature
 from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
@@ -88,7 +80,7 @@ def ring_density(r: FloatArray, t: float) -> FloatArray:
     return np.asarray(r / root * np.exp(root - t))
 
 
-@pytest.mark.parametrize(("t", "tolerance"), [(12.0, 2e-4), (24.0, 1e-7), (48.0, 1e-8)])
+@pytest.mark.parametrize(("t", "tolerance"), [(12.0, 2e-4), (24.0, 1e-7)])
 def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
     law, times, state = Isotropic(1.0), np.array([t]), Monoenergetic()
     root = np.sqrt(mean_square_displacement(Averages(law, 1.0, state, times, 1e-12)))
@@ -120,18 +112,6 @@ def test_a_front_and_a_continuous_part_make_the_whole() -> None:
     # all at the origin at t = 0, which no open interval (0, ...] holds
     assert not shares[0].any()
     assert np.all(found.position_density([130.0])[1] == 0.0)
-
-
-@pytest.mark.slow
-def test_samples_have_fronts_and_tables_do_not() -> None:
-    samples = density(0.5, [50.0], SpeedSamples([0.5, 1.0, 2.0]), rtol=1e-3)
-    assert samples.ballistic_front[0].tolist() == [[25.0, 50.0, 100.0]]
-    table = density(0.5, [50.0], SpeedTable([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]), rtol=1e-4)
-    assert table.ballistic_front[0].size == 0
-    edges = np.linspace(0.0, 130.0, 60)
-    assert abs(integrate(table.position_density, edges)[0] - 1.0) < 1e-4
-    assert abs(integrate(table.position_density, edges, 2)[0] / table.msd[0] - 1.0) < 1e-3
-    assert abs(table.position_fraction([0.0, 1e6])[0, 0] - 1.0) < 1e-5
 
 
 def test_the_elastic_density_at_late_times_is_a_mixture_of_gaussians() -> None:
@@ -224,9 +204,3 @@ def test_a_table_is_the_mixture_of_its_speeds() -> None:
     scene = Scene(0.6, initial="monoenergetic", times=t * v, outputs=outputs)
     parts = solve(scene, rtol=1e-11).intermediate_scattering(k)
     assert np.abs(whole.intermediate_scattering(k)[0] - share @ parts).max() < 1e-9
-
-
-def test_early_times_do_not_take_the_work_of_one_another() -> None:
-    """They need ten times the wave numbers of the later one, at which these cost far more."""
-    scene = Scene(0.7, times=[0.3, 3.0], outputs=("position_density",))
-    assert solve(scene, rtol=1e-6).status is SolverStatus.CONVERGED

@@ -68,6 +68,7 @@ def test_elastic_tracers_of_one_speed_obey_a_matrix(n: float) -> None:
             assert f == pytest.approx(exact, abs=1e-5 * n)
 
 
+@pytest.mark.slow
 def test_the_waves_of_tracers_among_hard_disks() -> None:
     """To 0.1 n and 3.5 errors; with returns at once F was 0.4 n off."""
     e, n, paths, k = 0.7, 0.04, np.array([0.5, 1.0, 2.0, 4.0]), np.array([0.7, 1.5, 2.5, 4.0])

@@ -7,15 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from kinetics import (
-    Beam,
-    CollisionLaw,
-    Gaussian,
-    Monoenergetic,
-    Scene,
-    ToleranceWarning,
-    solve,
-)
+from kinetics import Beam, CollisionLaw, Gaussian, Monoenergetic, Scene, ToleranceWarning, solve
 from kinetics.position import scattering
 
 
@@ -58,9 +50,8 @@ def test_a_scattering_function_that_misses_its_tolerance_says_so(
 @pytest.mark.parametrize(
     ("e", "initial", "t", "k"),
     [
-        (0.7, Beam(), 1e3, 2.0),
+        pytest.param(0.7, Beam(), 1e3, 2.0, marks=pytest.mark.slow),
         pytest.param(0.7, Beam(), 1e300, 2.0, marks=pytest.mark.slow),
-        (1.0, Gaussian(), 1e300, 1e-3),
         (1.0, Gaussian(), 1e300, 1e-150),
         (1.0, Beam(), 1.0, 2.0),
         (1.0, Beam(), 150.0, 1.5),

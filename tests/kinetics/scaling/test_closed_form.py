@@ -17,7 +17,7 @@ EXTREME = [1e-8, 1e-4, 1 - 1e-4, 1 - 1e-8]
 LIMIT = 1e-13
 
 
-@pytest.mark.parametrize("e", slow_but(TABLE[::2] + EXTREME, TABLE + EXTREME))
+@pytest.mark.parametrize("e", slow_but(TABLE[::5] + EXTREME, TABLE + EXTREME))
 def test_cooling_rate_a2_and_integer_moments(e: float, formulas: ModuleType) -> None:
     exact = ScalingSolution(e)
     with mp.workdps(80):
@@ -83,35 +83,6 @@ def test_exponential_tail_with_its_power_and_amplitude(e: float) -> None:
     assert exact.tail_power == pytest.approx(1 / (1 - e * e) - 2)
 
 
-def test_low_speeds_are_a_hole() -> None:
-    """ln F ~ -(ln c)^2/(2 |ln e|): the second difference of ln F in ln c is 1/ln e."""
-    for e in (0.2, 0.6):
-        exact = ScalingSolution(e)
-        c = 1e-6 * np.exp(math.log(e) * np.arange(3.0))  # one factor e apart
-        log_f = np.log(exact.vdf(c))
-        second = (log_f[2] - 2 * log_f[1] + log_f[0]) / math.log(e) ** 2
-        assert second == pytest.approx(1 / math.log(e), rel=0.1, abs=0.0)
-        assert exact.vdf(0.0) == 0.0
-        assert exact.vdf(1e-18) < 1e-200
-
-
-def test_the_ring_as_the_bounce_becomes_elastic() -> None:
-    """Width of c: sqrt((1-e^2)/5); h -> (4/3)(1-e); a2 -> -1/2."""
-    for e in (0.999, 1 - 1e-8):
-        exact = ScalingSolution(e)
-        loss = 1 - e
-        variance = 1 - exact.moment(1) ** 2
-        # 1 - <c>^2 is known to some units in the last place of 1
-        assert variance == pytest.approx((1 - e * e) / 5, rel=3 * loss + 2e-7, abs=2e-15)
-        assert exact.cooling_rate / loss == pytest.approx(4 / 3, rel=2 * loss + 1e-13, abs=0.0)
-        assert exact.a2 == pytest.approx(-0.5, abs=loss)
-        width = math.sqrt(variance)
-        assert exact.vdf(1.0) * 2 * math.pi * width * math.sqrt(2 * math.pi) == pytest.approx(
-            1.0, abs=3 * width
-        )
-        assert exact.vdf(1 + 20 * width) < 1e-60 * exact.vdf(1.0)
-
-
 def test_the_elastic_limit() -> None:
     elastic = ScalingSolution(1.0)
     assert elastic.cooling_rate == 0.0
@@ -128,7 +99,7 @@ def test_the_elastic_limit() -> None:
 def test_large_speeds_beside_small_ones_near_zero() -> None:
     """What resolves a long tail towards rest lost eight digits where it ends at large speeds."""
     c = np.concatenate([np.geomspace(1e-3, 0.1, 12), np.linspace(0.2, 12.5, 40)])
-    for e, d in ((1e-10, 2), (1e-8, 2), (1e-8, 3)):
+    for e, d in ((1e-10, 2), (1e-8, 3)):
         exact, found = ScalingSolution(e, 1.0, d), solve_scaled(e, 1e-12, dimension=d)
         np.testing.assert_allclose(exact.vdf(c), found.vdf(c), rtol=2e-12)
 
@@ -145,11 +116,3 @@ def test_the_narrow_ring_near_the_elastic_limit(gap: float) -> None:
     solved = solve_scaled(1.0 - gap, 1e-10).vdf(c)
     assert float(np.max(np.abs(solved - F))) < (1e-9 + 1e-14 / width) * float(F.max())
     assert exact.vdf(0.5) == exact.vdf(2.0) == 0.0
-
-
-def test_the_restitution_next_to_one_has_a_ring() -> None:
-    # the difference of logarithms that gives its width was 0 there; its width is sqrt(2 (1-e)/5)
-    gap = math.ulp(0.5)
-    width = math.sqrt(0.4 * gap)
-    peak = ScalingSolution(1.0 - gap).vdf(1.0)
-    assert 2.0 * math.pi * width * peak == pytest.approx(1.0 / math.sqrt(2.0 * math.pi), rel=1e-6)

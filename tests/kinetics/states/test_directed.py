@@ -1,6 +1,5 @@
 """Directed states against the moment hierarchy in many digits, an integral, a small Monte Carlo."""
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from kinetics import (
 )
 
 
-@pytest.mark.parametrize("m", [1, 2, 5, 8])
+@pytest.mark.parametrize("m", [1, 2, 5])
 @pytest.mark.parametrize("e", [0.2, 1.0])
 def test_harmonics_of_a_beam(e: float, m: int) -> None:
     """Error relative to <v^p>: what part of the tracers' motion is missed."""
@@ -52,8 +51,8 @@ def test_mean_velocity_and_tensor_of_a_turned_beam(e: float) -> None:
     assert np.allclose(np.trace(solution.velocity_tensor, axis1=1, axis2=2), square, rtol=1e-10)
 
 
-def test_two_temperature_gaussian_at_the_start() -> None:
-    sx, sy = 1.3, 0.4
+@pytest.mark.parametrize(("sx", "sy"), [(1.3, 0.4), (0.5, 1.1)])
+def test_two_temperature_gaussian_at_the_start(sx: float, sy: float) -> None:
     outputs = ("mean_velocity", "velocity_tensor", "velocity_density")
     solution = solve(scene(0.5, Gaussian(sx, sy), [0.0], outputs=outputs, harmonics=60), rtol=1e-6)
     assert np.allclose(solution.velocity_tensor[0], np.diag([sx**2, sy**2]), rtol=1e-6, atol=1e-12)
@@ -136,40 +135,6 @@ def test_samples_of_velocities(n: int) -> None:
             exact += factor * known[1 + k]
             factor *= -times[1] * float(nu[1 + k]) / (k + 1)
         assert abs(solution.harmonic(1, m)[1] - exact) < 1e-9
-
-
-def test_velocity_density_after_collisions() -> None:
-    """A beam with Gaussian speeds, 200,000 tracers, 4 x 6 bins of speed and angle, 5 sigma."""
-    e, t, n = 0.6, 0.8, 200_000
-    rng = np.random.default_rng(3)
-    first = np.hypot(*rng.normal(size=(2, n)))
-    speed, angle, clock = first.copy(), np.zeros(n), np.zeros(n)
-    moving = np.arange(n)
-    while moving.size:
-        clock[moving] += rng.exponential(size=moving.size) / speed[moving]
-        moving = moving[clock[moving] < t]
-        y = rng.uniform(-1.0, 1.0, moving.size)
-        normal = np.sqrt(1.0 - y * y)
-        angle[moving] += np.arctan2(-e * normal, y) - np.arctan2(normal, y)
-        speed[moving] *= np.hypot(y, e * normal)
-    kept = angle != 0.0  # the uncollided ones are a peak in the angle
-    # so the sum over harmonics never ends: compare the harmonics bin by bin in the speed
-    solution = solve(
-        scene(e, Beam(speeds="gaussian"), [t], outputs=("velocity_density",), harmonics=3),
-        rtol=1e-7,
-    )
-    assert 0.2 < kept.mean() < 0.8
-    edges = np.array([0.1, 0.5, 1.0, 1.5, 2.5])
-    phi = 2 * np.pi * np.arange(16) / 16
-    for low, high in itertools.pairwise(edges):
-        node, weight = np.polynomial.legendre.leggauss(24)
-        v = 0.5 * (low + high) + 0.5 * (high - low) * node
-        f = solution.velocity_density(v, phi)[0]
-        inside = (speed > low) & (speed < high)
-        for m in range(4):
-            exact = (weight * v) @ f @ np.cos(m * phi) * 0.5 * (high - low) * 2 * np.pi / 16
-            sample = np.where(inside, np.cos(m * angle), 0.0)
-            assert abs(sample.mean() - exact) < 5 * sample.std() / np.sqrt(n), (low, m)
 
 
 # -- elastic, where there is nothing to discretise -----------------------------------------------

@@ -8,14 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kinetics import (
-    Scene,
-    SpeedDensity,
-    SpeedSamples,
-    SpeedTable,
-    VelocitySamples,
-    solve,
-)
+from kinetics import Scene, SpeedDensity, SpeedSamples, SpeedTable, VelocitySamples, solve
 
 BASIC = ("thermal_speed", "temperature", "a2")
 
