@@ -220,9 +220,10 @@ class Answer(Value):
         """The distribution of the displacement, if an output needs it."""
         if not any(row.step == POSITION for row in self._rows):
             return None
-        # distributions take returns to be at once, and G(R) has the scale of its own distribution
-        one = self.averages
-        own = replace(one, delayed=False) if one.has_delays else one
+        # distributions take returns to be at once, and G(R) has the scale of its own distribution;
+        # the same one for every rtol, on which the wave numbers depend
+        best = min(self.rtol, _BEST_DENSITY)
+        own = replace(self.averages, rtol=best, delayed=False, nodes=None)
         root = _in_range("msd", root_mean_square(own))
         rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
         return solve_displacement(*self.scene.problem, root, rtol)
