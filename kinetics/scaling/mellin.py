@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import ComplexArray, FloatArray
-from kinetics.numerics.gauss import equal_panels, gauss_legendre
+from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
 
 # The Euler-Maclaurin formula is used where Re z >= _START, or as far from the zeros of lambda: with
@@ -86,7 +86,7 @@ def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
 
 def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
     """How many steps of the recurrence lead from Re z = a to where rho is smooth."""
-    far = law.largest_loss < math.log(2.0) and not math.isfinite(law.lowest_power)
+    far = law.largest_loss < math.log(2.0) and a - law.lowest_power > 2.0 * _START
     if a < -_START and far and 2.0 * math.pi / law.largest_loss - height > _START + 1.0:
         return 1
     return max(_START, math.ceil(_START - a))
@@ -129,11 +129,14 @@ def _rates(law: CollisionLaw, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray
 def _integral(law: CollisionLaw, low: float, high: float) -> float:
     """Integral of rho from low to high on the real axis, where it is smooth."""
     # rho is analytic within about _START of the path, or 2 pi over the largest loss if that is
-    # further: 24 Gauss points for a panel that is no longer leave less than rounding
-    unit = max(float(_START), min(2.0 / law.largest_loss, _START - law.lowest_power))
-    signed = math.copysign(unit, high - low)
-    nodes, weights = equal_panels(abs(high - low) / unit, 24)
-    return float(_rho(law, low + signed * nodes) @ weights) * signed
+    # further and the lowest power as well: 24 Gauss points for a panel that is no longer leave less
+    # than rounding
+    edges = [min(low, high)]
+    while len(edges) == 1 or edges[-1] < max(low, high):
+        unit = max(_START, min(2.0 / law.largest_loss, edges[-1] - law.lowest_power))
+        edges.append(min(edges[-1] + unit, max(low, high)))
+    nodes, weights = panels_between(np.array(edges), 24)
+    return math.copysign(1.0, high - low) * float(_rho(law, nodes) @ weights)
 
 
 def log_growth_constant(law: CollisionLaw, b: float) -> float:
