@@ -19,6 +19,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
+from kinetics.numerics.threads import one_blas_thread
 
 # The Euler-Maclaurin formula is used where Re z >= _START, or as far from the zeros of lambda: with
 # 12 Taylor coefficients it leaves 2 * 12!/((2 pi)^14 16^13) = 1e-18.
@@ -194,7 +195,8 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     """
     if x.size == 0:
         return np.zeros(0)
-    _extend(law, float(x.min()), float(x.max()), lines)
+    if not lines or not lines[0].centre < float(x.min()) <= float(x.max()) < lines[-1].centre:
+        _extend(law, float(x.min()), float(x.max()), lines)
     centre, deviation = (np.array([line[n] for line in lines]) for n in (1, 2))
     # where two neighbours are as many deviations off
     between = centre[:-1] * deviation[1:] + centre[1:] * deviation[:-1]
@@ -217,6 +219,7 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     return out
 
 
+@one_blas_thread
 def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line]) -> None:
     """Make lines from the bulk (x near 0) outwards, until both x are served or F is 0 there."""
     if not lines:
@@ -242,9 +245,10 @@ def _sum(line: Line, x: FloatArray) -> FloatArray:
     """The tilted density at x, shape (n,), as the sum over the samples of a line."""
     n = np.arange(line.samples.size)
     turn = np.exp(-1j * np.outer(x - line.centre, n * line.step))
-    # the phase of the centre is taken out of the samples: no large arguments
+    # the phase of the centre is taken out of the samples: no large arguments. Without BLAS, whose
+    # threads would wait for each other
     rotated = line.samples * np.exp(-1j * n * line.step * line.centre)
-    return np.asarray(2.0 * (turn @ rotated).real - 1.0)
+    return np.asarray(2.0 * np.einsum("ij,j", turn, rotated).real - 1.0)
 
 
 def _line(law: CollisionLaw, a: float, scale: float) -> Line:
