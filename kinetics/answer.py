@@ -220,7 +220,9 @@ class Answer(Value):
         """The distribution of the displacement, if an output needs it."""
         if not any(row.step == POSITION for row in self._rows):
             return None
-        root = _in_range("msd", root_mean_square(self.averages))
+        # the same for every rtol, as the wave numbers depend on it
+        own = replace(self.averages, rtol=min(self.rtol, _BEST_DENSITY), nodes=None)
+        root = _in_range("msd", root_mean_square(own))
         rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
         return solve_displacement(*self.scene.problem, root, rtol)
 

@@ -37,7 +37,9 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     smooth = law.least_loss == 0.0 and not law.has_atoms and len(law.loss_ends) == 2
     if law.is_elastic or smooth:
         return ()
-    if not law.has_atoms:
+    # bounces that lose nothing take a single value too, but leave no waves
+    steps = any(part.has_atoms and part.largest_loss > 0.0 for part in law._bounce.parts)
+    if not steps:
         highest = min(highest, 64.0)  # faster waves fall faster than 1/t there
     q = law.quadrature_for(highest)
     # at Re z = -1 a bounce counts s^-1 times its weight; what is rounding even there is left out
@@ -47,7 +49,7 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     log_loss, weight = q.log_loss[kept][order], q.weight[kept][order]
     beyond = np.cumsum(weight[::-1])[::-1]
     # where s is continuous, its density is less
-    counts = beyond > _RARE * (np.exp(-log_loss) if law.has_atoms else 1.0)
+    counts = beyond > _RARE * (np.exp(-log_loss) if steps else 1.0)
     largest = min(max(1.0, float(log_loss[counts].max())), _ROUNDING)
     k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
     pieces = np.array_split(k, 1 + k.size * weight.size // 1_000_000)

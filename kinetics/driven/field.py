@@ -118,6 +118,7 @@ class FieldState(Result):
             return float(rate) * self._fine.average(p + 2.0, 0)
         return self._densities[1].moment(p, m)
 
+    @one_blas_thread
     def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle), in (g l)^(-d/2); its integral is 1.
 
@@ -141,7 +142,7 @@ class FieldState(Result):
         missed = float(np.nanmax(unsure, initial=0.0) / fine.harmonics[0].max())
         if missed > allowed:
             text = f"vdf: the error estimate {missed:.1e} exceeds {allowed:.1e}, at low speeds or"
-            warnings.warn(f"{text} close to the ray along the field", ToleranceWarning, 2)
+            warnings.warn(f"{text} close to the ray along the field", ToleranceWarning, 3)
         return found.reshape(v_.size, phi.size)
 
     @cached_property

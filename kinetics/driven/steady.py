@@ -37,6 +37,9 @@ _MOST_NODES, _MOST_HARMONICS = 150, 70
 _MOST_TURNS, _SETTLED = 400, 1e-13  # of the iteration for the slowest decay, when tracers stick
 _HIGHEST_POWER = 20.0
 _WORSE = 10.0  # by so much an error may be larger than one before, and finer ones are tried
+# Under noise the density next to rest has odd powers of v: errors fall as a power of the number of
+# speeds, and more is left than the difference of two solutions
+_SLOWLY = 3.0
 _LONG = 5.0  # the highest speed over the scale of the axis, where only a field drives
 _FIGURES = {
     "thermal_speed": ("1", "sqrt(<v^2>)"),
@@ -127,6 +130,8 @@ class Steady:
             if self.system.field:
                 apart = np.append(apart, abs(coarse.depth / self.depth - 1.0))
         worst = float(np.max(apart))
+        if self.system.heating and not self.system.bath_speed:
+            worst *= _SLOWLY
         return max(worst, _FLOOR) if math.isfinite(worst) else math.inf
 
 

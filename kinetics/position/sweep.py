@@ -21,10 +21,10 @@ from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
-# The work of all times, in squares of the sizes of the systems, some ten seconds. As much once more
-# is spent at looser tolerances where what was asked for is missed by more than a factor _FAR_OFF:
-# to ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
-_MOST_WORK, _FAR_OFF, _LARGEST_OF_PEAKS, _LARGEST = 2e8, 10.0, 8.0, 60.0
+# The work of all times at one tolerance, in squares of the sizes of the systems, 1 to 7 seconds.
+# Where it is not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to
+# ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
+_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 0.04, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 _FEW = 0.01  # collided tracers below this share of rtol are left out
@@ -67,21 +67,21 @@ def solve_displacement(
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
     system = Scattering(law, mean_free_path, state, times)
-    best = _attempt(system, root_mean_square, rtol, _MOST_WORK)
-    most = system.work + _MOST_WORK
-    while rtol * _FAR_OFF < best.error_estimate < math.inf and system.work < most:
-        aim = max(rtol, min(best.error_estimate / _FAR_OFF, 1e-2))
-        again = _attempt(system, root_mean_square, aim, most)
-        if again.error_estimate >= best.error_estimate:
+    asked = _attempt(system, root_mean_square, rtol)
+    if asked.error_estimate <= _ENOUGH * rtol:
+        return asked
+    # looser ones, up to the first that is missed: the same for all that ask for more than this one
+    count, tried = math.log10(_LOOSEST / rtol) - 1e-9, []
+    for aim in (*(_LOOSEST * 0.1 ** np.arange(count)), rtol):
+        tried.append(asked if aim == rtol else _attempt(system, root_mean_square, float(aim)))
+        if tried[-1].error_estimate > _ENOUGH * aim:
             break
-        best = again
+    best = min(tried, key=lambda one: one.error_estimate)
     return replace(best, systems=dict(system.systems))
 
 
-def _attempt(
-    system: Scattering, root_mean_square: FloatArray, rtol: float, most_work: float
-) -> Displacement:
-    """`solve_displacement` until the system has done so much work."""
+def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> Displacement:
+    """`solve_displacement` within the work of one tolerance."""
     law, mean_free_path = system.law, system.mean_free_path
     state, times = system.state, system.times
     radius, weight = fronts(state, mean_free_path, times)
@@ -90,8 +90,9 @@ def _attempt(
         reach = np.minimum(times * fastest_speed(state, 0.1 * rtol), _FAR * root_mean_square)
     width = root_mean_square / mean_free_path
     sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
+    most = system.work + _MOST_WORK
     for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
-        sweep.run((most_work - system.work) / left)
+        sweep.run((most - system.work) / left)
     tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(times.size)]
     return Displacement(
         mean_free_path=mean_free_path,

@@ -381,6 +381,7 @@ class SpeedAxis:
     def _bottom(self) -> float:
         return self._top - len(self._panels) * self._width
 
+    @np.errstate(over="ignore", invalid="ignore")  # of too few nodes
     def _add_panel(self) -> bool:
         """One panel further down; False where the equations of too few nodes have no solution."""
         n, law, last = self._rule.nodes - 1, self.law, self._panels[-1]

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import ComplexArray, FloatArray
-from kinetics.numerics.gauss import equal_panels, gauss_legendre
+from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
+from kinetics.numerics.threads import one_blas_thread
 
 # The Euler-Maclaurin formula is used where Re z >= _START, or as far from the zeros of lambda: with
 # 12 Taylor coefficients it leaves 2 * 12!/((2 pi)^14 16^13) = 1e-18.
@@ -86,7 +87,7 @@ def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
 
 def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
     """How many steps of the recurrence lead from Re z = a to where rho is smooth."""
-    far = law.largest_loss < math.log(2.0) and not math.isfinite(law.lowest_power)
+    far = law.largest_loss < math.log(2.0) and a - law.lowest_power > 2.0 * _START
     if a < -_START and far and 2.0 * math.pi / law.largest_loss - height > _START + 1.0:
         return 1
     return max(_START, math.ceil(_START - a))
@@ -116,11 +117,14 @@ def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) ->
 def _integral(law: CollisionLaw, low: float, high: float) -> float:
     """Integral of rho from low to high on the real axis, where it is smooth."""
     # rho is analytic within about _START of the path, or 2 pi over the largest loss if that is
-    # further: 24 Gauss points for a panel that is no longer leave less than rounding
-    unit = max(float(_START), min(2.0 / law.largest_loss, _START - law.lowest_power))
-    signed = math.copysign(unit, high - low)
-    nodes, weights = equal_panels(abs(high - low) / unit, 24)
-    return float(_rho(law, low + signed * nodes) @ weights) * signed
+    # further and the lowest power as well: 24 Gauss points for a panel that is no longer leave less
+    # than rounding
+    edges = [min(low, high)]
+    while len(edges) == 1 or edges[-1] < max(low, high):
+        unit = max(_START, min(2.0 / law.largest_loss, edges[-1] - law.lowest_power))
+        edges.append(min(edges[-1] + unit, max(low, high)))
+    nodes, weights = panels_between(np.array(edges), 24)
+    return math.copysign(1.0, high - low) * float(_rho(law, nodes) @ weights)
 
 
 def log_growth_constant(law: CollisionLaw, b: float) -> float:
@@ -178,7 +182,8 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     """
     if x.size == 0:
         return np.zeros(0)
-    _extend(law, float(x.min()), float(x.max()), lines)
+    if not lines or not lines[0].centre < float(x.min()) <= float(x.max()) < lines[-1].centre:
+        _extend(law, float(x.min()), float(x.max()), lines)
     centre, deviation = (np.array([line[n] for line in lines]) for n in (1, 2))
     # where two neighbours are as many deviations off
     between = centre[:-1] * deviation[1:] + centre[1:] * deviation[:-1]
@@ -201,6 +206,7 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     return out
 
 
+@one_blas_thread
 def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line]) -> None:
     """Make lines from the bulk (x near 0) outwards, until both x are served or F is 0 there."""
     if not lines:
@@ -226,9 +232,10 @@ def _sum(line: Line, x: FloatArray) -> FloatArray:
     """The tilted density at x, shape (n,), as the sum over the samples of a line."""
     n = np.arange(line.samples.size)
     turn = np.exp(-1j * np.outer(x - line.centre, n * line.step))
-    # the phase of the centre is taken out of the samples: no large arguments
+    # the phase of the centre is taken out of the samples: no large arguments. Without BLAS, whose
+    # threads would wait for each other
     rotated = line.samples * np.exp(-1j * n * line.step * line.centre)
-    return np.asarray(2.0 * (turn @ rotated).real - 1.0)
+    return np.asarray(2.0 * np.einsum("ij,j", turn, rotated).real - 1.0)
 
 
 def _line(law: CollisionLaw, a: float, scale: float) -> Line:

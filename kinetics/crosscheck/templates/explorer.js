@@ -850,7 +850,7 @@ function fitData() {
   const { e, deviation } = (state.fit = fitted(state.data, state.n, state.medium));
   byId("fit").hidden = !Number.isFinite(deviation);
   say(Number.isFinite(deviation)
-    ? `${state.data.length} times. Nearest among ${SHOWN[state.medium]} of this density: e = ${e.toFixed(3)}, off by ${(100 * deviation).toPrecision(2)} % (rms). For errors and causes: lorentz compare ${state.file}`
+    ? `${state.data.length} times. Nearest among ${SHOWN[state.medium]} of this density: e = ${e.toFixed(3)}, off by ${(100 * deviation).toPrecision(2)} % (rms). For errors and causes, of a file with every tracer: lorentz compare ${state.file}`
     : "No time above 0 with an average above 0.");
 }
 

@@ -142,3 +142,11 @@ def test_the_discretised_scaling_state_meets_the_closed_form(e: float, n: float)
     assert np.isnan(low[0])
     assert np.all(low[np.isfinite(low)] > 0)
     assert np.isnan(found.vdf(1e-4))
+
+
+def test_a_medium_next_to_the_elastic_limit() -> None:
+    """F(c) of the closed form took minutes: a step of its recurrence for each of many powers."""
+    e, medium = 1.0 - 1e-9, {"scatterers": "hard disks", "number_density": 0.02}
+    c = 1.0 + np.linspace(-5e-5, 5e-5, 9)
+    exact = ScalingSolution(e, **medium).vdf(c)
+    assert solve_scaled(e, 1e-8, **medium).vdf(c) == pytest.approx(exact, rel=1e-8)

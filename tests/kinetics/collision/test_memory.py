@@ -60,6 +60,13 @@ def test_one_ratio_oscillates_for_ever(law: CollisionLaw) -> None:
     assert time_to_forget(oscillations(law, 40.0)[0], 2.0) == math.inf
 
 
+def test_bounces_that_lose_nothing_leave_no_waves() -> None:
+    """As atoms of the loss they made the search for fast waves last for minutes."""
+    law = CollisionLaw.mixture([3, 2], [CollisionLaw(1.0), CollisionLaw(0.67)])
+    assert oscillations(law, 1e6) == oscillations(law, 64.0)
+    assert len(oscillations(law, 20.3)) == turns(law, 20.3)
+
+
 def test_losses_with_a_common_divisor() -> None:
     law = CollisionLaw.from_samples([0.5, 0.2, 0.3], [0.25, 1.0, 0.125], [0.0, 0.0, 0.0])
     assert common_loss(law, 64.0) == pytest.approx(math.log(2.0), rel=1e-12)

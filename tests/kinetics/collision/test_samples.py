@@ -30,6 +30,15 @@ def test_sums_over_samples() -> None:
 # -- mixtures -------------------------------------------------------------------------------------
 
 
+def test_samples_that_few_nodes_do_not_resolve_do_not_warn() -> None:
+    """The first try overflowed, with NumPy's warnings, before nodes were doubled."""
+    weight = [0.22124852141751775, 0.6353547857956121, 0.14339669278687014]
+    ratio = [0.8758143626156287, 0.9887806325647014, 0.4098700181355197]
+    law = CollisionLaw.from_samples(weight, ratio, [0.0, 0.0, 0.0])
+    found, exact = solve_scaled(law, 1e-4), ScalingSolution(law)
+    assert found.vdf(1.1) == pytest.approx(exact.vdf(1.1), rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("first", "second"),
     [
