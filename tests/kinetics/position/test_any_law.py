@@ -129,7 +129,7 @@ def speeds(v: Any) -> Any:
         pytest.param(Beam(speeds="gaussian"), 3, marks=pytest.mark.slow),
         pytest.param(AngularHarmonics({0: speeds, 1: speeds}), 3, marks=pytest.mark.slow),
     ],
-    ids=repr,
+    ids=["a beam", "a beam in space", "a Gaussian beam", "harmonics"],
 )
 def test_directed_starts(initial: Any, dimension: int) -> None:
     """Along k the slope of F is the mean displacement; over all k its mean is the isotropic F."""
