@@ -70,7 +70,8 @@ class LastFlights:
 
     def _piece(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """The same, of a few velocities."""
-        square = along**2 + across**2
+        with np.errstate(over="ignore"):
+            square = along**2 + across**2
         straight = 2.0 * _LONGEST / np.sqrt(np.maximum(square, 4.0 * _LONGEST))
         turned = np.maximum(along, 0.0) + np.sqrt(2.0 * _LONGEST)
         last = np.minimum(time, np.where(square > 4.0 * _LONGEST, straight, turned))

@@ -204,7 +204,7 @@ class Sweep:
         lost = np.stack(list(few.harmonic_losses(top)))
         # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
         order = np.arange(1, top + 1)
-        rise = np.log(2.0 * order / float(wave_numbers.max())) - 1.0
+        rise = np.log(2.0 * order) - math.log(float(wave_numbers.max())) - 1.0
         rise += math.log(_NEGLIGIBLE * tolerance) / order
         first = np.floor((np.append(-_DEEPEST, rise) - start) / rule.width)
         self._first = np.minimum(first, count).astype(int)

@@ -66,14 +66,16 @@ SYSTEM: dict[str, Any] = {
 
 
 def solved(system: dict[str, Any], rtol: Any, **options: Any) -> Any:
-    if isinstance(system["initial"], tuple):
+    if isinstance(system["initial"], tuple) and callable(system["initial"][0]):
         kind, *arguments = system["initial"]
         system = system | {"initial": tried(kind, *arguments)}
     scene = tried(Scene, **system)
     found = None if scene is None else tried(solve, scene, rtol, **options)
     if found is not None:
         repr(scene), hash(scene), repr(found)
-        keeps(invariants(found))
+        # of what is not reached the estimate itself is no more than a size
+        more = 1.0 if found.status is SolverStatus.CONVERGED else 2.0
+        keeps({name: (x, more * allowed) for name, (x, allowed) in invariants(found).items()})
         assert found.message
         if found.status is SolverStatus.CONVERGED:
             assert found.error_estimate <= 1.1 * max(found.rtol, 1e-8)

@@ -91,7 +91,7 @@ def test_three_planes_against_one_bounce_after_another(law: tuple[float, float])
             assert end == FOR_EVER
             wrong += 1
     assert ends[LEAVES] > 50
-    assert ends[RESTS] > 1
+    assert ends[RESTS] > 0
     assert (ends[FOR_EVER] > 1) == (law[1] == 1.0)
     # Where a groove leads a tracer into the point of the pocket itself, all gaps are 0 and the
     # order of the next bounces is that of rounding.

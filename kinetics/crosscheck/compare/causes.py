@@ -68,8 +68,11 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
     if components[1].size < 2 or not components[0].size or before is None:
         return
 
+    def cost(one: Fit) -> float:  # where two are as good, the one that fits no number is first
+        return one.criterion + 2.0 * one.at.size
+
     def rank(pair: tuple[Explanation, Fit]) -> tuple[bool, float]:  # what explains stands first
-        return pair[0].outcome != "explains", pair[1].criterion
+        return pair[0].outcome != "explains", cost(pair[1])
 
     tested: list[tuple[Explanation, Fit]] = []
     for cause in CAUSES:
@@ -80,7 +83,7 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
         tested += sorted(judged, key=rank)[: 1 if cause.free else None]
     tested.sort(key=rank)
     for item, one in tested:
-        far = item.outcome == "explains" and one.criterion > tested[0][1].criterion + NEAR_BEST
+        far = item.outcome == "explains" and cost(one) > cost(tested[0][1]) + NEAR_BEST
         yield replace(item, outcome="in part") if far else item, one.point.scatterers
 
 
