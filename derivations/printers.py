@@ -14,6 +14,8 @@ from sympy.core.function import AppliedUndef
 
 from .symbols import LATEX, table
 
+NAMESPACE = "http://www.w3.org/1998/Math/MathML"
+
 
 def plain(formula: sp.Basic | None) -> str:
     """A formula as sympy's text, with ``=`` for an equation; empty for None."""
@@ -53,8 +55,10 @@ def mathml(formula: sp.Basic | None, order: str | None = None, display: str = "i
     from latex2mathml.converter import convert
 
     parts = formula if isinstance(formula, sp.Tuple) else (() if formula is None else (formula,))
+    texts = (latex(part, order=order, ln_notation=True) for part in parts)
+    # an HTML page knows the namespace
     return "".join(
-        convert(latex(part, order=order, ln_notation=True), display=display) for part in parts
+        convert(text, display=display).replace(f' xmlns="{NAMESPACE}"', "", 1) for text in texts
     )
 
 
