@@ -114,17 +114,6 @@ def to_text(check: Any) -> str:
     return "\n".join(lines)
 
 
-_PREAMBLE = r"""\documentclass[a4paper,10pt]{article}
-\usepackage[margin=22mm]{geometry}
-\usepackage{amsmath,amssymb,longtable}
-\allowdisplaybreaks
-\setlength{\parindent}{0pt}
-\begin{document}
-\title{The inelastic Lorentz gas: printed and derived}
-\author{}
-\date{}
-\maketitle
-"""
 _ESCAPES = str.maketrans(
     {character: f"\\{character}" for character in "{}_#%&$"}
     | {character: f"${character}$" for character in "<>|"}
@@ -134,54 +123,20 @@ _ESCAPES = str.maketrans(
 
 def to_latex_document(checks: Iterable[Any]) -> str:
     """A complete LaTeX document (pdflatex; amsmath only) with every check and its steps."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("derivations"), undefined=StrictUndefined, trim_blocks=True,
+        block_start_string="<%", block_end_string="%>", variable_start_string="<<",
+        variable_end_string=">>", comment_start_string="<#", comment_end_string="#>",
+    )  # fmt: skip
+    made.filters |= {
+        "latex": latex,
+        "escaped": lambda text: text.translate(_ESCAPES),
+        "parts": lambda formula: formula if isinstance(formula, sp.Tuple) else (formula,),
+    }
     rows = tuple(checks)
-    found = {name: str(count) for name, count in counts(rows).items() if count}
-    parts, section = [_PREAMBLE, _rows_of("tabular", "{lr}", found)], None
-    for check in rows:
-        if check.section != section:
-            section = check.section
-            parts.append(rf"\section*{{{section.translate(_ESCAPES)}}}")
-        parts += _paragraph(check)
-    meanings = {f"${latex(sp.Symbol(name))}$": meaning for name, meaning in table()}
-    parts += [r"\section*{Symbols}", _rows_of("longtable", r"{lp{0.75\textwidth}}", meanings)]
-    return "\n".join([*parts, r"\end{document}"]) + "\n"
-
-
-def _rows_of(kind: str, columns: str, rows: dict[str, str]) -> str:
-    """A table of two columns; what is in dollar signs stands as it is."""
-    lines = [
-        rf"{name if name[0] == '$' else name.translate(_ESCAPES)} & {value.translate(_ESCAPES)} \\"
-        for name, value in rows.items()
-    ]
-    return "\n".join([rf"\begin{{{kind}}}{columns}", *lines, rf"\end{{{kind}}}"])
-
-
-def _display(formula: sp.Basic) -> str:
-    parts = formula if isinstance(formula, sp.Tuple) else (formula,)
-    lines = " \\\\\n".join(f"& {latex(part)}" for part in parts)
-    return "{\\small\\begin{align*}\n" + lines + "\n\\end{align*}}"
-
-
-def _paragraph(check: Any) -> list[str]:
-    holds = {None: "", True: ", holds", False: ", does not hold"}[check.holds]
-    label, title, note = (
-        text.translate(_ESCAPES) for text in (check.label, check.title, check.note)
+    symbols = [(sp.Symbol(name), meaning) for name, meaning in table()]
+    return made.get_template("checks.tex.j2").render(
+        checks=rows, counts=counts(rows), symbols=symbols
     )
-    proof = f" ({check.proof.translate(_ESCAPES)})" if check.proof else ""
-    lines = [
-        rf"\paragraph{{\texttt{{{label}}}: {title}}} \emph{{{check.status}{holds}}}{proof}\par"
-    ]
-    for name, formula in (("Printed:", check.printed), ("Derived:", check.derived)):
-        if formula is not None:
-            lines += [name, _display(formula)]
-    if check.steps:
-        lines.append(r"\begin{enumerate}")
-        for step in check.steps:
-            lines.append(rf"\item {step.text.translate(_ESCAPES)}")
-            if step.formula is not None:
-                lines.append(_display(step.formula))
-        lines.append(r"\end{enumerate}")
-    if check.numbers:
-        values = {number.name: f"{number.value:.7g}" for number in check.numbers}
-        lines.append(_rows_of("tabular", "{lr}", values) + r"\par")
-    return lines + ([note + r"\par"] if note else [])
