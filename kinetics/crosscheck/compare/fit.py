@@ -7,7 +7,7 @@ the chi-square that is left. An error of the theory adds its covariance to that 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -46,31 +46,22 @@ class Fit:
     """A point with some fitted parameters (`free`, perhaps none), and all that is known there.
 
     theory (n_names, n_times); known (p_all, p_all): the covariance of its own error, None for 0;
-    covariance (k, k) of the parameters, or of the logarithms of positive ones; slope (p_all, k):
-    d(theory)/d(parameters); influence (k, p) on them of the fitted averages, whose indices are
-    `fitted` (p,). chi_square: of all averages together; widening: ln(det(C + M)/det C) of it.
+    at (k,): the parameters, or the logarithms of positive ones, with their covariance;
+    slope (p_all, k): d(theory)/d(at); influence (k, p) on them of the fitted averages, whose
+    indices are `fitted` (p,). chi_square: of all averages; widening: ln(det(C + M)/det C) of it.
     """
 
     point: Point
     free: tuple[str, ...]
     theory: Array
     known: Array | None
+    at: Array
     covariance: Array
     slope: Array
     influence: Array
     fitted: Indices
     chi_square: ChiSquare | None = None
     widening: float = 0.0
-
-    def coordinates(self, point: Point) -> Array:
-        """The parameters `free` of a point, or the logarithms of positive ones, (k,)."""
-        values = {name: getattr(point, name) for name in self.free}
-        return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
-
-    @property
-    def at(self) -> Array:
-        """The fitted parameters as `coordinates`."""
-        return self.coordinates(self.point)
 
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
@@ -93,6 +84,12 @@ class Fit:
         return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
 
 
+def coordinates(point: Point, free: Sequence[str]) -> Array:
+    """Parameters of a point as they are fitted, (k,)."""
+    values = {name: getattr(point, name) for name in free}
+    return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
+
+
 def choose(usable: NDArray[np.bool_], groups: int, parameters: int) -> Indices:
     """Which components (n_names, n_times) can be tested together, evenly over time: flat."""
     most = max(statistics.most_freedom(groups), min(2 * parameters, groups - 2))
@@ -107,8 +104,7 @@ def components_of(
 ) -> tuple[Indices, Indices]:
     """The averages that are fitted, and those that enter the chi-square, as `choose`."""
     second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
-    fitted, tested = (choose(u, groups, parameters) for u in (second, usable))
-    return fitted, tested
+    return choose(second, groups, parameters), choose(usable, groups, parameters)
 
 
 def fit(
@@ -121,8 +117,8 @@ def fit(
     """
     groups, (chosen, tested) = expectation.sample.groups, components
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
-    values, logs = expectation.values.ravel()[chosen], np.array([n not in LIMITS for n in free])
-    low, high = np.array([_ends(name, told) for name in free]).reshape(-1, 2).T
+    values, low_high = expectation.values.ravel()[chosen], [_ends(name, told) for name in free]
+    low, high = np.array(low_high).reshape(-1, 2).T
 
     def point(at: Array) -> Point:
         both = zip(free, at.tolist(), strict=True)
@@ -156,13 +152,12 @@ def fit(
         if not (reached := [one for one in ended if one is not None]):
             return None
         best = min(reached, key=lambda one: one[0])[1]
-        margin = 0.01 * (high - low)
-        if np.any(logs & ((best <= low + margin) | (best >= high - margin))):
+        margin = np.where([n in LIMITS for n in free], -1.0, 0.01 * (high - low))
+        if np.any((best <= low + margin) | (best >= high - margin)):
             return None
         if (white := weights(best)) is None:
             return None
-    at, names = point(best), expectation.names
-    theory = expectation.theory(at)
+    at, theory = point(best), expectation.theory(point(best))
     known = own_covariance(expectation, at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
@@ -175,9 +170,9 @@ def fit(
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-    parts = (at, tuple(free), theory, known, spread, slope, influence, chosen)
+    made = Fit(at, tuple(free), theory, known, best, spread, slope, influence, chosen)
     widening, rows = 0.0, steadied(expectation, theory, expectation.replicates - theory)
-    left_of = Fit(*parts).moved(rows).reshape(groups, -1)[:, tested]
+    left_of = made.moved(rows).reshape(groups, -1)[:, tested]
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
         spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
@@ -186,9 +181,9 @@ def fit(
         passed[:, chosen] -= slope[tested] @ influence
         usable = np.any(passed != 0, axis=0)
         known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
-    left = stabilised(names, theory, expectation.values - theory).ravel()[tested]
+    left = stabilised(expectation.names, theory, expectation.values - theory).ravel()[tested]
     after = statistics.hotelling(left, left_of, known)
-    return Fit(*parts, after, widening)
+    return replace(made, chi_square=after, widening=widening)
 
 
 def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:

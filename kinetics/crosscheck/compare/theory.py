@@ -8,11 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.compare.statistics import effective_groups, errors
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
 from kinetics.numerics.gauss import panels_between
+from kinetics.scene import Scene
+from kinetics.solution import Solution
+from kinetics.solver import solve
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
@@ -28,7 +30,7 @@ class Observable(NamedTuple):
     """How an observable is written (title, symbol, unit, in a text), and what it is made of.
 
     measured : of the means m over tracers, the scales u and d, and the law; None for a density
-    where : "field", "free" or "both", see `AVERAGES`
+    where : it is compared, in a "field", "free" or "both"
     output, component : of a Solution; the output has the observable's name, if not told
     """
 
@@ -65,21 +67,18 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
     (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
 )}  # fmt: skip
 """Everything that is compared, in the order of the page: a new average is one row."""
-AVERAGES, IN_FIELD = (
-    tuple(k for k, seen in OBSERVABLES.items() if seen.measured and seen.where in ("both", where))
-    for where in ("free", "field")
-)
-"""The averages that are compared without a field, and in one."""
 
 
 def averages_of(law: Law) -> tuple[str, ...]:
     """The averages that are compared under a law: where tracers are driven without the kurtosis,
     and where they stick of the velocity alone, as their places are not those of all that move.
     """
-    every, driven = IN_FIELD if law.field else AVERAGES, ("kurtosis",) * law.is_driven
+    where = ("both", "field" if law.field else "free")
+    left_out = {"kurtosis"} if law.is_driven else set()
     if law.capture_speed:
-        return tuple(name for name in every if name in ("drift", "thermal_speed", "a2"))
-    return tuple(name for name in every if name not in driven)
+        left_out = {*OBSERVABLES} - {"drift", "thermal_speed", "a2"}
+    rows = OBSERVABLES.items()
+    return tuple(k for k, x in rows if x.measured and x.where in where and k not in left_out)
 
 
 def rtol_of(law: Law) -> float:
@@ -130,11 +129,19 @@ class Point(NamedTuple):
         """Whether the theory starts from the speeds of the sample at time 0."""
         return isinstance(self.start, SampledStart)
 
+    @property
+    def start_in_words(self) -> str:
+        """The start as the middle of a sentence."""
+        if self.own_start:
+            return "the data's own speeds at time 0"
+        named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
+        return named.get(self.start, str(self.start))
+
 
 def solved(
     point: Point, law: Law, times: Array, names: Sequence[str], rtol: float = 0.0
 ) -> Solution:
-    """The solution that has these observables, see `average_of`; rtol 0 is that of averages."""
+    """The solution that has these observables; rtol 0 is that of averages."""
     scene = Scene(
         restitution=point.restitution, number_density=law.free_path(point.path),
         initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
@@ -147,67 +154,62 @@ def solved(
         return solve(scene, rtol=rtol or rtol_of(law))
 
 
-def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:
-    """The averages (..., n_names, n_times), in U and d, of sums (..., n_times, 5) in scales."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means = np.moveaxis(sums / sums[..., N, None], -1, 0)
-        made: Any = (OBSERVABLES[name].measured for name in names)
-        return np.stack([measured(means, speed, length, law) for measured in made], axis=-2)
-
-
 class Expectation:
     """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
-    with each group left out, and expected.
+    with each group left out, in U and d; and what is expected.
     """
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
         self.sample, self.names = sample, tuple(names)
-        total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
-        self.values = observed(total, *scales, names, sample.law)
-        self.replicates = observed(total - sample.sums, *scales, names, sample.law)
         self._solved: dict[Any, Array] = {}
+        total = sample.sums.sum(axis=0)
+        scales = sample.speed_scale, sample.length_scale, sample.law
+        made: Any = [OBSERVABLES[name].measured for name in names]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            self.values, self.replicates = (
+                np.stack([measured(means, *scales) for measured in made], axis=-2)
+                for sums in (total, total - sample.sums)
+                for means in [np.moveaxis(sums / sums[..., N, None], -1, 0)]
+            )
 
     def theory(self, point: Point) -> Array:
         """Theory (n_names, n_times)."""
         # units of length, noise and tracers at rest change no motion: these are solved once
-        clock = point.speed_unit / point.time_unit
+        clock, times = point.speed_unit / point.time_unit, self.sample.times
         key = (*point[:2], id(point.start), point.scatterers, clock, point.time_offset)
         if key not in self._solved:
-            late = np.where(self.sample.times > 0, point.time_offset, 0.0)
-            times = np.maximum(self.sample.times * clock + late, 0.0)
-            solution = solved(point, self.sample.law, times, self.names)
+            late = np.where(times > 0, point.time_offset, 0.0)
+            law, moved = self.sample.law, np.maximum(times * clock + late, 0.0)
+            solution = solved(point, law, moved, self.names)
             rows: Any = [(name, OBSERVABLES[name]) for name in self.names]
             self._solved[key] = np.stack([
                 np.asarray(getattr(solution, row.output or name))[(..., *row.component)]
                 for name, row in rows
             ])  # fmt: skip
-        return self._measured(self._solved[key], point)
+        told = point[4:8] == (1.0, 1.0, 1.0, 0.0) and point[9:] == (0.0, 0.0)
+        return self._solved[key] if told else self._measured(self._solved[key], point)
 
     def _measured(self, values: Array, point: Point) -> Array:
-        """Averages (..., n_names, n_times) as data in other units, with noise or with tracers at
-        rest have them: each changes the second and fourth moments of v and of r.
+        """Averages (n_names, n_times) as data in other units, with noise or with tracers at rest
+        have them: each changes the second and fourth moments of v and of r.
         """
-        if point[4:8] == (1.0, 1.0, 1.0, 0.0) and not (
-            point.velocity_noise or point.position_noise
-        ):
-            return values
-        d, law, changed = self.sample.law.dimension, self.sample.law, values.copy()
+        law, left, changed = self.sample.law, 1 - point.at_rest, values.copy()
+        d, after = law.dimension, self.sample.times > 0
+        of_v, of_r = point.velocity_noise * after, point.position_noise * after
         for second, fourth, ratio, power, unit, noise in (
-            ("thermal_speed", "a2", law.gaussian, 2, point.speed_unit, point.velocity_noise),
-            ("msd", "kurtosis", 1.0, 1, point.length_unit, point.position_noise),
+            ("thermal_speed", "a2", law.gaussian, 2, point.speed_unit, of_v),
+            ("msd", "kurtosis", 1.0, 1, point.length_unit, of_r),
         ):
-            left, later = 1 - point.at_rest, noise * (self.sample.times > 0)
             at = self.names.index(second)
-            square = values[..., at, :] ** power
-            moved = left * unit**2 * square + d * later
-            changed[..., at, :] = moved ** (1 / power)
+            square = values[at] ** power
+            moved = left * unit**2 * square + d * noise
+            changed[at] = moved ** (1 / power)
             if fourth in self.names:
                 at, one = self.names.index(fourth), float(second == "thermal_speed")
-                quartic = left * unit**4 * ratio * (values[..., at, :] + one) * square**2
-                quartic += (2 * (d + 2) * left * unit**2 * square + d * (d + 2) * later) * later
+                quartic = left * unit**4 * ratio * (values[at] + one) * square**2
+                quartic += (2 * (d + 2) * left * unit**2 * square + d * (d + 2) * noise) * noise
                 still = np.where(moved > 0, moved, np.inf)
-                ratios = quartic / (ratio * still**2) - one
-                changed[..., at, :] = np.where(moved > 0, ratios, values[..., at, :])
+                changed[at] = np.where(moved > 0, quartic / (ratio * still**2) - one, values[at])
         return changed
 
 

@@ -1,8 +1,8 @@
 """Files of particle data: a format is one function and one row of `FORMATS`, at the end.
 
-It is given the path, its name for messages and what was asked (`tracks.Asked`), and returns what
-`tracks.from_columns` makes of columns, or the Sample of an Ensemble. Nothing in a file is executed,
-links into other files are not followed, and sizes are checked before memory is asked for.
+It is given the path, its name for messages and what was asked (`tracks.Asked`), and returns `Rows`,
+or the Sample of an Ensemble. Nothing in a file is executed, links into other files are not
+followed, and sizes are checked before memory is asked for.
 """
 
 import gzip
@@ -16,24 +16,24 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.data import tracks as t
+from kinetics.crosscheck.data import tracks
 from kinetics.crosscheck.data.sample import Sample, read_ensemble
-from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
+from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Rows, bad, require_memory
 from kinetics.errors import InputError, short
 
-Read = Tracks | Sample
+Read = Rows | Sample
 # arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)
 FRAMES = ("times", "positions", "velocities")
 # bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
 _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
 
-def read(source: Path | t.Table, asked: Asked) -> Read:
-    """Tracks or a Sample, from a file or from columns; or InputError."""
-    where = t.name_of(source)
+def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
+    """Rows or a Sample, from a file or from columns; or InputError."""
+    where = tracks.name_of(source)
     try:
-        if isinstance(source, t.Table):
-            return _arrays(where, source.columns, asked)
+        if not isinstance(source, Path):
+            return _arrays(where, source, asked)
         ending = source.suffix.lower()
         if source.name.lower().endswith((".csv.gz", ".tsv.gz")):
             ending = ".csv"
@@ -52,16 +52,16 @@ def read(source: Path | t.Table, asked: Asked) -> Read:
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
     """Columns of one length, or arrays of frames, by the names of the file."""
     if {*FRAMES} <= {*arrays}:
-        frames = t.columns_of(where, *(arrays[name] for name in FRAMES))
-        return t.of_frames(where, [frames], asked)
-    return t.from_columns(where, list(arrays), arrays, asked)
+        frame = tracks.in_frames(where, *(arrays[name] for name in FRAMES))
+        return tracks.rows_of_frames(where, [frame], asked)
+    return tracks.rows_of(where, arrays, asked)
 
 
 def _chosen(where: str, names: Sequence[str], asked: Asked) -> list[str]:
     """The names of those arrays that are read."""
-    frames = {*FRAMES} <= {*names}
-    found = () if frames else t.find_columns(where, names, asked).values()
-    return [*FRAMES] if frames else [names[k] for k in found]
+    if {*FRAMES} <= {*names}:
+        return [*FRAMES]
+    return [*tracks.find_columns(where, names, asked).values()]
 
 
 def _csv(path: Path, where: str, asked: Asked) -> Read:
@@ -82,7 +82,7 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
         if not re.search("[A-Za-z]", header):
             bad(where, "no header", "a first line that names the columns")
         names = header.split(separator := max(",;\t", key=header.count))
-        start, found = file.tell(), t.find_columns(where, names, asked)
+        start, found = file.tell(), tracks.find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
         read = arrow.ReadOptions(column_names=names, block_size=_BLOCK)
 
@@ -91,7 +91,7 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
 
         parse, why = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank), ""
         for label in (pa.int64(), pa.string()):
-            kinds = {names[k]: label if n in t.LABELS else pa.float64() for n, k in found.items()}
+            kinds = {x: label if n in tracks.LABELS else pa.float64() for n, x in found.items()}
             told = {"column_types": kinds, "include_columns": list(kinds), "null_values": []}
             file.seek(start)
             try:
@@ -100,19 +100,10 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                     batches.append(batch)
                     require_memory(where, float(batch.nbytes * len(batches)))
                 table = pa.Table.from_batches(batches)
-                columns = {name: table.column(name).to_numpy() for name in kinds}
-                return t.from_columns(where, names, columns, asked)
+                return tracks.rows_of(where, {x: table.column(x).to_numpy() for x in kinds}, asked)
             except pa.ArrowInvalid as error:
                 why = " ".join(str(error).split())
     bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
-
-
-def _real(where: str, text: str) -> float:
-    """The finite number that a text is; else InputError."""
-    with suppress(ValueError):
-        if np.isfinite(value := float(text)):
-            return value
-    bad(where, short(text), "a finite number with a decimal point")
 
 
 def _parquet(path: Path, where: str, asked: Asked) -> Read:
@@ -125,7 +116,7 @@ def _parquet(path: Path, where: str, asked: Asked) -> Read:
         table = file.read(chosen)
     if any(column.null_count for column in table.columns):
         bad(where, "empty cells", "a value in each row")
-    return t.from_columns(where, names, {n: table.column(n).to_numpy() for n in chosen}, asked)
+    return _arrays(where, {name: table.column(name).to_numpy() for name in chosen}, asked)
 
 
 def _npz(path: Path, where: str, asked: Asked) -> Read:
@@ -148,31 +139,28 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
     with h5py.File(path, "r") as file:
         if "plan" in file and "done" in file.attrs:
             return read_ensemble(path)
-        if _own(file, "h5md") and _own(file, "particles"):
-            return _h5md(where, file["particles"], asked)
-        plain = [name for name in file if _own(file, name, h5py.Dataset)]
-        names = {f"{n} [{u}]" if (u := _unit_of(file[n])) else n: n for n in plain}
+        if _own(file, "h5md") and (particles := _own(file, "particles")):
+            return _h5md(where, particles, asked)
+        plain = {name: one for name in file if (one := _own(file, name, "Dataset"))}
+        names = {f"{n} [{u}]" if (u := _unit_of(one)) else n: n for n, one in plain.items()}
         chosen = _chosen(where, list(names), asked)
         return _arrays(where, {k: _dataset(where, file, names[k])[()] for k in chosen}, asked)
 
 
-def _own(parent: Any, name: str, kind: Any = None) -> bool:
-    """Whether a group has this member in its own file; links into other files are not followed."""
+def _own(parent: Any, name: str, kind: str = "Group") -> Any:
+    """A member of this kind that lies in the same file, or None: other links are not followed."""
     import h5py
 
-    own = isinstance(parent.get(name, getlink=True), h5py.HardLink)
-    return own and isinstance(parent[name], kind or h5py.Group)
+    found = parent[name] if isinstance(parent.get(name, getlink=True), h5py.HardLink) else None
+    return found if isinstance(found, getattr(h5py, kind)) else None
 
 
 def _dataset(where: str, parent: Any, name: str) -> Any:
     """A dataset of numbers that lie in this file, or the `value` of an element; or InputError."""
-    import h5py
-
-    if _own(parent, name):
-        parent, name = parent[name], "value"
-    found = parent[name] if _own(parent, name, h5py.Dataset) else None
+    element = _own(parent, name)
+    found = _own(element, "value", "Dataset") if element else _own(parent, name, "Dataset")
     if found is None or found.is_virtual or found.external or found.dtype.kind not in "iuf":
-        bad(f"{where}: {parent.name}/{name}", "something else", "numbers in this file")
+        bad(f"{where}: {name} value", "something else", "numbers in this file")
     size = float(found.size or 0) * found.dtype.itemsize
     require_memory(where, size, found.id.get_storage_size())
     return found
@@ -188,34 +176,33 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     velocities (nongnu.org/h5md); this package also writes `medium`, each tracer's configuration.
     """
     both = ("position", "velocity")
-    groups = [particles[name] for name in particles if _own(particles, name)]
+    groups = [group for name in particles if (group := _own(particles, name))]
     groups = [group for group in groups if all(_own(group, part) for part in both)]
     if len(groups) != 1:
         bad(where, f"{len(groups)} groups with position and velocity", "one")
     (group,) = groups
     place, velocity = (_dataset(where, group, name) for name in both)
-    if not np.array_equal(*(_times(where, group[name], len(place), asked) for name in both)):
+    times, others = (_times(where, group[name], len(place), asked) for name in both)
+    if not np.array_equal(times, others):
         bad(where, "positions and velocities at different times", "at the same times")
     units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
     if "time" in group["position"]:
         units["time"] = _unit_of(group["position"]["time"])
-    shape, box = place.shape, None
-    r, v = np.asarray(place, float), np.asarray(velocity, float)
-    if _own(group, "box") and "edges" in group["box"]:  # rectangular, and always the same
-        edges = np.atleast_2d(np.asarray(_dataset(where, group["box"], "edges"), float))
-        box = edges[0] if edges.size and np.all(edges == edges[0]) and np.all(edges > 0) else None
+    r, box, side = np.asarray(place, float), _own(group, "box"), np.zeros(1)
+    if box and "edges" in box:  # rectangular, and always the same
+        edges = np.atleast_2d(np.asarray(_dataset(where, box, "edges"), float))
+        side = edges[0] if edges.size and np.all(edges == edges[0]) else side
     if "image" in group:
-        image = _dataset(where, group, "image")
-        if box is None or image.shape != shape or box.size < shape[2]:
-            bad(f"{where}: image", image.shape, f"{shape}, with a box that is always the same")
-        r = r + image * box[: shape[2]]
-    elif _own(group, "box") and "periodic" in str(group["box"].attrs.get("boundary", "")):
-        t.refuse_wrapped(where, "image")
+        image, axes = _dataset(where, group, "image"), r.shape[-1]
+        if image.shape != r.shape or side.size < axes or not np.all(side > 0):
+            bad(f"{where}: image", image.shape, f"{r.shape}, with a box that is always the same")
+        r = r + image * side[:axes]
+    elif box and "periodic" in str(box.attrs.get("boundary", "")):
+        bad(f"{where}: positions", "those in a periodic box", "unwrapped, or with image")
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
-    times = _times(where, group["position"], shape[0], asked)
-    columns = t.columns_of(where, times, r, v, **labels)
-    return t.of_frames(where, [columns], asked, units)
+    frame = tracks.in_frames(where, times, r, np.asarray(velocity, float), **labels)
+    return tracks.rows_of_frames(where, [frame], asked, units)
 
 
 def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
@@ -253,12 +240,12 @@ class _Lines:
                 if line.strip():
                     yield line.strip()
 
-    def whole(self, text: str | None = None) -> int:
-        """The whole number, not negative, that a text, or the next line, is."""
-        plain = (self.next() if text is None else text).strip()
-        if not plain.isdecimal() or len(plain) > 18:
-            bad(self.where, short(plain), "a whole number")
-        return int(plain)
+    def number(self, text: str, whole: bool = True) -> Any:
+        """The finite number that a text is, or the whole one, not negative; or InputError."""
+        with suppress(ValueError):
+            if np.isfinite(value := float(text)) and (text.strip().isdecimal() or not whole):
+                return int(value) if whole else value
+        bad(self.where, short(text.strip()), "a whole number" if whole else "a finite number")
 
     def table(self, count: int, names: list[str], wanted: Sequence[str]) -> dict[str, Any]:
         """Columns of the next `count` lines: (count,) each, numbers except the type; InputError
@@ -282,31 +269,21 @@ class _Lines:
         return {name: found[name] for name in wanted}
 
 
-# units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)
-_STYLES = {
-    "real": ("angstrom", "angstrom/fs", "fs"), "metal": ("angstrom", "angstrom/ps", "ps"),
-    "si": ("m", "m/s", "s"), "cgs": ("cm", "cm/s", "s"), "micro": ("um", "um/us", "us"),
-    "nano": ("nm", "nm/ns", "ns"), "lj": ("", "", ""),
-}  # fmt: skip
-
-
 def _lammps(path: Path, where: str, asked: Asked) -> Read:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
-    frames, units, head = list[Any](), ("", "", ""), dict[str, Any]()
-    lines = _Lines(path, where)
+    frames, head, lines = list[Any](), dict[str, Any](), _Lines(path, where)
     for line in lines:
         item, *rest = line.removeprefix("ITEM: ").split()
         if not line.startswith("ITEM: "):
             bad(lines.where, short(line), "a line `ITEM: ...` of a LAMMPS text dump")
         if item == "TIMESTEP":
-            head = {"step": lines.whole()}
+            head = {"step": lines.number(lines.next())}
         elif item == "TIME":
-            head["time"] = _real(lines.where, lines.next())
+            head["time"] = lines.number(lines.next(), whole=False)
         elif item == "NUMBER":
-            head["count"] = lines.whole()
+            head["count"] = lines.number(lines.next())
         elif item == "UNITS":
-            unit = lines.next().strip()
-            units = _STYLES.get(unit, (unit, unit, unit))
+            lines.next()
         elif item == "BOX":
             edges = [lines.next().split() for _ in range(3)]
             if any(len(edge) != 2 for edge in edges):
@@ -320,8 +297,7 @@ def _lammps(path: Path, where: str, asked: Asked) -> Read:
             head = {}
     if head:
         bad(where, "a last frame without atoms", "whole frames")
-    said = dict(zip(("x", "vx", "time"), units, strict=True))
-    return t.of_frames(where, frames, asked, said)
+    return tracks.rows_of_frames(where, frames, asked)
 
 
 def _lammps_frame(
@@ -338,7 +314,8 @@ def _lammps_frame(
         bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
     for (axis, name), side in zip(used.items(), head.get("periodic", ()), strict=False):
         if side == "pp" and "u" not in name and f"i{axis}" not in flags:
-            t.refuse_wrapped(lines.where, "image flags ix, iy")
+            must = "unwrapped, or with image flags ix, iy"
+            bad(f"{lines.where}: positions", "those in a periodic box", must)
     table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
     out = {v: table[v] for v in speeds} | {"tracer": table["id"]}
     out |= {"type": table[kind[0]]} if kind else {}
@@ -365,21 +342,21 @@ def _xyz(path: Path, where: str, asked: Asked) -> Read:
     frames, d, lines = [], asked.dimension or 2, _Lines(path, where)
     needed = [*AXES[:d], *SPEEDS[:d], *(["type"] if asked.type is not None else [])]
     for line in lines:
-        count = lines.whole(line)
+        count = lines.number(line)
         said = {k.lower(): v.strip('"') for k, v in _PAIR.findall(lines.next())}
         parts, names = said.get("properties", "").split(":"), list[str]()
         for name, width in zip(parts[::3], parts[2::3], strict=False):
-            axes, wide = _XYZ.get(name.lower(), ()), lines.whole(width)
+            axes, wide = _XYZ.get(name.lower(), ()), lines.number(width)
             if (axes and not min(2, len(axes)) <= wide <= len(axes)) or wide > 1000:
                 bad(lines.where, f"{name} has {wide} columns", "pos:R:3:vel:R:3 in Properties=")
             names += axes[:wide] or [""] * wide
         step, time = said.get("step", said.get("timestep")), said.get("time", said.get("t"))
-        time = None if time is None else _real(lines.where, time)
-        time = asked.times_of(where, time, None if step is None else lines.whole(step))
+        time = None if time is None else lines.number(time, whole=False)
+        time = asked.times_of(where, time, None if step is None else lines.number(step))
         wanted = [*needed, *(v for v in ("tracer", "vz") if v in names and v not in needed)]
         frame = {"tracer": np.arange(count)} | lines.table(count, names, wanted)
         frames.append(frame | {"time": np.full(count, time)})
-    return t.of_frames(where, frames, asked)
+    return tracks.rows_of_frames(where, frames, asked)
 
 
 def _gsd(path: Path, where: str, asked: Asked) -> Read:
@@ -390,7 +367,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
         bad(where, "a file of another package", "installed: pip install gsd")
     asked.times_of(where, None, 0)
     with gsd.hoomd.open(str(path), "r") as file:
-        frames = list(file[: t.MOST_TIMES + 1])
+        frames = list(file[: tracks.MOST_TIMES + 1])
     d = 3 if frames and frames[0].configuration.dimensions == 3 else 2
     boxes = np.array([frame.configuration.box for frame in frames], float)
     if len({frame.particles.N for frame in frames}) != 1 or np.any(boxes[:, 3:] != 0):
@@ -402,8 +379,8 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
     )
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
     kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
-    columns = t.columns_of(where, times, place + image * edges, velocity, type=kinds)
-    return t.of_frames(where, [columns], asked)
+    columns = tracks.in_frames(where, times, place + image * edges, velocity, type=kinds)
+    return tracks.rows_of_frames(where, [columns], asked)
 
 
 # the ending of a file's name, and the function that reads it

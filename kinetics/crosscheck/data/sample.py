@@ -17,6 +17,7 @@ from kinetics.crosscheck.data.tracks import Tracks, bad, name_of
 from kinetics.driven.restitution import Viscoelastic, impact_restitution
 from kinetics.driven.system import DRIVES
 from kinetics.errors import InputError
+from kinetics.validation import refuse
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -27,10 +28,9 @@ N, V2, V4, R2, R4, VX, X, X2 = range(8)
 # groups at most: primes, so that labels with a regular pattern spread over all of them; a standard
 # error from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-# bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
-# octave, their number: from a thousandth of the root mean square to 64 times it
-_LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
-_START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
+# bins of speeds and displacements, 12 in an octave, from a thousandth of the scale to 64 times it
+EDGES = 2.0 ** (np.arange(-120, 73) / 12)
+_START = -30, 64, 64 * 40  # bins of the start: log2 of the lowest edge, in an octave, number
 
 
 class Flights(NamedTuple):
@@ -42,16 +42,6 @@ class Flights(NamedTuple):
     time: float
     ratio: float
     share: float
-
-
-class Binned(NamedTuple):
-    """Counts in bins of speed or displacement, in U or d, of groups that are not those of the sums.
-
-    edges (n_times, n_bins + 1); by_group (n, n_times, n_bins + 2), with what lies outside.
-    """
-
-    edges: Array
-    by_group: Counts
 
 
 class StartBins(NamedTuple):
@@ -89,14 +79,6 @@ class Law:
         """Whether `kinetics.driven` solves it: no causes of a difference are looked for."""
         return self.varies or any(self.drives.values())
 
-    def scaled(self, speed: float, length: float) -> "Law":
-        """With U and d of these sizes in its units."""
-        return replace(
-            self, field=self.field * length / speed**2, bath_speed=self.bath_speed / speed,
-            heating=self.heating * length / speed**3, drag=self.drag * length / speed,
-            capture_speed=self.capture_speed / speed,
-        )  # fmt: skip
-
     @property
     def smooth_disks(self) -> bool:
         """Whether densities can be solved, which the solver does for this law alone."""
@@ -120,7 +102,8 @@ class Sample:
     sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
         field, with v_x, x, x^2
     times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
-    speeds, displacements, start : counts in bins, None where unknown
+    speeds, displacements : counts in bins between EDGES in units of the scales, and outside, of
+        groups that are not those of the sums, (n, n_times, n_bins + 2); start: None where unknown
     grouping : what a group is made of: "medium", "tracer" or "row"
     flights : tracers that have flown straight, of the two times at which most of them have
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
@@ -134,11 +117,11 @@ class Sample:
     sums: Array
     speed_scale: Array
     length_scale: Array
-    speeds: Binned | None
-    displacements: Binned | None
-    start: StartBins | None
     at_rest: Counts
     grouping: str
+    speeds: Counts | None = None
+    displacements: Counts | None = None
+    start: StartBins | None = None
     law: Law = Law()
     flights: tuple[Flights, ...] = ()
     free: bool = False
@@ -159,30 +142,23 @@ class Sample:
     def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
         """The sample with U, d and d/U of these sizes in its units; time None: length/speed."""
         factor = speed / length if time is None else 1 / time
-        start, told = self.start, dict(self.told)
+        start, told, law = self.start, dict(self.told), self.law
         if "number_density" in told:
-            told["number_density"] *= length**self.law.dimension
-        speeds, displacements = (
-            one and one._replace(edges=one.edges / unit)
-            for one, unit in ((self.speeds, speed), (self.displacements, length))
-        )
+            told["number_density"] *= length**law.dimension
         flown = [
-            Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
-            for one in self.flights
+            Flights(at * factor, ratio * speed / length / factor, share)
+            for at, ratio, share in self.flights
         ]
-        return replace(
-            self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
-            law=self.law.scaled(speed, length),
-            times=self.times * factor, speed_scale=self.speed_scale / speed,
-            length_scale=self.length_scale / length,
-            start=start and start._replace(squares=start.squares / speed**2),
+        law = replace(
+            law, field=law.field * length / speed**2, bath_speed=law.bath_speed / speed,
+            heating=law.heating * length / speed**3, drag=law.drag * length / speed,
+            capture_speed=law.capture_speed / speed,
         )  # fmt: skip
-
-
-def size_of_vectors(vectors: Any) -> Any:
-    """The length of vectors (n, d), also of 1e200."""
-    plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
-    return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
+        return replace(
+            self, told=told, flights=tuple(flown), law=law, times=self.times * factor,
+            speed_scale=self.speed_scale / speed, length_scale=self.length_scale / length,
+            start=start and StartBins(start.squares / speed**2, start.counts),
+        )  # fmt: skip
 
 
 def reduced(
@@ -191,15 +167,15 @@ def reduced(
     """The sums over groups of tracers; label (n,): whole numbers that say what belongs together."""
     # Another file's labels begin elsewhere, so that small runs do not fall on each other.
     group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
-    count = tracks.times.size
+    count, bins = tracks.times.size, EDGES.size + 1
     sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
     scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
-    counts = np.zeros((2, HISTOGRAM_GROUPS, count, _BINS + 2), np.int32)
+    counts = np.zeros((2, HISTOGRAM_GROUPS, count, bins), np.int32)
     flights, start = [], None
     for k, time in enumerate(tracks.times):
         there = np.isfinite(tracks.velocity[k, :, 0])
         place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
-        sizes = size_of_vectors(velocity), size_of_vectors(place)
+        sizes = size_of(velocity), size_of(place)
         flights.append(straight_flights(time, sizes[1], sizes[0]))
         scales[:, k] = [_scale(size) for size in sizes]
         v, r = (size / scale for size, scale in zip(sizes, scales[:, k], strict=True))
@@ -209,20 +185,29 @@ def reduced(
             powers += [velocity[:, 0] / scales[0, k], x, x**2]
         sums[:, k] = np.transpose([np.bincount(mine, power, MOST_GROUPS) for power in powers])
         for out, values in zip(counts, (v, r), strict=True):
-            bins = _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
-            cells = mine % HISTOGRAM_GROUPS * (_BINS + 2) + bins
+            cells = mine % HISTOGRAM_GROUPS * bins + _bins(values, -10, 12, bins - 2)
             out[:, k] = np.bincount(cells, minlength=out[:, k].size).reshape(out[:, k].shape)
         at_rest[k] = np.count_nonzero(v == 0)
         if time == 0:
-            start = _start_bins(v, scales[0, k])
+            place = _bins(v, *_START)
+            filled, total = np.bincount(place), np.bincount(place, v * v)
+            moving = total > 0
+            with np.errstate(over="ignore", under="ignore"):  # refused later, in `read._scaled`
+                squares = total[moving] / filled[moving] * np.square(scales[0, k])
+            start = StartBins(squares, filled[moving])
     used = sums[..., N].sum(axis=1) > 0
-    edges = scales[..., None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
-    binned = [Binned(e, n[n.any(axis=(1, 2))]) for e, n in zip(edges, counts, strict=True)]
+    speeds, displacements = (one[one.any(axis=(1, 2))] for one in counts)
     seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
     return Sample(
-        names, tracks.times, sums[used], scales[0], scales[1], binned[0], binned[1], start,
-        at_rest, grouping, flights=seen,
+        names, tracks.times, sums[used], scales[0], scales[1], at_rest, grouping, speeds,
+        displacements, start, flights=seen,
     )  # fmt: skip
+
+
+def size_of(vectors: Any) -> Any:
+    """The length of vectors (n, d), also of 1e200."""
+    plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
+    return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
 
 
 def _scale(size: Any) -> float:
@@ -240,14 +225,6 @@ def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
     with np.errstate(divide="ignore"):
         place = np.floor((np.log2(values) - lowest) * per_octave)
     return np.clip(place, -1, bins).astype(np.int64) + 1
-
-
-def _start_bins(v: Any, unit: float) -> StartBins:
-    place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
-    counts, sums = np.bincount(place), np.bincount(place, v * v)
-    moving = sums > 0
-    with np.errstate(over="ignore", under="ignore"):  # refused later, in `read._scaled`
-        return StartBins(sums[moving] / counts[moving] * np.square(unit), counts[moving])
 
 
 def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
@@ -281,11 +258,13 @@ def read_ensemble(path: Path) -> Sample:
 def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     """The sums of a run, lengths in d; counts in bins too, where velocities and positions are kept.
 
-    InputError for a run without output times or with fewer than two groups.
+    InputError for what is no run, or one without output times or with fewer than two groups.
     """
-    from particles import BoltzmannGrad
+    from particles import BoltzmannGrad, Ensemble
     from particles.kernel.columns import CAUGHT
 
+    if not isinstance(ensemble, Ensemble):
+        refuse("data", ensemble, "it must be a file, several files, columns or a run of simulate")
     times, medium, plan = np.asarray(ensemble.times), ensemble.medium, ensemble.plan
     if times.size == 0 or ensemble.moments.size == 0:
         bad(name, "a run without output times", "made by simulate(..., times=...)")
@@ -308,35 +287,26 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
             sums = np.concatenate([sums, more], axis=2)
         if sticks:
             sums[:, :, N] -= ensemble.moments[:, :, CAUGHT]
-        found = Sample(
-            (name,), times, sums, 1.0 / plan.scales(), np.full(times.size, medium.diameter),
-            None, None, None, np.asarray(ensemble.trapped), "medium",
-        )  # fmt: skip
+        scales = 1.0 / plan.scales(), np.full(times.size, medium.diameter)
+        found = Sample((name,), times, sums, *scales, np.asarray(ensemble.trapped), "medium")
     if found.groups < 2:
         bad(name, "one configuration", "two at least, for standard errors")
-    told: dict[str, Any] = {
-        "restitution": _impact_law(ensemble.restitution),
-        "number_density": ensemble.number_density,
-    }
-    if plan.rest or plan.velocities is None:
-        told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
-        told["initial"] = "rest" if plan.rest else told["initial"]
+    restitution: Any = ensemble.restitution  # the solver's, for the particles' own
+    if hasattr(restitution, "b"):
+        restitution = Viscoelastic(restitution.b)
+    elif not isinstance(restitution, float):
+        restitution = impact_restitution((restitution.speeds, restitution.values))
+    told = {"restitution": restitution, "number_density": ensemble.number_density}
     told["scatterers"] = medium.scatterers
+    if plan.rest or plan.velocities is None:
+        named = "monoenergetic" if plan.monoenergetic else "gaussian"
+        told["initial"] = "rest" if plan.rest else named
     law = Law(
         ensemble.tangential_restitution, medium.dimension, ensemble.field,
-        varies=bool(ensemble.plan.varies), mass_ratio=ensemble.mass_ratio,
+        varies=bool(plan.varies), mass_ratio=ensemble.mass_ratio,
         **{drive: getattr(ensemble, drive) for drive in DRIVES},
     )  # fmt: skip
     if law.is_driven and not free:
         bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
     found = replace(found, free=free, told=told, law=law)
     return found.rescaled(1.0, medium.diameter)
-
-
-def _impact_law(restitution: Any) -> Any:
-    """The solver's restitution for the particles' own: a number, or of the impact speed."""
-    if isinstance(restitution, float):
-        return restitution
-    if hasattr(restitution, "b"):
-        return Viscoelastic(restitution.b)
-    return impact_restitution((restitution.speeds, restitution.values))

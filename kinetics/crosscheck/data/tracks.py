@@ -1,11 +1,11 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
-A format (`formats`) gives columns, one row for each tracer at each time, which `from_columns` turns
-into `Tracks`.
+A format (`formats`) gives `Rows`, columns with one row for each tracer at each time, which are
+checked here; `dense` makes `Tracks` of those of all files.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,12 +14,11 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 import pandas as pd
 
-from kinetics.crosscheck.data.units import split_unit, stated
 from kinetics.errors import InputError, short
 from kinetics.validation import one_of, real_number, refuse
 
 AXES, SPEEDS = ("x", "y", "z"), ("vx", "vy", "vz")
-LABELS = ("tracer", "medium", "type")  # columns that may be there: whole numbers or texts
+LABELS = ("tracer", "medium", "type")  # columns that may be there: numbers or texts
 # other names of columns, in lower case, which are looked for where the first is missing
 ALIASES = {
     "time": ("t", "times"),
@@ -31,6 +30,7 @@ ALIASES = {
 }
 MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
 SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
+_UNIT = re.compile(r"(.*\S)(?:\s*\[\s*([^]]*?)\s*\]|\s+\(\s*([^)]*?)\s*\))")
 
 
 def bad(where: str, got: Any, must: str) -> NoReturn:
@@ -76,7 +76,7 @@ class Asked:
             refuse("dimension", self.dimension, "it must be 2 or 3")
         if self.bin_times is not None:
             real_number("bin_times", self.bin_times, 0.0, 0.2)
-        object.__setattr__(self, "columns", checked_columns(self.columns))
+        object.__setattr__(self, "columns", _by_our_names(self.columns))
 
     def times_of(self, where: str, time: Any, step: Any) -> Any:
         """The times of frames: as they stand, or their steps times the timestep."""
@@ -87,7 +87,7 @@ class Asked:
         return np.asarray(step, float) * self.timestep
 
 
-def checked_columns(columns: Any) -> dict[str, str]:
+def _by_our_names(columns: Any) -> dict[str, str]:
     """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`."""
     pairs: Any = columns.items() if isinstance(columns, Mapping) else ()
     if isinstance(columns, str):
@@ -106,13 +106,21 @@ def checked_columns(columns: Any) -> dict[str, str]:
     return found
 
 
+class Rows(NamedTuple):
+    """A row for each tracer at each time: columns by our names, and the units that a file states,
+    by "length", "speed" and "time".
+    """
+
+    columns: dict[str, Any]
+    units: dict[str, str]
+
+
 @dataclass(frozen=True)
 class Tracks:
     """Tracers at common times; NaN where one is missing.
 
-    times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) whole numbers, None where
-    unknown; units that the file states, by "length", "speed" and "time"; file: number of the
-    file, or (n,).
+    times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) labels, None where unknown;
+    file (n,), its number; units as of `Rows`.
     """
 
     times: Any
@@ -120,20 +128,13 @@ class Tracks:
     velocity: Any
     tracer: Any = None
     medium: Any = None
-    units: Mapping[str, str] = field(default_factory=dict)
     file: Any = 0
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
-class Table(NamedTuple):
-    """Columns in memory that take the place of a file."""
-
-    columns: Mapping[str, Any]
-    name: str = "data"
-
-
-def name_of(source: Path | Table) -> str:
-    """A file's path, or the name of a table, on one line that can be written."""
-    text = source.name if isinstance(source, Table) else str(source)
+def name_of(source: Any) -> str:
+    """A file's path on one line that can be written; "data" for columns in memory."""
+    text = str(source) if isinstance(source, Path) else "data"
     text = " ".join(text.encode("utf-8", "replace").decode().split()) or "''"
     return text if len(text) <= 200 else f"{text[:90]}...{text[-100:]}"
 
@@ -151,11 +152,18 @@ def require_memory(where: str, declared: float, stored: float | None = None) -> 
         bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
 
 
-def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, int]:
-    """The place of each known column; InputError where one is missing or stands twice."""
+def _split(name: Any) -> tuple[str, str]:
+    """The name of a column in lower case without its unit, and the unit: "t [s]", "t (s)"."""
+    text = str(name).strip(" \t\"'")
+    found = _UNIT.fullmatch(text)
+    return (found[1].lower(), found[2] or found[3] or "") if found else (text.lower(), "")
+
+
+def find_columns(where: str, names: Iterable[Any], asked: Asked) -> dict[str, Any]:
+    """The name of each known column by ours; InputError where one is missing or stands twice."""
+    names = list(names)
     plain = [str(name).strip(" \t\"'").lower() for name in names]
-    bare = [split_unit(name)[0] for name in plain]
-    d = asked.dimension or 2
+    bare, d = [_split(name)[0] for name in names], asked.dimension or 2
     needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
     found: dict[str, int] = {}
     for ours, others in ALIASES.items():
@@ -172,102 +180,66 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
             bad(where, f"no column {told or ours!r} in {there}", f"{', '.join(needed)} (--columns)")
         if here:
             found[ours] = here[0]
-    return found
+    return {ours: names[k] for ours, k in found.items()}
 
 
-def from_columns(
-    where: str, names: Sequence[str], columns: Mapping[Any, Any], asked: Asked
-) -> Tracks:
-    """Tracks: names of all columns, and those (n,) that `find_columns` finds."""
-    found = find_columns(where, names, asked)
-    values = {ours: _column(where, ours, columns[names[k]]) for ours, k in found.items()}
-    units = stated(where, {ours: split_unit(names[k])[1] for ours, k in found.items()})
-    if len(sizes := {len(column) for column in values.values()}) > 1 or not min(sizes):
-        some = "columns that differ in length" if len(sizes) > 1 else "no rows"
-        bad(where, some, "one length, of two rows at least")
-    for name in ("time", *AXES, *SPEEDS):
-        if name in values and not np.all(good := np.isfinite(values[name])):
+def rows_of(where: str, columns: Mapping[Any, Any], asked: Asked) -> Rows:
+    """The rows of columns (n,) by the names of a file, checked; or InputError."""
+    found = find_columns(where, columns, asked)
+    c = {ours: np.asarray(columns[name]) for ours, name in found.items()}
+    if len(shapes := {one.shape for one in c.values()}) > 1 or c["time"].ndim != 1:
+        bad(where, f"columns that differ in length or shape, {shapes}", "one length (n,)")
+    if not c["time"].size:
+        bad(where, "no rows", "two at least")
+    for name, values in c.items():
+        in_words = name in LABELS and values.dtype.kind in "OUST"
+        if not in_words and (values.dtype.kind not in "iuf" or values.dtype.itemsize > 8):
+            bad(f"{where}: column {name!r}", f"type {values.dtype}", "numbers")
+        c[name] = values.astype(str) if in_words else values
+        if name not in LABELS:
+            c[name] = values.astype(float, copy=False)
+        if values.dtype.kind == "f" and not np.all(good := np.isfinite(values)):
             k = int(np.argmin(good))
-            who = f"row {k}"
-            if "tracer" in found:  # by its own label
-                who = f"tracer {np.asarray(columns[names[found['tracer']]])[k]}"
-                who += f" at time {values['time'][k]:g}"
-            bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
+            who = f"row {k}" if "tracer" not in c else f"tracer {c['tracer'][k]}"
+            who += f" at time {c['time'][k]:g}"
+            bad(f"{where}: {who}", f"{name} = {values[k]}", "a finite number")
     if asked.type is not None:
-        texts = np.asarray(values.pop("type")).astype(str)
+        texts = c.pop("type").astype(str)
         chosen = texts == str(asked.type)
         if not np.any(chosen):
             bad(f"{where}: type", short(asked.type), f"one of {', '.join(np.unique(texts)[:9])}")
-        values = {name: column[chosen] for name, column in values.items()}
-    if asked.dimension != 3 and np.any(values.pop("vz", 0)):
+        c = {name: values[chosen] for name, values in c.items()}
+    if asked.dimension != 3 and np.any(c.pop("vz", 0)):
         bad(where, "velocities with z components", "none, or say dimension 3")
-    return replace(_dense(where, values, asked), units=units)
+    return Rows(c, stated(where, {ours: _split(name)[1] for ours, name in found.items()}))
 
 
-def _column(where: str, name: str, values: Any) -> Any:
-    """Numbers as floats, labels as whole numbers, or types as texts."""
-    values, here = np.asarray(values), f"{where}: column {name!r}"
-    if values.ndim != 1:
-        bad(here, f"shape {values.shape}", "(n,)")
-    if name in LABELS and values.dtype.kind in "OUST":
-        codes, texts = pd.factorize(values.astype(str), sort=True)
-        return texts[codes] if name == "type" else codes
-    if values.dtype.kind not in "iuf" or values.dtype.itemsize > 8:
-        bad(here, f"type {values.dtype}", "numbers")
-    if name not in LABELS:
-        return values.astype(float, copy=False)
-    if values.dtype.kind == "f" and not np.all((np.abs(values) < 2.0**63) & (values % 1 == 0)):
-        bad(here, "others", "whole numbers below 2^63")
-    return values.astype(np.int64, copy=False)
+def stated(where: str, units: Mapping[str, str]) -> dict[str, str]:
+    """Units by "length", "speed" and "time" from those of columns; InputError if x and y differ."""
+    found: dict[str, str] = {}
+    for name, unit in units.items():
+        kind = "length" if name in AXES else "speed" if name in SPEEDS else name
+        if unit and kind not in LABELS and found.setdefault(kind, unit) != unit:
+            bad(where, f"{kind}s in {found[kind]} and in {short(unit)}", "one unit")
+    return found
 
 
-def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
-    index, times = binned(where, c["time"], asked)
-    keys: list[str] = [name for name in ("tracer", "medium") if name in c]
-    if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
-        rows = pd.DataFrame({"time": index, **{name: c[name] for name in keys}})
-        c["rank"] = rows.groupby(["time", *keys]).cumcount().to_numpy()
-        keys.append("rank")
-    number = pd.DataFrame({name: c[name] for name in keys}).groupby(keys).ngroup().to_numpy()
-    n = int(number.max()) + 1
-    require_memory(where, 32.0 * n * times.size)
-    cell = index * n + number
-    if (filled := np.bincount(cell)).max() > 1:
-        k = int(np.argmax(filled[cell] > 1))
-        who = " of ".join(f"{name} {c[name][k]}" for name in keys)
-        bad(where, f"more than one row of {who} at time {c['time'][k]:g}", "one row for each time")
-
-    def spread_out(names: Sequence[str]) -> Any:
-        out = np.full((times.size * n, len(names)), np.nan)
-        out[cell] = np.stack([c[name] for name in names], axis=-1)
-        return out.reshape(times.size, n, -1)
-
-    labels: Any = {name: np.empty(n, np.int64) for name in ("tracer", "medium") if name in c}
-    for name, values in labels.items():
-        values[number] = c[name]
-    place, velocity = (spread_out([one for one in axes if one in c]) for axes in (AXES, SPEEDS))
-    return Tracks(times, place, velocity, **labels)
+def rows_of_frames(
+    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked,
+    units: Mapping[str, str] | None = None,
+) -> Rows:  # fmt: skip
+    """The rows of frames, each with columns by our names; units of x, vx and time."""
+    if not frames:
+        bad(where, "no frames", "a file of this format")
+    names = [name for name in frames[0] if all(name in frame for frame in frames)]
+    c = {name: np.concatenate([frame[name] for frame in frames]) for name in names}
+    # tracers without any number have ended
+    here = ~np.all([np.isnan(c[name]) for name in (*AXES, *SPEEDS) if name in c], axis=0)
+    c = c if np.all(here) else {name: values[here] for name, values in c.items()}
+    return Rows(rows_of(where, c, replace(asked, columns=None)).columns, stated(where, units or {}))
 
 
-def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
-    """The index of each row's time among the different ones, and these, at their means."""
-    within = max(SAME_TIME, asked.bin_times or 0.0)
-    found, different = pd.factorize(time, sort=True)
-    if different[0] < 0:
-        bad(f"{where}: time", f"{different[0]:g}", "not negative")
-    firsts = [different[0]]
-    while different[-1] - firsts[-1] > within * different[-1]:
-        if len(firsts) == MOST_TIMES:
-            few = f"at most {MOST_TIMES}, the same for every tracer, or say --bin-times"
-            bad(f"{where}: time", f"more than {MOST_TIMES} different times", few)
-        # the first that is not so near: t - first > within * t rises with t
-        firsts.append(different[np.argmax(different - firsts[-1] > within * different)])
-    times = np.array(firsts)
-    at = np.searchsorted(times[:-1] / 2 + times[1:] / 2, different)[found]
-    return at, times if within <= SAME_TIME else np.bincount(at, time) / np.bincount(at)
-
-
-def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
+def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
     """Columns, (T n,) each, of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
 
     Without `tracer` the k-th of each frame is the same tracer.
@@ -287,47 +259,64 @@ def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any)
     return found | {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
 
 
-def of_frames(
-    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked,
-    units: Mapping[str, str] | None = None,
-) -> Tracks:  # fmt: skip
-    """Tracks of the columns of frames, by our names; units of x, vx and time."""
-    if not frames:
-        bad(where, "no frames", "a file of this format")
-    rows = pd.concat([pd.DataFrame(frame) for frame in frames], join="inner", ignore_index=True)
-    # tracers without any number have ended
-    rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
-    found = from_columns(where, list(rows), rows, replace(asked, columns=None))
-    return replace(found, units=stated(where, units or {}))
+def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
+    """The tracers of all files side by side, at the times of any of them; or InputError."""
+    where, first = ", ".join(names), parts[0]
+    for name, part in zip(names, parts, strict=True):
+        for label in {*LABELS} & (part.columns.keys() ^ first.columns.keys()):
+            bad(name, f"another column {label} than before", "in all files or in none")
+        if part.units != first.units:
+            bad(name, "units that differ from those of other files", "the same units")
+    c: dict[str, Any] = first.columns
+    if len(parts) > 1:
+        c = {name: np.concatenate([part.columns[name] for part in parts]) for name in c}
+    index, times = _binned(where, c["time"], asked)
+    keys = [name for name in ("tracer", "medium") if name in c]
+    labels: dict[str, Any] = {name: c[name] for name in keys}
+    if len(parts) > 1:
+        sizes = [part.columns["time"].size for part in parts]
+        labels["file"] = np.repeat(np.arange(len(parts)), sizes)
+    if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
+        rows = pd.DataFrame({"time": index, **labels})
+        labels["rank"] = rows.groupby(list(rows)).cumcount().to_numpy()
+    number = np.zeros(index.size, np.int64)
+    for values in labels.values():
+        code, known = pd.factorize(values, sort=True)
+        number = number * known.size + code
+    number = pd.factorize(number, sort=True)[0]
+    n = int(number.max()) + 1
+    require_memory(where, 32.0 * n * times.size)
+    cell = index * n + number
+    if (filled := np.bincount(cell)).max() > 1:
+        k = int(np.argmax(filled[cell] > 1))
+        who = " of ".join(f"{name} {c[name][k]}" for name in keys)
+        bad(where, f"more than one row of {who} at time {c['time'][k]:g}", "one row for each time")
+
+    def spread_out(axes: Sequence[str]) -> Any:
+        out = np.full((times.size * n, len(axes)), np.nan)
+        out[cell] = np.stack([c[name] for name in axes], axis=-1)
+        return out.reshape(times.size, n, -1)
+
+    one = np.empty(n, np.int64)
+    one[number] = np.arange(number.size)  # a row of each tracer
+    place, velocity = (spread_out([a for a in names if a in c]) for names in (AXES, SPEEDS))
+    of_each = {name: values[one] for name, values in labels.items() if name != "rank"}
+    return Tracks(times, place, velocity, **of_each, units=first.units)
 
 
-def refuse_wrapped(where: str, flags: str) -> NoReturn:
-    """InputError for positions in a periodic box that may have been wrapped at its edges."""
-    bad(f"{where}: positions", "those in a periodic box", f"unwrapped, or with {flags}")
-
-
-def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Tracks:
-    """The tracers of several files side by side, at the times of any of them."""
-    first = parts[0]
-    if len(parts) == 1:
-        return first
-    for name in ("tracer", "medium"):
-        if len({getattr(part, name) is None for part in parts}) > 1:
-            bad(names[-1], f"another column {name} than before", "in all files or in none")
-    if any(dict(part.units) != dict(first.units) for part in parts):
-        bad(names[-1], "units that differ from those of other files", "the same units")
-    index, times = binned(names[0], np.concatenate([part.times for part in parts]), asked)
-    rows = np.split(index, np.cumsum([part.times.size for part in parts])[:-1])
-    if any(np.unique(at).size < at.size for at in rows):
-        allowed = "a fraction that puts each time into one bin of all files"
-        bad("bin_times", asked.bin_times, allowed)
-    file = np.repeat(np.arange(len(parts)), [part.place.shape[1] for part in parts])
-    place, velocity = np.full((2, times.size, file.size, first.place.shape[2]), np.nan)
-    for k, (part, at) in enumerate(zip(parts, rows, strict=True)):
-        place[np.ix_(at, file == k)] = part.place
-        velocity[np.ix_(at, file == k)] = part.velocity
-    tracer, medium = (
-        None if getattr(first, name) is None else np.concatenate([getattr(p, name) for p in parts])
-        for name in ("tracer", "medium")
-    )
-    return Tracks(times, place, velocity, tracer, medium, units=first.units, file=file)
+def _binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
+    """The index of each row's time among the different ones, and these, at their means."""
+    within = max(SAME_TIME, asked.bin_times or 0.0)
+    found, different = pd.factorize(time, sort=True)
+    if different[0] < 0:
+        bad(f"{where}: time", f"{different[0]:g}", "not negative")
+    firsts = [different[0]]
+    while different[-1] - firsts[-1] > within * different[-1]:
+        if len(firsts) == MOST_TIMES:
+            few = f"at most {MOST_TIMES}, the same for every tracer, or say --bin-times"
+            bad(f"{where}: time", f"more than {MOST_TIMES} different times", few)
+        # the first that is not so near: t - first > within * t rises with t
+        firsts.append(different[np.argmax(different - firsts[-1] > within * different)])
+    times = np.array(firsts)
+    at = np.searchsorted(times[:-1] / 2 + times[1:] / 2, different)[found]
+    return at, times if within <= SAME_TIME else np.bincount(at, time) / np.bincount(at)

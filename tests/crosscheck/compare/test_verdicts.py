@@ -13,7 +13,6 @@ from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import Sample, from_ensemble
-from kinetics.crosscheck.data.tracks import Table
 from particles import BoltzmannGrad, HardDisks, Poisson, Viscoelastic, simulate
 
 DENSITY, PATH = 0.04, 12.5
@@ -236,7 +235,7 @@ def test_data_in_space(told: dict[str, Any], verdict: str) -> None:
 def sample_of(seed: int, tracers: int = 30) -> Sample:
     run = simulated(seed=seed, times=TIMES, media=50, tracers=tracers)
     data = {"times": TIMES, "positions": run.positions, "velocities": run.velocities}
-    return read_sample([Table(data)], positions="displacement")
+    return read_sample([data], positions="displacement")
 
 
 @cache

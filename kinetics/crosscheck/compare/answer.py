@@ -1,0 +1,280 @@
+"""The answer: fits become a Comparison, with its verdict, what the data show by themselves, the
+numbers of the theory, and a summary in words.
+
+Units that do not belong together, and particles that never move, come first: then nothing else is
+claimed. Causes that are fitted (`causes`) are looked for where data and theory do not agree.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.compare.fit import Fit, choose
+from kinetics.crosscheck.compare.judge import Both, rows_of, tests_of, worst_of
+from kinetics.crosscheck.compare.result import (
+    OUTCOMES,
+    Comparison,
+    ComparisonTest,
+    Explanation,
+    Parameter,
+)
+from kinetics.crosscheck.compare.statistics import AGREES_ABOVE, chance, hotelling
+from kinetics.crosscheck.compare.theory import OBSERVABLES, Expectation, averages_of
+from kinetics.crosscheck.data.sample import V2, N, Sample
+from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
+
+_NO_DENSITIES = (
+    "At a finite density the theory of distributions is less certain than the averages': these are "
+    "compared, with an error of the theory in their covariance, and densities are not."
+)
+_OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
+_NO_OTHER = "No other cause is looked for."
+_PUT_RIGHT = f"; put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
+
+
+def answered(
+    sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool
+) -> Comparison:
+    """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
+    expectation = Expectation(sample, averages_of(sample.law))
+    best, explanations = _likeliest(fits), list[Explanation]()
+    for last in (False, True):
+        both, point = Both(expectation, best), best.point
+        rows, tests = tuple(rows_of(both)), tuple(tests_of(both))
+        # Rows without spread no test can hold.
+        words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
+        wrong = wrong_unit(sample, point.start) or never_move(sample)
+        verdict = Verdict.DIFFERS if wrong else worst_of(words)
+        if last or not explain:
+            break
+        explanations, medium = _explained(both, verdict, wrong, media)
+        if medium == point.scatterers or medium not in media:
+            break  # else what explains is in another medium: it is the one that is shown
+        best = next((one for one in fits if one.point.scatterers == medium), best)
+    likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
+    first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
+    note = [_OWN_START] if point.own_start and both.histograms else []
+    note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
+    parameters = _parameters(both, wrong)
+    medium_taken = "" if len(fits) < 2 or best.chi_square is None else _in_words(fits, best)
+    return Comparison(
+        verdict=verdict, summary=_summary(both, parameters, tests, verdict, first, medium_taken),
+        parameters=parameters, initial=point.start_in_words, samples=int(sample.samples.max()),
+        groups=sample.groups, grouping=sample.grouping, names=sample.names,
+        warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
+        numbers=rows, medium=point.scatterers,
+        covariance=tuple(map(tuple, best.covariance.tolist())),
+    )  # fmt: skip
+
+
+def _likeliest(fits: Sequence[Fit]) -> Fit:
+    """The likeliest of the fits that agree with the data, or of all of them.
+
+    Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
+    Burnham and Augustin, Biometrics 53, 603 (1997)).
+    """
+    fits = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE] or fits
+    best = min(fits, key=lambda f: f.criterion)
+    if not np.isfinite(best.criterion):
+        return best
+    weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
+    away = np.array([one.at - best.at for one in fits])
+    return replace(best, covariance=best.covariance + (away.T * (weight / weight.sum())) @ away)
+
+
+def _explained(
+    both: Both, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
+) -> tuple[list[Explanation], str]:
+    """What explains a difference or is to be noted, the likeliest first, and in which medium."""
+    medium, law = both.point.scatterers, both.sample.law
+    if wrong or law.is_driven or law.field:
+        return [wrong] if wrong else [], medium
+    found = [note for note in (_traps(both), _missing(both)) if note]
+    if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
+        from kinetics.crosscheck.compare.causes import tested_causes
+
+        tested = list(tested_causes(both, media))
+        if tested and tested[0][0].outcome == "explains":
+            medium = tested[0][1]
+        found = [*(item for item, _ in tested), *found]
+    # Python's sort keeps the order of those of one outcome: the likeliest stays first.
+    return sorted(found, key=lambda item: [*OUTCOMES].index(item.outcome)), medium
+
+
+# -- what the data show by themselves, without a fit -----------------------------------------------
+def _found(
+    name: str, headline: str, more: str, value: float, time: float | None = None
+) -> Explanation:
+    """What the data show, at a time or at all."""
+    text = headline if time is None else f"at t = {numeral(time, '.4g')}, {headline}"
+    text = f"{text[0].upper()}{text[1:]}{more}"
+    return Explanation(name, "found", text, True, value, headline=headline)
+
+
+def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
+    """What is said where units do not belong together; None where they do, or cannot be known.
+
+    Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds twice as large as
+    at a named start cannot be, nor half as large while most tracers have not collided.
+    """
+    law, flights, unit = sample.law, sample.flights, sample.units.get("time", (1.0, ""))
+    if law.field or law.is_driven:
+        return None
+    if flights and abs(math.log(flights[0].ratio)) > 0.005:
+        at, value = flights[0].time, 1 / flights[0].ratio
+        straight = f"tracers that fly straight have r = {numeral(flights[0].ratio, '.5g')} v t"
+        # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
+        true = [one.time * one.ratio for one in flights]
+        slope = abs(np.diff(true)[0] / (flights[1].time - at)) if len(true) > 1 else math.inf
+        if abs(math.log(slope)) < 0.005:
+            value = (at - true[0]) * unit[0]
+            headline = f"{straight} at t = {numeral(at, '.4g')}, as if the clock were "
+            headline += f"{numeral(value, '.4g')} {unit[1] or 'd/U'} ahead"
+            return _found("time offset", headline, f"; shift the times. {_NO_OTHER}", value)
+        headline = f"{straight}, as if times were {numeral(value, '.5g')} times too long"
+        return _found("time unit", headline, _PUT_RIGHT, value, at)
+    if not isinstance(start, str):
+        return None
+    most = np.sqrt(law.dimension) if start == "gaussian" else 1.0
+    total = sample.sums[:, 0].sum(axis=0)
+    ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
+    early = any(one.share > 0.5 and one.time <= sample.times[:2].max() for one in flights)
+    if 0.5 <= ratio <= 2.0 or (ratio < 0.5 and not early):
+        return None
+    headline = f"speeds at the first time are {ratio:.4g} times those of the start"
+    return _found("speed unit", headline, _PUT_RIGHT, ratio, sample.times[0])
+
+
+def never_move(sample: Sample) -> Explanation | None:
+    """Particles that have speed zero at every time: of late times alone one in 100 at least, as
+    tracers may have come to rest before.
+    """
+    rest, most = int(sample.at_rest.min()), int(sample.samples.max())
+    late = sample.times[0] > 0 and rest < 0.01 * most
+    if not rest or late or sample.times.size < 2 or sample.law.is_driven:
+        return None
+    headline = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
+    more = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
+    return _found("scatterers", headline, more, rest / most)
+
+
+def _traps(both: Both) -> Explanation | None:
+    """Tracers that have speed zero at some time, which only trapped ones have."""
+    rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
+    more = ": caught between scatterers, or stopped by a program."
+    return _found("traps", f"{rest} tracers come to rest", more, rest / most) if rest else None
+
+
+def _missing(both: Both) -> Explanation | None:
+    """Fewer tracers at later times: what is left is biased, and the complete times tell."""
+    sample, samples = both.sample, both.sample.samples
+    most, least = int(samples.max()), int(np.argmin(samples))
+    complete = samples == most
+    if np.all(complete):
+        return None
+    whole, part = (
+        hotelling(*both.flat(choose(both.usable & times, sample.groups, 1)))
+        for times in (complete, ~complete)
+    )
+    missing, outcome = most - int(samples[least]), "does not" if part else "noted"
+    text = f"{missing} of {most} tracers are missing at t = {numeral(sample.times[least], '.4g')}. "
+    text += "A cap on collisions takes the fast ones away."
+    if part is not None and part.p_value < AGREES_ABOVE:
+        outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
+    headline = f"{missing} tracers that are missing at later times"
+    return Explanation(
+        "missing tracers", outcome, text, part is not None, missing / most, None,
+        part and part.value, whole and whole.value, whole and whole.freedom,
+        whole and whole.p_value, headline,
+    )  # fmt: skip
+
+
+# -- in words --------------------------------------------------------------------------------------
+def _parameters(both: Both, wrong: Explanation | None) -> dict[str, Parameter]:
+    """The numbers of the theory; those that were fitted have standard errors."""
+    point, law, found = both.point, both.sample.law, both.found
+    left, why = found.chi_square if found.free else None, wrong.headline if wrong else ""
+    if left is not None and not why and left.p_value < chance(DIFFERS_ABOVE):
+        why = f"the model does not fit (p = {numeral(left.p_value, '.2g')})"
+
+    def parameter(name: str, value: Any, told: str = "told", fitted: str = "") -> Parameter:
+        if callable(value):
+            return Parameter(None, None, f"told: {value}")
+        if name not in found.free:
+            return Parameter(value, None, told)
+        if why:
+            used = numeral(value, ".5g")
+            return Parameter(None, None, f"no value: {why}; the theory that is shown has {used}")
+        at, error = found.value(name)
+        words = f"{fitted}fitted to v₀ and ⟨r²⟩ over time"
+        return Parameter(value, error * value / at if at else error, words)
+
+    by_path = "1/(2dl)" if law.dimension == 2 else "1/(πd²l)"
+    return {
+        "restitution": parameter("restitution", point.restitution),
+        "number_density": parameter("path", law.free_path(point.path), fitted=f"{by_path}, l "),
+        "mean_free_path": parameter("path", point.path, by_path.replace("l", "ρ₀")),
+    }
+
+
+def _in_words(fits: Sequence[Fit], best: Fit) -> str:
+    """Which medium was taken and why."""
+    said = []
+    for one in sorted(fits, key=lambda one: one.point.scatterers != best.point.scatterers):
+        found, name = one.chi_square, one.point.scatterers
+        left = f"{numeral(found.value, '.3g')}/{found.freedom}" if found else ""
+        said.append(f"{name.replace('overlapping', 'overlapping disks')} {left}")
+    others = ", ".join(said[1:])
+    return f" The medium taken: {said[0]} (chi-square/degrees of freedom; {others})."
+
+
+def _summary(
+    both: Both, parameters: dict[str, Parameter], tests: Sequence[ComparisonTest],
+    verdict: Verdict, best: Explanation | None, medium: str,
+) -> str:  # fmt: skip
+    """What was fitted, the verdict in a sentence, what was compared, the clearest difference."""
+    within = [
+        f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
+        f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
+    ]  # fmt: skip
+    cause = f"; {best.headline} explains it" if best else ""
+    answer = {
+        Verdict.AGREES: f"No difference seen, better than {', '.join(within) or 'no average'}.",
+        Verdict.UNCLEAR: f"A difference is possible, more samples would show it{cause}.",
+        Verdict.DIFFERS: f"They differ{cause}.",
+    }.get(verdict, "Nothing could be tested.")
+    names = {"restitution": "e", "number_density": "ρ₀"}
+    fitted = " and ".join(
+        f"{symbol} = {number(one.value, one.error)}"
+        for name, symbol in names.items() if (one := parameters[name]).error is not None
+    )  # fmt: skip
+    if best is not None and best.outcome == "found":
+        answer = f"They differ. Look at the data first: {best.headline}."
+    elif fitted:
+        answer = f"{fitted}, fitted. {answer}"
+    sample, law, point = both.sample, both.sample.law, both.point
+    every = {
+        "e": (point.restitution, None), "ρ₀": (law.free_path(point.path), 0.0),
+        "e_t": (law.tangential_restitution, 1.0), "field": (law.field, 0.0),
+        "M/m": (law.mass_ratio, math.inf), "w": (law.bath_speed, 0.0), "D_v": (law.heating, 0.0),
+        "γ": (law.drag, 0.0), "v_c": (law.capture_speed, 0.0),
+    }  # fmt: skip
+    told = [
+        f"{name} = {value if callable(value) else numeral(value, '.6g')}"
+        for name, (value, plain) in every.items() if value != plain
+    ]  # fmt: skip
+    first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
+    answer += f" {int(sample.samples.max())} tracers at {sample.times.size} times from {first} to "
+    answer += f"{last} d/U, compared with the kinetic equation with "
+    answer += f"{', '.join(told)}, from {point.start_in_words}.{medium}"
+    odd = [test for test in tests if test.verdict is not Verdict.AGREES]
+    if odd:
+        t = min(odd, key=lambda test: test.p_value)
+        at = "" if t.time is None else f" at t = {numeral(t.time, '.4g')}"
+        answer += f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is {t.observable}"
+        answer += f"{at}: chi-square {numeral(t.chi_square, '.4g')} with {t.dof} degrees of freedom"
+        answer += f", p = {numeral(t.p_value, '.2g')}."
+    return answer
