@@ -130,8 +130,7 @@ def _done(
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
-    from kinetics.crosscheck.compare.page import render, tables
-    from kinetics.crosscheck.compare.result import drawn
+    from kinetics.crosscheck.compare.page import drawn, render, tables
     from kinetics.crosscheck.files import require_file, write_together
 
     for path in () if output is None else (output, output.with_suffix(".json")):

@@ -9,7 +9,6 @@ likelihood that they leave (`Fit.criterion`), and only those near the best are s
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from kinetics.crosscheck.compare.fit import Fit, components_of, coordinates, fit, media_of
@@ -96,7 +95,7 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
     tested.sort(key=rank)
     for item, one in tested:
         far = item.outcome == "explains" and cost(one) > cost(tested[0][1]) + NEAR_BEST
-        yield replace(item, outcome="in part") if far else item, one.point.scatterers
+        yield item._replace(outcome="in part") if far else item, one.point.scatterers
 
 
 def _changes(cause: Cause, both: Both, media: Sequence[str]) -> list[dict[str, Any]]:

@@ -1,16 +1,14 @@
 """Comparison: the result of comparing a sample with the kinetic equation, as a value."""
 
-import io
 import json
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
 
-from kinetics import __version__
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
@@ -26,8 +24,6 @@ OUTCOMES = {
     "noted": "noted",
 }
 """What an explanation comes to, in words; in the order in which they are shown."""
-_DECADES = 30.0  # largest over smallest value from which on an axis is logarithmic
-_REGIONS = {"68 %": 1.515, "95 %": 2.448}  # Radii that hold so much of a Gaussian of two numbers
 
 
 class Row(NamedTuple):
@@ -46,8 +42,7 @@ class Row(NamedTuple):
     high: float | None = None
 
 
-@dataclass(frozen=True)
-class ComparisonTest:
+class ComparisonTest(NamedTuple):
     """All rows of an observable together (of a density: at one time) by one chi-square.
 
     `groups` gave the covariance, None where it is known. `verdict` looks at the p-value times the
@@ -66,8 +61,7 @@ class ComparisonTest:
     within: float | None = None
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A number of the theory: given (error None), or found; value None where no model fits."""
 
     value: float | None
@@ -75,8 +69,7 @@ class Parameter:
     source: str
 
 
-@dataclass(frozen=True)
-class Explanation:
+class Explanation(NamedTuple):
     """Something that may explain a difference; chi-squares are of all averages.
 
     outcome: "explains" (the rest agrees, and no other cause is much likelier), "in part" (the
@@ -164,15 +157,28 @@ class Comparison(Result):
 
     @property
     def figures(self) -> list[str]:
-        """The names of the figures, which `plot` draws from the rows."""
-        return figures_of(self)
+        """The names of the figures, which `plot` draws: each observable, "sigmas", and
+        "confidence", the region of e and l, if both were fitted.
+        """
+        rows = self.rows[self.rows["time"] > 0]
+        averages = rows["low"].isna()
+        bins = rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)
+        seen = {*rows[averages | bins]["observable"]}
+        found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
+        found += ["sigmas"] if averages.any() else []
+        both = np.shape(self.covariance) == (2, 2) and self.parameters["restitution"].value
+        return found + (["confidence"] if both else [])
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
-        parts = {one.name: plain(getattr(self, one.name)) for one in fields(self)}
+        parts = {one.name: getattr(self, one.name) for one in fields(self)}
+        for name in ("tests", "explanations", "numbers"):
+            parts[name] = [item._asdict() for item in parts[name]]
+        parts["parameters"] = {k: one._asdict() for k, one in self.parameters.items()}
         data = {name: parts.pop(name) for name in ("names", "samples", "groups", "grouping")}
-        rows = [dict(zip(Row._fields, row, strict=True)) for row in parts.pop("numbers")]
-        return {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
+        rows = parts.pop("numbers")
+        made = {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
+        return plain(made)  # type: ignore[no-any-return]
 
     def to_json(self) -> str:
         """The document as strict JSON."""
@@ -184,10 +190,12 @@ class Comparison(Result):
 
     def _dataset(self, only: Any = None, **points: Any) -> Any:
         """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
+        from kinetics import __version__
+
         made = self.rows.rename_axis("row").to_xarray()
         units = [OBSERVABLES[name].unit or "1" for name in self.rows["observable"]]
         made["units"] = "row", units, {"long_name": "unit of value, error and theory"}
-        scene = json.dumps(plain(dict(self.parameters)), allow_nan=False)
+        scene = json.dumps(self.to_dict()["parameters"])
         about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
         return made.assign_attrs(**about, scene=scene, version=__version__)
 
@@ -197,15 +205,17 @@ class Comparison(Result):
         """
         if name is None:
             return super().plot(None, ax)
-        figures = [figure.replace("-", "_") for figure in self.figures]
-        if str(name).replace("-", "_") not in figures:
-            known = ", ".join(figures) or "no figures"
+        from kinetics.crosscheck.compare.page import draw
+
+        wanted = str(name).replace("_", "-")
+        if wanted not in self.figures:
+            known = ", ".join(self.figures) or "no figures"
             raise InputError(f"name: got {short(name)}; this comparison has {known}")
         if ax is None:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots(layout="constrained")
-        draw(self, name, ax)
+        draw(self, wanted, ax)
         return ax
 
     def plot_all(self, **points: Any) -> Any:
@@ -217,17 +227,19 @@ class Comparison(Result):
 
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        def made(item: Any, kind: Any = dict) -> Any:
-            found = {k: Verdict(v) if k == "verdict" else v for k, v in item.items()}
-            return kind(**{k: tuple(v) if isinstance(v, list) else v for k, v in found.items()})
+        def made(kind: Any, item: Mapping[str, Any]) -> Any:
+            lists = {k: tuple(v) for k, v in item.items() if isinstance(v, list)}
+            verdicts = {k: Verdict(item[k]) for k in ("verdict",) if k in item}
+            return kind(**{**item, **lists, **verdicts})
 
-        found = made(json.loads(parts["document"]))
-        del found["schema"], found["title"]
-        kinds = {"rows": Row, "tests": ComparisonTest, "explanations": Explanation}
-        found |= {name: tuple(made(x, kind) for x in found[name]) for name, kind in kinds.items()}
+        found = json.loads(parts["document"])
+        found |= found.pop("data") | {"numbers": found.pop("rows")}
+        kinds = {"numbers": Row, "tests": ComparisonTest, "explanations": Explanation}
+        found |= {name: [made(kind, x) for x in found[name]] for name, kind in kinds.items()}
         found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
-        found["covariance"] = tuple(map(tuple, found["covariance"]))
-        return cls(numbers=found.pop("rows"), **made(found.pop("data")), **found)
+        found["covariance"] = [tuple(row) for row in found["covariance"]]
+        del found["schema"], found["title"]
+        return made(cls, found)  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         """The verdict first, and the tests of averages."""
@@ -235,75 +247,3 @@ class Comparison(Result):
         shown = [t for t in self.tests if t.time is None]
         words = "  {0.observable}: {0.chi_square:.4g}/{0.dof}, p = {0.p_value:.2g}, {0.verdict}"
         return "\n".join([*lines, *map(words.format, shown)])
-
-
-# -- the figures, drawn from the rows: data beside theory, and all deviations ----------------------
-def figures_of(result: Any) -> list[str]:
-    """Each observable, "sigmas", and "confidence", the region of e and l, if both were fitted."""
-    rows = result.rows[result.rows["time"] > 0]
-    bins = rows[rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)]
-    seen = {*rows[rows["low"].isna()]["observable"], *bins["observable"]}
-    found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
-    found += ["sigmas"] if len(rows[rows["low"].isna()]) else []
-    both = np.shape(result.covariance) == (2, 2) and result.parameters["restitution"].value
-    return found + (["confidence"] if both else [])
-
-
-def draw(result: Any, figure: str, ax: Any) -> None:
-    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
-    name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
-    bars = {"fmt": "o", "ms": 4, "lw": 1}
-    labels, log = ["time $t$ / (d/U)", ""], [True, False]
-    if name == "confidence":
-        title, log = "Restitution and mean free path together", [False, False]
-        labels = ["restitution $e$", "mean free path $l$ / d"]
-        e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
-        angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
-        x, y = root @ np.stack([np.cos(angle), np.sin(angle)])
-        for share, radius in _REGIONS.items():
-            ax.plot(e + radius * x, path * np.exp(radius * y), label=share)
-        ax.plot(e, path, "ko", ms=4, label="fitted")
-    elif name == "sigmas":
-        title, labels[1] = "Differences in standard errors", "difference / standard error"
-        ax.axhline(0.0, color="gray", lw=0.8)
-        averages = rows[rows["low"].isna()].dropna(subset="sigmas")
-        for one, mine in averages.groupby("observable", sort=False):
-            ax.errorbar(mine["time"], mine["sigmas"], 1.0, label=OBSERVABLES[one].symbol, **bars)
-    else:
-        seen, mine = OBSERVABLES[name], rows[rows["observable"] == name]
-        title, unit = seen.title, f" / {seen.unit}" if seen.unit else ""
-        labels[1] = seen.symbol + unit
-        if seen.measured is None:
-            labels, log = [seen.symbol + unit, f"density / (1/{seen.unit})"], [True, True]
-            bins = mine[(mine["low"] > 0) & mine["high"].notna() & (mine["value"] > 0)]
-            for k, (at, body) in enumerate(bins.groupby("time")):
-                middle, colour = np.sqrt(body["low"] * body["high"]), f"C{k}"
-                ax.plot(middle, body["theory"], color=colour)
-                mark = {"color": colour, "label": f"t = {at:.4g}", **bars}
-                ax.errorbar(middle, body["value"], body["error"], **mark)
-        else:
-            both = mine[["value", "theory"]].to_numpy()
-            log[1] = bool(both.min() > 0 and both.max() > _DECADES * both.min())
-            ax.plot(mine["time"], mine["theory"], label="kinetic equation")
-            shown = {"color": "black", "label": "data", **bars}
-            ax.errorbar(mine["time"], mine["value"], mine["error"], **shown)
-    ax.set(xlabel=labels[0], ylabel=labels[1])
-    for side, is_log in zip("xy", log, strict=True):
-        if is_log:
-            ax.set(**{f"{side}scale": "log"})
-    ax.set_title(title, fontsize="medium")
-    ax.legend(fontsize="small", frameon=False)
-
-
-def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
-    """Figures in two columns as one picture, in a format of matplotlib's."""
-    from matplotlib.figure import Figure
-
-    wide = min(2, len(names))
-    high = -(-len(names) // wide)
-    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
-    for k, name in enumerate(names, 1):
-        draw(result, name, figure.add_subplot(high, wide, k))
-    dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
-    figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
-    return buffer.getvalue()
