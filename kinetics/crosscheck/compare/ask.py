@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetics import validation
 from kinetics.crosscheck.compare.answer import answered
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit, media_of
 from kinetics.crosscheck.compare.judge import with_spread
@@ -19,19 +20,12 @@ from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.statistics import errors, hotelling
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
 from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
+from kinetics.crosscheck.data.sample import X2, Sample, StartBins, from_ensemble
 from kinetics.crosscheck.words import numeral
 from kinetics.driven.restitution import impact_restitution
 from kinetics.driven.system import checked_drives
 from kinetics.errors import InputError
-from kinetics.validation import (
-    check_mass_ratio,
-    check_positive,
-    check_restitution,
-    one_of,
-    real_number,
-    refuse,
-)
+from kinetics.validation import one_of, real_number, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
 SCATTERERS = ("dilute", "hard disks", "overlapping")
@@ -89,7 +83,7 @@ def compare_data(
             bin_times=bin_times, with_field=field != 0, type=type,
         )  # fmt: skip
         if number_density is not None:  # checked once more below, as it is then
-            number_density = check_positive("number_density", number_density)
+            number_density = validation.check_positive("number_density", number_density)
             number_density *= diameter**sample.law.dimension
     elif isinstance(data, Sample):
         sample = data
@@ -110,7 +104,7 @@ def compare_data(
     drives = {"bath_speed": bath_speed, "heating": heating, "drag": drag}
     drives = checked_drives(**drives, capture_speed=capture_speed)
     if mass_ratio != math.inf:
-        drives["mass_ratio"] = check_mass_ratio(mass_ratio)
+        drives["mass_ratio"] = validation.check_mass_ratio(mass_ratio)
     changed: Any = {name: x for name, x in drives.items() if x}
     law = replace(law, varies=impact is not None, **changed)
     initial = told.get("initial", "auto") if initial == "auto" else initial
@@ -120,9 +114,9 @@ def compare_data(
     elif number_density is None:
         number_density = told.get("number_density")
     if restitution is not None:
-        restitution = check_restitution(restitution) if impact is None else impact
+        restitution = validation.check_restitution(restitution) if impact is None else impact
     if number_density is not None:
-        path = law.free_path(check_positive("number_density", number_density))
+        path = law.free_path(validation.check_positive("number_density", number_density))
     dense = one_of("scatterers", scatterers, ("auto", *SCATTERERS)) in SCATTERERS[1:]
     if dense and not law.smooth_disks:
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
@@ -198,7 +192,11 @@ def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
         return sample, start
     squares, counts = start.bins
     unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
-    changed = sample.rescaled(unit, 1.0)
+    changed = replace(
+        sample, times=sample.times * unit, speed_scale=sample.speed_scale / unit,
+        start=StartBins(squares / unit**2, counts),
+        flights=tuple(one._replace(time=one.time * unit) for one in sample.flights),
+    )  # fmt: skip
     if abs(math.log(unit)) < 0.2 or _start(changed, initial) != "gaussian":
         return sample, start
     words = f"U is taken as {numeral(unit, '.4g')} of the data's unit of speed: with it the speeds "

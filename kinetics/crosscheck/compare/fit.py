@@ -15,13 +15,7 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, whitening
-from kinetics.crosscheck.compare.theory import (
-    Expectation,
-    Point,
-    own_covariance,
-    stabilised,
-    steadied,
-)
+from kinetics.crosscheck.compare.theory import Expectation, Point
 from kinetics.crosscheck.data.sample import Sample
 
 Array = NDArray[np.float64]
@@ -48,7 +42,8 @@ class Fit:
     theory (n_names, n_times); known (p_all, p_all): the covariance of its own error, None for 0;
     at (k,): the parameters, or the logarithms of positive ones, with their covariance;
     slope (p_all, k): d(theory)/d(at); influence (k, p) on them of the fitted averages, whose
-    indices are `fitted` (p,). chi_square: of all averages; widening: ln(det(C + M)/det C) of it.
+    indices are `fitted` (p,). shaped, replicates (G, ...): the difference of data and theory as
+    `Expectation.stabilised`. chi_square: of all averages; widening: ln(det(C + M)/det C) of it.
     """
 
     point: Point
@@ -60,6 +55,8 @@ class Fit:
     slope: Array
     influence: Array
     fitted: Indices
+    shaped: Array
+    replicates: Array
     chi_square: ChiSquare | None = None
     widening: float = 0.0
 
@@ -132,7 +129,7 @@ def fit(
 
     def weights(at: Array) -> Array | None:
         theory = expectation.theory(point(at))
-        known, size = own_covariance(expectation, point(at), theory), theory.ravel()[chosen]
+        known, size = expectation.own_covariance(point(at), theory), theory.ravel()[chosen]
         with np.errstate(divide="ignore", invalid="ignore"):
             left = np.log(replicates) - np.log(size)
         if not np.all(np.isfinite(left)):
@@ -158,7 +155,7 @@ def fit(
         if (white := weights(best)) is None:
             return None
     at, theory = point(best), expectation.theory(point(best))
-    known = own_covariance(expectation, at, theory)
+    known = expectation.own_covariance(at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
     if white is not None:
@@ -170,9 +167,10 @@ def fit(
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-    made = Fit(at, tuple(free), theory, known, best, spread, slope, influence, chosen)
-    widening, rows = 0.0, steadied(expectation, theory, expectation.replicates - theory)
-    left_of = made.moved(rows).reshape(groups, -1)[:, tested]
+    rows, widening = expectation.steadied(theory), 0.0
+    shaped = expectation.stabilised(theory, expectation.values - theory)
+    made = Fit(at, tuple(free), theory, known, best, spread, slope, influence, chosen, shaped, rows)
+    made = replace(made, replicates=made.moved(rows))
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
         spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
@@ -181,8 +179,8 @@ def fit(
         passed[:, chosen] -= slope[tested] @ influence
         usable = np.any(passed != 0, axis=0)
         known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
-    left = stabilised(expectation.names, theory, expectation.values - theory).ravel()[tested]
-    after = statistics.hotelling(left, left_of, known)
+    left_of = made.replicates.reshape(groups, -1)[:, tested]
+    after = statistics.hotelling(shaped.ravel()[tested], left_of, known)
     return replace(made, chi_square=after, widening=widening)
 
 

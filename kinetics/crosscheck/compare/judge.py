@@ -10,20 +10,11 @@ from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.result import ComparisonTest, Row
 from kinetics.crosscheck.compare.statistics import ChiSquare
-from kinetics.crosscheck.compare.theory import (
-    DISPLACEMENT,
-    OBSERVABLES,
-    SPEED,
-    Expectation,
-    bin_shares,
-    rtol_of,
-    solved,
-    stabilised,
-    steadied,
-)
+from kinetics.crosscheck.compare.theory import DISPLACEMENT, OBSERVABLES, SPEED, Expectation
 from kinetics.crosscheck.data.sample import EDGES
 from kinetics.crosscheck.words import Verdict, corrected_sigmas, gaussian_sigmas, judge_sigmas
 from kinetics.errors import InputError
+from kinetics.numerics.gauss import panels_between
 from kinetics.solution import Solution
 from kinetics.status import SolverStatus
 
@@ -73,26 +64,24 @@ class Both:
         if self.sample.groups < 2:
             raise InputError("data: fewer than two groups; there are no standard errors")
         self.difference = expectation.values - self.theory
-        replicates = expectation.replicates - self.theory
-        error = statistics.errors(found.moved(replicates))
-        self._shaped = stabilised(self.names, self.theory, self.difference)
-        self._replicates = found.moved(steadied(expectation, self.theory, replicates))
+        error = statistics.errors(found.moved(expectation.replicates - self.theory))
         early = np.isin(self.names, () if self.point.own_start else _AT_ZERO)[:, None]
         self.compared = np.isfinite(self.difference) & (early | (self.sample.times > 0))
         self.usable = self.compared & with_spread(error, expectation.values, self.theory)
         own = 0.0 if found.known is None else np.diagonal(found.known).reshape(error.shape)
-        spread = statistics.errors(self._replicates)
+        spread = statistics.errors(found.replicates)
         with np.errstate(divide="ignore", invalid="ignore"):
-            self.sigmas = self._shaped / np.sqrt(spread**2 + own)
+            self.sigmas = found.shaped / np.sqrt(spread**2 + own)
         self.error = np.sqrt(error**2 + own)
-        self.effective = statistics.effective_groups(self._replicates)
+        self.effective = statistics.effective_groups(found.replicates)
         self.histograms = [*self._histograms()] if densities else []
 
     def flat(self, chosen: Indices) -> tuple[Array, Array, Array | None]:
         """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
-        replicates = self._replicates.reshape(self.sample.groups, -1)
-        known = None if self.found.known is None else self.found.known[np.ix_(chosen, chosen)]
-        return self._shaped.ravel()[chosen], replicates[:, chosen], known
+        found = self.found
+        known = None if found.known is None else found.known[np.ix_(chosen, chosen)]
+        replicates = found.replicates.reshape(self.sample.groups, -1)[:, chosen]
+        return found.shaped.ravel()[chosen], replicates, known
 
     def _histograms(self) -> Iterator[Histogram]:
         """Of the speeds, and of displacements at late times from a named start."""
@@ -101,12 +90,12 @@ class Both:
         if not sample.law.smooth_disks or point.scatterers != "dilute" or not later.size:
             return
         times = later[statistics.spread_out(later.size, 6)]  # each takes the solver some 0.1 s
-        found = {SPEED: solved(point, sample.law, times, (SPEED,), 1e-6)}
+        found = {SPEED: self.expectation.solved(point, times, (SPEED,), 1e-6)}
         # before three l/U sharp fronts take the solver long, and few tracers have collided; from
         # hundreds of single speeds it would take long
         late = times[times > 3 * point.path][-3:]
         if late.size and not point.own_start:
-            known = solved(point, sample.law, late, (DISPLACEMENT,), 1e-4)
+            known = self.expectation.solved(point, late, (DISPLACEMENT,), 1e-4)
             if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
                 found[DISPLACEMENT] = known
         for name, solution in found.items():
@@ -158,6 +147,24 @@ def with_spread(error: Array, *values: Array) -> NDArray[np.bool_]:
         return np.asarray((error > NO_SPREAD * size) & np.isfinite(error))
 
 
+def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array:
+    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,)."""
+    every = np.concatenate([[0.0], edges])
+    if name == DISPLACEMENT:
+        shares = solution.position_fraction(every)[index]
+        return np.append(shares, max(1 - shares.sum(), 0.0))
+    pieces = 1 if solution.scene.state.smooth else 120  # of the finest nodes in ln v
+    fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
+    x, weight = panels_between(fine, 3)
+    each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)
+    shares = np.maximum(each, 0.0).reshape(-1, pieces).sum(axis=1)
+    peak = float(solution.uncollided[index])
+    if peak > 0:  # tracers of a start with one speed that have not collided
+        speed = float(getattr(solution.scene.state, "speed", 1.0))
+        shares[min(np.searchsorted(every, speed, side="right"), shares.size) - 1] += peak
+    return np.append(shares, max(1 - shares.sum(), 0.0))
+
+
 def _merged(expected: Array, samples: int, most: int, edges: Array, peak: float | None) -> Indices:
     """The first fine bin of each bin, from the counts expected in the fine bins."""
     widest = max(samples * MOST_IN_A_BIN, samples / most * 2, LEAST_EXPECTED)
@@ -193,7 +200,7 @@ def rows_of(both: Both) -> Iterator[Row]:
                 # One tracer is always like itself, and falls before its first collision as others.
                 told = sample.groups >= 3 and not ((law.field or law.is_driven) and time > 0)
                 # within ten times the tolerance that the solver is given
-                bound = 10 * rtol_of(law) * max(abs(value), abs(theory), 1e-300)
+                bound = 10 * law.rtol * max(abs(value), abs(theory), 1e-300)
                 same = Verdict.AGREES if abs(value - theory) <= bound else Verdict.DIFFERS
                 verdict, error = same if told else Verdict.UNDEFINED, 0.0
             yield Row(name, time, value, error, theory, sigmas, verdict, corrected, count)

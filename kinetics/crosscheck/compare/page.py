@@ -18,11 +18,11 @@ def cells_of(result: Comparison) -> tuple[list[list[str]], list[list[str]]]:
     """The chi-squares, and the rows, a line each below the heads."""
     tests = [["chi-square", "t [d/U]", "value", "dof", "p", "sigmas", "better than", "verdict"]]
     for t in result.tests:
-        shown = t.within is not None and t.verdict is Verdict.AGREES
+        within = "" if t.within is None else f"{numeral(100 * t.within, '.2g')} %"
         tests.append([
             t.observable, "all" if t.time is None else numeral(t.time, ".4g"),
             numeral(t.chi_square, ".4g"), str(t.dof), numeral(t.p_value, ".2g"),
-            numeral(t.sigmas, ".1f"), numeral(100 * t.within, ".2g") + " %" if shown else "",
+            numeral(t.sigmas, ".1f"), within if t.verdict is Verdict.AGREES else "",
             str(t.verdict),
         ])  # fmt: skip
     rows = [["observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict"]]

@@ -178,7 +178,7 @@ class Comparison(Result):
         data = {name: parts.pop(name) for name in ("names", "samples", "groups", "grouping")}
         rows = parts.pop("numbers")
         made = {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
-        return plain(made)  # type: ignore[no-any-return]
+        return plain(made)
 
     def to_json(self) -> str:
         """The document as strict JSON."""
@@ -239,7 +239,7 @@ class Comparison(Result):
         found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
         found["covariance"] = [tuple(row) for row in found["covariance"]]
         del found["schema"], found["title"]
-        return made(cls, found)  # type: ignore[no-any-return]
+        return made(cls, found)
 
     def __repr__(self) -> str:
         """The verdict first, and the tests of averages."""

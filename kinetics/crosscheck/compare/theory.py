@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from kinetics.crosscheck.compare.statistics import effective_groups, errors
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
-from kinetics.numerics.gauss import panels_between
 from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.solver import solve
@@ -20,9 +19,6 @@ from kinetics.states.state import State
 
 Array = NDArray[np.float64]
 
-# asked of the solver for averages: far below any standard error; where tracers are driven, or in a
-# field, it takes longer
-RTOL, FIELD_RTOL = 1e-7, 1e-5
 SPEED, DISPLACEMENT = "speed_density", "position_density"
 
 
@@ -81,11 +77,6 @@ def averages_of(law: Law) -> tuple[str, ...]:
     return tuple(k for k, x in rows if x.measured and x.where in where and k not in left_out)
 
 
-def rtol_of(law: Law) -> float:
-    """The relative tolerance asked of the solver for averages."""
-    return FIELD_RTOL if law.field or law.is_driven else RTOL
-
-
 @dataclass(frozen=True, eq=False)
 class SampledStart(State):
     """The speeds of a sample at time 0, as it has them: isotropic."""
@@ -138,20 +129,17 @@ class Point(NamedTuple):
         return named.get(self.start, str(self.start))
 
 
-def solved(
-    point: Point, law: Law, times: Array, names: Sequence[str], rtol: float = 0.0
-) -> Solution:
-    """The solution that has these observables; rtol 0 is that of averages."""
-    scene = Scene(
-        restitution=point.restitution, number_density=law.free_path(point.path),
-        initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
-        tangential_restitution=law.tangential_restitution, dimension=law.dimension,
-        mass_ratio=law.mass_ratio, **law.drives,
-        outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
-    )  # fmt: skip
-    with warnings.catch_warnings():  # those who ask look at the status
-        warnings.simplefilter("ignore", ToleranceWarning)
-        return solve(scene, rtol=rtol or rtol_of(law))
+_MODEL_GROUPS = 10  # what the model of an error in `Expectation.steadied` is as good as
+_POWERS = {"thermal_speed": 0, "msd": 0, "a2": -3, "kurtosis": -3}
+# Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
+# 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
+# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density.py),
+# rounded up. Twice for v0 before and for a2 after, whose deviations have one sign.
+_OWN_ERROR: Mapping[str, tuple[float, float]] = {
+    "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
+}  # fmt: skip
+_LATE = 30.0  # in l/U
+_REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
 
 
 class Expectation:
@@ -172,6 +160,22 @@ class Expectation:
                 for means in [np.moveaxis(sums / sums[..., N, None], -1, 0)]
             )
 
+    def solved(
+        self, point: Point, times: Array, names: Sequence[str], rtol: float = 0.0
+    ) -> Solution:
+        """The solution that has these observables; rtol 0 is that of averages."""
+        law = self.sample.law
+        scene = Scene(
+            restitution=point.restitution, number_density=law.free_path(point.path),
+            initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
+            tangential_restitution=law.tangential_restitution, dimension=law.dimension,
+            mass_ratio=law.mass_ratio, **law.drives,
+            outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
+        )  # fmt: skip
+        with warnings.catch_warnings():  # those who ask look at the status
+            warnings.simplefilter("ignore", ToleranceWarning)
+            return solve(scene, rtol=rtol or law.rtol)
+
     def theory(self, point: Point) -> Array:
         """Theory (n_names, n_times)."""
         # units of length, noise and tracers at rest change no motion: these are solved once
@@ -179,8 +183,7 @@ class Expectation:
         key = (*point[:2], id(point.start), point.scatterers, clock, point.time_offset)
         if key not in self._solved:
             late = np.where(times > 0, point.time_offset, 0.0)
-            law, moved = self.sample.law, np.maximum(times * clock + late, 0.0)
-            solution = solved(point, law, moved, self.names)
+            solution = self.solved(point, np.maximum(times * clock + late, 0.0), self.names)
             rows: Any = [(name, OBSERVABLES[name]) for name in self.names]
             self._solved[key] = np.stack([
                 np.asarray(getattr(solution, row.output or name))[(..., *row.component)]
@@ -212,96 +215,60 @@ class Expectation:
                 changed[at] = np.where(moved > 0, quartic / (ratio * still**2) - one, values[at])
         return changed
 
-
-_MODEL_GROUPS = 10  # what the model of an error in `steadied` is as good as
-_POWERS = {"thermal_speed": 0, "msd": 0, "a2": -3, "kurtosis": -3}
-
-
-def stabilised(names: Sequence[str], theory: Array, difference: Array) -> Array:
-    """Differences (..., n_names, n_times) as those of a function whose error does not depend on its
-    value, over its slope at the theory: ln x of second moments, as in the fit, and x^-3 of the
-    kurtosis and of 1 + a2, whose errors grow like x^4 and more from sample to sample.
-    """
-    found = difference.copy()
-    for k, name in enumerate(names):
-        if name in _POWERS:
-            x, power = theory[k] + (name == "a2"), _POWERS[name]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                logs = np.log1p(difference[..., k, :] / x)
-                moved = x * (np.expm1(power * logs) / power if power else logs)
-            # a replicate in which all is at rest has none of these: it stays
-            found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
-    return found
-
-
-def steadied(expectation: Expectation, theory: Array, replicates: Array) -> Array:
-    """Replicates (G, n_names, n_times) of differences, as `stabilised`, where the error of the
-    kurtosis is a mean of theirs and of that of independent tracers, a Gaussian of random width
-    (gamma-distributed, so that it has the theory's kurtosis) in each component.
-
-    Of 500 tracers few make <r^8>, and most samples miss them: three in four errors are too small.
-    The model is good to 20 % (0.98 to 1.28 of the error that 400 samples have), as if from ten
-    groups; the mean is by groups, of the data effective ones (Smyth, Stat. Appl. Genet. Mol. Biol.
-    3, 3 (2004)).
-    """
-    found, sample = stabilised(expectation.names, theory, replicates), expectation.sample
-    if "kurtosis" not in expectation.names:
+    def stabilised(self, theory: Array, difference: Array) -> Array:
+        """Differences (..., n_names, n_times) as those of a function whose error does not depend on
+        its value, over its slope at the theory: ln x of second moments, as in the fit, and x^-3 of
+        the kurtosis and of 1 + a2, whose errors grow like x^4 and more from sample to sample.
+        """
+        found = difference.copy()
+        for k, name in enumerate(self.names):
+            if name in _POWERS:
+                x, power = theory[k] + (name == "a2"), _POWERS[name]
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    logs = np.log1p(difference[..., k, :] / x)
+                    moved = x * (np.expm1(power * logs) / power if power else logs)
+                # a replicate in which all is at rest has none of these: it stays
+                found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
         return found
-    k, d = expectation.names.index("kurtosis"), sample.law.dimension
-    x, wider = theory[k], theory[k] / sample.law.gaussian - 1
-    sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
-    eighth = sixth * (d + 6) / d * (1 + 3 * wider)
-    variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
-    own, mine = errors(found[:, k]), effective_groups(found[:, k])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.sqrt(variance / sample.samples) / own
-        factor = np.sqrt((mine + _MODEL_GROUPS * ratio**2) / (mine + _MODEL_GROUPS))
-    middle = found[:, k].mean(axis=0)
-    factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
-    found[:, k] = middle + factor * (found[:, k] - middle)
-    return found
 
+    def steadied(self, theory: Array) -> Array:
+        """The replicates of differences, as `stabilised`, where the error of the kurtosis is a mean
+        of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
+        so that it has the theory's kurtosis) in each component.
 
-def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array:
-    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,)."""
-    every = np.concatenate([[0.0], edges])
-    if name == DISPLACEMENT:
-        shares = solution.position_fraction(every)[index]
-        return np.append(shares, max(1 - shares.sum(), 0.0))
-    pieces = 1 if solution.scene.state.smooth else 120  # of the finest nodes in ln v
-    fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
-    x, weight = panels_between(fine, 3)
-    each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)
-    shares = np.maximum(each, 0.0).reshape(-1, pieces).sum(axis=1)
-    peak = float(solution.uncollided[index])
-    if peak > 0:  # tracers of a start with one speed that have not collided
-        speed = float(getattr(solution.scene.state, "speed", 1.0))
-        shares[min(np.searchsorted(every, speed, side="right"), shares.size) - 1] += peak
-    return np.append(shares, max(1 - shares.sum(), 0.0))
+        Of 500 tracers few make <r^8>, and most samples miss them: three in four errors are too
+        small. The model is good to 20 % (0.98 to 1.28 of the error that 400 samples have), as if
+        from ten groups; the mean is by groups, of the data effective ones (Smyth, Stat. Appl.
+        Genet. Mol. Biol. 3, 3 (2004)).
+        """
+        found = self.stabilised(theory, self.replicates - theory)
+        if "kurtosis" not in self.names:
+            return found
+        k, d = self.names.index("kurtosis"), self.sample.law.dimension
+        x, wider = theory[k], theory[k] / self.sample.law.gaussian - 1
+        sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
+        eighth = sixth * (d + 6) / d * (1 + 3 * wider)
+        variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
+        own, mine = errors(found[:, k]), effective_groups(found[:, k])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.sqrt(variance / self.sample.samples) / own
+            factor = np.sqrt((mine + _MODEL_GROUPS * ratio**2) / (mine + _MODEL_GROUPS))
+        middle = found[:, k].mean(axis=0)
+        factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
+        found[:, k] = middle + factor * (found[:, k] - middle)
+        return found
 
-
-# Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
-# 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
-# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density.py),
-# rounded up. Twice for v0 before and for a2 after, whose deviations have one sign.
-_OWN_ERROR: Mapping[str, tuple[float, float]] = {
-    "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
-}  # fmt: skip
-_LATE = 30.0  # in l/U
-_REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
-
-
-def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Array | None:
-    """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages, which
-    are independent for different names. None for dilute scatterers.
-    """
-    if point.scatterers == "dilute":
-        return None
-    times, names = expectation.sample.times, expectation.names
-    late = times >= _LATE * point.path
-    share = np.array([np.where(late, *_OWN_ERROR[name][::-1]) for name in names])
-    size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
-    error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
-    logs = np.log(np.where(times > 0, times, 1.0))
-    correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
-    return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))
+    def own_covariance(self, point: Point, theory: Array) -> Array | None:
+        """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages, which
+        are independent for different names. None for dilute scatterers.
+        """
+        if point.scatterers == "dilute":
+            return None
+        times, names = self.sample.times, self.names
+        late = times >= _LATE * point.path
+        share = np.array([np.where(late, *_OWN_ERROR[name][::-1]) for name in names])
+        size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
+        error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
+        logs = np.log(np.where(times > 0, times, 1.0))
+        correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
+        return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))

@@ -89,21 +89,21 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
         def blank(row: Any) -> str:
             return "skip" if row.text.strip()[:1] in ("", "#") else "error"
 
-        parse, why = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank), ""
-        for label in (pa.int64(), pa.string()):
-            kinds = {x: label if n in tracks.LABELS else pa.float64() for n, x in found.items()}
-            told = {"column_types": kinds, "include_columns": list(kinds), "null_values": []}
-            file.seek(start)
-            try:
-                batches, convert = [], arrow.ConvertOptions(**told)
-                for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
-                    batches.append(batch)
-                    require_memory(where, float(batch.nbytes * len(batches)))
-                table = pa.Table.from_batches(batches)
-                return tracks.rows_of(where, {x: table.column(x).to_numpy() for x in kinds}, asked)
-            except pa.ArrowInvalid as error:
-                why = " ".join(str(error).split())
-    bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
+        parse = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank)
+        kinds = {x: pa.float64() for name, x in found.items() if name not in tracks.LABELS}
+        told = {"column_types": kinds, "include_columns": list(found.values()), "null_values": []}
+        file.seek(start)
+        try:
+            batches, convert = [], arrow.ConvertOptions(**told)
+            for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
+                batches.append(batch)
+                require_memory(where, float(batch.nbytes * len(batches)))
+            table = pa.Table.from_batches(batches)
+        except pa.ArrowInvalid as error:
+            why = " ".join(str(error).split())
+            bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
+    columns = {x: table.column(x).to_numpy() for x in found.values()}
+    return tracks.rows_of(where, columns, asked)
 
 
 def _parquet(path: Path, where: str, asked: Asked) -> Read:
@@ -243,8 +243,9 @@ class _Lines:
     def number(self, text: str, whole: bool = True) -> Any:
         """The finite number that a text is, or the whole one, not negative; or InputError."""
         with suppress(ValueError):
-            if np.isfinite(value := float(text)) and (text.strip().isdecimal() or not whole):
-                return int(value) if whole else value
+            value = int(text) if whole and text.strip().isdecimal() else float(text)
+            if np.isfinite(value) and whole == isinstance(value, int):
+                return value
         bad(self.where, short(text.strip()), "a whole number" if whole else "a finite number")
 
     def table(self, count: int, names: list[str], wanted: Sequence[str]) -> dict[str, Any]:
@@ -272,60 +273,43 @@ class _Lines:
 def _lammps(path: Path, where: str, asked: Asked) -> Read:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
     frames, head, lines = list[Any](), dict[str, Any](), _Lines(path, where)
+    axes, kind = AXES[: asked.dimension or 2], [] if asked.type is None else ["type"]
     for line in lines:
-        item, *rest = line.removeprefix("ITEM: ").split()
+        item, *names = line.removeprefix("ITEM: ").split()
         if not line.startswith("ITEM: "):
             bad(lines.where, short(line), "a line `ITEM: ...` of a LAMMPS text dump")
-        if item == "TIMESTEP":
-            head = {"step": lines.number(lines.next())}
-        elif item == "TIME":
-            head["time"] = lines.number(lines.next(), whole=False)
-        elif item == "NUMBER":
-            head["count"] = lines.number(lines.next())
+        if item in ("TIMESTEP", "TIME", "NUMBER"):
+            head[item] = lines.number(lines.next(), whole=item != "TIME")
         elif item == "UNITS":
             lines.next()
         elif item == "BOX":
             edges = [lines.next().split() for _ in range(3)]
             if any(len(edge) != 2 for edge in edges):
                 bad(lines.where, "a slanted box", "rectangular, with two bounds a line")
-            low, high = np.array(edges, float).T
-            head |= {"low": low, "length": high - low, "periodic": rest[1:]}
+            head["sides"] = np.diff(np.array(edges, float))[:, 0]
+            head["periodic"] = [a for a, b in zip("xyz", names[1:], strict=False) if b == "pp"]
         elif item == "ATOMS":
-            time = asked.times_of(where, head.get("time"), head.get("step"))
-            frame = _lammps_frame(lines, rest, head, asked)
-            frames.append(frame | {"time": np.full(head["count"], time)})
+            wrapped = [a for a in axes if a in names and f"{a}u" not in names]
+            flags = {a: f"i{a}" for a in wrapped if f"i{a}" in names}
+            if {*wrapped} & {*head.get("periodic", ())} - {*flags}:
+                must = "unwrapped, or with image flags ix, iy"
+                bad(f"{lines.where}: positions", "those in a periodic box", must)
+            speeds = [v for v in SPEEDS if v in names or v[1] in axes]
+            places = [a if a in wrapped else f"{a}u" for a in axes]
+            wanted = ["id", *speeds, *places, *flags.values(), *kind]
+            table = lines.table(head["NUMBER"], names, wanted)
+            time = asked.times_of(where, head.get("TIME"), head.get("TIMESTEP"))
+            frame = {name: table[name] for name in (*speeds, *kind)} | {"tracer": table["id"]}
+            frame["time"] = np.full(head["NUMBER"], time)
+            for axis, place, side in zip(axes, places, head.get("sides", AXES), strict=False):
+                frame[axis] = table[place]
+                if axis in flags:
+                    frame[axis] = frame[axis] + side * table[flags[axis]]
+            frames.append(frame)
             head = {}
     if head:
         bad(where, "a last frame without atoms", "whole frames")
     return tracks.rows_of_frames(where, frames, asked)
-
-
-def _lammps_frame(
-    lines: _Lines, names: list[str], head: Mapping[str, Any], asked: Asked
-) -> dict[str, Any]:
-    """The columns of one frame."""
-    axes = AXES[: asked.dimension or 2]
-    kinds = {a: [f"{a}{kind}" for kind in ("u", "su", "", "s")] for a in axes}
-    used = {a: next((x for x in every if x in names), every[0]) for a, every in kinds.items()}
-    flags = [f"i{a}" for a, x in used.items() if f"i{a}" in names and "u" not in x]
-    speeds = [v for v in SPEEDS if v in names or v[1] in axes]
-    kind = [] if asked.type is None else ["element" if "type" not in names else "type"]
-    if "length" not in head and (flags or any("s" in name for name in used.values())):
-        bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
-    for (axis, name), side in zip(used.items(), head.get("periodic", ()), strict=False):
-        if side == "pp" and "u" not in name and f"i{axis}" not in flags:
-            must = "unwrapped, or with image flags ix, iy"
-            bad(f"{lines.where}: positions", "those in a periodic box", must)
-    table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
-    out = {v: table[v] for v in speeds} | {"tracer": table["id"]}
-    out |= {"type": table[kind[0]]} if kind else {}
-    for k, (axis, name) in enumerate(used.items()):
-        out[axis] = table[name]
-        if "s" in name:  # in units of the box
-            out[axis] = out[axis] * head["length"][k] + head["low"][k]
-        if f"i{axis}" in flags:
-            out[axis] = out[axis] + table[f"i{axis}"] * head["length"][k]
-    return out
 
 
 _PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')

@@ -40,18 +40,9 @@ def bad(where: str, got: Any, must: str) -> NoReturn:
 
 @dataclass(frozen=True)
 class Asked:
-    """What the user says about data; InputError for what is not allowed.
+    """What the user says about data, as `compare` has it; InputError for what is not allowed.
 
-    positions : "displacement": x, y are relative to the place at time 0; "absolute": they are
-        places, with a column `tracer` and rows at time 0; "auto": as the rows at time 0 say
-    speed_unit, diameter : U and d in the data's units; "data": U from <v^2> at time 0
-    time_unit : d/U in the data's unit of time; None: diameter/speed_unit
-    columns : names of columns in the files by ours, {"time": "t_sim"} or "time=t_sim"
-    timestep : the time of one step, for formats whose frames give steps
-    dimension : 2 or 3; None: that of an Ensemble, or 2
-    bin_times : times that differ by less than this fraction are one time, at their mean
     with_field : whether the data were in a field, where speeds rise
-    type : of the particles that are compared, where a file has several
     """
 
     positions: str = "auto"
@@ -247,12 +238,16 @@ def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) 
     times, place, velocity = (np.asarray(one) for one in (times, place, velocity))
     shape = (*place.shape, 0, 0)[:2]
     labels = {"tracer": np.arange(shape[1])} | {k: np.asarray(a) for k, a in labels.items()}
-    fit = velocity.shape[:2] == shape and velocity.ndim == place.ndim == 3
-    fit &= all(one.shape in (shape, shape[1:]) for one in labels.values())
-    if times.shape != shape[:1] or not fit or max(place.shape[2], velocity.shape[2]) > 3:
-        of_labels = ", ".join(f"{k} {a.shape}" for k, a in labels.items())
-        got = f"{times.shape}, {place.shape}, {velocity.shape} and {of_labels}"
-        bad(f"{where}: shapes", got, "(T,), (T, n, d), (T, n, d) and (n,) for each label")
+    shapes = [times.shape, place.shape, velocity.shape, *(a.shape for a in labels.values())]
+    right = [
+        times.shape == shape[:1],
+        place.ndim == velocity.ndim == 3,
+        velocity.shape[:2] == shape,
+    ]
+    right += [found in (shape, shape[1:]) for found in shapes[3:]]
+    if not all(right):
+        must = "(T,), (T, n, d), (T, n, d) and (n,) for each label"
+        bad(f"{where}: shapes", ", ".join(map(str, shapes)), must)
     found = {"time": np.repeat(times, shape[1])}
     for names, vectors in ((AXES, place), (SPEEDS, velocity)):
         found |= dict(zip(names, vectors.reshape(-1, vectors.shape[2]).T, strict=False))
