@@ -1,4 +1,4 @@
-"""The command `lorentz compare`. What it needs is imported when it runs: --help stays quick."""
+"""The commands `lorentz compare` and `lorentz fit`; what they need is imported when they run."""
 
 from pathlib import Path
 from typing import Any
@@ -34,11 +34,9 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--tangential-restitution", type=float,
         help="Coefficient of tangential restitution, 0 to 1. [default: an Ensemble's own, or 1]")
 @option("--number-density", type=float,
-        help="Scatterers per area (volume), in the data's unit of length. [default: an Ensemble's "
-        "own, or fitted]")
+        help="Scatterers per area (volume), in the data's unit of length. [default: as of -e]")
 @option("--dimension", type=click.IntRange(2, 3),
-        help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's own, "
-        "or 2]")
+        help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's, 2]")
 @option("--field", type=float, default=0.0,
         help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.")
 @options.mass_option
@@ -52,9 +50,8 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
         help="Dilute: the kinetic equation; else it is corrected for their density. auto: as an "
         "Ensemble says, or the likeliest for the data.")
 @option("--positions", type=Choice(["auto", "displacement", "absolute"]), default="auto",
-        help="x and y are relative to the tracer's place at time 0, or absolute; auto: absolute if "
-        "they are not 0 at time 0. Absolute ones need the column tracer, and must not be wrapped "
-        "unless the file has the box and short steps.")
+        help="x and y are relative to the tracer's place at time 0, or absolute, not wrapped, with "
+        "the column tracer; auto: absolute if they are not 0 at time 0.")
 @option("--speed-unit", default="1", metavar="NUMBER|data", callback=_speed_unit,
         help="U in the data's unit of speed; data: from the speeds at time 0.")
 @option("--diameter", "--length-unit", "diameter", type=float, default=1.0,
@@ -76,10 +73,7 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
         help="End with exit status 1 where data and equation differ (unclear: also where a "
         "difference is possible).")
 @json_option
-def compare(
-    data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...], fail_on: str | None,
-    as_json: bool, viscoelastic: float | None, **told: Any,
-) -> int:
+def compare(viscoelastic: float | None, fail_on: str | None, **told: Any) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
     Restitution, density and start are found in the data where they are not given. Prints, for each
@@ -90,16 +84,12 @@ def compare(
     # fmt: on
     from kinetics.crosscheck.compare.ask import compare_data
 
-    restitution = told["restitution"]
-    told["restitution"] = options.impact_law(viscoelastic, "kinetics", restitution)
-    result = _done(compare_data, data, output, figures, as_json, told)
+    law = options.impact_law(viscoelastic, "kinetics", told["restitution"])
+    result = _done(compare_data, **told | {"restitution": law})
     return int(fail_on is not None and result.verdict in {"differs", fail_on})
 
 
-def _fit(
-    data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...], as_json: bool,
-    **told: Any,
-) -> None:  # fmt: skip
+def _fit(**told: Any) -> None:
     """Find restitution and density of the scatterers in particle data, from any code.
 
     Prints both with their errors, the medium that was taken and why, and how well its theory fits;
@@ -107,13 +97,13 @@ def _fit(
     """
     from kinetics.crosscheck.compare.ask import fit_data
 
-    _done(fit_data, data, output, figures, as_json, told)
+    _done(fit_data, **told)
 
 
-_TOLD = (
+_TOLD = {
     "restitution", "number_density", "field", "fail_on", "viscoelastic", "mass_ratio",
     *options.DRIVES,
-)  # fmt: skip
+}  # fmt: skip
 fit = click.Command(
     "fit", callback=_fit, help=_fit.__doc__, short_help="Find e and the density.",
     epilog=options.example("lorentz fit data.csv -o fitted.html", COLUMNS),
@@ -123,16 +113,15 @@ fit = click.Command(
 
 def _done(
     work: Any, data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...],
-    as_json: bool, told: dict[str, Any],
+    as_json: bool, **told: Any,
 ) -> Any:  # fmt: skip
     """Compare, write what is asked for, and print."""
+    from kinetics.crosscheck.compare.page import drawn, render, tables
+    from kinetics.crosscheck.files import require_file, write_together
     from kinetics.errors import InputError
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
-    from kinetics.crosscheck.compare.page import drawn, render, tables
-    from kinetics.crosscheck.files import require_file, write_together
-
     for path in () if output is None else (output, output.with_suffix(".json")):
         require_file("output", path)  # before anything is read
         if any(path.resolve() == other.resolve() for other in data):
@@ -143,10 +132,9 @@ def _done(
     if output is not None:
         numbers = output.with_suffix(".json").name
         contents = {numbers: result.to_json(), output.name: render(result, numbers)}
-        contents |= {
-            f"{output.stem}-{name}.{kind}": drawn(result, [name], kind)
-            for kind in figures for name in result.figures
-        }  # fmt: skip
+        for kind in figures:
+            for name in result.figures:
+                contents[f"{output.stem}-{name}.{kind}"] = drawn(result, [name], kind)
         written = write_together(output.parent, contents)
         text += "" if as_json else f"wrote {', '.join(map(str, written))}\n"
     click.echo(text, nl=False)
