@@ -19,10 +19,6 @@ initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-u
 Several files are several runs of the same system. Data are only read."""
 
 
-def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -> float | str:
-    return text if text == "data" else float(click.FLOAT(text, parameter, context))
-
-
 # fmt: off
 @click.command(
     epilog=options.example("lorentz compare data.csv -e 0.7 -o compared.html", COLUMNS),
@@ -52,16 +48,13 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--positions", type=Choice(["auto", "displacement", "absolute"]), default="auto",
         help="x and y are relative to the tracer's place at time 0, or absolute, not wrapped, with "
         "the column tracer; auto: absolute if they are not 0 at time 0.")
-@option("--speed-unit", default="1", metavar="NUMBER|data", callback=_speed_unit,
-        help="U in the data's unit of speed; data: from the speeds at time 0.")
+@option("--speed-unit", type=float, default=1.0, help="U in the data's unit of speed.")
 @option("--diameter", "--length-unit", "diameter", type=float, default=1.0,
         help="Diameter d in the data's unit of length.")
 @option("--time-unit", type=float,
         help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]")
 @option("--timestep", type=float,
         help="Time of one step, where a file gives steps and no times (dumps).")
-@option("--bin-times", type=float, metavar="FRACTION",
-        help="Times that differ by less than this fraction are one time, at their mean.")
 @option("--columns", default="", metavar="NAME=THEIRS,...",
         help="Names of columns in the files, as in time=t_sim,tracer=id.")
 @option("--type", help="Particles of this type (species) alone, where a file has several.")

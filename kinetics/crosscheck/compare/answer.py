@@ -120,7 +120,7 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds twice as large as
     at a named start cannot be, nor half as large while most tracers have not collided.
     """
-    law, flights, unit = sample.law, sample.flights, sample.units.get("time", (1.0, ""))
+    law, flights, unit = sample.law, sample.flights, sample.units.get("time", 1.0)
     if law.field or law.is_driven:
         return None
     if flights and abs(math.log(flights[0].ratio)) > 0.005:
@@ -130,9 +130,9 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
         true = [one.time * one.ratio for one in flights]
         slope = abs(np.diff(true)[0] / (flights[1].time - at)) if len(true) > 1 else math.inf
         if abs(math.log(slope)) < 0.005:
-            value = (at - true[0]) * unit[0]
-            headline = f"{straight} at t = {numeral(at, '.4g')}, as if the clock were "
-            headline += f"{numeral(value, '.4g')} {unit[1] or 'd/U'} ahead"
+            value = (at - true[0]) * unit
+            headline = f"{straight} at t = {numeral(at, '.4g')} d/U, as if the clock were "
+            headline += f"{numeral(value, '.4g')} ahead"
             return _found("time offset", headline, f"; shift the times. {_NO_OTHER}", value)
         headline = f"{straight}, as if times were {numeral(value, '.5g')} times too long"
         return _found("time unit", headline, _PUT_RIGHT, value, at)
@@ -140,7 +140,7 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
         return None
     most = np.sqrt(law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)
-    ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
+    ratio = float(np.sqrt(total[V2] / total[N]) / most)
     early = any(one.share > 0.5 and one.time <= sample.times[:2].max() for one in flights)
     if 0.5 <= ratio <= 2.0 or (ratio < 0.5 and not early):
         return None

@@ -34,13 +34,13 @@ SCATTERERS = ("dilute", "hard disks", "overlapping")
 def compare_data(
     data: str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Sample | Any,
     restitution: Any = None, number_density: float | None = None, initial: str = "auto",
-    positions: str = "auto", speed_unit: float | str = 1.0, diameter: float = 1.0,
+    positions: str = "auto", speed_unit: float = 1.0, diameter: float = 1.0,
     explain: bool = True, time_unit: float | None = None,
     columns: Mapping[str, str] | str | None = None, timestep: float | None = None,
     tangential_restitution: float | None = None, dimension: int | None = None,
-    bin_times: float | None = None, field: float = 0.0, type: str | int | None = None,
-    scatterers: str = "auto", fitted: bool = False, bath_speed: float = 0.0, heating: float = 0.0,
-    drag: float = 0.0, capture_speed: float = 0.0, mass_ratio: float = math.inf,
+    field: float = 0.0, type: str | int | None = None, scatterers: str = "auto",
+    fitted: bool = False, bath_speed: float = 0.0, heating: float = 0.0, drag: float = 0.0,
+    capture_speed: float = 0.0, mass_ratio: float = math.inf,
 ) -> Comparison:  # fmt: skip
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
@@ -55,8 +55,8 @@ def compare_data(
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none. In a field "rest"
-    positions, speed_unit, diameter, time_unit, columns, timestep, dimension, bin_times, type : of
-        files and of columns in memory, as the options of that command
+    positions, speed_unit, diameter, time_unit, columns, timestep, dimension, type : of files and
+        of columns in memory, as the options of that command
     tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
         runs in space, averages are compared and densities are not
     field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
@@ -80,7 +80,7 @@ def compare_data(
         sample = read_sample(
             sources, positions=positions, speed_unit=speed_unit, diameter=diameter,
             time_unit=time_unit, columns=columns, timestep=timestep, dimension=dimension,
-            bin_times=bin_times, with_field=field != 0, type=type,
+            with_field=field != 0, type=type,
         )  # fmt: skip
         if number_density is not None:  # checked once more below, as it is then
             number_density = validation.check_positive("number_density", number_density)
@@ -192,10 +192,12 @@ def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
         return sample, start
     squares, counts = start.bins
     unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
+    flights = tuple(one._replace(time=one.time * unit) for one in sample.flights)
+    power = np.array([0, 2, 4, 0, 0])  # no field: its start must have a name
     changed = replace(
-        sample, times=sample.times * unit, speed_scale=sample.speed_scale / unit,
-        start=StartBins(squares / unit**2, counts),
-        flights=tuple(one._replace(time=one.time * unit) for one in sample.flights),
+        sample, times=sample.times * unit, start=StartBins(squares / unit**2, counts),
+        speeds=sample.speeds and (sample.speeds[0] / unit, sample.speeds[1]), flights=flights,
+        sums=sample.sums / unit**power, units={"speed": unit, "time": 1 / unit},
     )  # fmt: skip
     if abs(math.log(unit)) < 0.2 or _start(changed, initial) != "gaussian":
         return sample, start

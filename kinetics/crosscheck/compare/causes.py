@@ -178,8 +178,8 @@ def _words(
         text = f"noise of {number(size, width)} {cause.unit} in each component of the {cause.title}"
         return f"{text[0].upper()}{text[1:]}.", text, size, width
     told = float(getattr(both.point, cause.free))
-    unit, own = both.sample.units.get(cause.kind, (1.0, ""))
-    name = f" {own}" if own else cause.unit
+    unit = both.sample.units.get(cause.kind, 1.0)  # in the data's own
+    name = cause.unit if unit == 1.0 else ""
     text = f"{cause.symbol} = {number(value * unit, error * unit)}{name} in place of "
     text += f"{numeral(told * unit, '.5g')}{name}"
     return f"Another {cause.title}: {text} fits best.", text, value * unit, error * unit

@@ -111,8 +111,7 @@ class Both:
             return None
         time = float(solution.times[at])
         index = int(np.argmin(np.abs(sample.times - time)))
-        fine = (sample.speed_scale if speed else sample.length_scale)[index] * EDGES
-        by_group = counted[:, index].astype(float)
+        fine, by_group = counted[0][index] * EDGES, counted[1][:, index].astype(float)
         samples, shares = int(by_group.sum()), bin_shares(solution, name, at, fine)
         shares, behind = shares / shares.sum(), len(by_group)
         independent = sample.grouping != "medium" or sample.free

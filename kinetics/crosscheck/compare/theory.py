@@ -25,7 +25,7 @@ SPEED, DISPLACEMENT = "speed_density", "position_density"
 class Observable(NamedTuple):
     """How an observable is written (title, symbol, unit, in a text), and what it is made of.
 
-    measured : of the means m over tracers, the scales u and d, and the law; None for a density
+    measured : of the means m over tracers and the law; None for a density
     where : it is compared, in a "field", "free" or "both"
     output, component : of a Solution; the output has the observable's name, if not told
     """
@@ -34,7 +34,7 @@ class Observable(NamedTuple):
     symbol: str
     unit: str
     short: str
-    measured: Callable[[Any, Any, Any, Law], Any] | None = None
+    measured: Callable[[Any, Law], Any] | None = None
     where: str = "free"
     output: str = ""
     component: tuple[int, ...] = ()
@@ -42,22 +42,22 @@ class Observable(NamedTuple):
 
 OBSERVABLES = {name: Observable(*words) for name, *words in (
     ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
-     lambda m, u, d, law: u * m[VX], "field", "mean_velocity", (0,)),
+     lambda m, law: m[VX], "field", "mean_velocity", (0,)),
     ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
-     lambda m, u, d, law: u * np.sqrt(m[V2]), "both"),
+     lambda m, law: np.sqrt(m[V2]), "both"),
     ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
-     lambda m, u, d, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1),
+     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1),
     ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
-     lambda m, u, d, law: d**2 * m[R2]),
+     lambda m, law: m[R2]),
     ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
-     "⟨r⁴⟩/⟨r²⟩²", lambda m, u, d, law: m[R4] / m[R2] ** 2),
+     "⟨r⁴⟩/⟨r²⟩²", lambda m, law: m[R4] / m[R2] ** 2),
     ("mean_displacement", "Mean displacement along the field", r"$\langle x\rangle$", "d", "⟨x⟩",
-     lambda m, u, d, law: d * m[X], "field", "", (0,)),
+     lambda m, law: m[X], "field", "", (0,)),
     ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "var x",
-     lambda m, u, d, law: d**2 * (m[X2] - m[X] ** 2), "field", "displacement_tensor", (0, 0)),
+     lambda m, law: m[X2] - m[X] ** 2, "field", "displacement_tensor", (0, 0)),
     ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "var y",
      # across the field the mean is 0
-     lambda m, u, d, law: d**2 * (m[R2] - m[X2]) / (law.dimension - 1), "field",
+     lambda m, law: (m[R2] - m[X2]) / (law.dimension - 1), "field",
      "displacement_tensor", (1, 1)),
     (SPEED, "Speed density", "speed $v$", "U", "mean over a bin"),
     (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
@@ -151,11 +151,10 @@ class Expectation:
         self.sample, self.names = sample, tuple(names)
         self._solved: dict[Any, Array] = {}
         total = sample.sums.sum(axis=0)
-        scales = sample.speed_scale, sample.length_scale, sample.law
         made: Any = [OBSERVABLES[name].measured for name in names]
         with np.errstate(invalid="ignore", divide="ignore"):
             self.values, self.replicates = (
-                np.stack([measured(means, *scales) for measured in made], axis=-2)
+                np.stack([measured(means, sample.law) for measured in made], axis=-2)
                 for sums in (total, total - sample.sums)
                 for means in [np.moveaxis(sums / sums[..., N, None], -1, 0)]
             )

@@ -141,10 +141,8 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
             return read_ensemble(path)
         if _own(file, "h5md") and (particles := _own(file, "particles")):
             return _h5md(where, particles, asked)
-        plain = {name: one for name in file if (one := _own(file, name, "Dataset"))}
-        names = {f"{n} [{u}]" if (u := _unit_of(one)) else n: n for n, one in plain.items()}
-        chosen = _chosen(where, list(names), asked)
-        return _arrays(where, {k: _dataset(where, file, names[k])[()] for k in chosen}, asked)
+        chosen = _chosen(where, [name for name in file if _own(file, name, "Dataset")], asked)
+        return _arrays(where, {k: _dataset(where, file, k)[()] for k in chosen}, asked)
 
 
 def _own(parent: Any, name: str, kind: str = "Group") -> Any:
@@ -166,11 +164,6 @@ def _dataset(where: str, parent: Any, name: str) -> Any:
     return found
 
 
-def _unit_of(dataset: Any) -> str:
-    unit = dataset.attrs.get("unit", dataset.attrs.get("units", ""))
-    return unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
-
-
 def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     """The only group of particles with positions, unwrapped by `image` where it stands, and
     velocities (nongnu.org/h5md); this package also writes `medium`, each tracer's configuration.
@@ -185,9 +178,6 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     times, others = (_times(where, group[name], len(place), asked) for name in both)
     if not np.array_equal(times, others):
         bad(where, "positions and velocities at different times", "at the same times")
-    units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
-    if "time" in group["position"]:
-        units["time"] = _unit_of(group["position"]["time"])
     r, box, side = np.asarray(place, float), _own(group, "box"), np.zeros(1)
     if box and "edges" in box:  # rectangular, and always the same
         edges = np.atleast_2d(np.asarray(_dataset(where, box, "edges"), float))
@@ -202,7 +192,7 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
     frame = tracks.in_frames(where, times, r, np.asarray(velocity, float), **labels)
-    return tracks.rows_of_frames(where, [frame], asked, units)
+    return tracks.rows_of_frames(where, [frame], asked)
 
 
 def _times(where: str, element: Any, count: int, asked: Asked) -> Any:

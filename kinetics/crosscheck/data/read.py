@@ -1,6 +1,5 @@
 """Files and tables as one sample: which units, how positions are meant, what makes a group."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +13,6 @@ from kinetics.crosscheck.data.sample import Law, Sample, reduced, size_of
 from kinetics.crosscheck.data.tracks import Asked, Rows, Tracks, bad, dense, name_of
 from kinetics.crosscheck.words import numeral
 
-OWN = {"length": ("d",), "speed": ("u",), "time": ("d/u", "d u-1", "u-1 d")}  # of this package
 LARGEST = 1e70  # of speeds and displacements: their fourth powers are doubles
 
 
@@ -40,58 +38,26 @@ def read_sample(sources: Sequence[Path | Mapping[str, Any]], **told: Any) -> Sam
         parts.append(part)
     names = [name.rsplit("/", 1)[-1] for name in names]
     where = ", ".join(names)
-    tracks, units, warnings = _in_own_units(dense(parts, names, asked), where, asked)
+    tracks = _in_own_units(dense(parts, names, asked), where, asked)
     tracks, place = _displacements(tracks, where, asked)
     sample, groups = _grouped(tracks, tuple(names), asked)
-    if asked.bin_times:
-        warnings.append(
-            f"Times within {asked.bin_times:.3g} of each other are one time, at their mean: "
-            f"{tracks.times.size} times. Whether units belong together is not tested."
-        )
-        # tracers of one flight share |r|/(|v| t) only at their own times
-        sample = replace(sample, flights=())
-    law, said = Law(dimension=asked.dimension or 2), (*place, *groups, *warnings)
-    return replace(sample, law=law, units=units, warnings=said)
+    law, told = Law(dimension=asked.dimension or 2), asked.units
+    units = {} if {*told.values()} == {1.0} else told
+    return replace(sample, law=law, units=units, warnings=(*place, *groups))
 
 
-def _in_own_units(
-    tracks: Tracks, where: str, asked: Asked
-) -> tuple[Tracks, dict[str, tuple[float, str]], list[str]]:
-    """In d, U and d/U; these in the data's units; and what is to be said of them."""
-    unit, d, units, warnings = asked.speed_unit, asked.diameter, tracks.units, list[str]()
-    if isinstance(unit, str):
-        with np.errstate(over="ignore"):
-            square = size_of(tracks.velocity[0]) ** 2
-        moving = square[square > 0]
-        unit = float(np.sqrt(moving.sum() / max(moving.size, 1) / tracks.velocity.shape[2]))
-        if tracks.times[0] != 0 or not 0.0 < unit < np.inf:
-            bad("speed_unit", "'data'", "a number where no tracer moves at time 0")
-        warnings.append(f"U is {unit:.6g} of the data's unit, from <v²> at time 0.")
-    plain = {kind: one.strip().lower() for kind, one in units.items()}
-    own = all(one in OWN[kind] for kind, one in plain.items())
-    said = ", ".join(f"{kind}s in {one}" for kind, one in units.items())
-    parts = re.findall(r"[^\W\d]+", plain.get("speed", ""))
-    mixed = len(plain) == 3 and len(parts) == 2 and parts != [plain["length"], plain["time"]]
-    if mixed and asked.time_unit is None:  # mm, m/s and s
-        bad(where, said, "units that belong together, or say --time-unit")
-    time = d / unit if asked.time_unit is None else asked.time_unit
-    sizes = {"speed": unit, "length": d, "time": time}
-    if units and not (own and d == unit == 1.0):
-        shown = ", ".join(f"{k} {numeral(x, '.6g')}" for k, x in sizes.items())
-        warnings.append(
-            f"The file states {said}. Taken were, in these units, U, d and d/U as {shown}; other "
-            "values are given by --length-unit, --speed-unit and --time-unit."
-        )
-    scaled = units or any(size != 1.0 for size in sizes.values())
-    if any(size != 1.0 for size in sizes.values()):
-        place, velocity = tracks.place / d, tracks.velocity / unit
-        tracks = replace(tracks, place=place, velocity=velocity, times=tracks.times / time)
+def _in_own_units(tracks: Tracks, where: str, asked: Asked) -> Tracks:
+    """Tracks in d, U and d/U."""
+    units = asked.units
+    if {*units.values()} != {1.0}:
+        place, velocity = tracks.place / units["length"], tracks.velocity / units["speed"]
+        times = tracks.times / units["time"]
+        tracks = replace(tracks, place=place, velocity=velocity, times=times)
     far, fast = (np.nanmax(np.abs(one), initial=0.0) for one in (tracks.place, tracks.velocity))
     if max(far, fast) > LARGEST:
         got = f"speeds of {fast:.3g} U and displacements of {far:.3g} d"
         bad(where, got, f"below {LARGEST:g}; give --speed-unit and --diameter")
-    known = {k: (size, units.get(k, "")) for k, size in sizes.items()} if scaled else {}
-    return tracks, known, warnings
+    return tracks
 
 
 def _displacements(tracks: Tracks, where: str, asked: Asked) -> tuple[Tracks, list[str]]:

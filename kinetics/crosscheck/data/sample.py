@@ -28,9 +28,8 @@ N, V2, V4, R2, R4, VX, X, X2 = range(8)
 # groups at most: primes, so that labels with a regular pattern spread over all of them; a standard
 # error from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-# bins of speeds and displacements, 12 in an octave, from a thousandth of the scale to 64 times it
+# bins of speeds and displacements, 12 in an octave, from a thousandth of their scale to 64 times it
 EDGES = 2.0 ** (np.arange(-120, 73) / 12)
-_START = -30, 64, 64 * 40  # bins of the start: log2 of the lowest edge, in an octave, number
 
 
 class Flights(NamedTuple):
@@ -82,7 +81,7 @@ class Law:
     @property
     def rtol(self) -> float:
         """Asked of the solver for averages: far below any standard error."""
-        return 1e-5 if self.field or self.is_driven else 1e-7  # which it takes longer for
+        return 1e-5 if self.field or self.is_driven else 1e-7
 
     @property
     def smooth_disks(self) -> bool:
@@ -101,38 +100,35 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
+    """Sums over groups of tracers; lengths in d, speeds in U, times (n_times,) in d/U, rising.
 
     names : where the data came from
-    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
-        field, with v_x, x, x^2
-    times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
-    speeds, displacements : counts in bins between EDGES in units of the scales, and outside, of
-        groups that are not those of the sums, (n, n_times, n_bins + 2); start: None where unknown
+    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; (.., 8) in a field, with v_x, x, x^2
+    at_rest : (n_times,), how many have speed zero
     grouping : what a group is made of: "medium", "tracer" or "row"
+    speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
+        outside, of groups that are not those of the sums, (n, n_times, n_bins + 2)
     flights : tracers that have flown straight, of the two times at which most of them have
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
-    units : "speed", "length" and "time": U, d and d/U in the data's unit, and its name
+    units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
     """
 
     names: tuple[str, ...]
     times: Array
     sums: Array
-    speed_scale: Array
-    length_scale: Array
     at_rest: Counts
     grouping: str
-    speeds: Counts | None = None
-    displacements: Counts | None = None
+    speeds: tuple[Array, Counts] | None = None
+    displacements: tuple[Array, Counts] | None = None
     start: StartBins | None = None
     law: Law = Law()
     flights: tuple[Flights, ...] = ()
     free: bool = False
     warnings: tuple[str, ...] = ()
     told: dict[str, Any] = field(default_factory=dict)
-    units: dict[str, tuple[float, str]] = field(default_factory=dict)
+    units: dict[str, float] = field(default_factory=dict)
 
     @property
     def groups(self) -> int:
@@ -159,31 +155,38 @@ def reduced(
     for k, time in enumerate(tracks.times):
         there = np.isfinite(tracks.velocity[k, :, 0])
         place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
-        sizes = size_of(velocity), size_of(place)
-        flights.append(straight_flights(time, sizes[1], sizes[0]))
-        scales[:, k] = [_scale(size) for size in sizes]
-        v, r = (size / scale for size, scale in zip(sizes, scales[:, k], strict=True))
+        v, r = size_of(velocity), size_of(place)
+        flights.append(straight_flights(time, r, v))
         powers = [None, v**2, (v**2) ** 2, r**2, (r**2) ** 2]
         if with_field:
-            x = place[:, 0] / scales[1, k]
-            powers += [velocity[:, 0] / scales[0, k], x, x**2]
+            powers += [velocity[:, 0], place[:, 0], place[:, 0] ** 2]
         sums[:, k] = np.transpose([np.bincount(mine, power, MOST_GROUPS) for power in powers])
-        for out, values in zip(counts, (v, r), strict=True):
-            cells = mine % HISTOGRAM_GROUPS * bins + _bins(values, -10, 12, bins - 2)
-            out[:, k] = np.bincount(cells, minlength=out[:, k].size).reshape(out[:, k].shape)
         at_rest[k] = np.count_nonzero(v == 0)
+        for i, size in enumerate((v, r)):
+            with np.errstate(divide="ignore"):
+                logs, mean = np.log2(size), np.log2(np.sum(size**2) / max(size.size, 1))
+            # the root mean square as a power of 2 hardly depends on single tracers
+            octave = max(np.round(mean / 2), -1000.0)
+            scales[i, k] = 2.0**octave
+            bin_of = np.clip(np.floor(12 * (logs - octave + 10)), -1, bins - 2).astype(np.int64) + 1
+            cells = mine % HISTOGRAM_GROUPS * bins + bin_of
+            counts[i, :, k] = np.bincount(cells, minlength=HISTOGRAM_GROUPS * bins).reshape(
+                -1, bins
+            )
         if time == 0:
-            place = _bins(v, *_START)
-            filled, total = np.bincount(place), np.bincount(place, v * v)
-            moving = total > 0
-            squares = total[moving] / filled[moving] * np.square(scales[0, k])
-            start = StartBins(squares, filled[moving])
+            v = v[v > 0]
+            _, code, filled = np.unique(
+                np.floor(64 * np.log2(v)), return_inverse=True, return_counts=True
+            )
+            start = StartBins(np.bincount(code, v * v) / filled, filled)
     used = sums[..., N].sum(axis=1) > 0
-    speeds, displacements = (one[one.any(axis=(1, 2))] for one in counts)
     seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
+    speeds, displacements = (
+        (scale, one[one.any(axis=(1, 2))]) for scale, one in zip(scales, counts, strict=True)
+    )
     return Sample(
-        names, tracks.times, sums[used], scales[0], scales[1], at_rest, grouping, speeds,
-        displacements, start, flights=seen,
+        names, tracks.times, sums[used], at_rest, grouping, speeds, displacements, start,
+        flights=seen,
     )  # fmt: skip
 
 
@@ -191,23 +194,6 @@ def size_of(vectors: Any) -> Any:
     """The length of vectors (n, d), also of 1e200."""
     plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
     return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
-
-
-def _scale(size: Any) -> float:
-    """Root mean square as a power of 2, so that it hardly depends on single tracers."""
-    largest = float(size.max(initial=0.0))
-    if largest == 0.0:
-        return 1.0
-    with np.errstate(under="ignore"):
-        found = np.log2(np.mean((size / largest) ** 2)) / 2 + np.log2(largest)
-    return float(2.0 ** np.clip(np.round(found), -1000, 1000))
-
-
-def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
-    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
-    with np.errstate(divide="ignore"):
-        place = np.floor((np.log2(values) - lowest) * per_octave)
-    return np.clip(place, -1, bins).astype(np.int64) + 1
 
 
 def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
@@ -263,7 +249,8 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
         tracks, by = Tracks(times, place, velocity), "tracer" if free else "medium"
         found = reduced(tracks, label, (name,), by, bool(ensemble.field))
     else:  # from the sums that every run keeps: the averages alone
-        sums = np.array(ensemble.moments[:, :, : R4 + 1])
+        unit = 1.0 / plan.scales()
+        sums = ensemble.moments[:, :, : R4 + 1] * np.stack([unit**p for p in (0, 2, 4, 0, 0)], -1)
         if ensemble.field:  # v_x, x and x^2 of the sums of a field
             more = stored["field_sums"]
             half = more.shape[2] // 2
@@ -271,8 +258,7 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
             sums = np.concatenate([sums, more], axis=2)
         if sticks:
             sums[:, :, N] -= ensemble.moments[:, :, CAUGHT]
-        scales = 1.0 / plan.scales(), np.ones(times.size)
-        found = Sample((name,), times, sums, *scales, np.asarray(ensemble.trapped), "medium")
+        found = Sample((name,), times, sums, np.asarray(ensemble.trapped), "medium")
     if found.groups < 2:
         bad(name, "one configuration", "two at least, for standard errors")
     restitution: Any = ensemble.restitution  # the solver's, for the particles' own

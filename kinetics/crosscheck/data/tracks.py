@@ -7,9 +7,9 @@ checked here; `dense` makes `Tracks` of those of all files.
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import pandas as pd
@@ -17,6 +17,7 @@ import pandas as pd
 from kinetics.errors import InputError, short
 from kinetics.validation import one_of, real_number, refuse
 
+Rows = dict[str, Any]  # columns by our names, one row for each tracer at each time
 AXES, SPEEDS = ("x", "y", "z"), ("vx", "vy", "vz")
 LABELS = ("tracer", "medium", "type")  # columns that may be there: numbers or texts
 # other names of columns, in lower case, which are looked for where the first is missing
@@ -30,7 +31,7 @@ ALIASES = {
 }
 MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
 SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
-_UNIT = re.compile(r"(.*\S)(?:\s*\[\s*([^]]*?)\s*\]|\s+\(\s*([^)]*?)\s*\))")
+_UNIT = re.compile(r"\s*\[\s*(.*?)\s*\]$|\s+\(.*\)$")  # behind the name of a column: "t [s]"
 
 
 def bad(where: str, got: Any, must: str) -> NoReturn:
@@ -46,28 +47,31 @@ class Asked:
     """
 
     positions: str = "auto"
-    speed_unit: float | str = 1.0
+    speed_unit: float = 1.0
     diameter: float = 1.0
     time_unit: float | None = None
     columns: Any = None
     timestep: float | None = None
     dimension: int | None = None
-    bin_times: float | None = None
     with_field: bool = False
     type: str | int | None = None
 
     def __post_init__(self) -> None:
         one_of("positions", self.positions, ("auto", "displacement", "absolute"))
-        units = {"speed_unit": "data", "diameter": "", "time_unit": None, "timestep": None}
-        for name, said in units.items():
-            if (value := getattr(self, name)) != said or type(value) is not type(said):
+        for name in ("speed_unit", "diameter", "time_unit", "timestep"):
+            value = getattr(self, name)
+            if value is not None or name in ("speed_unit", "diameter"):
                 # a unit enters as its square and its cube, which must be finite
                 object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):
             refuse("dimension", self.dimension, "it must be 2 or 3")
-        if self.bin_times is not None:
-            real_number("bin_times", self.bin_times, 0.0, 0.2)
         object.__setattr__(self, "columns", _by_our_names(self.columns))
+
+    @property
+    def units(self) -> dict[str, float]:
+        """U, d and d/U in the data's units."""
+        time = self.diameter / self.speed_unit if self.time_unit is None else self.time_unit
+        return {"speed": self.speed_unit, "length": self.diameter, "time": time}
 
     def times_of(self, where: str, time: Any, step: Any) -> Any:
         """The times of frames: as they stand, or their steps times the timestep."""
@@ -97,21 +101,12 @@ def _by_our_names(columns: Any) -> dict[str, str]:
     return found
 
 
-class Rows(NamedTuple):
-    """A row for each tracer at each time: columns by our names, and the units that a file states,
-    by "length", "speed" and "time".
-    """
-
-    columns: dict[str, Any]
-    units: dict[str, str]
-
-
 @dataclass(frozen=True)
 class Tracks:
     """Tracers at common times; NaN where one is missing.
 
     times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) labels, None where unknown;
-    file (n,), its number; units as of `Rows`.
+    file (n,), its number.
     """
 
     times: Any
@@ -120,7 +115,6 @@ class Tracks:
     tracer: Any = None
     medium: Any = None
     file: Any = 0
-    units: Mapping[str, str] = field(default_factory=dict)
 
 
 def name_of(source: Any) -> str:
@@ -143,18 +137,11 @@ def require_memory(where: str, declared: float, stored: float | None = None) -> 
         bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
 
 
-def _split(name: Any) -> tuple[str, str]:
-    """The name of a column in lower case without its unit, and the unit: "t [s]", "t (s)"."""
-    text = str(name).strip(" \t\"'")
-    found = _UNIT.fullmatch(text)
-    return (found[1].lower(), found[2] or found[3] or "") if found else (text.lower(), "")
-
-
 def find_columns(where: str, names: Iterable[Any], asked: Asked) -> dict[str, Any]:
     """The name of each known column by ours; InputError where one is missing or stands twice."""
     names = list(names)
     plain = [str(name).strip(" \t\"'").lower() for name in names]
-    bare, d = [_split(name)[0] for name in names], asked.dimension or 2
+    bare, d = [_UNIT.sub("", one) for one in plain], asked.dimension or 2
     needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
     found: dict[str, int] = {}
     for ours, others in ALIASES.items():
@@ -202,24 +189,16 @@ def rows_of(where: str, columns: Mapping[Any, Any], asked: Asked) -> Rows:
         c = {name: values[chosen] for name, values in c.items()}
     if asked.dimension != 3 and np.any(c.pop("vz", 0)):
         bad(where, "velocities with z components", "none, or say dimension 3")
-    return Rows(c, stated(where, {ours: _split(name)[1] for ours, name in found.items()}))
+    x, v, t = ("".join(_UNIT.findall(str(found[name]))) for name in ("x", "vx", "time"))
+    parts = re.findall(r"[^\W\d]+", v)
+    if x and t and len(parts) == 2 and parts != [x, t] and asked.time_unit is None:
+        got = f"lengths in {x}, speeds in {v}, times in {t}"
+        bad(where, got, "units that belong together, or say --time-unit")
+    return c
 
 
-def stated(where: str, units: Mapping[str, str]) -> dict[str, str]:
-    """Units by "length", "speed" and "time" from those of columns; InputError if x and y differ."""
-    found: dict[str, str] = {}
-    for name, unit in units.items():
-        kind = "length" if name in AXES else "speed" if name in SPEEDS else name
-        if unit and kind not in LABELS and found.setdefault(kind, unit) != unit:
-            bad(where, f"{kind}s in {found[kind]} and in {short(unit)}", "one unit")
-    return found
-
-
-def rows_of_frames(
-    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked,
-    units: Mapping[str, str] | None = None,
-) -> Rows:  # fmt: skip
-    """The rows of frames, each with columns by our names; units of x, vx and time."""
+def rows_of_frames(where: str, frames: Sequence[Mapping[str, Any]], asked: Asked) -> Rows:
+    """The rows of frames, each with columns by our names."""
     if not frames:
         bad(where, "no frames", "a file of this format")
     names = [name for name in frames[0] if all(name in frame for frame in frames)]
@@ -227,7 +206,7 @@ def rows_of_frames(
     # tracers without any number have ended
     here = ~np.all([np.isnan(c[name]) for name in (*AXES, *SPEEDS) if name in c], axis=0)
     c = c if np.all(here) else {name: values[here] for name, values in c.items()}
-    return Rows(rows_of(where, c, replace(asked, columns=None)).columns, stated(where, units or {}))
+    return rows_of(where, c, replace(asked, columns=None))
 
 
 def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
@@ -258,18 +237,16 @@ def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
     """The tracers of all files side by side, at the times of any of them; or InputError."""
     where, first = ", ".join(names), parts[0]
     for name, part in zip(names, parts, strict=True):
-        for label in {*LABELS} & (part.columns.keys() ^ first.columns.keys()):
+        for label in {*LABELS} & (part.keys() ^ first.keys()):
             bad(name, f"another column {label} than before", "in all files or in none")
-        if part.units != first.units:
-            bad(name, "units that differ from those of other files", "the same units")
-    c: dict[str, Any] = first.columns
+    c = first
     if len(parts) > 1:
-        c = {name: np.concatenate([part.columns[name] for part in parts]) for name in c}
-    index, times = _binned(where, c["time"], asked)
+        c = {name: np.concatenate([part[name] for part in parts]) for name in c}
+    index, times = _binned(where, c["time"])
     keys = [name for name in ("tracer", "medium") if name in c]
     labels: dict[str, Any] = {name: c[name] for name in keys}
     if len(parts) > 1:
-        sizes = [part.columns["time"].size for part in parts]
+        sizes = [part["time"].size for part in parts]
         labels["file"] = np.repeat(np.arange(len(parts)), sizes)
     if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
         rows = pd.DataFrame({"time": index, **labels})
@@ -296,22 +273,15 @@ def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
     one[number] = np.arange(number.size)  # a row of each tracer
     place, velocity = (spread_out([a for a in names if a in c]) for names in (AXES, SPEEDS))
     of_each = {name: values[one] for name, values in labels.items() if name != "rank"}
-    return Tracks(times, place, velocity, **of_each, units=first.units)
+    return Tracks(times, place, velocity, **of_each)
 
 
-def _binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
-    """The index of each row's time among the different ones, and these, at their means."""
-    within = max(SAME_TIME, asked.bin_times or 0.0)
+def _binned(where: str, time: Any) -> tuple[Any, Any]:
+    """The index of each row's time among the different ones, and these."""
     found, different = pd.factorize(time, sort=True)
     if different[0] < 0:
         bad(f"{where}: time", f"{different[0]:g}", "not negative")
-    firsts = [different[0]]
-    while different[-1] - firsts[-1] > within * different[-1]:
-        if len(firsts) == MOST_TIMES:
-            few = f"at most {MOST_TIMES}, the same for every tracer, or say --bin-times"
-            bad(f"{where}: time", f"more than {MOST_TIMES} different times", few)
-        # the first that is not so near: t - first > within * t rises with t
-        firsts.append(different[np.argmax(different - firsts[-1] > within * different)])
-    times = np.array(firsts)
-    at = np.searchsorted(times[:-1] / 2 + times[1:] / 2, different)[found]
-    return at, times if within <= SAME_TIME else np.bincount(at, time) / np.bincount(at)
+    new = np.append(True, np.diff(different) > SAME_TIME * different[1:])
+    if (count := np.count_nonzero(new)) > MOST_TIMES:
+        bad(where, f"{count} different times", f"at most {MOST_TIMES}, the same for every tracer")
+    return (np.cumsum(new) - 1)[found], different[new]

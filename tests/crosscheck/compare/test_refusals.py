@@ -75,7 +75,6 @@ ARGUMENTS: dict[str, tuple[dict[str, Any], str]] = {
     "speed unit": ({"speed_unit": "U"}, "speed_unit: got 'U'"),
     "time unit": ({"time_unit": 0.0}, "time_unit: got 0"),
     "dimension": ({"dimension": 4}, "dimension: got 4"),
-    "bins": ({"bin_times": 0.5}, "bin_times: got 0.5"),
     "field": ({"field": -1.0}, "field: got -1"),
     "heating alone": ({"heating": 1.0, "restitution": None}, "heating: restitution and"),
     "columns": ({"columns": "x"}, "columns: got 'x'"),
@@ -109,7 +108,7 @@ def test_columns_may_be_told_as_a_text_or_a_dictionary(run: Run) -> None:
         ({"vx": np.full(8000, np.inf)}, "vx = inf"),
         ({"vx": np.full(8000, 1e200)}, "speeds of"),
         ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, "every speed at time 0 is zero"),
-        ({"t": np.linspace(0, 1, 8000)}, "more than 400 different times"),
+        ({"t": np.linspace(0, 1, 8000)}, "8000 different times"),
         ({"medium": None, "id": None}, "a column tracer"),
     ],
 )

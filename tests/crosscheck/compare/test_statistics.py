@@ -26,7 +26,7 @@ def left_out(data: Any) -> Any:
 def expectation(sums: Any) -> Expectation:
     """Of sums at one time, (n_groups, 1, 5)."""
     ones = np.ones(1)
-    sample = Sample(("made",), ones, sums, ones, ones, np.zeros(1, int), "medium")
+    sample = Sample(("made",), ones, sums, np.zeros(1, int), "medium")
     return Expectation(sample, averages_of(Law()))
 
 
