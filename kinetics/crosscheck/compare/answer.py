@@ -1,8 +1,8 @@
 """The answer: fits become a Comparison, with its verdict, what the data show by themselves, the
 numbers of the theory, and a summary in words.
 
-Units that do not belong together, and particles that never move, come first: then nothing else is
-claimed. Causes that are fitted (`causes`) are looked for where data and theory do not agree.
+Particles that never move come first: then nothing else is claimed. Causes that are fitted
+(`causes`) are looked for where data and theory do not agree.
 """
 
 import math
@@ -23,7 +23,7 @@ from kinetics.crosscheck.compare.result import (
 )
 from kinetics.crosscheck.compare.statistics import AGREES_ABOVE, chance, hotelling
 from kinetics.crosscheck.compare.theory import OBSERVABLES, Expectation, averages_of
-from kinetics.crosscheck.data.sample import V2, N, Sample
+from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
 
 _NO_DENSITIES = (
@@ -31,8 +31,6 @@ _NO_DENSITIES = (
     "compared, with an error of the theory in their covariance, and densities are not."
 )
 _OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
-_NO_OTHER = "No other cause is looked for."
-_PUT_RIGHT = f"; put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
 
 
 def answered(
@@ -46,7 +44,7 @@ def answered(
         rows, tests = tuple(rows_of(both)), tuple(tests_of(both))
         # Rows without spread no test can hold.
         words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-        wrong = wrong_unit(sample, point.start) or never_move(sample)
+        wrong = never_move(sample)
         verdict = Verdict.DIFFERS if wrong else worst_of(words)
         if last or not explain:
             break
@@ -105,47 +103,10 @@ def _explained(
 
 
 # -- what the data show by themselves, without a fit -----------------------------------------------
-def _found(
-    name: str, headline: str, more: str, value: float, time: float | None = None
-) -> Explanation:
-    """What the data show, at a time or at all."""
-    text = headline if time is None else f"at t = {numeral(time, '.4g')}, {headline}"
-    text = f"{text[0].upper()}{text[1:]}{more}"
+def _found(name: str, headline: str, more: str, value: float) -> Explanation:
+    """What the data show."""
+    text = f"{headline[0].upper()}{headline[1:]}{more}"
     return Explanation(name, "found", text, True, value, headline=headline)
-
-
-def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
-    """What is said where units do not belong together; None where they do, or cannot be known.
-
-    Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds twice as large as
-    at a named start cannot be, nor half as large while most tracers have not collided.
-    """
-    law, flights, unit = sample.law, sample.flights, sample.units.get("time", 1.0)
-    if law.field or law.is_driven:
-        return None
-    if flights and abs(math.log(flights[0].ratio)) > 0.005:
-        at, value = flights[0].time, 1 / flights[0].ratio
-        straight = f"tracers that fly straight have r = {numeral(flights[0].ratio, '.5g')} v t"
-        # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
-        true = [one.time * one.ratio for one in flights]
-        slope = abs(np.diff(true)[0] / (flights[1].time - at)) if len(true) > 1 else math.inf
-        if abs(math.log(slope)) < 0.005:
-            value = (at - true[0]) * unit
-            headline = f"{straight} at t = {numeral(at, '.4g')} d/U, as if the clock were "
-            headline += f"{numeral(value, '.4g')} ahead"
-            return _found("time offset", headline, f"; shift the times. {_NO_OTHER}", value)
-        headline = f"{straight}, as if times were {numeral(value, '.5g')} times too long"
-        return _found("time unit", headline, _PUT_RIGHT, value, at)
-    if not isinstance(start, str):
-        return None
-    most = np.sqrt(law.dimension) if start == "gaussian" else 1.0
-    total = sample.sums[:, 0].sum(axis=0)
-    ratio = float(np.sqrt(total[V2] / total[N]) / most)
-    early = any(one.share > 0.5 and one.time <= sample.times[:2].max() for one in flights)
-    if 0.5 <= ratio <= 2.0 or (ratio < 0.5 and not early):
-        return None
-    headline = f"speeds at the first time are {ratio:.4g} times those of the start"
-    return _found("speed unit", headline, _PUT_RIGHT, ratio, sample.times[0])
 
 
 def never_move(sample: Sample) -> Explanation | None:

@@ -50,26 +50,20 @@ def compare_data(
         arrays with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and
         medium, (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
         dimension); a run of `simulate`
-    restitution : 0 to 1, or a function of the impact speed as in a Scene; None: as an Ensemble
-        says, or fitted to the data
+    restitution : 0 to 1, or of the impact speed as in a Scene; None: as a run says, or fitted
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none. In a field "rest"
     positions, speed_unit, diameter, time_unit, columns, timestep, dimension, type : of files and
         of columns in memory, as the options of that command
-    tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
-        runs in space, averages are compared and densities are not
-    field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
-        restitution and number_density are needed, and no cause of a difference is looked for
+    tangential_restitution : None: as a run says, or 1. With another, and in space, averages are
+        compared and densities are not
     explain : test what may explain a difference; False is quicker
-    scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (at their density,
-        see Scene), or "auto": as an Ensemble says, or the likeliest for the data. For others than
-        smooth disks "dilute"
-    fitted : fit restitution and density also where an Ensemble says them
-    bath_speed, heating, drag, capture_speed, mass_ratio : what drives the tracers, as in a Scene,
-        in U and d; as an Ensemble says where they are not given. Restitution and number_density are
-        then needed, v0, a2 and <r^2> (in a field what is compared there) are compared, where
-        tracers stick the velocities of the others, and no cause is looked for
+    scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (see Scene), or
+        "auto": as a run says, or the likeliest for the data. But for smooth disks "dilute"
+    fitted : fit restitution and density also where a run says them
+    field, bath_speed, heating, drag, capture_speed, mass_ratio : as in a Scene, in U and d, or as a
+        run says. Restitution and number_density are then needed, and no cause is looked for
 
     Raises
     ------
@@ -192,11 +186,10 @@ def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
         return sample, start
     squares, counts = start.bins
     unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
-    flights = tuple(one._replace(time=one.time * unit) for one in sample.flights)
     power = np.array([0, 2, 4, 0, 0])  # no field: its start must have a name
     changed = replace(
         sample, times=sample.times * unit, start=StartBins(squares / unit**2, counts),
-        speeds=sample.speeds and (sample.speeds[0] / unit, sample.speeds[1]), flights=flights,
+        speeds=sample.speeds and (sample.speeds[0] / unit, sample.speeds[1]),
         sums=sample.sums / unit**power, units={"speed": unit, "time": 1 / unit},
     )  # fmt: skip
     if abs(math.log(unit)) < 0.2 or _start(changed, initial) != "gaussian":

@@ -43,10 +43,10 @@ class Row(NamedTuple):
 
 
 class ComparisonTest(NamedTuple):
-    """All rows of an observable together (of a density: at one time) by one chi-square.
+    """All rows of an observable (of a density: at one time) by one chi-square.
 
-    `groups` gave the covariance, None where it is known. `verdict` looks at the p-value times the
-    number of tests, as `sigmas`, and, for an average, at the time that differs most. `within` is
+    `groups` gave the covariance, None where it is known. `verdict` looks at `sigmas`, of the
+    p-value times the number of tests, and, for an average, at the time that differs most. `within`:
     the relative difference (of 1 + a2) that the data exclude at every time, at 95 %.
     """
 
@@ -227,19 +227,18 @@ class Comparison(Result):
 
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        def made(kind: Any, item: Mapping[str, Any]) -> Any:
-            lists = {k: tuple(v) for k, v in item.items() if isinstance(v, list)}
-            verdicts = {k: Verdict(item[k]) for k in ("verdict",) if k in item}
-            return kind(**{**item, **lists, **verdicts})
+        def judged(item: dict[str, Any]) -> dict[str, Any]:
+            return item | {"verdict": Verdict(item["verdict"])}
 
-        found = json.loads(parts["document"])
-        found |= found.pop("data") | {"numbers": found.pop("rows")}
-        kinds = {"numbers": Row, "tests": ComparisonTest, "explanations": Explanation}
-        found |= {name: [made(kind, x) for x in found[name]] for name, kind in kinds.items()}
-        found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
+        found = judged(json.loads(parts["document"]))
+        found |= found.pop("data")
+        found["tests"] = [ComparisonTest(**judged(test)) for test in found["tests"]]
+        found["numbers"] = [Row(**judged(row)) for row in found.pop("rows")]
+        found["explanations"] = [Explanation(**item) for item in found["explanations"]]
         found["covariance"] = [tuple(row) for row in found["covariance"]]
+        found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
         del found["schema"], found["title"]
-        return made(cls, found)
+        return cls(**{k: tuple(v) if isinstance(v, list) else v for k, v in found.items()})
 
     def __repr__(self) -> str:
         """The verdict first, and the tests of averages."""

@@ -1,11 +1,9 @@
 """Chi-square where errors are correlated, and known only from the spread of groups.
 
-`d` is a vector of differences between data and theory, `replicates` the same vector with each of
-G independent groups left out in turn. Its covariance C is their jackknife spread; because that is
-an estimate T^2 = d C^-1 d is no chi-square, but T^2 (G - p)/(p (G - 1)) has the F-distribution with
-p and G - p degrees of freedom (Hotelling; Anderson, An Introduction to Multivariate Statistical
-Analysis, 5.2), for groups that are not Gaussian with `effective_groups` as G. What is reported is
-the chi-square that has its p-value. The same tracers at many times are thus counted once.
+Of a vector d of differences the covariance C is the jackknife spread of `replicates`, the same with
+each of G groups left out in turn. T^2 = d C^-1 d is then no chi-square, but T^2 (G - p)/(p (G - 1))
+has the F-distribution with p and G - p degrees of freedom (Hotelling), for groups that are not
+Gaussian with `effective_groups` as G. What is reported is the chi-square that has its p-value.
 """
 
 import math

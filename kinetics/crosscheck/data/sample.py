@@ -32,17 +32,6 @@ MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
 EDGES = 2.0 ** (np.arange(-120, 73) / 12)
 
 
-class Flights(NamedTuple):
-    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that this share of all has.
-
-    It is 1 where units belong together, whatever the scatterers.
-    """
-
-    time: float
-    ratio: float
-    share: float
-
-
 class StartBins(NamedTuple):
     """Speeds at time 0 in fine bins, of those that move: mean v^2 in U^2 and tracers, (n_bins,)."""
 
@@ -108,7 +97,6 @@ class Sample:
     grouping : what a group is made of: "medium", "tracer" or "row"
     speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
         outside, of groups that are not those of the sums, (n, n_times, n_bins + 2)
-    flights : tracers that have flown straight, of the two times at which most of them have
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
@@ -124,7 +112,6 @@ class Sample:
     displacements: tuple[Array, Counts] | None = None
     start: StartBins | None = None
     law: Law = Law()
-    flights: tuple[Flights, ...] = ()
     free: bool = False
     warnings: tuple[str, ...] = ()
     told: dict[str, Any] = field(default_factory=dict)
@@ -151,12 +138,11 @@ def reduced(
     sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
     scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
     counts = np.zeros((2, HISTOGRAM_GROUPS, count, bins), np.int32)
-    flights, start = [], None
+    start = None
     for k, time in enumerate(tracks.times):
         there = np.isfinite(tracks.velocity[k, :, 0])
         place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
         v, r = size_of(velocity), size_of(place)
-        flights.append(straight_flights(time, r, v))
         powers = [None, v**2, (v**2) ** 2, r**2, (r**2) ** 2]
         if with_field:
             powers += [velocity[:, 0], place[:, 0], place[:, 0] ** 2]
@@ -179,37 +165,17 @@ def reduced(
                 np.floor(64 * np.log2(v)), return_inverse=True, return_counts=True
             )
             start = StartBins(np.bincount(code, v * v) / filled, filled)
-    used = sums[..., N].sum(axis=1) > 0
-    seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
     speeds, displacements = (
         (scale, one[one.any(axis=(1, 2))]) for scale, one in zip(scales, counts, strict=True)
     )
-    return Sample(
-        names, tracks.times, sums[used], at_rest, grouping, speeds, displacements, start,
-        flights=seen,
-    )  # fmt: skip
+    used = sums[..., N].sum(axis=1) > 0
+    return Sample(names, tracks.times, sums[used], at_rest, grouping, speeds, displacements, start)
 
 
 def size_of(vectors: Any) -> Any:
     """The length of vectors (n, d), also of 1e200."""
     plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
     return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
-
-
-def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
-    """The ratio |r|/(|v| t) that most tracers (n,) share within .2 %; None where too few share one.
-
-    Twenty at least, and 5 %: those that have collided put some 0.5 % into such a width.
-    """
-    moving = (distance > 0) & (speed > 0) & (time > 0)
-    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time or 1.0))
-    alike = np.searchsorted(ratio, ratio + 0.002) - np.arange(ratio.size)
-    count = int(alike.max(initial=0))
-    if count < max(20, 0.05 * distance.size):
-        return None
-    first = int(np.argmax(alike))
-    middle = float(np.exp(np.median(ratio[first : first + count])))
-    return Flights(float(time), middle, count / distance.size)
 
 
 # -- runs of the package's simulator --------------------------------------------------------------
