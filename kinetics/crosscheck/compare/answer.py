@@ -5,7 +5,6 @@ Particles that never move come first: then nothing else is claimed. Causes that 
 (`causes`) are looked for where data and theory do not agree.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -14,21 +13,15 @@ import numpy as np
 
 from kinetics.crosscheck.compare.fit import Fit, choose
 from kinetics.crosscheck.compare.judge import Both, rows_of, tests_of, worst_of
-from kinetics.crosscheck.compare.result import (
-    OUTCOMES,
-    Comparison,
-    ComparisonTest,
-    Explanation,
-    Parameter,
-)
+from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.statistics import AGREES_ABOVE, chance, hotelling
 from kinetics.crosscheck.compare.theory import OBSERVABLES, Expectation, averages_of
-from kinetics.crosscheck.data.sample import Sample
+from kinetics.crosscheck.data.sample import Law, Sample
 from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
 
 _NO_DENSITIES = (
-    "At a finite density the theory of distributions is less certain than the averages': these are "
-    "compared, with an error of the theory in their covariance, and densities are not."
+    "At a finite density averages are compared, with an error of the theory in their covariance; "
+    "densities, whose theory is less certain, are not."
 )
 _OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
 
@@ -39,12 +32,12 @@ def answered(
     """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
     expectation = Expectation(sample, averages_of(sample.law))
     best, explanations = _likeliest(fits), list[Explanation]()
+    wrong = never_move(sample)
     for last in (False, True):
         both, point = Both(expectation, best), best.point
         rows, tests = tuple(rows_of(both)), tuple(tests_of(both))
         # Rows without spread no test can hold.
         words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-        wrong = never_move(sample)
         verdict = Verdict.DIFFERS if wrong else worst_of(words)
         if last or not explain:
             break
@@ -57,9 +50,9 @@ def answered(
     note = [_OWN_START] if point.own_start and both.histograms else []
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
     parameters = _parameters(both, wrong)
-    medium_taken = "" if len(fits) < 2 or best.chi_square is None else _in_words(fits, best)
+    taken = "" if len(fits) < 2 or best.chi_square is None else _in_words(fits, best)
     return Comparison(
-        verdict=verdict, summary=_summary(both, parameters, tests, verdict, first, medium_taken),
+        verdict=verdict, summary=_summary(both, parameters, tests, verdict, first, taken),
         parameters=parameters, initial=point.start_in_words, samples=int(sample.samples.max()),
         groups=sample.groups, grouping=sample.grouping, names=sample.names,
         warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
@@ -103,12 +96,6 @@ def _explained(
 
 
 # -- what the data show by themselves, without a fit -----------------------------------------------
-def _found(name: str, headline: str, more: str, value: float) -> Explanation:
-    """What the data show."""
-    text = f"{headline[0].upper()}{headline[1:]}{more}"
-    return Explanation(name, "found", text, True, value, headline=headline)
-
-
 def never_move(sample: Sample) -> Explanation | None:
     """Particles that have speed zero at every time: of late times alone one in 100 at least, as
     tracers may have come to rest before.
@@ -117,16 +104,18 @@ def never_move(sample: Sample) -> Explanation | None:
     late = sample.times[0] > 0 and rest < 0.01 * most
     if not rest or late or sample.times.size < 2 or sample.law.is_driven:
         return None
-    headline = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
+    said = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
     more = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
-    return _found("scatterers", headline, more, rest / most)
+    return Explanation("scatterers", "found", said + more, value=rest / most, headline=said)
 
 
 def _traps(both: Both) -> Explanation | None:
     """Tracers that have speed zero at some time, which only trapped ones have."""
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
-    more = ": caught between scatterers, or stopped by a program."
-    return _found("traps", f"{rest} tracers come to rest", more, rest / most) if rest else None
+    said = f"{rest} tracers come to rest"
+    text = f"{said}: caught between scatterers, or stopped by a program."
+    found = Explanation("traps", "found", text, value=rest / most, headline=said)
+    return found if rest else None
 
 
 def _missing(both: Both) -> Explanation | None:
@@ -141,15 +130,16 @@ def _missing(both: Both) -> Explanation | None:
         for times in (complete, ~complete)
     )
     missing, outcome = most - int(samples[least]), "does not" if part else "noted"
-    text = f"{missing} of {most} tracers are missing at t = {numeral(sample.times[least], '.4g')}. "
-    text += "A cap on collisions takes the fast ones away."
     if part is not None and part.p_value < AGREES_ABOVE:
         outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
-    headline = f"{missing} tracers that are missing at later times"
+    text = f"{missing} of {most} tracers are missing at t = {numeral(sample.times[least], '.4g')}. "
+    text += "A cap on collisions takes the fast ones away."
+    left: tuple[Any, ...] = (None, None, None) if whole is None else whole[:3]
+    names = ("chi_square_after", "dof", "p_value")
     return Explanation(
-        "missing tracers", outcome, text, part is not None, missing / most, None,
-        part and part.value, whole and whole.value, whole and whole.freedom,
-        whole and whole.p_value, headline,
+        "missing tracers", outcome, text, part is not None, missing / most,
+        chi_square_before=part and part.value, **dict(zip(names, left, strict=True)),
+        headline=f"{missing} tracers that are missing at later times",
     )  # fmt: skip
 
 
@@ -193,7 +183,7 @@ def _in_words(fits: Sequence[Fit], best: Fit) -> str:
 
 
 def _summary(
-    both: Both, parameters: dict[str, Parameter], tests: Sequence[ComparisonTest],
+    both: Both, parameters: dict[str, Parameter], tests: Sequence[Any],
     verdict: Verdict, best: Explanation | None, medium: str,
 ) -> str:  # fmt: skip
     """What was fitted, the verdict in a sentence, what was compared, the clearest difference."""
@@ -217,16 +207,12 @@ def _summary(
     elif fitted:
         answer = f"{fitted}, fitted. {answer}"
     sample, law, point = both.sample, both.sample.law, both.point
-    every = {
-        "e": (point.restitution, None), "ρ₀": (law.free_path(point.path), 0.0),
-        "e_t": (law.tangential_restitution, 1.0), "field": (law.field, 0.0),
-        "M/m": (law.mass_ratio, math.inf), "w": (law.bath_speed, 0.0), "D_v": (law.heating, 0.0),
-        "γ": (law.drag, 0.0), "v_c": (law.capture_speed, 0.0),
-    }  # fmt: skip
-    told = [
-        f"{name} = {value if callable(value) else numeral(value, '.6g')}"
-        for name, (value, plain) in every.items() if value != plain
-    ]  # fmt: skip
+    every = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
+    others = {"e_t": "tangential_restitution", "field": "field", "M/m": "mass_ratio"}
+    others |= {"w": "bath_speed", "D_v": "heating", "γ": "drag", "v_c": "capture_speed"}
+    plain = Law()
+    every |= {k: x for k, n in others.items() if (x := getattr(law, n)) != getattr(plain, n)}
+    told = [f"{k} = {x if callable(x) else numeral(x, '.6g')}" for k, x in every.items()]
     first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
     answer += f" {int(sample.samples.max())} tracers at {sample.times.size} times from {first} to "
     answer += f"{last} d/U, compared with the kinetic equation with "

@@ -13,7 +13,6 @@ from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.compare.theory import DISPLACEMENT, OBSERVABLES, SPEED, Expectation
 from kinetics.crosscheck.data.sample import EDGES
 from kinetics.crosscheck.words import Verdict, corrected_sigmas, gaussian_sigmas, judge_sigmas
-from kinetics.errors import InputError
 from kinetics.numerics.gauss import panels_between
 from kinetics.solution import Solution
 from kinetics.status import SolverStatus
@@ -61,8 +60,6 @@ class Both:
     def __init__(self, expectation: Expectation, found: Fit, densities: bool = True) -> None:
         self.expectation, self.found, self.point = expectation, found, found.point
         self.sample, self.names, self.theory = expectation.sample, expectation.names, found.theory
-        if self.sample.groups < 2:
-            raise InputError("data: fewer than two groups; there are no standard errors")
         self.difference = expectation.values - self.theory
         error = statistics.errors(found.moved(expectation.replicates - self.theory))
         early = np.isin(self.names, () if self.point.own_start else _AT_ZERO)[:, None]

@@ -92,7 +92,7 @@ def draw(result: Comparison, figure: str, ax: Any) -> None:
     """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
     name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
     mine, bars = rows[rows["observable"] == name], {"fmt": "o", "ms": 4, "lw": 1}
-    x, y, x_scale, y_scale = "time $t$ / (d/U)", "difference / standard error", "log", "linear"
+    x, x_scale, y_scale = "time $t$ / (d/U)", "log", "linear"
     if name == "confidence":
         title, x_scale = "Restitution and mean free path together", "linear"
         x, y = "restitution $e$", "mean free path $l$ / d"
@@ -102,12 +102,6 @@ def draw(result: Comparison, figure: str, ax: Any) -> None:
         for share, radius in _REGIONS.items():
             ax.plot(e + radius * away[0], path * np.exp(radius * away[1]), label=share)
         ax.plot(e, path, "ko", ms=4, label="fitted")
-    elif name == "sigmas":
-        title = "Differences in standard errors"
-        ax.axhline(0.0, color="gray", lw=0.8)
-        averages = rows[rows["low"].isna()].dropna(subset="sigmas")
-        for one, part in averages.groupby("observable", sort=False):
-            ax.errorbar(part["time"], part["sigmas"], 1.0, label=OBSERVABLES[one].symbol, **bars)
     elif OBSERVABLES[name].measured is None:
         seen = OBSERVABLES[name]
         title, y_scale = seen.title, "log"

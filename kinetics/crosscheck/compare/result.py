@@ -157,15 +157,14 @@ class Comparison(Result):
 
     @property
     def figures(self) -> list[str]:
-        """The names of the figures, which `plot` draws: each observable, "sigmas", and
-        "confidence", the region of e and l, if both were fitted.
+        """The names of the figures, which `plot` draws: each observable, and "confidence", the
+        region of e and l, if both were fitted.
         """
         rows = self.rows[self.rows["time"] > 0]
         averages = rows["low"].isna()
         bins = rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)
         seen = {*rows[averages | bins]["observable"]}
         found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
-        found += ["sigmas"] if averages.any() else []
         both = np.shape(self.covariance) == (2, 2) and self.parameters["restitution"].value
         return found + (["confidence"] if both else [])
 
@@ -238,11 +237,8 @@ class Comparison(Result):
         found["covariance"] = [tuple(row) for row in found["covariance"]]
         found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
         del found["schema"], found["title"]
-        return cls(**{k: tuple(v) if isinstance(v, list) else v for k, v in found.items()})
+        made: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
+        return cls(**made)
 
     def __repr__(self) -> str:
-        """The verdict first, and the tests of averages."""
-        lines = textwrap.wrap(f"Comparison: {self.verdict}. {self.summary}", 100)[:4]
-        shown = [t for t in self.tests if t.time is None]
-        words = "  {0.observable}: {0.chi_square:.4g}/{0.dof}, p = {0.p_value:.2g}, {0.verdict}"
-        return "\n".join([*lines, *map(words.format, shown)])
+        return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", 100)

@@ -175,7 +175,7 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
         bad(where, f"{len(groups)} groups with position and velocity", "one")
     (group,) = groups
     place, velocity = (_dataset(where, group, name) for name in both)
-    times, others = (_times(where, group[name], len(place), asked) for name in both)
+    times, others = (_times(where, group[name], asked) for name in both)
     if not np.array_equal(times, others):
         bad(where, "positions and velocities at different times", "at the same times")
     r, box, side = np.asarray(place, float), _own(group, "box"), np.zeros(1)
@@ -195,15 +195,13 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     return tracks.rows_of_frames(where, [frame], asked)
 
 
-def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
-    """The times of an element, (count,): as they stand, or steps times the timestep."""
-    found: dict[str, Any] = {}
-    for name in (name for name in ("time", "step") if name in element):
-        one = _dataset(where, element, name)
-        found[name] = np.asarray(one, float)
-        if one.shape == ():  # a fixed step, from an offset on
-            found[name] = one.attrs.get("offset", 0.0) + np.arange(count) * found[name]
-    return asked.times_of(where, found.get("time"), found.get("step"))
+def _times(where: str, element: Any, asked: Asked) -> Any:
+    """The times of an element: as they stand, or steps times the timestep."""
+    time, step = (
+        np.asarray(_dataset(where, element, name), float) if name in element else None
+        for name in ("time", "step")
+    )
+    return asked.times_of(where, time, step)
 
 
 # -- frames of text --------------------------------------------------------------------------------
@@ -246,18 +244,15 @@ class _Lines:
             bad(self.where, f"column {name!r} {names.count(name)} times", "once")
         rows, first = list(islice(self._file, count)), self._number + 1
         self._number += len(rows)
-        kinds = [(name, "U64" if name in ("type", "element") else float) for name in wanted]
-        found, why = np.empty(0, kinds), ""
+        kinds = [(name, "U64" if name == "type" else float) for name in wanted]
+        used, why = [names.index(name) for name in wanted], f"{len(rows)} rows, or blank lines"
         try:
-            if rows:
-                used = [names.index(name) for name in wanted]
-                found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
+            found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
+            if found.size == count:
+                return {name: found[name] for name in wanted}
         except ValueError as error:
             why = short(str(error), 150)
-        if why or found.size != count:
-            got = why or f"{found.size} rows and blank lines, or the end of the file"
-            bad(f"{self._name}: from line {first} on", got, f"{count} rows of numbers")
-        return {name: found[name] for name in wanted}
+        bad(f"{self._name}: from line {first} on", why, f"{count} rows of numbers")
 
 
 def _lammps(path: Path, where: str, asked: Asked) -> Read:
@@ -339,21 +334,20 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
         import gsd.hoomd
     except ImportError:
         bad(where, "a file of another package", "installed: pip install gsd")
-    asked.times_of(where, None, 0)
     with gsd.hoomd.open(str(path), "r") as file:
         frames = list(file[: tracks.MOST_TIMES + 1])
     d = 3 if frames and frames[0].configuration.dimensions == 3 else 2
     boxes = np.array([frame.configuration.box for frame in frames], float)
     if len({frame.particles.N for frame in frames}) != 1 or np.any(boxes[:, 3:] != 0):
         bad(where, "others", "frames of the same tracers in a rectangular box")
-    edges = boxes[:, None, :d]
     image, place, velocity = (
         np.array([getattr(frame.particles, name)[:, :d] for frame in frames], float)
         for name in ("image", "position", "velocity")
     )
+    place = place + image * boxes[:, None, :d]
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
     kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
-    columns = tracks.in_frames(where, times, place + image * edges, velocity, type=kinds)
+    columns = tracks.in_frames(where, times, place, velocity, type=kinds)
     return tracks.rows_of_frames(where, [columns], asked)
 
 

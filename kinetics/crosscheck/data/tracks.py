@@ -4,9 +4,9 @@ A format (`formats`) gives `Rows`, columns with one row for each tracer at each 
 checked here; `dense` makes `Tracks` of those of all files.
 """
 
+import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
@@ -84,11 +84,10 @@ class Asked:
 
 def _by_our_names(columns: Any) -> dict[str, str]:
     """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`."""
-    pairs: Any = columns.items() if isinstance(columns, Mapping) else ()
+    pairs: Any = columns.items() if isinstance(columns, Mapping) else columns or ()
     if isinstance(columns, str):
         pairs = [part.split("=", 1) for part in columns.split(",") if part.strip()]
-    right = columns is None or isinstance(columns, str | Mapping)
-    if not right or any(len(pair) < 2 or not str(pair[1]).strip() for pair in pairs):
+    if not isinstance(columns, Mapping | str | None) or any(len(pair) < 2 for pair in pairs):
         bad("columns", short(columns), "like time=t,tracer=id, or a dictionary of names")
     known = {other: ours for ours, others in ALIASES.items() for other in (ours, *others)}
     found: dict[str, str] = {}
@@ -125,16 +124,14 @@ def name_of(source: Any) -> str:
 
 
 def require_memory(where: str, declared: float, stored: float | None = None) -> None:
-    """InputError for arrays of more bytes than a third of what is free, or than `stored` hold."""
+    """InputError for arrays of more bytes than a sixth of the memory, or than `stored` hold."""
     # deflate makes nothing smaller than by 1032
     if stored is not None and declared > 1100 * stored + 1e6:
         bad(where, f"{stored:.2g} bytes that declare {declared:.2g}", "a whole file")
-    free = 16e9  # on another system: what most machines have
-    with suppress(OSError, ValueError):
-        found = re.search(r"MemAvailable:\s*(\d+)", Path("/proc/meminfo").read_text())
-        free = 1024.0 * float(found[1]) if found else free
-    if 3 * declared > free:
-        bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
+    # on another system: what most machines have
+    total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if os.name == "posix" else 16e9
+    if 6 * declared > total:
+        bad(where, f"data of {declared:.2g} bytes", f"at most a sixth of the memory, {total:.2g}")
 
 
 def find_columns(where: str, names: Iterable[Any], asked: Asked) -> dict[str, Any]:
