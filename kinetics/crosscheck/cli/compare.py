@@ -11,12 +11,11 @@ from kinetics.crosscheck.cli.options import Output, json_option
 
 COLUMNS = """DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy
 and, where known, tracer and medium (the configuration of scatterers), one row for each tracer at
-each time; or a file of an Ensemble; or
-frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz)
-or GSD (.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known;
---columns says others. Lengths are in d, speeds in U (standard deviation of one component of the
-initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise.
-Several files are several runs of the same system. Data are only read."""
+each time; or a file of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump,
+.lammpstrj), extended XYZ (.xyz, .extxyz) or GSD (.gsd, with the package gsd). Usual other names (t,
+id, v_x, replica ...) are known. Lengths are in d, speeds in U (standard deviation of one component
+of the initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say
+otherwise. Several files are several runs of the same system. Data are only read."""
 
 
 # fmt: off
@@ -40,7 +39,7 @@ Several files are several runs of the same system. Data are only read."""
 @option("--initial", type=Choice(["auto", "gaussian", "monoenergetic", "data", "rest"]),
         default="auto",
         help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
-        "first of these that the data allow, Gaussian if they have no time 0.")
+        "first of these that the data allow.")
 @option("--scatterers", type=options.Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
         default="auto",
         help="Dilute: the kinetic equation; else it is corrected for their density. auto: as an "
@@ -49,12 +48,9 @@ Several files are several runs of the same system. Data are only read."""
         help="x and y are relative to the tracer's place at time 0, or absolute, not wrapped, with "
         "the column tracer; auto: absolute if they are not 0 at time 0.")
 @option("--speed-unit", type=float, default=1.0, help="U in the data's unit of speed.")
-@option("--diameter", "--length-unit", "diameter", type=float, default=1.0,
-        help="Diameter d in the data's unit of length.")
-@option("--time-unit", type=float,
-        help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]")
-@option("--timestep", type=float,
-        help="Time of one step, where a file gives steps and no times (dumps).")
+@option("--diameter", "--length-unit", "diameter", type=float, default=1.0, help="d in theirs.")
+@option("--time-unit", type=float, help="d/U in theirs. [default: --length-unit over --speed-unit]")
+@option("--timestep", type=float, help="Time of one step, where a file gives steps (dumps).")
 @option("--columns", default="", metavar="NAME=THEIRS,...",
         help="Names of columns in the files, as in time=t_sim,tracer=id.")
 @option("--type", help="Particles of this type (species) alone, where a file has several.")

@@ -20,7 +20,7 @@ from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.statistics import errors, hotelling
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
 from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import X2, Sample, StartBins, from_ensemble
+from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
 from kinetics.crosscheck.words import numeral
 from kinetics.driven.restitution import impact_restitution
 from kinetics.driven.system import checked_drives
@@ -102,7 +102,14 @@ def compare_data(
     changed: Any = {name: x for name, x in drives.items() if x}
     law = replace(law, varies=impact is not None, **changed)
     initial = told.get("initial", "auto") if initial == "auto" else initial
-    sample, start = _own_unit(replace(sample, law=law), initial)
+    sample = replace(sample, law=law)
+    start = _start(sample, initial)
+    if initial == "auto" and isinstance(start, SampledStart) and not sample.units:
+        squares, counts = start.bins
+        unit = math.sqrt(float(squares @ counts) / counts.sum() / law.dimension)
+        if abs(math.log(unit)) > 0.2:
+            said = f"Speeds at time 0 are those of U = {numeral(unit, '.4g')} of the data's unit"
+            sample = replace(sample, warnings=(*sample.warnings, f"{said}; is it --speed-unit?"))
     if fitted:
         restitution = None
     elif number_density is None:
@@ -116,8 +123,8 @@ def compare_data(
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
     point = None if restitution is None or path is None else Point(restitution, path, start)
     if (law.field or law.is_driven) and point is None:
-        first = next((name for name, x in law.drives.items() if x), "restitution")
-        first = "field" if law.field else first
+        drives = {"field": law.field, **drives, "restitution": 1.0}
+        first = next(name for name, x in drives.items() if x)
         raise InputError(f"{first}: restitution and number_density must be given with it")
     media = media_of(sample, scatterers, point)
     if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
@@ -176,27 +183,6 @@ def _start(sample: Sample, initial: str) -> Any:
     if law.field:
         refuse("initial", initial, "in a field the start must be rest, gaussian or monoenergetic")
     return SampledStart(sample.start)
-
-
-def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
-    """The sample and its start; U from the data where none was told and another is a Gaussian's."""
-    start = _start(sample, initial)
-    own = initial == "auto" and isinstance(start, SampledStart)
-    if not own or sample.units or sample.law.is_driven:
-        return sample, start
-    squares, counts = start.bins
-    unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
-    power = np.array([0, 2, 4, 0, 0])  # no field: its start must have a name
-    changed = replace(
-        sample, times=sample.times * unit, start=StartBins(squares / unit**2, counts),
-        speeds=sample.speeds and (sample.speeds[0] / unit, sample.speeds[1]),
-        sums=sample.sums / unit**power, units={"speed": unit, "time": 1 / unit},
-    )  # fmt: skip
-    if abs(math.log(unit)) < 0.2 or _start(changed, initial) != "gaussian":
-        return sample, start
-    words = f"U is taken as {numeral(unit, '.4g')} of the data's unit of speed: with it the speeds "
-    words += "at time 0 are a Gaussian's. Another U is told by --speed-unit."
-    return replace(changed, warnings=(*sample.warnings, words)), "gaussian"
 
 
 def _fits(

@@ -31,32 +31,30 @@ _LATER = (0.3, -0.3, 3.0)  # offsets of the clock that are tried, in the first t
 
 
 class Cause(NamedTuple):
-    """A cause: its name, what it is called, the parameter that is fitted, and how that is said.
-
-    title : of a unit with the kind of it, in whose own unit the value is said
-    symbol : of the parameter; unit : of the value, where the data have none of their own
+    """A cause: its name, the parameter that is fitted and its symbol, the unit in which that is
+    said, or the kind of the data's own unit; of noise, in what it is.
     """
 
     name: str
-    title: str
     free: str = ""
     symbol: str = ""
     unit: str = ""
     kind: str = ""
+    title: str = ""
 
 
 CAUSES = (
-    Cause("finite density", "medium"),
-    Cause("restitution", "restitution", "restitution", "e"),
-    Cause("free path", "mean free path", "path", "l", " d"),
-    Cause("initial speeds", "start"),
-    Cause("speed unit", "unit of speed", "speed_unit", "U", kind="speed"),
-    Cause("time unit", "unit of time", "time_unit", "d/U", kind="time"),
-    Cause("length unit", "unit of length", "length_unit", "d", kind="length"),
-    Cause("time offset", "zero of the clock", "time_offset", "t₀", " d/U", "time"),
-    Cause("velocity noise", "velocity", "velocity_noise", unit="U"),
-    Cause("position noise", "displacement", "position_noise", unit="d"),
-    Cause("tracers at rest", "share of tracers that never move", "at_rest", "f"),
+    Cause("finite density"),
+    Cause("restitution", "restitution", "e"),
+    Cause("free path", "path", "l", " d"),
+    Cause("initial speeds"),
+    Cause("speed unit", "speed_unit", "U", kind="speed"),
+    Cause("time unit", "time_unit", "d/U", kind="time"),
+    Cause("length unit", "length_unit", "d", kind="length"),
+    Cause("time offset", "time_offset", "the zero of the clock t₀", " d/U", "time"),
+    Cause("velocity noise", "velocity_noise", unit="U", title="velocity"),
+    Cause("position noise", "position_noise", unit="d", title="displacement"),
+    Cause("tracers at rest", "at_rest", "the share f of tracers that never move"),
 )
 """Everything that may explain a difference. A new cause of one parameter is one row, and where its
 fit begins (`_starts`).
@@ -142,44 +140,33 @@ def _judged(both: Both, cause: Cause, found: Fit, before: ChiSquare) -> Explanat
         outcome = "explains" if clear and before.p_value < AGREES_ABOVE else "does not"
     elif clear and before.statistic - after.statistic > max(_LEAST_GAIN, 0.1 * before.statistic):
         outcome = "in part"
-    medium = found.point.scatterers
-    where = {"dilute": "dilute scatterers", "overlapping": "overlapping disks"}.get(medium, medium)
-    text, headline, value, error = _words(both, cause, found, f"among {where}")
-    if medium not in ("dilute", both.point.scatterers) and cause.free:
-        headline += f" (among {where})"
+    headline, value, error = _words(both, cause, found)
+    if found.point.scatterers not in ("dilute", both.point.scatterers) and cause.free:
+        headline += f" (among {found.point.scatterers})"
     numbers = [numeral(x, ".4g") for x in (before.value, after.value)]
-    text += f" The averages' chi-square goes from {numbers[0]} to {numbers[1]} with "
-    text += f"{after.freedom} degrees of freedom (p = {numeral(after.p_value, '.2g')}), "
-    text += f"among {where}."
+    text = f"{headline[0].upper()}{headline[1:]}. The averages' chi-square goes from {numbers[0]} "
+    text += f"to {numbers[1]} with {after.freedom} degrees of freedom "
+    text += f"(p = {numeral(after.p_value, '.2g')}), scatterers: {found.point.scatterers}."
     return Explanation(
         cause.name, outcome, text, True, value, error, before.value, *after[:3], headline
     )
 
 
-def _words(
-    both: Both, cause: Cause, found: Fit, where: str
-) -> tuple[str, str, float | None, float | None]:
-    """The sentence and the headline of a cause, its value and its error as they are said."""
+def _words(both: Both, cause: Cause, found: Fit) -> tuple[str, float | None, float | None]:
+    """The headline of a cause, its value and its error as they are said."""
+    medium = found.point.scatterers.replace("overlapping", "overlapping disks")
     if cause.name == "finite density":
-        n = numeral(both.sample.law.free_path(both.point.path), ".4g")
-        v0, r2 = (numeral(found.theory[k, -1] / both.theory[k, -1] - 1, "+.2%") for k in (0, 2))
-        text = f"Another medium: {where} at n = ρ₀d² = {n} v₀ changes by {v0} and ⟨r²⟩ by {r2} at "
-        text += "the last time. Nothing is fitted; an error of the theory is in the covariance."
-        said = f"the finite density of the scatterers ({where}, no fitted number)"
-        return text, said, None, None
+        return f"the finite density of the scatterers ({medium}, no fitted number)", None, None
     if not cause.free:
-        words = found.point.start_in_words
-        said = f"Another start: {words}, the rest as told."
-        return said, f"another start ({words})", None, None
+        return f"another start ({found.point.start_in_words})", None, None
     value, error = found.value(cause.free)
     if "noise" in cause.name:  # of a variance the root
         size = math.sqrt(max(value, 0.0))
         width = error / (2 * size) if size else math.sqrt(error)
-        text = f"noise of {number(size, width)} {cause.unit} in each component of the {cause.title}"
-        return f"{text[0].upper()}{text[1:]}.", text, size, width
+        said = f"noise of {number(size, width)} {cause.unit} in each component of the {cause.title}"
+        return said, size, width
     told = float(getattr(both.point, cause.free))
     unit = both.sample.units.get(cause.kind, 1.0)  # in the data's own
     name = cause.unit if unit == 1.0 else ""
-    text = f"{cause.symbol} = {number(value * unit, error * unit)}{name} in place of "
-    text += f"{numeral(told * unit, '.5g')}{name}"
-    return f"Another {cause.title}: {text} fits best.", text, value * unit, error * unit
+    said = f"{cause.symbol} = {number(value * unit, error * unit)}{name} in place of "
+    return f"{said}{numeral(told * unit, '.5g')}{name}", value * unit, error * unit

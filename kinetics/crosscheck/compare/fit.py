@@ -1,9 +1,9 @@
 """One least-squares fit: for what was told, for what was not, and for every cause of a difference.
 
-Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: where a few fast
-tracers raise a fourth moment they raise its variance too, so that weights from the same tracers
-would favour low values (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter
-the chi-square that is left. An error of the theory adds its covariance to that of the data.
+Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: a few fast tracers
+raise a fourth moment and its variance, so that weights from the same tracers favour low values
+(Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter the chi-square that is
+left. An error of the theory adds its covariance to that of the data.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,18 +21,16 @@ from kinetics.crosscheck.data.sample import Sample
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SECOND_MOMENTS = ("thermal_speed", "msd", "drift", "mean_displacement")
-"""The averages that parameters are fitted to."""
+SECOND_MOMENTS = ("thermal_speed", "msd", "drift", "mean_displacement")  # that are fitted to
+# of parameters that are fitted as they are; others are positive, and their logarithms fitted
 LIMITS = {
     "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
     "velocity_noise": (0.0, 1e3), "position_noise": (0.0, 1e6),
 }  # fmt: skip
-"""Of parameters that are fitted as they are; others are positive, and their logarithms fitted."""
+# restitution from which on, and number density up to which, there is a theory of dense media
 LEAST_RESTITUTION, DENSEST = 0.2, 0.3
-"""Restitution from which on, and number density up to which, there is a theory of dense media."""
 WIDEST = 12.0  # |ln| of the factor by which a positive parameter may differ from what was told
-_STEP = 1e-4
-"""Of a parameter, for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1."""
+_STEP = 1e-4  # for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +168,7 @@ def fit(
     rows, widening = expectation.steadied(theory), 0.0
     shaped = expectation.stabilised(theory, expectation.values - theory)
     made = Fit(at, tuple(free), theory, known, best, spread, slope, influence, chosen, shaped, rows)
-    made = replace(made, replicates=made.moved(rows))
+    left_of = made.moved(rows)
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
         spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
@@ -179,9 +177,9 @@ def fit(
         passed[:, chosen] -= slope[tested] @ influence
         usable = np.any(passed != 0, axis=0)
         known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
-    left_of = made.replicates.reshape(groups, -1)[:, tested]
-    after = statistics.hotelling(shaped.ravel()[tested], left_of, known)
-    return replace(made, chi_square=after, widening=widening)
+    of_tested = left_of.reshape(groups, -1)[:, tested]
+    after = statistics.hotelling(shaped.ravel()[tested], of_tested, known)
+    return replace(made, replicates=left_of, chi_square=after, widening=widening)
 
 
 def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:

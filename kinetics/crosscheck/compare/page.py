@@ -22,15 +22,13 @@ def cells_of(result: Comparison) -> tuple[list[list[str]], list[list[str]]]:
         tests.append([
             t.observable, "all" if t.time is None else numeral(t.time, ".4g"),
             numeral(t.chi_square, ".4g"), str(t.dof), numeral(t.p_value, ".2g"),
-            numeral(t.sigmas, ".1f"), within if t.verdict is Verdict.AGREES else "",
-            str(t.verdict),
+            numeral(t.sigmas, ".1f"), within * (t.verdict is Verdict.AGREES), str(t.verdict),
         ])  # fmt: skip
     rows = [["observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict"]]
     for r in result.numbers:
-        high = "∞" if r.high is None else numeral(r.high, ".4g")
+        ends = ("∞" if end is None else numeral(end, ".4g") for end in (r.low, r.high))
         rows.append([
-            r.observable, numeral(r.time, ".4g"),
-            "" if r.low is None else f"{numeral(r.low, '.4g')} to {high}",
+            r.observable, numeral(r.time, ".4g"), "" if r.low is None else " to ".join(ends),
             number(r.value, r.error), number(r.theory),
             "" if r.sigmas is None else numeral(r.sigmas, "+.1f"), str(r.verdict),
         ])  # fmt: skip

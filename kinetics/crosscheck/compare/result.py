@@ -16,14 +16,11 @@ from kinetics.errors import InputError, short
 from kinetics.results import Result
 
 SCHEMA = "inelastic-lorentz/comparison/1"
+# what an explanation comes to, in words; in the order in which they are shown
 OUTCOMES = {
-    "explains": "explains the difference",
-    "found": "found in the data",
-    "in part": "explains part of it",
-    "does not": "does not explain it",
-    "noted": "noted",
-}
-"""What an explanation comes to, in words; in the order in which they are shown."""
+    "explains": "explains the difference", "found": "found in the data",
+    "in part": "explains part of it", "does not": "does not explain it", "noted": "noted",
+}  # fmt: skip
 
 
 class Row(NamedTuple):
@@ -96,19 +93,16 @@ class Comparison(Result):
 
     Attributes
     ----------
-    verdict : on everything, from the tests and from rows without spread
-    summary : the verdict in a sentence or two
+    verdict, summary : on everything, and in a sentence or two
     parameters : "restitution", "number_density", "mean_free_path" as Parameter
     initial : the start of the theory, in words
     samples, groups : tracers at most, and independent groups that the errors are from
     grouping : what a group is made of: "medium", "tracer" or "row"
-    names : where the data came from
-    warnings : what the reader should know of the data
+    names, warnings : where the data came from, and what the reader should know of them
     tests : ComparisonTest, one chi-square per average, and per density and time
     explanations : Explanation; empty where nothing needs one
     medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
-    covariance : of the fitted numbers, restitution and ln(mean free path) in this order, those that
-        were fitted
+    covariance : of those that were fitted of restitution and ln(mean free path)
     """
 
     verdict: Verdict
@@ -130,21 +124,15 @@ class Comparison(Result):
     def rows(self) -> Any:
         """Every number: a row for each observable and time (and bin of a density), as a new table.
 
-        `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
-        difference, `sigmas` their difference in it. A bin is from `low` to `high`; where `high` is
-        NaN it has no upper end, and value and theory are shares of the samples. `verdict` looks at
-        `corrected_sigmas`, which allow for the number of rows of the observable. Without spread in
-        the data (all speeds equal) both are NaN.
+        `value` is the data's, `theory` the equation's, `error` the standard error of the
+        difference, `sigmas` the difference in it, NaN where all speeds are equal. A bin is from
+        `low` to `high`; the last has none (NaN), and shares of the samples. `verdict` looks at
+        `corrected_sigmas`, which allow for the number of rows of the observable.
         """
         frame = pd.DataFrame(self.numbers, columns=Row._fields)
         frame["verdict"] = frame["verdict"].map(str)
         others = ("observable", "verdict", "samples")
         return frame.astype({name: float for name in Row._fields if name not in others})
-
-    def observable(self, name: str) -> Any:
-        """The rows of one observable."""
-        rows = self.rows
-        return rows[rows["observable"] == name].reset_index(drop=True)
 
     def p_value(self, observable: str, time: float | None = None) -> float:
         """The p-value of an average, or of a density at a time; KeyError where there is none."""
@@ -185,7 +173,8 @@ class Comparison(Result):
 
     def to_dataframe(self, name: str | None = None, **points: Any) -> Any:
         """The rows, or those of one observable."""
-        return self.rows if name is None else self.observable(name)
+        rows = self.rows
+        return rows if name is None else rows[rows["observable"] == name].reset_index(drop=True)
 
     def _dataset(self, only: Any = None, **points: Any) -> Any:
         """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""

@@ -23,11 +23,9 @@ SPEED, DISPLACEMENT = "speed_density", "position_density"
 
 
 class Observable(NamedTuple):
-    """How an observable is written (title, symbol, unit, in a text), and what it is made of.
-
-    measured : of the means m over tracers and the law; None for a density
-    where : it is compared, in a "field", "free" or "both"
-    output, component : of a Solution; the output has the observable's name, if not told
+    """How an observable is written (title, symbol, unit, in a text), how it is measured from means
+    m over tracers (None: a density), where it is compared ("field", "free" or "both"), and the
+    output of a Solution, if of another name, and its component.
     """
 
     title: str
@@ -94,13 +92,10 @@ class SampledStart(State):
 class Point(NamedTuple):
     """Every number that a theory of data has; a cause of a difference is another value of some.
 
-    restitution: as a Scene's; path: mean free path in d; start: as a Scene's initial
-    scatterers : as in a Scene; among others than "dilute" ones `path` is still 1/(2 d rho)
-    speed_unit, time_unit, length_unit : U, d/U and d of the data in the units that were told
-    at_rest : share of the tracers that never move
-    time_offset : in d/U, of the data's clock behind the true one
-    velocity_noise, position_noise : variances of a component of what is added to each velocity and
-        displacement, in U^2 and d^2
+    restitution, start, scatterers: as in a Scene; path: 1/(2 d rho) in d, among dense ones too;
+    units: U, d/U and d of the data in what was told; at_rest: share of the tracers that never move;
+    time_offset: in d/U, of the data's clock behind the true one; noise: variance of a component, in
+    U^2 and d^2.
     """
 
     restitution: Any
@@ -131,10 +126,9 @@ class Point(NamedTuple):
 
 _MODEL_GROUPS = 10  # what the model of an error in `Expectation.steadied` is as good as
 _POWERS = {"thermal_speed": 0, "msd": 0, "a2": -3, "kurtosis": -3}
-# Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
-# 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
-# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density.py),
-# rounded up. Twice for v0 before and for a2 after, whose deviations have one sign.
+# standard deviation of simulations from the theory of dense media, relative (to 1 + a2 for a2) and
+# divided by n = rho d^2, before _LATE and from then on: tests/kinetics/measurements/density.py,
+# rounded up; twice for v0 before and for a2 after, whose deviations have one sign
 _OWN_ERROR: Mapping[str, tuple[float, float]] = {
     "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
 }  # fmt: skip
@@ -144,7 +138,7 @@ _REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp
 
 class Expectation:
     """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
-    with each group left out, in U and d; and what is expected.
+    with each group left out; and what is expected.
     """
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
@@ -166,10 +160,9 @@ class Expectation:
         law = self.sample.law
         scene = Scene(
             restitution=point.restitution, number_density=law.free_path(point.path),
-            initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
-            tangential_restitution=law.tangential_restitution, dimension=law.dimension,
-            mass_ratio=law.mass_ratio, **law.drives,
+            initial=point.start, times=times, scatterers=point.scatterers,
             outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
+            **{name: value for name, value in vars(law).items() if name != "varies"},
         )  # fmt: skip
         with warnings.catch_warnings():  # those who ask look at the status
             warnings.simplefilter("ignore", ToleranceWarning)
@@ -215,9 +208,8 @@ class Expectation:
         return changed
 
     def stabilised(self, theory: Array, difference: Array) -> Array:
-        """Differences (..., n_names, n_times) as those of a function whose error does not depend on
-        its value, over its slope at the theory: ln x of second moments, as in the fit, and x^-3 of
-        the kurtosis and of 1 + a2, whose errors grow like x^4 and more from sample to sample.
+        """Differences (..., n_names, n_times) of functions whose errors hardly depend on the value,
+        over their slope at the theory: ln x of second moments, x^-3 of the kurtosis and 1 + a2.
         """
         found = difference.copy()
         for k, name in enumerate(self.names):
@@ -235,10 +227,9 @@ class Expectation:
         of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
         so that it has the theory's kurtosis) in each component.
 
-        Of 500 tracers few make <r^8>, and most samples miss them: three in four errors are too
-        small. The model is good to 20 % (0.98 to 1.28 of the error that 400 samples have), as if
-        from ten groups; the mean is by groups, of the data effective ones (Smyth, Stat. Appl.
-        Genet. Mol. Biol. 3, 3 (2004)).
+        Of 500 tracers few make <r^8>, and most samples miss them. The model is good to 20 %, as if
+        from ten groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol. 3,
+        3 (2004)).
         """
         found = self.stabilised(theory, self.replicates - theory)
         if "kurtosis" not in self.names:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data import tracks
-from kinetics.crosscheck.data.sample import Sample, read_ensemble
+from kinetics.crosscheck.data.sample import Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Rows, bad, require_memory
 from kinetics.errors import InputError, short
 
@@ -45,8 +45,9 @@ def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
     except InputError:
         raise
     except Exception as error:  # the libraries raise errors of nearly any class
-        why = getattr(error, "strerror", None) or type(error).__name__
-        raise InputError(f"{where}: is damaged, or not of this format ({why})") from None
+        why = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
+        must = f"whole, and of this format ({' '.join(why.split())[:200]})"
+        raise InputError(f"{where}: is damaged; it must be {must}") from None
 
 
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
@@ -138,7 +139,9 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
 
     with h5py.File(path, "r") as file:
         if "plan" in file and "done" in file.attrs:
-            return read_ensemble(path)
+            from particles import Ensemble
+
+            return from_ensemble(Ensemble.load(path), tracks.name_of(Path(path.name)))
         if _own(file, "h5md") and (particles := _own(file, "particles")):
             return _h5md(where, particles, asked)
         chosen = _chosen(where, [name for name in file if _own(file, name, "Dataset")], asked)
@@ -245,9 +248,11 @@ class _Lines:
         rows, first = list(islice(self._file, count)), self._number + 1
         self._number += len(rows)
         kinds = [(name, "U64" if name == "type" else float) for name in wanted]
-        used, why = [names.index(name) for name in wanted], f"{len(rows)} rows, or blank lines"
+        used, why = [names.index(name) for name in wanted], f"{len(rows)} lines, some blank"
         try:
-            found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
+            found = (
+                np.loadtxt(rows, kinds, None, usecols=used, ndmin=1) if rows else np.empty(0, kinds)
+            )
             if found.size == count:
                 return {name: found[name] for name in wanted}
         except ValueError as error:

@@ -7,16 +7,14 @@ every standard error and every covariance is the spread over groups.
 
 import math
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.tracks import Tracks, bad, name_of
+from kinetics.crosscheck.data.tracks import Tracks, bad
 from kinetics.driven.restitution import Viscoelastic, impact_restitution
 from kinetics.driven.system import DRIVES
-from kinetics.errors import InputError
 from kinetics.validation import refuse
 
 Array = NDArray[np.float64]
@@ -58,14 +56,9 @@ class Law:
     varies: bool = False
 
     @property
-    def drives(self) -> dict[str, Any]:
-        """The arguments of a Scene that drive tracers, or let them stick."""
-        return {name: getattr(self, name) for name in DRIVES}
-
-    @property
     def is_driven(self) -> bool:
         """Whether `kinetics.driven` solves it: no causes of a difference are looked for."""
-        return self.varies or any(self.drives.values())
+        return self.varies or any(getattr(self, name) for name in DRIVES)
 
     @property
     def rtol(self) -> float:
@@ -91,14 +84,12 @@ class Law:
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times (n_times,) in d/U, rising.
 
-    names : where the data came from
     sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; (.., 8) in a field, with v_x, x, x^2
     at_rest : (n_times,), how many have speed zero
     grouping : what a group is made of: "medium", "tracer" or "row"
     speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
         outside, of groups that are not those of the sums, (n, n_times, n_bins + 2)
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
-    warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
     units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
     """
@@ -179,17 +170,6 @@ def size_of(vectors: Any) -> Any:
 
 
 # -- runs of the package's simulator --------------------------------------------------------------
-def read_ensemble(path: Path) -> Sample:
-    """The sample of a finished run in a file, lengths in d; InputError for a damaged one."""
-    from particles import Ensemble
-
-    try:
-        run = Ensemble.load(path)
-    except ValueError as error:
-        raise InputError(" ".join(str(error).split())) from None
-    return from_ensemble(run, name_of(Path(path.name)))
-
-
 def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     """The sums of a run, lengths in d; counts in bins too, where velocities and positions are kept.
 

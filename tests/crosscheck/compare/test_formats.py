@@ -143,7 +143,7 @@ def test_a_run_of_the_simulator_has_its_own_averages(tmp_path: Path, stored: boo
         made.write_h5md(tmp_path / "run.h5md")
         files.append(tmp_path / "run.h5md")
     for data in (made, *files):
-        rows = compare(data, 0.75, 0.04, explain=False).observable("msd")
+        rows = compare(data, 0.75, 0.04, explain=False).to_dataframe("msd")
         np.testing.assert_allclose(rows["value"], made.msd.value[1:], rtol=1e-9)
         if not stored:
             np.testing.assert_allclose(rows["error"], made.msd.error[1:], rtol=1e-3)

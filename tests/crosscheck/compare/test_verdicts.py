@@ -116,7 +116,7 @@ def test_a_wrong_start_is_seen_and_named() -> None:
     assert result.verdict == "differs"
     assert explained(result, "initial speeds").outcome == "explains"
     # the start has no spread: no chi-square holds it, but its rows do
-    first = result.observable("thermal_speed").iloc[0]
+    first = result.to_dataframe("thermal_speed").iloc[0]
     assert (first["time"], first["verdict"], np.isnan(first["sigmas"])) == (0.0, "differs", True)
 
 
@@ -190,7 +190,7 @@ def test_what_is_not_told_is_found() -> None:
                 assert abs(parameter.value - truth) < 3.5 * parameter.error
                 assert parameter.error < 0.02 * truth
     fitted, known = (compare(made(0.75), 0.75, d, explain=False) for d in (None, DENSITY))
-    assert np.all(fitted.observable("msd")["error"] < known.observable("msd")["error"])
+    assert np.all(fitted.to_dataframe("msd")["error"] < known.to_dataframe("msd")["error"])
 
 
 def test_a_model_that_does_not_fit_has_no_value() -> None:
@@ -211,7 +211,7 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
              "dispersion_perpendicular"]  # fmt: skip
     assert (found.verdict, [test.observable for test in found.tests]) == (verdict, names)
     assert found.initial == "rest"
-    np.testing.assert_allclose(found.observable("drift")["value"][1:], run.drift.value[1:])
+    np.testing.assert_allclose(found.to_dataframe("drift")["value"][1:], run.drift.value[1:])
     if wrong == 0.1:
         assert compare(run, explain=False).verdict == "agrees"
     assert found.explanations == ()
@@ -315,7 +315,7 @@ def test_a_forgotten_unit_of_speed_is_noticed() -> None:
     other = data | {"times": data["times"] / 5, "velocities": 5 * data["velocities"]}
     result = compare(other, 0.7, DENSITY)
     assert result.verdict == "agrees"
-    assert any("U is taken as" in text for text in result.warnings)
+    assert any("is it --speed-unit" in text for text in result.warnings)
 
 
 @pytest.mark.slow
