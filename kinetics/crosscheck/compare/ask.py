@@ -23,9 +23,8 @@ from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
 from kinetics.crosscheck.words import numeral
 from kinetics.driven.restitution import impact_restitution
-from kinetics.driven.system import checked_drives
 from kinetics.errors import InputError
-from kinetics.validation import one_of, real_number, refuse
+from kinetics.validation import one_of, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
 SCATTERERS = ("dilute", "hard disks", "overlapping")
@@ -65,10 +64,7 @@ def compare_data(
     field, bath_speed, heating, drag, capture_speed, mass_ratio : as in a Scene, in U and d, or as a
         run says. Restitution and number_density are then needed, and no cause is looked for
 
-    Raises
-    ------
-    InputError (a ValueError) : data that cannot be used, numbers out of range, and where the data
-        cannot tell what was not given
+    InputError (a ValueError) for data that cannot be used, or that cannot tell what is not given.
     """
     if (sources := _sources(data)) is not None:
         sample = read_sample(
@@ -76,31 +72,23 @@ def compare_data(
             time_unit=time_unit, columns=columns, timestep=timestep, dimension=dimension,
             with_field=field != 0, type=type,
         )  # fmt: skip
-        if number_density is not None:  # checked once more below, as it is then
-            number_density = validation.check_positive("number_density", number_density)
-            number_density *= diameter**sample.law.dimension
-    elif isinstance(data, Sample):
-        sample = data
     else:
-        sample = from_ensemble(data)
-    law, told, path = sample.law, sample.told, None
-    if tangential_restitution is not None:
-        checked = real_number("tangential_restitution", tangential_restitution, 0.0, 1.0)
-        law = replace(law, tangential_restitution=checked)
-    if dimension is not None and dimension != law.dimension:
-        refuse("dimension", dimension, f"the data are of dimension {law.dimension}")
-    if field:
-        law = replace(law, field=real_number("field", field, 0.0))
-        if sample.sums.shape[2] <= X2:
-            refuse("field", field, "the data are not of tracers in a field")
+        sample = data if isinstance(data, Sample) else from_ensemble(data)
+    told, path = sample.told, None
     restitution = told.get("restitution") if restitution is None else restitution
+    if dimension is not None and dimension != sample.law.dimension:
+        refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
+    if field and sample.sums.shape[2] <= X2:
+        refuse("field", field, "the data are not of tracers in a field")
     impact = impact_restitution(restitution)
-    drives = {"bath_speed": bath_speed, "heating": heating, "drag": drag}
-    drives = checked_drives(**drives, capture_speed=capture_speed)
-    if mass_ratio != math.inf:
-        drives["mass_ratio"] = validation.check_mass_ratio(mass_ratio)
+    drives = {"field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag}
+    drives |= {"capture_speed": capture_speed}
     changed: Any = {name: x for name, x in drives.items() if x}
-    law = replace(law, varies=impact is not None, **changed)
+    if tangential_restitution is not None:
+        changed["tangential_restitution"] = tangential_restitution
+    if mass_ratio != math.inf:
+        changed["mass_ratio"] = mass_ratio
+    law = replace(sample.law, varies=impact is not None, **changed)
     initial = told.get("initial", "auto") if initial == "auto" else initial
     sample = replace(sample, law=law)
     start = _start(sample, initial)
@@ -110,6 +98,9 @@ def compare_data(
         if abs(math.log(unit)) > 0.2:
             said = f"Speeds at time 0 are those of U = {numeral(unit, '.4g')} of the data's unit"
             sample = replace(sample, warnings=(*sample.warnings, f"{said}; is it --speed-unit?"))
+    if number_density is not None:
+        number_density = validation.check_positive("number_density", number_density)
+        number_density *= (diameter if sources else 1.0) ** law.dimension
     if fitted:
         restitution = None
     elif number_density is None:
@@ -117,14 +108,13 @@ def compare_data(
     if restitution is not None:
         restitution = validation.check_restitution(restitution) if impact is None else impact
     if number_density is not None:
-        path = law.free_path(validation.check_positive("number_density", number_density))
+        path = law.free_path(number_density)
     dense = one_of("scatterers", scatterers, ("auto", *SCATTERERS)) in SCATTERERS[1:]
     if dense and not law.smooth_disks:
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
     point = None if restitution is None or path is None else Point(restitution, path, start)
     if (law.field or law.is_driven) and point is None:
-        drives = {"field": law.field, **drives, "restitution": 1.0}
-        first = next(name for name, x in drives.items() if x)
+        first = next((name for name in drives if getattr(law, name)), "restitution")
         raise InputError(f"{first}: restitution and number_density must be given with it")
     media = media_of(sample, scatterers, point)
     if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
