@@ -42,11 +42,9 @@ otherwise. Several files are several runs of the same system. Data are only read
         "first of these that the data allow.")
 @option("--scatterers", type=options.Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
         default="auto",
-        help="Dilute: the kinetic equation; else it is corrected for their density. auto: as an "
-        "Ensemble says, or the likeliest for the data.")
+        help="dilute: the kinetic equation; auto: as an Ensemble says, or the likeliest.")
 @option("--positions", type=Choice(["auto", "displacement", "absolute"]), default="auto",
-        help="x and y are relative to the tracer's place at time 0, or absolute, not wrapped, with "
-        "the column tracer; auto: absolute if they are not 0 at time 0.")
+        help="Relative to the place at time 0, or not; auto: absolute if not 0 at time 0.")
 @option("--speed-unit", type=float, default=1.0, help="U in the data's unit of speed.")
 @option("--diameter", "--length-unit", "diameter", type=float, default=1.0, help="d in theirs.")
 @option("--time-unit", type=float, help="d/U in theirs. [default: --length-unit over --speed-unit]")
@@ -59,16 +57,14 @@ otherwise. Several files are several runs of the same system. Data are only read
 @option("--figures", multiple=True, type=Choice(["pdf", "png", "svg"]),
         help="Write each figure as a file beside the page; may be repeated. Needs --output.")
 @option("--fail-on", type=Choice(["differs", "unclear"]),
-        help="End with exit status 1 where data and equation differ (unclear: also where a "
-        "difference is possible).")
+        help="End with exit status 1 where data and equation differ (or may: unclear).")
 @json_option
 def compare(viscoelastic: float | None, fail_on: str | None, **told: Any) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
-    Restitution, density and start are found in the data where they are not given. Prints, for each
-    observable and time, the data with their standard error, the theory, the difference in standard
-    errors and a verdict; a chi-square with its p-value for each observable; and what explains a
-    difference.
+    Restitution, density and start are found in the data where they are not given. Prints data with
+    standard errors, theory, differences and verdicts over time; a chi-square with its p-value for
+    each observable; and what explains a difference.
     """
     # fmt: on
     from kinetics.crosscheck.compare.ask import compare_data

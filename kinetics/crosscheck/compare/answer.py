@@ -1,8 +1,5 @@
 """The answer: fits become a Comparison, with its verdict, what the data show by themselves, the
 numbers of the theory, and a summary in words.
-
-Particles that never move come first: then nothing else is claimed. Causes that are fitted
-(`causes`) are looked for where data and theory do not agree.
 """
 
 from collections.abc import Sequence
@@ -19,10 +16,7 @@ from kinetics.crosscheck.compare.theory import OBSERVABLES, Expectation, average
 from kinetics.crosscheck.data.sample import Law, Sample
 from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
 
-_NO_DENSITIES = (
-    "At a finite density averages are compared, with an error of the theory in their covariance; "
-    "densities, whose theory is less certain, are not."
-)
+_NO_DENSITIES = "At a finite density averages alone are compared, with an error of the theory."
 _OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
 
 
@@ -146,40 +140,37 @@ def _missing(both: Both) -> Explanation | None:
 # -- in words --------------------------------------------------------------------------------------
 def _parameters(both: Both, wrong: Explanation | None) -> dict[str, Parameter]:
     """The numbers of the theory; those that were fitted have standard errors."""
-    point, law, found = both.point, both.sample.law, both.found
-    left, why = found.chi_square if found.free else None, wrong.headline if wrong else ""
-    if left is not None and not why and left.p_value < chance(DIFFERS_ABOVE):
-        why = f"the model does not fit (p = {numeral(left.p_value, '.2g')})"
-
-    def parameter(name: str, value: Any, told: str = "told", fitted: str = "") -> Parameter:
+    point, found, left, why = both.point, both.found, both.found.chi_square, ""
+    if wrong or (left is not None and left.p_value < chance(DIFFERS_ABOVE)):
+        why = wrong.headline if wrong else "the model does not fit"
+    density = both.sample.law.free_path(point.path)
+    values = {"restitution": point.restitution, "number_density": density}
+    values |= {"mean_free_path": point.path}
+    made = {}
+    for name, value in values.items():
+        free = "restitution" if name == "restitution" else "path"
+        made[name] = Parameter(value, None, "from ρ₀" if name == "mean_free_path" else "told")
         if callable(value):
-            return Parameter(None, None, f"told: {value}")
-        if name not in found.free:
-            return Parameter(value, None, told)
-        if why:
-            used = numeral(value, ".5g")
-            return Parameter(None, None, f"no value: {why}; the theory that is shown has {used}")
-        at, error = found.value(name)
-        words = f"{fitted}fitted to v₀ and ⟨r²⟩ over time"
-        return Parameter(value, error * value / at if at else error, words)
-
-    by_path = "1/(2dl)" if law.dimension == 2 else "1/(πd²l)"
-    return {
-        "restitution": parameter("restitution", point.restitution),
-        "number_density": parameter("path", law.free_path(point.path), fitted=f"{by_path}, l "),
-        "mean_free_path": parameter("path", point.path, by_path.replace("l", "ρ₀")),
-    }
+            made[name] = Parameter(None, None, f"told: {value}")
+        elif free in found.free and why:
+            used = f"no value: {why}; the theory that is shown has {numeral(value, '.5g')}"
+            made[name] = Parameter(None, None, used)
+        elif free in found.free:
+            at, error = found.value(free)
+            error *= value / at if at else 1.0
+            made[name] = Parameter(value, error, "fitted to v₀ and ⟨r²⟩ over time")
+    return made
 
 
 def _in_words(fits: Sequence[Fit], best: Fit) -> str:
     """Which medium was taken and why."""
-    said = []
-    for one in sorted(fits, key=lambda one: one.point.scatterers != best.point.scatterers):
-        found, name = one.chi_square, one.point.scatterers
-        left = f"{numeral(found.value, '.3g')}/{found.freedom}" if found else ""
-        said.append(f"{name.replace('overlapping', 'overlapping disks')} {left}")
-    others = ", ".join(said[1:])
-    return f" The medium taken: {said[0]} (chi-square/degrees of freedom; {others})."
+    said = {
+        one.point.scatterers: f"{numeral(one.chi_square.value, '.3g')}/{one.chi_square.freedom}"
+        for one in fits if one.chi_square
+    }  # fmt: skip
+    taken = f"{best.point.scatterers} {said.pop(best.point.scatterers)}"
+    others = ", ".join(f"{name} {left}" for name, left in said.items())
+    return f" The medium taken: {taken} (chi-square/degrees of freedom; {others})."
 
 
 def _summary(

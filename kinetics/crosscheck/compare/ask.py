@@ -27,7 +27,6 @@ from kinetics.errors import InputError
 from kinetics.validation import one_of, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
-SCATTERERS = ("dilute", "hard disks", "overlapping")
 
 
 def compare_data(
@@ -81,8 +80,10 @@ def compare_data(
     if field and sample.sums.shape[2] <= X2:
         refuse("field", field, "the data are not of tracers in a field")
     impact = impact_restitution(restitution)
-    drives = {"field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag}
-    drives |= {"capture_speed": capture_speed}
+    drives = {
+        "field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag,
+        "capture_speed": capture_speed,
+    }  # fmt: skip
     changed: Any = {name: x for name, x in drives.items() if x}
     if tangential_restitution is not None:
         changed["tangential_restitution"] = tangential_restitution
@@ -109,8 +110,8 @@ def compare_data(
         restitution = validation.check_restitution(restitution) if impact is None else impact
     if number_density is not None:
         path = law.free_path(number_density)
-    dense = one_of("scatterers", scatterers, ("auto", *SCATTERERS)) in SCATTERERS[1:]
-    if dense and not law.smooth_disks:
+    one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
+    if scatterers not in ("auto", "dilute") and not law.smooth_disks:
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
     point = None if restitution is None or path is None else Point(restitution, path, start)
     if (law.field or law.is_driven) and point is None:

@@ -19,14 +19,10 @@ from kinetics.crosscheck.compare.theory import Point, SampledStart
 from kinetics.crosscheck.words import number, numeral
 
 CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
-# -2 ln likelihood from the best up to which a cause explains as well: then 20 times less likely
-NEAR_BEST = 6.0
-# of T^2 by one parameter, 4 sigma, and at least a tenth of it: less is no explanation
-_LEAST_GAIN = 16.0
-# logarithms of the factors from which a unit or a free path is looked for
-_FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
-# of the smallest mean square, from which the variance of noise is looked for
-_SHARES = (0.02, 0.3, 0.9)
+NEAR_BEST = 6.0  # -2 ln likelihood from the best up to which a cause explains as well
+_LEAST_GAIN = 16.0  # of T^2 by one parameter, 4 sigma, and a tenth of it: less explains nothing
+_FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)  # where ln of a unit or free path is looked for
+_SHARES = (0.02, 0.3, 0.9)  # of the smallest mean square: where variances of noise are
 _LATER = (0.3, -0.3, 3.0)  # offsets of the clock that are tried, in the first time above 0
 
 
@@ -56,9 +52,7 @@ CAUSES = (
     Cause("position noise", "position_noise", unit="d", title="displacement"),
     Cause("tracers at rest", "at_rest", "the share f of tracers that never move"),
 )
-"""Everything that may explain a difference. A new cause of one parameter is one row, and where its
-fit begins (`_starts`).
-"""
+"""Everything that may explain a difference: a new cause is one row, and a place in `_starts`."""
 
 
 def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanation, str]]:

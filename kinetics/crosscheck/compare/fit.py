@@ -143,7 +143,7 @@ def fit(
             if np.all(np.isfinite(left := difference(at))) and (found := weights(at)) is not None:
                 tried.append((float(np.sum((found @ left) ** 2)), at, found))
         tried = sorted(tried, key=lambda one: one[0])[:2]
-        ended = [_descended(difference, found, at, low, high) for _, at, found in tried]
+        ended = (_descended(difference, found, at, low, high) for _, at, found in tried)
         if not (reached := [one for one in ended if one is not None]):
             return None
         best = min(reached, key=lambda one: one[0])[1]
@@ -198,13 +198,12 @@ def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str
 
 def _ends(name: str, told: Point) -> tuple[float, float]:
     """Between what a parameter, or its logarithm, is looked for."""
-    dense = told.scatterers != "dilute"
-    if name in LIMITS:
-        low, high = LIMITS[name]
-        return (LEAST_RESTITUTION, high) if dense and name == "restitution" else (low, high)
-    middle = float(np.log(getattr(told, name)))
-    low = middle - WIDEST
-    return (max(low, -np.log(2 * DENSEST)) if dense and name == "path" else low), middle + WIDEST
+    dense, low, high = told.scatterers != "dilute", *LIMITS.get(name, (-np.inf, np.inf))
+    if name not in LIMITS:
+        middle = float(np.log(getattr(told, name)))
+        low, high = middle - WIDEST, middle + WIDEST
+    least = {"restitution": LEAST_RESTITUTION, "path": -np.log(2 * DENSEST)} if dense else {}
+    return max(low, least.get(name, low)), high
 
 
 def _descended(

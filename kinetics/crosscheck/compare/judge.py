@@ -1,5 +1,6 @@
 """Data and theory side by side, in numbers: rows, histograms, and tests with their verdicts."""
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
@@ -20,21 +21,16 @@ from kinetics.status import SolverStatus
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# standard error over value below which the data have no spread: a start with one speed
-NO_SPREAD = 1e-9
-# samples that a bin must be expected to hold: their distribution is then nearly Gaussian
-LEAST_EXPECTED = 50
-# share of the samples from which on a bin is not made wider, so that the body has a shape
-MOST_IN_A_BIN = 1 / 12
+NO_SPREAD = 1e-9  # error over value below which data have no spread: a start with one speed
+LEAST_EXPECTED = 50  # samples that a bin must be expected to hold, to be nearly Gaussian
+MOST_IN_A_BIN = 1 / 12  # of the samples: from there on a bin is not made wider
 _MOST_BINS = 40
 _AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
 
 
 class Histogram(NamedTuple):
-    """One density at one time against the theory.
-
-    edges (n + 1,), of densities the first is 0 and the last infinite; shares of the samples with
-    errors, theory (n,).
+    """One density at one time: edges (n + 1,) from 0 to infinity; shares of the samples, errors and
+    theory (n,).
     """
 
     name: str
@@ -51,13 +47,12 @@ class Histogram(NamedTuple):
 class Both:
     """A sample and its theory side by side: what rows, tests and causes are made of.
 
-    theory, difference, error, sigmas, effective (n_names, n_times) : the error with the theory's
-        own; the difference as `stabilised` in errors; the groups that these are as good as
-    compared : where there is something to compare; usable : and where it has spread
-    histograms : those that `densities` are asked for
+    theory, difference, error (with the theory's own), sigmas (of the difference as `stabilised`),
+    effective groups; compared: where there is something to compare; usable: and where it has
+    spread, (n_names, n_times) each; histograms.
     """
 
-    def __init__(self, expectation: Expectation, found: Fit, densities: bool = True) -> None:
+    def __init__(self, expectation: Expectation, found: Fit) -> None:
         self.expectation, self.found, self.point = expectation, found, found.point
         self.sample, self.names, self.theory = expectation.sample, expectation.names, found.theory
         self.difference = expectation.values - self.theory
@@ -71,7 +66,7 @@ class Both:
             self.sigmas = found.shaped / np.sqrt(spread**2 + own)
         self.error = np.sqrt(error**2 + own)
         self.effective = statistics.effective_groups(found.replicates)
-        self.histograms = [*self._histograms()] if densities else []
+        self.histograms = [*self._histograms()]
 
     def flat(self, chosen: Indices) -> tuple[Array, Array, Array | None]:
         """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
@@ -192,13 +187,12 @@ def rows_of(both: Both) -> Iterator[Row]:
                 shaped, groups = float(both.sigmas[i, k]), float(both.effective[i, k])
                 corrected = corrected_sigmas(shaped, groups, looks)
                 verdict = judge_sigmas(corrected)
-            else:
+            elif sample.groups < 3 or ((law.field or law.is_driven) and time > 0):
                 # One tracer is always like itself, and falls before its first collision as others.
-                told = sample.groups >= 3 and not ((law.field or law.is_driven) and time > 0)
-                # within ten times the tolerance that the solver is given
-                bound = 10 * law.rtol * max(abs(value), abs(theory), 1e-300)
-                same = Verdict.AGREES if abs(value - theory) <= bound else Verdict.DIFFERS
-                verdict, error = same if told else Verdict.UNDEFINED, 0.0
+                verdict, error = Verdict.UNDEFINED, 0.0
+            else:  # within ten times the tolerance that the solver is given
+                same = math.isclose(value, theory, rel_tol=10 * law.rtol)
+                verdict, error = Verdict.AGREES if same else Verdict.DIFFERS, 0.0
             yield Row(name, time, value, error, theory, sigmas, verdict, corrected, count)
     looks_in = {n: sum(h.share.size for h in both.histograms if h.name == n) for n in OBSERVABLES}
     for h in both.histograms:
@@ -237,9 +231,8 @@ def _over_times(both: Both, i: int) -> ChiSquare | None:
     effective = float(statistics.effective_groups(replicates).mean())
     count = min(times.size, statistics.most_freedom(int(effective)))
     together = np.zeros((count, times.size))
-    together[np.arange(times.size) * count // times.size, range(times.size)] = (
-        1 / both.error[i, times]
-    )
+    at = np.arange(times.size)
+    together[at * count // times.size, at] = 1 / both.error[i, times]
     known = None if known is None else together @ known @ together.T
     return statistics.hotelling(together @ difference, replicates @ together.T, known)
 

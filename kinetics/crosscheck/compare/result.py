@@ -12,8 +12,8 @@ import pandas as pd
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
-from kinetics.errors import InputError, short
 from kinetics.results import Result
+from kinetics.validation import refuse
 
 SCHEMA = "inelastic-lorentz/comparison/1"
 # what an explanation comes to, in words; in the order in which they are shown
@@ -69,9 +69,8 @@ class Parameter(NamedTuple):
 class Explanation(NamedTuple):
     """Something that may explain a difference; chi-squares are of all averages.
 
-    outcome: "explains" (the rest agrees, and no other cause is much likelier), "in part" (the
-    chi-square falls by 16 and by a tenth), "does not", "noted" (not tested) or "found" (the data
-    show it by themselves). `headline` is what the summary says of it.
+    outcome: "explains" (what is left agrees, no other cause is much likelier), "in part" (T^2 falls
+    by 16 and a tenth), "does not", "noted" (not tested) or "found" (in the data themselves).
     """
 
     name: str
@@ -195,15 +194,14 @@ class Comparison(Result):
             return super().plot(None, ax)
         from kinetics.crosscheck.compare.page import draw
 
-        wanted = str(name).replace("_", "-")
-        if wanted not in self.figures:
-            known = ", ".join(self.figures) or "no figures"
-            raise InputError(f"name: got {short(name)}; this comparison has {known}")
+        figure = str(name).replace("_", "-")
+        if figure not in self.figures:
+            refuse("name", name, f"this comparison has {', '.join(self.figures) or 'no figures'}")
         if ax is None:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots(layout="constrained")
-        draw(self, wanted, ax)
+        draw(self, figure, ax)
         return ax
 
     def plot_all(self, **points: Any) -> Any:

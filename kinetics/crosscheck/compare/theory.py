@@ -68,11 +68,10 @@ def averages_of(law: Law) -> tuple[str, ...]:
     and where they stick of the velocity alone, as their places are not those of all that move.
     """
     where = ("both", "field" if law.field else "free")
-    left_out = {"kurtosis"} if law.is_driven else set()
+    every = [k for k, x in OBSERVABLES.items() if x.measured and x.where in where]
     if law.capture_speed:
-        left_out = {*OBSERVABLES} - {"drift", "thermal_speed", "a2"}
-    rows = OBSERVABLES.items()
-    return tuple(k for k, x in rows if x.measured and x.where in where and k not in left_out)
+        every = [k for k in every if k in ("drift", "thermal_speed", "a2")]
+    return tuple(k for k in every if k != "kurtosis" or not law.is_driven)
 
 
 @dataclass(frozen=True, eq=False)

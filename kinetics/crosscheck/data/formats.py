@@ -22,8 +22,7 @@ from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Rows, bad, requ
 from kinetics.errors import InputError, short
 
 Read = Rows | Sample
-# arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)
-FRAMES = ("times", "positions", "velocities")
+FRAMES = ("times", "positions", "velocities")  # (n_times,) and twice (n_times, n, dimension)
 # bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
 _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
@@ -45,9 +44,8 @@ def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
     except InputError:
         raise
     except Exception as error:  # the libraries raise errors of nearly any class
-        why = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
-        must = f"whole, and of this format ({' '.join(why.split())[:200]})"
-        raise InputError(f"{where}: is damaged; it must be {must}") from None
+        why = getattr(error, "strerror", None) or short(str(error), 200)
+        raise InputError(f"{where}: is damaged, or not of this format ({why})") from None
 
 
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
@@ -80,8 +78,6 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                 break
         else:
             bad(where, "an empty file", "a first line that names the columns, and rows")
-        if not re.search("[A-Za-z]", header):
-            bad(where, "no header", "a first line that names the columns")
         names = header.split(separator := max(",;\t", key=header.count))
         start, found = file.tell(), tracks.find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
@@ -115,8 +111,6 @@ def _parquet(path: Path, where: str, asked: Asked) -> Read:
         chosen = _chosen(where, names, asked)
         require_memory(where, 8.0 * file.metadata.num_rows * len(chosen))
         table = file.read(chosen)
-    if any(column.null_count for column in table.columns):
-        bad(where, "empty cells", "a value in each row")
     return _arrays(where, {name: table.column(name).to_numpy() for name in chosen}, asked)
 
 

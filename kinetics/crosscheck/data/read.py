@@ -102,20 +102,18 @@ def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Samp
         if different.size > 1 or np.max(tracks.file) > 0:  # one alone shows no spread between them
             labels, by = codes, "medium"
     if by != "medium":
+        known = "There is one configuration" if tracks.medium is not None else "No column medium"
         warnings.append(
-            "Configurations are unknown (no column medium): errors are by tracer. Tracers that "
-            "share scatterers are not independent, and their errors are larger than these."
-            if tracks.medium is None
-            else "There is one configuration: errors are by tracer, and do not hold what another "
-            "configuration of scatterers would change."
+            f"{known}: errors are by tracer. Tracers that share scatterers are not independent: "
+            "their errors are larger than these."
         )
     sample = reduced(tracks, labels, names, by, asked.with_field)
     if sample.groups < 2:
         bad(", ".join(names), "one tracer" if n else "no tracer", "two tracers at least")
     if by == "row":
         warnings.append(
-            "Tracers are unknown (no column tracer): the k-th row of each time is taken for the "
-            "same tracer. If it is not, p-values over several times are wrong."
+            "No column tracer: the k-th row of each time is taken for the same tracer. If it is "
+            "not, p-values over several times are wrong."
         )
     most, last = int(sample.samples.max()), int(np.argmin(sample.samples))
     if sample.samples[last] < most:

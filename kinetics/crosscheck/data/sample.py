@@ -20,11 +20,10 @@ from kinetics.validation import refuse
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-# columns of the sums: samples, and powers of speed and displacement; in a field also the velocity
-# and the displacement along it, along +x, and the square of this
+# columns of the sums: samples, powers of speed and displacement; in a field v_x, x, x^2 too
 N, V2, V4, R2, R4, VX, X, X2 = range(8)
-# groups at most: primes, so that labels with a regular pattern spread over all of them; a standard
-# error from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
+# groups at most: primes, so that labels with a regular pattern spread over all of them; an error
+# from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
 # bins of speeds and displacements, 12 in an octave, from a thousandth of their scale to 64 times it
 EDGES = 2.0 ** (np.arange(-120, 73) / 12)
@@ -39,10 +38,8 @@ class StartBins(NamedTuple):
 
 @dataclass(frozen=True)
 class Law:
-    """What the system has beside the restitution; field: acceleration along +x in U^2/d.
-
-    mass_ratio, bath_speed, heating, drag, capture_speed : as in a Scene
-    varies : whether the restitution depends on the impact speed
+    """What the system has beside the restitution, as a Scene has it in U and d; varies: whether the
+    restitution depends on the impact speed.
     """
 
     tangential_restitution: float = 1.0

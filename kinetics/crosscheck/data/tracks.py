@@ -119,8 +119,7 @@ class Tracks:
 def name_of(source: Any) -> str:
     """A file's path on one line that can be written; "data" for columns in memory."""
     text = str(source) if isinstance(source, Path) else "data"
-    text = " ".join(text.encode("utf-8", "replace").decode().split()) or "''"
-    return text if len(text) <= 200 else f"{text[:90]}...{text[-100:]}"
+    return " ".join(text.encode("utf-8", "replace").decode().split())[-200:] or "''"
 
 
 def require_memory(where: str, declared: float, stored: float | None = None) -> None:

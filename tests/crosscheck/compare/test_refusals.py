@@ -27,7 +27,7 @@ XYZ = "2\nProperties=id:I:1:pos:R:2:vel:R:2 Time=0\n1 0 0 1 0\n2 0 0 0 1\n"
 TEXTS = {
     "no file": ("a.csv", None, "no such file"),
     "empty": ("a.csv", "", "empty"),
-    "no header": ("a.csv", ROWS, "header"),
+    "no header": ("a.csv", ROWS, "'time'"),
     "no rows": ("a.csv", HEAD, "Empty CSV"),
     "column missing": ("a.csv", HEAD.replace("vy", "w") + ROWS, "'vy'"),
     "column twice": ("a.csv", HEAD.replace("tracer", "vy") + ROWS, "'vy' 2 times"),
