@@ -85,14 +85,11 @@ def _fit(**told: Any) -> None:
     _done(fit_data, **told)
 
 
-_TOLD = {
-    "restitution", "number_density", "field", "fail_on", "viscoelastic", "mass_ratio",
-    *options.DRIVES,
-}  # fmt: skip
+_TOLD = {"restitution", "number_density", "field", "fail_on", "viscoelastic", "mass_ratio"}
 fit = click.Command(
     "fit", callback=_fit, help=_fit.__doc__, short_help="Find e and the density.",
     epilog=options.example("lorentz fit data.csv -o fitted.html", COLUMNS),
-    params=[one for one in compare.params if one.name not in _TOLD],
+    params=[one for one in compare.params if one.name not in {*_TOLD, *options.DRIVES}],
 )  # fmt: skip
 
 

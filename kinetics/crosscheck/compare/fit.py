@@ -37,11 +37,10 @@ _STEP = 1e-4  # for derivatives: the solver's error of 1e-7 is 1e-3 of a slope o
 class Fit:
     """A point with some fitted parameters (`free`, perhaps none), and all that is known there.
 
-    theory (n_names, n_times); known (p_all, p_all): the covariance of its own error, None for 0;
-    at (k,): the parameters, or the logarithms of positive ones, with their covariance;
-    slope (p_all, k): d(theory)/d(at); influence (k, p) on them of the fitted averages, whose
-    indices are `fitted` (p,). shaped, replicates (G, ...): the difference of data and theory as
-    `Expectation.stabilised`. chi_square: of all averages; widening: ln(det(C + M)/det C) of it.
+    theory (n_names, n_times); known: the covariance of its own error, None for 0; at (k,): the
+    parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence (k, p)
+    on `at` of the averages `fitted` (p,); shaped, replicates (G, ...): the difference of data and
+    theory as `Expectation.stabilised`; widening: ln(det(C + M)/det C) of the chi-square.
     """
 
     point: Point
@@ -71,9 +70,7 @@ class Fit:
         return float(left + self.widening + 2 * len(self.free))
 
     def moved(self, replicates: Array) -> Array:
-        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off:
-        of `steadied` ones exactly, as these are logarithms where they are fitted.
-        """
+        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
         flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
         shift = (flat - flat.mean(axis=0)) @ self.influence.T
         return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))

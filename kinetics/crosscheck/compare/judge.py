@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics import Solution, SolverStatus
 from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.result import ComparisonTest, Row
@@ -15,8 +16,6 @@ from kinetics.crosscheck.compare.theory import DISPLACEMENT, OBSERVABLES, SPEED,
 from kinetics.crosscheck.data.sample import EDGES
 from kinetics.crosscheck.words import Verdict, corrected_sigmas, gaussian_sigmas, judge_sigmas
 from kinetics.numerics.gauss import panels_between
-from kinetics.solution import Solution
-from kinetics.status import SolverStatus
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

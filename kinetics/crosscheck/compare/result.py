@@ -144,9 +144,7 @@ class Comparison(Result):
 
     @property
     def figures(self) -> list[str]:
-        """The names of the figures, which `plot` draws: each observable, and "confidence", the
-        region of e and l, if both were fitted.
-        """
+        """What `plot` draws: each observable, and "confidence", of e and l, if both were fitted."""
         rows = self.rows[self.rows["time"] > 0]
         averages = rows["low"].isna()
         bins = rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)
@@ -187,9 +185,7 @@ class Comparison(Result):
         return made.assign_attrs(**about, scene=scene, version=__version__)
 
     def plot(self, name: str | None = None, ax: Any = None, **points: Any) -> Any:
-        """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned; or
-        InputError.
-        """
+        """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned."""
         if name is None:
             return super().plot(None, ax)
         from kinetics.crosscheck.compare.page import draw

@@ -18,8 +18,7 @@ from kinetics.crosscheck.words import AGREES_BELOW
 Array = NDArray[np.float64]
 
 GROUPS_PER_FREEDOM = 4  # behind each degree of freedom, or the covariance is too uncertain
-# of the correlation matrix, relative to the largest: below, two components are the same
-_SMALLEST_EIGENVALUE = 1e-9
+_SMALLEST_EIGENVALUE = 1e-9  # of correlations, to the largest: below two components are the same
 
 
 class ChiSquare(NamedTuple):

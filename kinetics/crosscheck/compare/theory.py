@@ -8,12 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.compare.statistics import effective_groups, errors
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
-from kinetics.scene import Scene
-from kinetics.solution import Solution
-from kinetics.solver import solve
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
@@ -64,8 +62,8 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
 
 
 def averages_of(law: Law) -> tuple[str, ...]:
-    """The averages that are compared under a law: where tracers are driven without the kurtosis,
-    and where they stick of the velocity alone, as their places are not those of all that move.
+    """The averages that are compared under a law: of driven tracers without the kurtosis, where
+    they stick of the velocity alone, as their places are not those of all that move.
     """
     where = ("both", "field" if law.field else "free")
     every = [k for k, x in OBSERVABLES.items() if x.measured and x.where in where]

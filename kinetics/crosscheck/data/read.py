@@ -19,9 +19,8 @@ LARGEST = 1e70  # of speeds and displacements: their fourth powers are doubles
 def read_sample(sources: Sequence[Path | Mapping[str, Any]], **told: Any) -> Sample:
     """One sample from files or columns in memory (see `formats`), or from one file of an Ensemble.
 
-    told : arguments of `tracks.Asked`. Several files are independent runs: a label in one is not
-    the same label in another. With one configuration, or without the column `medium`, standard
-    errors are by tracer, and the sample's warnings say so. InputError for what cannot be used.
+    told : arguments of `tracks.Asked`. Several files are independent runs. With one configuration,
+    or without the column `medium`, errors are by tracer, and the sample's warnings say so.
     """
     asked, names = Asked(**told), [name_of(source) for source in sources]
     paths = [source for source in sources if isinstance(source, Path)]

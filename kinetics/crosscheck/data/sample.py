@@ -1,8 +1,7 @@
 """A sample of tracers, reduced to sums over groups of them: all that a comparison looks at.
 
-Tracers among the same scatterers are not independent, configurations are. So a group is a
-configuration (or several), or, where configurations are unknown, a number of tracers; and
-every standard error and every covariance is the spread over groups.
+Tracers among the same scatterers are not independent, configurations are. So a group is one (or
+several), or, where they are unknown, a number of tracers; every error is the spread over groups.
 """
 
 import math
