@@ -35,14 +35,15 @@ def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None
     """Raise InputError, naming the option, unless this file, with one of these endings, could be
     made in its folder, which must be there.
     """
+    why = ""
     if not file.name or (endings and file.suffix.lower() not in endings):
-        must = f"it must end in {', '.join(endings)}" if endings else "it must be a file's name"
-        refuse(option, str(file), must)
-    if file.exists() and not file.is_file():
-        refuse(option, str(file), f"it is a {'folder' if file.is_dir() else 'device'}, not a file")
-    if not file.parent.exists():
-        make = f"its folder does not exist; make it first: mkdir -p {file.parent}"
-        refuse(option, str(file), make)
+        why = f"it must end in {', '.join(endings)}" if endings else "it must be a file's name"
+    elif file.exists() and not file.is_file():
+        why = f"it is a {'folder' if file.is_dir() else 'device'}, not a file"
+    elif not file.parent.exists():
+        why = f"its folder does not exist; make it first: mkdir -p {file.parent}"
+    if why:
+        refuse(option, str(file), why)
     require_writable_folder(file.parent)
 
 
@@ -75,13 +76,11 @@ def plain(value: Any) -> Any:
         return plain(vars(value))
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, (np.ndarray, np.generic)):
+    if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, list | tuple):
         return [plain(v) for v in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def dumps(value: Any) -> str:

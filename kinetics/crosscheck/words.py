@@ -34,11 +34,9 @@ class Verdict(StrEnum):
 
 MEANING: dict[Verdict, str] = {
     Verdict.AGREES: f"no difference seen: below {AGREES_BELOW} standard errors, allowing for the "
-    "number of times or bins looked at; a solver: within the tolerance asked for",
-    Verdict.UNCLEAR: f"between {AGREES_BELOW} and {DIFFERS_ABOVE:g} standard errors, allowing for "
-    "the number of looks; more samples would decide",
-    Verdict.DIFFERS: f"{DIFFERS_ABOVE:g} standard errors or more, allowing for the number of "
-    "looks; a solver: outside the tolerance asked for",
+    "number of looks; a solver: within the tolerance asked for",
+    Verdict.UNCLEAR: f"{AGREES_BELOW} to {DIFFERS_ABOVE:g} of them; more samples would decide",
+    Verdict.DIFFERS: f"{DIFFERS_ABOVE:g} standard errors or more; a solver: outside the tolerance",
     Verdict.NOT_TESTED: "the errors are so large that a difference of 10 % would not be seen",
     Verdict.CLOSE: f"a formula without an error of its own, off by less than {CLOSE_BELOW:.0%}",
     Verdict.ROUGH: f"off by {CLOSE_BELOW:.0%} to {ROUGH_BELOW:.0%}",
@@ -52,12 +50,12 @@ def worst(values: ArrayLike, errors: ArrayLike, theory: ArrayLike) -> tuple[int,
     have a positive error, a value and a theory; None without any.
     """
     v, s, t = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (values, errors, theory)))
-    usable = np.flatnonzero((s > 0) & np.isfinite(s) & np.isfinite(v) & np.isfinite(t))
+    z = np.where(s > 0, v - t, np.nan) / np.where(s > 0, s, 1.0)
+    usable = np.flatnonzero(np.isfinite(z) & np.isfinite(s))
     if not usable.size:
         return None
-    z = (v[usable] - t[usable]) / s[usable]
-    k = int(np.argmax(np.abs(z)))
-    return int(usable[k]), float(z[k]), int(usable.size)
+    k = int(usable[np.argmax(np.abs(z[usable]))])
+    return k, float(z[k]), int(usable.size)
 
 
 def corrected_sigmas(sigmas: float, groups: float, trials: int) -> float:
