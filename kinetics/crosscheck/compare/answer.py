@@ -10,7 +10,8 @@ import numpy as np
 
 from kinetics.crosscheck.compare.fit import Fit, choose
 from kinetics.crosscheck.compare.judge import Both, rows_of, tests_of, worst_of
-from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter
+from kinetics.crosscheck.compare.page import OUTCOMES
+from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.statistics import AGREES_ABOVE, chance, hotelling
 from kinetics.crosscheck.compare.theory import OBSERVABLES, Expectation, averages_of
 from kinetics.crosscheck.data.sample import Law, Sample

@@ -74,6 +74,8 @@ def compare_data(
     else:
         sample = data if isinstance(data, Sample) else from_ensemble(data)
     told, path = sample.told, None
+    if sample.times.size and sample.times[-1] > 1e70:  # v^4 would underflow
+        refuse("times", float(sample.times[-1]), "they must be below 1e70 d/U")
     restitution = told.get("restitution") if restitution is None else restitution
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")

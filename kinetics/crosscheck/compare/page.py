@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.result import OUTCOMES, Comparison
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
 
+# what an explanation comes to, in words; in the order in which they are shown
+OUTCOMES = {
+    "explains": "explains the difference", "found": "found in the data",
+    "in part": "explains part of it", "does not": "does not explain it", "noted": "noted",
+}  # fmt: skip
 _REGIONS = {"68 %": 1.515, "95 %": 2.448}  # radii that hold so much of a Gaussian of two numbers
 
 
-def cells_of(result: Comparison) -> tuple[list[list[str]], list[list[str]]]:
+def cells_of(result: Any) -> tuple[list[list[str]], list[list[str]]]:
     """The chi-squares, and the rows, a line each below the heads."""
     tests = [["chi-square", "t [d/U]", "value", "dof", "p", "sigmas", "better than", "verdict"]]
     for t in result.tests:
@@ -35,14 +39,14 @@ def cells_of(result: Comparison) -> tuple[list[list[str]], list[list[str]]]:
     return tests, rows
 
 
-def scene_of(result: Comparison) -> dict[str, str]:
+def scene_of(result: Any) -> dict[str, str]:
     """What was compared, by name."""
     made = f"from {result.groups} groups, by {result.grouping}"
     told = {n: f"{number(p.value, p.error)} ({p.source})" for n, p in result.parameters.items()}
     return told | {"start": result.initial, "errors": made}
 
 
-def tables(result: Comparison) -> str:
+def tables(result: Any) -> str:
     """The answer, parameters, tests, averages over time, odd bins, and explanations, as text."""
 
     def aligned(lines: Sequence[Sequence[str]]) -> str:
@@ -66,7 +70,7 @@ def tables(result: Comparison) -> str:
     return "\n\n".join(parts)
 
 
-def render(result: Comparison, json_name: str) -> str:
+def render(result: Any, json_name: str) -> str:
     """The page, with nothing beside it. Every text of the comparison is escaped."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
@@ -86,7 +90,7 @@ def render(result: Comparison, json_name: str) -> str:
 
 
 # -- the figures, drawn from the rows: data beside theory, and all deviations ----------------------
-def draw(result: Comparison, figure: str, ax: Any) -> None:
+def draw(result: Any, figure: str, ax: Any) -> None:
     """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
     name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
     mine, bars = rows[rows["observable"] == name], {"fmt": "o", "ms": 4, "lw": 1}
@@ -123,7 +127,7 @@ def draw(result: Comparison, figure: str, ax: Any) -> None:
     ax.legend(fontsize="small", frameon=False)
 
 
-def drawn(result: Comparison, names: Sequence[str], kind: str = "svg") -> bytes:
+def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
     """Figures in two columns as one picture, in a format of matplotlib's."""
     from matplotlib.figure import Figure
 

@@ -16,11 +16,6 @@ from kinetics.results import Result
 from kinetics.validation import refuse
 
 SCHEMA = "inelastic-lorentz/comparison/1"
-# what an explanation comes to, in words; in the order in which they are shown
-OUTCOMES = {
-    "explains": "explains the difference", "found": "found in the data",
-    "in part": "explains part of it", "does not": "does not explain it", "noted": "noted",
-}  # fmt: skip
 
 
 class Row(NamedTuple):

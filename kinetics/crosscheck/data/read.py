@@ -83,10 +83,7 @@ def _displacements(tracks: Tracks, where: str, asked: Asked) -> tuple[Tracks, li
     if np.all(away <= (high - low) * (0.5 + 5 / n)) and n * far >= 20 * least > 0:
         got = f"some that look wrapped in a box, within {low} to {high} d, for moves of {far:.4g} d"
         bad(f"{where}: positions", got, "unwrapped")
-    said = (
-        "Positions at time 0 are not the origin: each tracer's own place at time 0 was "
-        "subtracted from its positions."
-    )
+    said = "Each tracer's own place at time 0, not the origin, was subtracted from its positions."
     return tracks, [said] if asked.positions == "auto" else []
 
 

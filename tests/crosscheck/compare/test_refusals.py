@@ -90,6 +90,7 @@ def test_an_argument_that_cannot_be_used(run: Run, name: str) -> None:
         ({"x": np.array(["a"] * 8000)}, "'x': got type"),
         ({"vx": np.full(8000, np.inf)}, "vx = inf"),
         ({"vx": np.full(8000, 1e200)}, "speeds of"),
+        ({"t": np.repeat([0.0, 1.0, 2.0, 1e80], 2000)}, "times: got 1e"),
         ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, "every speed at time 0 is zero"),
         ({"t": np.linspace(0, 1, 8000)}, "8000 different times"),
         ({"medium": None, "id": None}, "a column tracer"),
