@@ -13,16 +13,14 @@ import numpy as np
 
 from kinetics.errors import InputError
 from kinetics.results import write_whole
+from kinetics.validation import refuse
 
 
 def require_writable_folder(folder: Path) -> None:
-    """Raise InputError, naming the folder, unless files could be created in it. Leaves nothing.
-
-    Asked before long work starts. The folder may be new, then the one that it is to be made in is
-    tried; but that one must exist.
+    """Raise InputError unless files could be created in the folder, which may be new in one that
+    exists: asked before long work starts. Leaves nothing.
     """
-    new = not folder.exists() and not folder.is_symlink()
-    inside = folder.parent if new else folder
+    inside = folder if folder.exists() or folder.is_symlink() else folder.parent
     why = f"its folder does not exist; make it first: mkdir -p {inside}"
     if inside.exists() or inside.is_symlink():
         try:
@@ -37,23 +35,23 @@ def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None
     """Raise InputError, naming the option, unless this file, with one of these endings, could be
     made in its folder, which must be there.
     """
+    why = ""
     if not file.name or (endings and file.suffix.lower() not in endings):
-        must = f"end in {', '.join(endings)}" if endings else "be the name of a file"
-        raise InputError(f"{option}: got {str(file)!r}; it must {must}")
-    if file.exists() and not file.is_file():
-        kind = "folder" if file.is_dir() else "device"
-        raise InputError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
-    if not file.parent.exists():
-        make = f"its folder does not exist; make it first: mkdir -p {file.parent}"
-        raise InputError(f"{option}: got {str(file)!r}; {make}")
+        why = f"it must end in {', '.join(endings)}" if endings else "it must be a file's name"
+    elif file.exists() and not file.is_file():
+        why = f"it is a {'folder' if file.is_dir() else 'device'}, not a file"
+    elif not file.parent.exists():
+        why = f"its folder does not exist; make it first: mkdir -p {file.parent}"
+    if why:
+        refuse(option, str(file), why)
     require_writable_folder(file.parent)
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
     """Write all files into the folder, or none of them; returns their paths, or InputError.
 
-    Each is complete on disk before the first takes its final name. Links are followed. Missing
-    folders are created, and removed again if nothing comes of it.
+    Each is complete on disk before the first takes its final name. Missing folders are created, and
+    removed again if nothing comes of it.
     """
     created = [p for p in (folder, *folder.parents) if not p.exists()]
     try:
@@ -63,9 +61,8 @@ def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Pa
             for name, content in contents.items()
         })  # fmt: skip
     except OSError as error:
-        raise InputError(
-            f"output folder {str(folder)!r} cannot be written: {error.strerror}"
-        ) from None
+        why = f"cannot be written: {error.strerror}"
+        raise InputError(f"output folder {str(folder)!r} {why}") from None
     finally:
         for made in created:
             with contextlib.suppress(OSError):
@@ -79,13 +76,11 @@ def plain(value: Any) -> Any:
         return plain(vars(value))
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, (np.ndarray, np.generic)):
+    if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, list | tuple):
         return [plain(v) for v in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def dumps(value: Any) -> str:

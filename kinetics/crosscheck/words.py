@@ -1,14 +1,9 @@
 """What a verdict says and from which threshold on, and numbers as a reader is shown them.
 
-Three kinds of comparison have three kinds of verdict:
-
-- *statistical*: an estimate against a theory. Its error is a jackknife over independent groups, so
-  that the deviation in sigmas has Student's distribution with one degree of freedom less than there
-  are groups. A row that looks at several times or bins takes the worst, its p-value multiplied by
-  the number of looks (Bonferroni). Thresholds are Gaussian sigmas of that p-value: by chance about
-  one row in 80 is unclear, and 99 in 100 reports of 150 rows have no wrong "differs";
-- *numerical*: a solver against a closed form, within the tolerance that was asked for;
-- *approximation*: a printed formula against the exact value, which claims no error of its own.
+Verdicts are *statistical* (an estimate against a theory: sigmas of a jackknife over independent
+groups, with Student's distribution, and Bonferroni's correction for the number of looks, so that by
+chance one row in 80 is unclear), *numerical* (a solver against a closed form, within the tolerance
+asked for) or of an *approximation* (a printed formula, which claims no error of its own).
 """
 
 import math
@@ -39,11 +34,9 @@ class Verdict(StrEnum):
 
 MEANING: dict[Verdict, str] = {
     Verdict.AGREES: f"no difference seen: below {AGREES_BELOW} standard errors, allowing for the "
-    "number of times or bins looked at; a solver: within the tolerance asked for",
-    Verdict.UNCLEAR: f"between {AGREES_BELOW} and {DIFFERS_ABOVE:g} standard errors, allowing for "
-    "the number of looks; more samples would decide",
-    Verdict.DIFFERS: f"{DIFFERS_ABOVE:g} standard errors or more, allowing for the number of "
-    "looks; a solver: outside the tolerance asked for",
+    "number of looks; a solver: within the tolerance asked for",
+    Verdict.UNCLEAR: f"{AGREES_BELOW} to {DIFFERS_ABOVE:g} of them; more samples would decide",
+    Verdict.DIFFERS: f"{DIFFERS_ABOVE:g} standard errors or more; a solver: outside the tolerance",
     Verdict.NOT_TESTED: "the errors are so large that a difference of 10 % would not be seen",
     Verdict.CLOSE: f"a formula without an error of its own, off by less than {CLOSE_BELOW:.0%}",
     Verdict.ROUGH: f"off by {CLOSE_BELOW:.0%} to {ROUGH_BELOW:.0%}",
@@ -53,17 +46,16 @@ MEANING: dict[Verdict, str] = {
 
 
 def worst(values: ArrayLike, errors: ArrayLike, theory: ArrayLike) -> tuple[int, float, int] | None:
-    """The look of one row that deviates most: its index, its sigmas, and out of how many looks.
-
-    None where no look has a positive error, a value and a theory.
+    """The look of one row that deviates most: its index, its sigmas, and out of how many looks that
+    have a positive error, a value and a theory; None without any.
     """
     v, s, t = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (values, errors, theory)))
-    usable = np.flatnonzero((s > 0) & np.isfinite(s) & np.isfinite(v) & np.isfinite(t))
+    z = np.where(s > 0, v - t, np.nan) / np.where(s > 0, s, 1.0)
+    usable = np.flatnonzero(np.isfinite(z) & np.isfinite(s))
     if not usable.size:
         return None
-    z = (v[usable] - t[usable]) / s[usable]
-    k = int(np.argmax(np.abs(z)))
-    return int(usable[k]), float(z[k]), int(usable.size)
+    k = int(usable[np.argmax(np.abs(z[usable]))])
+    return k, float(z[k]), int(usable.size)
 
 
 def corrected_sigmas(sigmas: float, groups: float, trials: int) -> float:
@@ -84,11 +76,7 @@ def gaussian_sigmas(p_value: float) -> float:
 
 def judge_sigmas(corrected: float) -> Verdict:
     """Verdict on a statistical comparison from its corrected sigmas."""
-    if not math.isfinite(corrected):
-        return Verdict.UNDEFINED
-    if corrected < AGREES_BELOW:
-        return Verdict.AGREES
-    return Verdict.UNCLEAR if corrected < DIFFERS_ABOVE else Verdict.DIFFERS
+    return _graded(corrected, AGREES_BELOW, DIFFERS_ABOVE, "agrees unclear differs")
 
 
 def judge_numerical(deviation: float, tolerance: float) -> Verdict:
@@ -98,11 +86,13 @@ def judge_numerical(deviation: float, tolerance: float) -> Verdict:
 
 def judge_approximation(deviation: float) -> Verdict:
     """Verdict on a printed approximation's relative deviation from the exact value."""
-    if not math.isfinite(deviation):
+    return _graded(abs(deviation), CLOSE_BELOW, ROUGH_BELOW, "close rough far")
+
+
+def _graded(size: float, low: float, high: float, words: str) -> Verdict:
+    if not math.isfinite(size):
         return Verdict.UNDEFINED
-    if abs(deviation) < CLOSE_BELOW:
-        return Verdict.CLOSE
-    return Verdict.ROUGH if abs(deviation) < ROUGH_BELOW else Verdict.FAR
+    return Verdict(words.split()[(size >= low) + (size >= high)])
 
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -112,16 +102,14 @@ _PLAIN = range(-4, 6)  # powers of ten that are written out
 def numeral(value: float, form: str) -> str:
     """A number in a format of Python's, as print has it: −0.2, 2200 or 2.2·10⁷, not 2.2e+07."""
     text = format(value, form)
-    found = re.fullmatch(r"([+-]?)([\d.]+)e([+-]?\d+)(.*)", text, flags=re.DOTALL)
-    if found:
+    if found := re.fullmatch(r"([+-]?)([\d.]+)e([+-]?\d+)", text):
         sign, digits, exponent = found[1], found[2], int(found[3])
         if exponent in _PLAIN and "e" not in form:
             decimals = max(0, len(digits.partition(".")[2]) - exponent)
-            text = f"{sign}{float(digits) * 10.0**exponent:.{decimals}f}{found[4]}"
+            text = f"{sign}{float(digits) * 10.0**exponent:.{decimals}f}"
         else:
             power = "10" + str(exponent).translate(_SUPERSCRIPTS)
-            factor = "" if float(digits) == 1 else f"{digits}·"
-            text = f"{sign}{factor}{power}{found[4]}"
+            text = f"{sign}{power}" if float(digits) == 1 else f"{sign}{digits}·{power}"
     if text.startswith(("-", "+")) and not text.strip("+-0."):
         text = text[1:]  # no sign before a zero
     return text.replace("-", "−")

@@ -1,4 +1,4 @@
-"""The command `lorentz compare`. What it needs is imported when it runs: --help stays quick."""
+"""The commands `lorentz compare` and `lorentz fit`; what they need is imported when they run."""
 
 from pathlib import Path
 from typing import Any
@@ -11,16 +11,11 @@ from kinetics.crosscheck.cli.options import Output, json_option
 
 COLUMNS = """DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy
 and, where known, tracer and medium (the configuration of scatterers), one row for each tracer at
-each time; or a file of an Ensemble; or
-frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz)
-or GSD (.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known;
---columns says others. Lengths are in d, speeds in U (standard deviation of one component of the
-initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise.
-Several files are several runs of the same system. Data are only read."""
-
-
-def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -> float | str:
-    return text if text == "data" else float(click.FLOAT(text, parameter, context))
+each time; or a file of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump,
+.lammpstrj), extended XYZ (.xyz, .extxyz) or GSD (.gsd, with the package gsd). Usual other names (t,
+id, v_x, replica ...) are known. Lengths are in d, speeds in U (standard deviation of one component
+of the initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say
+otherwise. Several files are several runs of the same system. Data are only read."""
 
 
 # fmt: off
@@ -34,11 +29,9 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--tangential-restitution", type=float,
         help="Coefficient of tangential restitution, 0 to 1. [default: an Ensemble's own, or 1]")
 @option("--number-density", type=float,
-        help="Scatterers per area (volume), in the data's unit of length. [default: an Ensemble's "
-        "own, or fitted]")
+        help="Scatterers per area (volume), in the data's unit of length. [default: as of -e]")
 @option("--dimension", type=click.IntRange(2, 3),
-        help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's own, "
-        "or 2]")
+        help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's, 2]")
 @option("--field", type=float, default=0.0,
         help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.")
 @options.mass_option
@@ -46,25 +39,16 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--initial", type=Choice(["auto", "gaussian", "monoenergetic", "data", "rest"]),
         default="auto",
         help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
-        "first of these that the data allow, Gaussian if they have no time 0.")
+        "first of these that the data allow.")
 @option("--scatterers", type=options.Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
         default="auto",
-        help="Dilute: the kinetic equation; else it is corrected for their density. auto: as an "
-        "Ensemble says, or the likeliest for the data.")
+        help="dilute: the kinetic equation; auto: as an Ensemble says, or the likeliest.")
 @option("--positions", type=Choice(["auto", "displacement", "absolute"]), default="auto",
-        help="x and y are relative to the tracer's place at time 0, or absolute; auto: absolute if "
-        "they are not 0 at time 0. Absolute ones need the column tracer, and must not be wrapped "
-        "unless the file has the box and short steps.")
-@option("--speed-unit", default="1", metavar="NUMBER|data", callback=_speed_unit,
-        help="U in the data's unit of speed; data: from the speeds at time 0.")
-@option("--diameter", "--length-unit", "diameter", type=float, default=1.0,
-        help="Diameter d in the data's unit of length.")
-@option("--time-unit", type=float,
-        help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]")
-@option("--timestep", type=float,
-        help="Time of one step, where a file gives steps and no times (dumps).")
-@option("--bin-times", type=float, metavar="FRACTION",
-        help="Times that differ by less than this fraction are one time, at their mean.")
+        help="Relative to the place at time 0, or not; auto: absolute if not 0 at time 0.")
+@option("--speed-unit", type=float, default=1.0, help="U in the data's unit of speed.")
+@option("--diameter", "--length-unit", "diameter", type=float, default=1.0, help="d in theirs.")
+@option("--time-unit", type=float, help="d/U in theirs. [default: --length-unit over --speed-unit]")
+@option("--timestep", type=float, help="Time of one step, where a file gives steps (dumps).")
 @option("--columns", default="", metavar="NAME=THEIRS,...",
         help="Names of columns in the files, as in time=t_sim,tracer=id.")
 @option("--type", help="Particles of this type (species) alone, where a file has several.")
@@ -73,33 +57,24 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
 @option("--figures", multiple=True, type=Choice(["pdf", "png", "svg"]),
         help="Write each figure as a file beside the page; may be repeated. Needs --output.")
 @option("--fail-on", type=Choice(["differs", "unclear"]),
-        help="End with exit status 1 where data and equation differ (unclear: also where a "
-        "difference is possible).")
+        help="End with exit status 1 where data and equation differ (or may: unclear).")
 @json_option
-def compare(
-    data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...], fail_on: str | None,
-    as_json: bool, viscoelastic: float | None, **told: Any,
-) -> int:
+def compare(viscoelastic: float | None, fail_on: str | None, **told: Any) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
-    Restitution, density and start are found in the data where they are not given. Prints, for each
-    observable and time, the data with their standard error, the theory, the difference in standard
-    errors and a verdict; a chi-square with its p-value for each observable; and what explains a
-    difference.
+    Restitution, density and start are found in the data where they are not given. Prints data with
+    standard errors, theory, differences and verdicts over time; a chi-square with its p-value for
+    each observable; and what explains a difference.
     """
     # fmt: on
     from kinetics.crosscheck.compare.ask import compare_data
 
-    restitution = told["restitution"]
-    told["restitution"] = options.impact_law(viscoelastic, "kinetics", restitution)
-    result = _done(compare_data, data, output, figures, as_json, told)
+    law = options.impact_law(viscoelastic, "kinetics", told["restitution"])
+    result = _done(compare_data, **told | {"restitution": law})
     return int(fail_on is not None and result.verdict in {"differs", fail_on})
 
 
-def _fit(
-    data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...], as_json: bool,
-    **told: Any,
-) -> None:  # fmt: skip
+def _fit(**told: Any) -> None:
     """Find restitution and density of the scatterers in particle data, from any code.
 
     Prints both with their errors, the medium that was taken and why, and how well its theory fits;
@@ -107,33 +82,28 @@ def _fit(
     """
     from kinetics.crosscheck.compare.ask import fit_data
 
-    _done(fit_data, data, output, figures, as_json, told)
+    _done(fit_data, **told)
 
 
-_TOLD = (
-    "restitution", "number_density", "field", "fail_on", "viscoelastic", "mass_ratio",
-    *options.DRIVES,
-)  # fmt: skip
+_TOLD = {"restitution", "number_density", "field", "fail_on", "viscoelastic", "mass_ratio"}
 fit = click.Command(
     "fit", callback=_fit, help=_fit.__doc__, short_help="Find e and the density.",
     epilog=options.example("lorentz fit data.csv -o fitted.html", COLUMNS),
-    params=[one for one in compare.params if one.name not in _TOLD],
+    params=[one for one in compare.params if one.name not in {*_TOLD, *options.DRIVES}],
 )  # fmt: skip
 
 
 def _done(
     work: Any, data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...],
-    as_json: bool, told: dict[str, Any],
+    as_json: bool, **told: Any,
 ) -> Any:  # fmt: skip
     """Compare, write what is asked for, and print."""
+    from kinetics.crosscheck.compare.page import drawn, render, tables
+    from kinetics.crosscheck.files import require_file, write_together
     from kinetics.errors import InputError
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
-    from kinetics.crosscheck.compare.page import render, tables
-    from kinetics.crosscheck.compare.result import drawn
-    from kinetics.crosscheck.files import require_file, write_together
-
     for path in () if output is None else (output, output.with_suffix(".json")):
         require_file("output", path)  # before anything is read
         if any(path.resolve() == other.resolve() for other in data):
@@ -144,10 +114,9 @@ def _done(
     if output is not None:
         numbers = output.with_suffix(".json").name
         contents = {numbers: result.to_json(), output.name: render(result, numbers)}
-        contents |= {
-            f"{output.stem}-{name}.{kind}": drawn(result, [name], kind)
-            for kind in figures for name in result.figures
-        }  # fmt: skip
+        for kind in figures:
+            for name in result.figures:
+                contents[f"{output.stem}-{name}.{kind}"] = drawn(result, [name], kind)
         written = write_together(output.parent, contents)
         text += "" if as_json else f"wrote {', '.join(map(str, written))}\n"
     click.echo(text, nl=False)

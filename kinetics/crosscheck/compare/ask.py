@@ -12,41 +12,33 @@ from typing import Any
 
 import numpy as np
 
-from kinetics import Solution, SolverStatus, validation
-from kinetics.crosscheck.compare import causes, judge, theory
+from kinetics import validation
+from kinetics.crosscheck.compare.answer import answered
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit, media_of
-from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
-from kinetics.crosscheck.compare.statistics import chance, errors, hotelling, spread_out
-from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
+from kinetics.crosscheck.compare.judge import with_spread
+from kinetics.crosscheck.compare.result import Comparison
+from kinetics.crosscheck.compare.statistics import errors, hotelling
+from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
-from kinetics.crosscheck.data.tracks import Table
-from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
+from kinetics.crosscheck.words import numeral
 from kinetics.driven.restitution import impact_restitution
-from kinetics.driven.system import checked_drives
 from kinetics.errors import InputError
-from kinetics.validation import check_positive, one_of, real_number, refuse
+from kinetics.validation import one_of, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
-SCATTERERS = ("dilute", "hard disks", "overlapping")
-_NO_DENSITIES = (
-    "At a finite density the theory of distributions is less certain than the averages': these are "
-    "compared, with an error of the theory in their covariance, and densities are not."
-)
-_OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
 
 
 def compare_data(
     data: str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Sample | Any,
     restitution: Any = None, number_density: float | None = None, initial: str = "auto",
-    positions: str = "auto", speed_unit: float | str = 1.0, diameter: float = 1.0,
+    positions: str = "auto", speed_unit: float = 1.0, diameter: float = 1.0,
     explain: bool = True, time_unit: float | None = None,
     columns: Mapping[str, str] | str | None = None, timestep: float | None = None,
     tangential_restitution: float | None = None, dimension: int | None = None,
-    bin_times: float | None = None, field: float = 0.0, show_progress: bool = False,
-    type: str | int | None = None, scatterers: str = "auto", fitted: bool = False,
-    bath_speed: float = 0.0, heating: float = 0.0, drag: float = 0.0, capture_speed: float = 0.0,
-    mass_ratio: float = math.inf,
+    field: float = 0.0, type: str | int | None = None, scatterers: str = "auto",
+    fitted: bool = False, bath_speed: float = 0.0, heating: float = 0.0, drag: float = 0.0,
+    capture_speed: float = 0.0, mass_ratio: float = math.inf,
 ) -> Comparison:  # fmt: skip
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
@@ -56,89 +48,81 @@ def compare_data(
         arrays with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and
         medium, (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
         dimension); a run of `simulate`
-    restitution : 0 to 1, or a function of the impact speed as in a Scene; None: as an Ensemble
-        says, or fitted to the data
+    restitution : 0 to 1, or of the impact speed as in a Scene; None: as a run says, or fitted
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none. In a field "rest"
-    positions, speed_unit, diameter, time_unit, columns, timestep, dimension, bin_times, type : of
-        files and of columns in memory, as the options of that command
-    tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
-        runs in space, averages are compared and densities are not
-    field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
-        restitution and number_density are needed, and no cause of a difference is looked for
+    positions, speed_unit, diameter, time_unit, columns, timestep, dimension, type : of files and
+        of columns in memory, as the options of that command
+    tangential_restitution : None: as a run says, or 1. With another, and in space, averages are
+        compared and densities are not
     explain : test what may explain a difference; False is quicker
-    scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (at their density,
-        see Scene), or "auto": as an Ensemble says, or the likeliest for the data. For others than
-        smooth disks "dilute"
-    fitted : fit restitution and density also where an Ensemble says them
-    bath_speed, heating, drag, capture_speed, mass_ratio : what drives the tracers, as in a Scene,
-        in U and d; as an Ensemble says where they are not given. Restitution and number_density are
-        then needed, v0, a2 and <r^2> (in a field what is compared there) are compared, where
-        tracers stick the velocities of the others, and no cause is looked for
-    show_progress : count the files that are read, on a terminal
+    scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (see Scene), or
+        "auto": as a run says, or the likeliest for the data. But for smooth disks "dilute"
+    fitted : fit restitution and density also where a run says them
+    field, bath_speed, heating, drag, capture_speed, mass_ratio : as in a Scene, in U and d, or as a
+        run says. Restitution and number_density are then needed, and no cause is looked for
 
-    Raises
-    ------
-    InputError (a ValueError) : data that cannot be used, numbers out of range, and where the data
-        cannot tell what was not given
+    InputError (a ValueError) for data that cannot be used, or that cannot tell what is not given.
     """
     if (sources := _sources(data)) is not None:
         sample = read_sample(
-            sources, show_progress, positions=positions, speed_unit=speed_unit, diameter=diameter,
+            sources, positions=positions, speed_unit=speed_unit, diameter=diameter,
             time_unit=time_unit, columns=columns, timestep=timestep, dimension=dimension,
-            bin_times=bin_times, with_field=field != 0, type=type,
+            with_field=field != 0, type=type,
         )  # fmt: skip
-        if number_density is not None:  # checked once more below, as it is then
-            number_density = check_positive("number_density", number_density)
-            number_density *= diameter**sample.law.dimension
     else:
-        from particles import Ensemble
-
-        if not isinstance(data, Ensemble | Sample):
-            refuse("data", data, "it must be a file, several files, columns or a run of simulate")
         sample = data if isinstance(data, Sample) else from_ensemble(data)
-    law, told, path = sample.law, sample.told, None
-    if tangential_restitution is not None:
-        checked = real_number("tangential_restitution", tangential_restitution, 0.0, 1.0)
-        law = replace(law, tangential_restitution=checked)
-    if dimension is not None and dimension != law.dimension:
-        refuse("dimension", dimension, f"the data are of dimension {law.dimension}")
-    if field:
-        law = replace(law, field=real_number("field", field, 0.0))
-        if sample.sums.shape[2] <= X2:
-            refuse("field", field, "the data are not of tracers in a field")
+    told, path = sample.told, None
+    if sample.times.size and sample.times[-1] > 1e70:  # v^4 would underflow
+        refuse("times", float(sample.times[-1]), "they must be below 1e70 d/U")
     restitution = told.get("restitution") if restitution is None else restitution
+    if dimension is not None and dimension != sample.law.dimension:
+        refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
+    if field and sample.sums.shape[2] <= X2:
+        refuse("field", field, "the data are not of tracers in a field")
     impact = impact_restitution(restitution)
-    law = replace(law, varies=impact is not None)
-    drives: Any = {"bath_speed": bath_speed, "heating": heating, "drag": drag}
-    drives = checked_drives(**drives, capture_speed=capture_speed)
-    law = replace(law, **{name: x for name, x in drives.items() if x})
+    drives = {
+        "field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag,
+        "capture_speed": capture_speed,
+    }  # fmt: skip
+    changed: Any = {name: x for name, x in drives.items() if x}
+    if tangential_restitution is not None:
+        changed["tangential_restitution"] = tangential_restitution
     if mass_ratio != math.inf:
-        law = replace(law, mass_ratio=validation.check_mass_ratio(mass_ratio))
-    sample, start = _own_unit(
-        replace(sample, law=law), told.get("initial", "auto") if initial == "auto" else initial
-    )
+        changed["mass_ratio"] = mass_ratio
+    law = replace(sample.law, varies=impact is not None, **changed)
+    initial = told.get("initial", "auto") if initial == "auto" else initial
+    sample = replace(sample, law=law)
+    start = _start(sample, initial)
+    if initial == "auto" and isinstance(start, SampledStart) and not sample.units:
+        squares, counts = start.bins
+        unit = math.sqrt(float(squares @ counts) / counts.sum() / law.dimension)
+        if abs(math.log(unit)) > 0.2:
+            said = f"Speeds at time 0 are those of U = {numeral(unit, '.4g')} of the data's unit"
+            sample = replace(sample, warnings=(*sample.warnings, f"{said}; is it --speed-unit?"))
+    if number_density is not None:
+        number_density = validation.check_positive("number_density", number_density)
+        number_density *= (diameter if sources else 1.0) ** law.dimension
     if fitted:
         restitution = None
-    else:
-        number_density = told.get("number_density") if number_density is None else number_density
+    elif number_density is None:
+        number_density = told.get("number_density")
     if restitution is not None:
         restitution = validation.check_restitution(restitution) if impact is None else impact
     if number_density is not None:
-        path = law.free_path(check_positive("number_density", number_density))
-    dense = one_of("scatterers", scatterers, ("auto", *SCATTERERS)) in SCATTERERS[1:]
-    if dense and not law.smooth_disks:
+        path = law.free_path(number_density)
+    one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
+    if scatterers not in ("auto", "dilute") and not law.smooth_disks:
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
     point = None if restitution is None or path is None else Point(restitution, path, start)
+    if (law.field or law.is_driven) and point is None:
+        first = next((name for name in drives if getattr(law, name)), "restitution")
+        raise InputError(f"{first}: restitution and number_density must be given with it")
     media = media_of(sample, scatterers, point)
     if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
         media = [told["scatterers"]]
-    if (law.field or law.is_driven) and point is None:
-        first = next((name for name, x in law.drives.items() if x), "restitution")
-        first = "field" if law.field else first
-        raise InputError(f"{first}: restitution and number_density must be given with it")
-    return _judged(sample, _fits(sample, restitution, path, start, media), media, explain)
+    return answered(sample, _fits(sample, restitution, path, start, media), media, explain)
 
 
 def fit_data(data: Any, **told: Any) -> Comparison:
@@ -152,80 +136,8 @@ def fit_data(data: Any, **told: Any) -> Comparison:
     return compare_data(data, explain=False, fitted=True, **told)
 
 
-def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool) -> Comparison:
-    """The rows, tests, verdict and explanations of data and theory side by side."""
-    expectation = Expectation(sample, theory.averages_of(sample.law))
-    best, explanations = _likeliest(fits), list[Explanation]()
-    for last in (False, True):
-        point = best.point
-        both = judge.Both(expectation, best, _densities(point, sample))
-        rows, tests = tuple(judge.rows_of(both)), tuple(judge.tests_of(both))
-        # Rows without spread no test can hold.
-        words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-        wrong = causes.wrong_unit(sample, point.start) or causes.never_move(sample)
-        verdict = Verdict.DIFFERS if wrong else judge.worst_of(words)
-        if last or not explain:
-            break
-        explanations, medium = causes.explained(both, verdict, wrong, media)
-        if medium == point.scatterers or medium not in media:
-            break  # else what explains is in another medium: it is the one that is shown
-        best = next((one for one in fits if one.point.scatterers == medium), best)
-    likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
-    first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
-    note = [_OWN_START] if point.own_start and both.histograms else []
-    note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
-    parameters = _parameters(both, wrong)
-    names = (("restitution", "e"), ("number_density", "ρ₀"))
-    fitted = " and ".join(
-        f"{symbol} = {number(parameters[name].value, parameters[name].error)}"
-        for name, symbol in names if parameters[name].error is not None
-    )  # fmt: skip
-    start = causes.start_in_words(point.start)
-    return Comparison(
-        verdict=verdict, summary=judge.summary(
-            both, tests, verdict, first, start, f"{fitted}, fitted" * bool(fitted),
-            _medium_in_words(fits, best)),
-        parameters=parameters, initial=start, samples=int(sample.samples.max()),
-        groups=sample.groups, grouping=sample.grouping, names=sample.names,
-        warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
-        numbers=rows, medium=point.scatterers,
-        covariance=tuple(map(tuple, best.covariance.tolist())),
-    )  # fmt: skip
-
-
-def _likeliest(fits: Sequence[Fit]) -> Fit:
-    """The likeliest of the fits that agree with the data, or of all of them.
-
-    Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
-    Burnham and Augustin, Biometrics 53, 603 (1997)).
-    """
-    agree = [f for f in fits if f.chi_square and f.chi_square.p_value >= causes.AGREES_ABOVE]
-    fits = agree or fits
-    best = min(fits, key=lambda f: f.criterion)
-    if not np.isfinite(best.criterion):
-        return best
-
-    weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
-    away = np.array([one.at - best.at for one in fits])
-    more = (away.T * (weight / weight.sum())) @ away
-    return replace(best, covariance=best.covariance + more)
-
-
-def _medium_in_words(fits: Sequence[Fit], best: Fit) -> str:
-    """Which medium was taken and why; empty where only one can be."""
-    if len(fits) < 2 or best.chi_square is None:
-        return ""
-    said = []
-    for one in sorted(fits, key=lambda one: one.point.scatterers != best.point.scatterers):
-        found, name = one.chi_square, one.point.scatterers
-        left = f"{numeral(found.value, '.3g')}/{found.freedom}" if found else ""
-        said.append(f"{name.replace('overlapping', 'overlapping disks')} {left}")
-    others = ", ".join(said[1:])
-    return f"The medium taken: {said[0]} (chi-square/degrees of freedom; {others})."
-
-
 def _sources(data: Any) -> list[Any] | None:
-    """Files as paths and columns as tables; None for what is neither."""
+    """Files as paths, and columns by name; None for what is neither."""
     if isinstance(data, list | tuple):
         every = [_sources(one) for one in data]
         return None if None in every else [one for found in every if found for one in found]
@@ -233,61 +145,14 @@ def _sources(data: Any) -> list[Any] | None:
         return [Path(data)]
     if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
         data = {name: data[name].to_numpy() for name in data.columns}
-    return [Table(data)] if isinstance(data, Mapping) else None
-
-
-def _parameters(both: judge.Both, wrong: Explanation | None) -> dict[str, Parameter]:
-    """The numbers of the theory; those that were fitted have standard errors."""
-    point, law, found = both.point, both.sample.law, both.found
-    left, why = found.chi_square if found.free else None, wrong.headline if wrong else ""
-    if left is not None and not why and left.p_value < chance(DIFFERS_ABOVE):
-        why = f"the model does not fit (p = {numeral(left.p_value, '.2g')})"
-
-    def parameter(name: str, value: Any, told: str = "told", fitted: str = "") -> Parameter:
-        if callable(value):
-            return Parameter(None, None, f"told: {value}")
-        if name not in found.free:
-            return Parameter(value, None, told)
-        if why:
-            used = numeral(value, ".5g")
-            return Parameter(None, None, f"no value: {why}; the theory that is shown has {used}")
-        at, error = found.value(name)
-        words = f"{fitted}fitted to v₀ and ⟨r²⟩ over time"
-        return Parameter(value, error * value / at if at else error, words)
-
-    by_path = "1/(2dl)" if law.dimension == 2 else "1/(πd²l)"
-    return {
-        "restitution": parameter("restitution", point.restitution),
-        "number_density": parameter("path", law.free_path(point.path), fitted=f"{by_path}, l "),
-        "mean_free_path": parameter("path", point.path, by_path.replace("l", "ρ₀")),
-    }
-
-
-def _densities(point: Point, sample: Sample) -> dict[str, Solution]:
-    """The densities by name, that of the displacement at late times and from a named start."""
-    if sample.law.field or point.scatterers != "dilute":
-        return {}
-    later, found = sample.times[sample.times > 0], dict[str, Solution]()
-    if not sample.law.smooth_disks:
-        return found
-    times = later[spread_out(later.size, 6)]  # each takes the solver some 0.1 s
-    if times.size:
-        found[theory.SPEED] = theory.solved(point, sample.law, times, (theory.SPEED,), 1e-6)
-    # before three l/U sharp fronts take the solver long, and few tracers have collided; from
-    # hundreds of single speeds it would take long
-    late = times[times > 3 * point.path][-3:]
-    if late.size and not point.own_start:
-        known = theory.solved(point, sample.law, late, (theory.DISPLACEMENT,), 1e-4)
-        if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
-            found[theory.DISPLACEMENT] = known
-    return found
+    return [data] if isinstance(data, Mapping) else None
 
 
 def _start(sample: Sample, initial: str) -> Any:
-    field, law = sample.law.field, sample.law
-    gains = field or law.bath_speed or law.heating
-    one_of("initial", initial, ("auto", "gaussian", "monoenergetic", "data", "rest"))
-    if initial == "rest" and not gains:
+    """The start as a Scene has it."""
+    law, names = sample.law, ("auto", "gaussian", "monoenergetic", "data", "rest")
+    gains = law.field or law.bath_speed or law.heating
+    if one_of("initial", initial, names) == "rest" and not gains:
         refuse("initial", initial, "without a field, a bath or heating nothing would move")
     if initial not in ("auto", "data"):
         return initial
@@ -304,43 +169,24 @@ def _start(sample: Sample, initial: str) -> Any:
         if np.all(np.abs(squares - 1) < 1e-6):
             return "monoenergetic"
         at_start = Expectation(sample, ("thermal_speed", "a2"))
-        away = at_start.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
+        away = at_start.values[:, 0] - [np.sqrt(law.dimension), 0.0]
         test = hotelling(away, at_start.replicates[:, :, 0])
         if squares.size > 1 and test and test.p_value >= 1e-3:
             return "gaussian"
-    if field:
+    if law.field:
         refuse("initial", initial, "in a field the start must be rest, gaussian or monoenergetic")
-    return theory.SampledStart(sample.start)
-
-
-def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
-    """The sample and its start; U from the data where none was told and another is a Gaussian's."""
-    start = _start(sample, initial)
-    if initial != "auto" or not isinstance(start, theory.SampledStart) or sample.units:
-        return sample, start
-    if sample.law.is_driven:
-        return sample, start
-    squares, counts = start.bins.squares, start.bins.counts
-    unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
-    changed = sample.rescaled(unit, 1.0)
-    if abs(math.log(unit)) < 0.2 or _start(changed, initial) != "gaussian":
-        return sample, start
-    words = f"U is taken as {numeral(unit, '.4g')} of the data's unit of speed: with it the speeds "
-    words += "at time 0 are a Gaussian's. Another U is told by --speed-unit."
-    return replace(changed, warnings=(*sample.warnings, words)), "gaussian"
+    return SampledStart(sample.start)
 
 
 def _fits(
-    sample: Sample, restitution: float | None, path: float | None, start: Any,
-    media: Sequence[str],
-) -> list[Fit]:  # fmt: skip
+    sample: Sample, restitution: Any, path: float | None, start: Any, media: Sequence[str]
+) -> list[Fit]:
     """Restitution and l, whichever is None, by a fit in each medium; or InputError."""
     words = {"restitution": "restitution", "path": "number_density"}
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
-    wanted = " and ".join(words[name] for name in free)
-    names = theory.averages_of(sample.law)
+    wanted, names = " and ".join(words[name] for name in free), averages_of(sample.law)
     expectation, groups = Expectation(sample, names), sample.groups
-    usable = judge.with_spread(errors(expectation.replicates), expectation.values)
+    usable = with_spread(errors(expectation.replicates), expectation.values)
     usable &= sample.times > 0  # the start does not depend on what is looked for
     complete = sample.samples == sample.samples.max()
     if not sample.law.capture_speed and np.count_nonzero(complete & (sample.times > 0)) >= 3:
@@ -352,7 +198,7 @@ def _fits(
         if components[0].size < len(free) or groups < len(free) + 3:
             raise InputError(f"data: too few times or groups ({groups}) to find {wanted}; give it")
         # l to start from: a third of the largest root mean square displacement
-        msd = expectation.values[AVERAGES.index("msd")]
+        msd = expectation.values[names.index("msd")]
         size = math.sqrt(max(msd[np.isfinite(msd)], default=9.0)) / 3
         guess = math.log(min(max(size, 1e-6), 1e6))
         known = Point(0.5 if restitution is None else restitution, path or math.exp(guess), start)
@@ -363,11 +209,10 @@ def _fits(
                 starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
         # Without the other averages, which cost more, until the place is known.
         second = Expectation(sample, SECOND_MOMENTS[:2])
-        mine = usable[np.isin(AVERAGES, SECOND_MOMENTS)]
+        mine = usable[np.isin(names, SECOND_MOMENTS)]
         only = components_of(SECOND_MOMENTS[:2], mine, groups, len(free))
         if near := fit(second, known, free, only, starts):
-            at = {"restitution": near.point.restitution, "path": math.log(near.point.path)}
-            starts = [[at[name] for name in free]]
+            starts = [near.at.tolist()]
     tried = (
         fit(expectation, known._replace(scatterers=medium), free, components, starts)
         for medium in media

@@ -1,13 +1,13 @@
 """One least-squares fit: for what was told, for what was not, and for every cause of a difference.
 
-Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: where a few fast
-tracers raise a fourth moment they raise its variance too, so that weights from the same tracers
-would favour low values (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter
-the chi-square that is left. An error of the theory adds its covariance to that of the data.
+Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: a few fast tracers
+raise a fourth moment and its variance, so that weights from the same tracers favour low values
+(Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter the chi-square that is
+left. An error of the theory adds its covariance to that of the data.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,62 +15,47 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, whitening
-from kinetics.crosscheck.compare.theory import (
-    Expectation,
-    Point,
-    own_covariance,
-    stabilised,
-    steadied,
-)
+from kinetics.crosscheck.compare.theory import Expectation, Point
 from kinetics.crosscheck.data.sample import Sample
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SECOND_MOMENTS = ("thermal_speed", "msd", "drift", "mean_displacement")
-"""The averages that parameters are fitted to."""
+SECOND_MOMENTS = ("thermal_speed", "msd", "drift", "mean_displacement")  # that are fitted to
+# of parameters that are fitted as they are; others are positive, and their logarithms fitted
 LIMITS = {
     "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
     "velocity_noise": (0.0, 1e3), "position_noise": (0.0, 1e6),
 }  # fmt: skip
-"""Of parameters that are fitted as they are; others are positive, and their logarithms fitted."""
+# restitution from which on, and number density up to which, there is a theory of dense media
 LEAST_RESTITUTION, DENSEST = 0.2, 0.3
-"""Restitution from which on, and number density up to which, there is a theory of dense media."""
 WIDEST = 12.0  # |ln| of the factor by which a positive parameter may differ from what was told
-_STEP = 1e-4
-"""Of a parameter, for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1."""
+_STEP = 1e-4  # for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A point with some fitted parameters (`free`, perhaps none), and all that is known there.
 
-    theory (n_names, n_times); known (p_all, p_all): the covariance of its own error, None for 0;
-    covariance (k, k) of the parameters, or of the logarithms of positive ones; slope (p_all, k):
-    d(theory)/d(parameters); influence (k, p) on them of the fitted averages, whose indices are
-    `fitted` (p,). chi_square: of all averages together; widening: ln(det(C + M)/det C) of it.
+    theory (n_names, n_times); known: the covariance of its own error, None for 0; at (k,): the
+    parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence (k, p)
+    on `at` of the averages `fitted` (p,); shaped, replicates (G, ...): the difference of data and
+    theory as `Expectation.stabilised`; widening: ln(det(C + M)/det C) of the chi-square.
     """
 
     point: Point
     free: tuple[str, ...]
     theory: Array
     known: Array | None
+    at: Array
     covariance: Array
     slope: Array
     influence: Array
     fitted: Indices
+    shaped: Array
+    replicates: Array
     chi_square: ChiSquare | None = None
     widening: float = 0.0
-
-    def coordinates(self, point: Point) -> Array:
-        """The parameters `free` of a point, or the logarithms of positive ones, (k,)."""
-        values = {name: getattr(point, name) for name in self.free}
-        return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
-
-    @property
-    def at(self) -> Array:
-        """The fitted parameters as `coordinates`."""
-        return self.coordinates(self.point)
 
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
@@ -85,12 +70,16 @@ class Fit:
         return float(left + self.widening + 2 * len(self.free))
 
     def moved(self, replicates: Array) -> Array:
-        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off:
-        of `steadied` ones exactly, as these are logarithms where they are fitted.
-        """
+        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
         flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
         shift = (flat - flat.mean(axis=0)) @ self.influence.T
         return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
+
+
+def coordinates(point: Point, free: Sequence[str]) -> Array:
+    """Parameters of a point as they are fitted, (k,)."""
+    values = {name: getattr(point, name) for name in free}
+    return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
 
 
 def choose(usable: NDArray[np.bool_], groups: int, parameters: int) -> Indices:
@@ -107,8 +96,7 @@ def components_of(
 ) -> tuple[Indices, Indices]:
     """The averages that are fitted, and those that enter the chi-square, as `choose`."""
     second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
-    fitted, tested = (choose(u, groups, parameters) for u in (second, usable))
-    return fitted, tested
+    return choose(second, groups, parameters), choose(usable, groups, parameters)
 
 
 def fit(
@@ -121,8 +109,8 @@ def fit(
     """
     groups, (chosen, tested) = expectation.sample.groups, components
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
-    values, logs = expectation.values.ravel()[chosen], np.array([n not in LIMITS for n in free])
-    low, high = np.array([_ends(name, told) for name in free]).reshape(-1, 2).T
+    values, low_high = expectation.values.ravel()[chosen], [_ends(name, told) for name in free]
+    low, high = np.array(low_high).reshape(-1, 2).T
 
     def point(at: Array) -> Point:
         both = zip(free, at.tolist(), strict=True)
@@ -136,7 +124,7 @@ def fit(
 
     def weights(at: Array) -> Array | None:
         theory = expectation.theory(point(at))
-        known, size = own_covariance(expectation, point(at), theory), theory.ravel()[chosen]
+        known, size = expectation.own_covariance(point(at), theory), theory.ravel()[chosen]
         with np.errstate(divide="ignore", invalid="ignore"):
             left = np.log(replicates) - np.log(size)
         if not np.all(np.isfinite(left)):
@@ -152,18 +140,17 @@ def fit(
             if np.all(np.isfinite(left := difference(at))) and (found := weights(at)) is not None:
                 tried.append((float(np.sum((found @ left) ** 2)), at, found))
         tried = sorted(tried, key=lambda one: one[0])[:2]
-        ended = [_descended(difference, found, at, low, high) for _, at, found in tried]
+        ended = (_descended(difference, found, at, low, high) for _, at, found in tried)
         if not (reached := [one for one in ended if one is not None]):
             return None
         best = min(reached, key=lambda one: one[0])[1]
-        margin = 0.01 * (high - low)
-        if np.any(logs & ((best <= low + margin) | (best >= high - margin))):
+        margin = np.where([n in LIMITS for n in free], -1.0, 0.01 * (high - low))
+        if np.any((best <= low + margin) | (best >= high - margin)):
             return None
         if (white := weights(best)) is None:
             return None
-    at, names = point(best), expectation.names
-    theory = expectation.theory(at)
-    known = own_covariance(expectation, at, theory)
+    at, theory = point(best), expectation.theory(point(best))
+    known = expectation.own_covariance(at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
     if white is not None:
@@ -175,9 +162,10 @@ def fit(
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-    parts = (at, tuple(free), theory, known, spread, slope, influence, chosen)
-    widening, rows = 0.0, steadied(expectation, theory, expectation.replicates - theory)
-    left_of = Fit(*parts).moved(rows).reshape(groups, -1)[:, tested]
+    rows, widening = expectation.steadied(theory), 0.0
+    shaped = expectation.stabilised(theory, expectation.values - theory)
+    made = Fit(at, tuple(free), theory, known, best, spread, slope, influence, chosen, shaped, rows)
+    left_of = made.moved(rows)
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
         spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
@@ -186,9 +174,9 @@ def fit(
         passed[:, chosen] -= slope[tested] @ influence
         usable = np.any(passed != 0, axis=0)
         known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
-    left = stabilised(names, theory, expectation.values - theory).ravel()[tested]
-    after = statistics.hotelling(left, left_of, known)
-    return Fit(*parts, after, widening)
+    of_tested = left_of.reshape(groups, -1)[:, tested]
+    after = statistics.hotelling(shaped.ravel()[tested], of_tested, known)
+    return replace(made, replicates=left_of, chi_square=after, widening=widening)
 
 
 def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:
@@ -207,13 +195,12 @@ def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str
 
 def _ends(name: str, told: Point) -> tuple[float, float]:
     """Between what a parameter, or its logarithm, is looked for."""
-    dense = told.scatterers != "dilute"
-    if name in LIMITS:
-        low, high = LIMITS[name]
-        return (LEAST_RESTITUTION, high) if dense and name == "restitution" else (low, high)
-    middle = float(np.log(getattr(told, name)))
-    low = middle - WIDEST
-    return (max(low, -np.log(2 * DENSEST)) if dense and name == "path" else low), middle + WIDEST
+    dense, low, high = told.scatterers != "dilute", *LIMITS.get(name, (-np.inf, np.inf))
+    if name not in LIMITS:
+        middle = float(np.log(getattr(told, name)))
+        low, high = middle - WIDEST, middle + WIDEST
+    least = {"restitution": LEAST_RESTITUTION, "path": -np.log(2 * DENSEST)} if dense else {}
+    return max(low, least.get(name, low)), high
 
 
 def _descended(

@@ -1,33 +1,21 @@
 """Comparison: the result of comparing a sample with the kinetic equation, as a value."""
 
-import io
 import json
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
 
-from kinetics import __version__
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
-from kinetics.errors import InputError, short
 from kinetics.results import Result
+from kinetics.validation import refuse
 
 SCHEMA = "inelastic-lorentz/comparison/1"
-OUTCOMES = {
-    "explains": "explains the difference",
-    "found": "found in the data",
-    "in part": "explains part of it",
-    "does not": "does not explain it",
-    "noted": "noted",
-}
-"""What an explanation comes to, in words; in the order in which they are shown."""
-_DECADES = 30.0  # largest over smallest value from which on an axis is logarithmic
-_REGIONS = {"68 %": 1.515, "95 %": 2.448}  # Radii that hold so much of a Gaussian of two numbers
 
 
 class Row(NamedTuple):
@@ -46,12 +34,11 @@ class Row(NamedTuple):
     high: float | None = None
 
 
-@dataclass(frozen=True)
-class ComparisonTest:
-    """All rows of an observable together (of a density: at one time) by one chi-square.
+class ComparisonTest(NamedTuple):
+    """All rows of an observable (of a density: at one time) by one chi-square.
 
-    `groups` gave the covariance, None where it is known. `verdict` looks at the p-value times the
-    number of tests, as `sigmas`, and, for an average, at the time that differs most. `within` is
+    `groups` gave the covariance, None where it is known. `verdict` looks at `sigmas`, of the
+    p-value times the number of tests, and, for an average, at the time that differs most. `within`:
     the relative difference (of 1 + a2) that the data exclude at every time, at 95 %.
     """
 
@@ -66,8 +53,7 @@ class ComparisonTest:
     within: float | None = None
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A number of the theory: given (error None), or found; value None where no model fits."""
 
     value: float | None
@@ -75,13 +61,11 @@ class Parameter:
     source: str
 
 
-@dataclass(frozen=True)
-class Explanation:
+class Explanation(NamedTuple):
     """Something that may explain a difference; chi-squares are of all averages.
 
-    outcome: "explains" (the rest agrees, and no other cause is much likelier), "in part" (the
-    chi-square falls by 16 and by a tenth), "does not", "noted" (not tested) or "found" (the data
-    show it by themselves). `headline` is what the summary says of it.
+    outcome: "explains" (what is left agrees, no other cause is much likelier), "in part" (T^2 falls
+    by 16 and a tenth), "does not", "noted" (not tested) or "found" (in the data themselves).
     """
 
     name: str
@@ -103,19 +87,16 @@ class Comparison(Result):
 
     Attributes
     ----------
-    verdict : on everything, from the tests and from rows without spread
-    summary : the verdict in a sentence or two
+    verdict, summary : on everything, and in a sentence or two
     parameters : "restitution", "number_density", "mean_free_path" as Parameter
     initial : the start of the theory, in words
     samples, groups : tracers at most, and independent groups that the errors are from
     grouping : what a group is made of: "medium", "tracer" or "row"
-    names : where the data came from
-    warnings : what the reader should know of the data
+    names, warnings : where the data came from, and what the reader should know of them
     tests : ComparisonTest, one chi-square per average, and per density and time
     explanations : Explanation; empty where nothing needs one
     medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
-    covariance : of the fitted numbers, restitution and ln(mean free path) in this order, those that
-        were fitted
+    covariance : of those that were fitted of restitution and ln(mean free path)
     """
 
     verdict: Verdict
@@ -137,21 +118,15 @@ class Comparison(Result):
     def rows(self) -> Any:
         """Every number: a row for each observable and time (and bin of a density), as a new table.
 
-        `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
-        difference, `sigmas` their difference in it. A bin is from `low` to `high`; where `high` is
-        NaN it has no upper end, and value and theory are shares of the samples. `verdict` looks at
-        `corrected_sigmas`, which allow for the number of rows of the observable. Without spread in
-        the data (all speeds equal) both are NaN.
+        `value` is the data's, `theory` the equation's, `error` the standard error of the
+        difference, `sigmas` the difference in it, NaN where all speeds are equal. A bin is from
+        `low` to `high`; the last has none (NaN), and shares of the samples. `verdict` looks at
+        `corrected_sigmas`, which allow for the number of rows of the observable.
         """
         frame = pd.DataFrame(self.numbers, columns=Row._fields)
         frame["verdict"] = frame["verdict"].map(str)
         others = ("observable", "verdict", "samples")
         return frame.astype({name: float for name in Row._fields if name not in others})
-
-    def observable(self, name: str) -> Any:
-        """The rows of one observable."""
-        rows = self.rows
-        return rows[rows["observable"] == name].reset_index(drop=True)
 
     def p_value(self, observable: str, time: float | None = None) -> float:
         """The p-value of an average, or of a density at a time; KeyError where there is none."""
@@ -164,15 +139,25 @@ class Comparison(Result):
 
     @property
     def figures(self) -> list[str]:
-        """The names of the figures, which `plot` draws from the rows."""
-        return figures_of(self)
+        """What `plot` draws: each observable, and "confidence", of e and l, if both were fitted."""
+        rows = self.rows[self.rows["time"] > 0]
+        averages = rows["low"].isna()
+        bins = rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)
+        seen = {*rows[averages | bins]["observable"]}
+        found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
+        both = np.shape(self.covariance) == (2, 2) and self.parameters["restitution"].value
+        return found + (["confidence"] if both else [])
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
-        parts = {one.name: plain(getattr(self, one.name)) for one in fields(self)}
+        parts = {one.name: getattr(self, one.name) for one in fields(self)}
+        for name in ("tests", "explanations", "numbers"):
+            parts[name] = [item._asdict() for item in parts[name]]
+        parts["parameters"] = {k: one._asdict() for k, one in self.parameters.items()}
         data = {name: parts.pop(name) for name in ("names", "samples", "groups", "grouping")}
-        rows = [dict(zip(Row._fields, row, strict=True)) for row in parts.pop("numbers")]
-        return {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
+        rows = parts.pop("numbers")
+        made = {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
+        return plain(made)
 
     def to_json(self) -> str:
         """The document as strict JSON."""
@@ -180,32 +165,34 @@ class Comparison(Result):
 
     def to_dataframe(self, name: str | None = None, **points: Any) -> Any:
         """The rows, or those of one observable."""
-        return self.rows if name is None else self.observable(name)
+        rows = self.rows
+        return rows if name is None else rows[rows["observable"] == name].reset_index(drop=True)
 
     def _dataset(self, only: Any = None, **points: Any) -> Any:
         """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
+        from kinetics import __version__
+
         made = self.rows.rename_axis("row").to_xarray()
         units = [OBSERVABLES[name].unit or "1" for name in self.rows["observable"]]
         made["units"] = "row", units, {"long_name": "unit of value, error and theory"}
-        scene = json.dumps(plain(dict(self.parameters)), allow_nan=False)
+        scene = json.dumps(self.to_dict()["parameters"])
         about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
         return made.assign_attrs(**about, scene=scene, version=__version__)
 
     def plot(self, name: str | None = None, ax: Any = None, **points: Any) -> Any:
-        """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned; or
-        InputError.
-        """
+        """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned."""
         if name is None:
             return super().plot(None, ax)
-        figures = [figure.replace("-", "_") for figure in self.figures]
-        if str(name).replace("-", "_") not in figures:
-            known = ", ".join(figures) or "no figures"
-            raise InputError(f"name: got {short(name)}; this comparison has {known}")
+        from kinetics.crosscheck.compare.page import draw
+
+        figure = str(name).replace("_", "-")
+        if figure not in self.figures:
+            refuse("name", name, f"this comparison has {', '.join(self.figures) or 'no figures'}")
         if ax is None:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots(layout="constrained")
-        draw(self, name, ax)
+        draw(self, figure, ax)
         return ax
 
     def plot_all(self, **points: Any) -> Any:
@@ -217,93 +204,19 @@ class Comparison(Result):
 
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        def made(item: Any, kind: Any = dict) -> Any:
-            found = {k: Verdict(v) if k == "verdict" else v for k, v in item.items()}
-            return kind(**{k: tuple(v) if isinstance(v, list) else v for k, v in found.items()})
+        def judged(item: dict[str, Any]) -> dict[str, Any]:
+            return item | {"verdict": Verdict(item["verdict"])}
 
-        found = made(json.loads(parts["document"]))
-        del found["schema"], found["title"]
-        kinds = {"rows": Row, "tests": ComparisonTest, "explanations": Explanation}
-        found |= {name: tuple(made(x, kind) for x in found[name]) for name, kind in kinds.items()}
+        found = judged(json.loads(parts["document"]))
+        found |= found.pop("data")
+        found["tests"] = [ComparisonTest(**judged(test)) for test in found["tests"]]
+        found["numbers"] = [Row(**judged(row)) for row in found.pop("rows")]
+        found["explanations"] = [Explanation(**item) for item in found["explanations"]]
+        found["covariance"] = [tuple(row) for row in found["covariance"]]
         found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
-        found["covariance"] = tuple(map(tuple, found["covariance"]))
-        return cls(numbers=found.pop("rows"), **made(found.pop("data")), **found)
+        del found["schema"], found["title"]
+        made: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
+        return cls(**made)
 
     def __repr__(self) -> str:
-        """The verdict first, and the tests of averages."""
-        lines = textwrap.wrap(f"Comparison: {self.verdict}. {self.summary}", 100)[:4]
-        shown = [t for t in self.tests if t.time is None]
-        words = "  {0.observable}: {0.chi_square:.4g}/{0.dof}, p = {0.p_value:.2g}, {0.verdict}"
-        return "\n".join([*lines, *map(words.format, shown)])
-
-
-# -- the figures, drawn from the rows: data beside theory, and all deviations ----------------------
-def figures_of(result: Any) -> list[str]:
-    """Each observable, "sigmas", and "confidence", the region of e and l, if both were fitted."""
-    rows = result.rows[result.rows["time"] > 0]
-    bins = rows[rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)]
-    seen = {*rows[rows["low"].isna()]["observable"], *bins["observable"]}
-    found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
-    found += ["sigmas"] if len(rows[rows["low"].isna()]) else []
-    both = np.shape(result.covariance) == (2, 2) and result.parameters["restitution"].value
-    return found + (["confidence"] if both else [])
-
-
-def draw(result: Any, figure: str, ax: Any) -> None:
-    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
-    name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
-    bars = {"fmt": "o", "ms": 4, "lw": 1}
-    labels, log = ["time $t$ / (d/U)", ""], [True, False]
-    if name == "confidence":
-        title, log = "Restitution and mean free path together", [False, False]
-        labels = ["restitution $e$", "mean free path $l$ / d"]
-        e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
-        angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
-        x, y = root @ np.stack([np.cos(angle), np.sin(angle)])
-        for share, radius in _REGIONS.items():
-            ax.plot(e + radius * x, path * np.exp(radius * y), label=share)
-        ax.plot(e, path, "ko", ms=4, label="fitted")
-    elif name == "sigmas":
-        title, labels[1] = "Differences in standard errors", "difference / standard error"
-        ax.axhline(0.0, color="gray", lw=0.8)
-        averages = rows[rows["low"].isna()].dropna(subset="sigmas")
-        for one, mine in averages.groupby("observable", sort=False):
-            ax.errorbar(mine["time"], mine["sigmas"], 1.0, label=OBSERVABLES[one].symbol, **bars)
-    else:
-        seen, mine = OBSERVABLES[name], rows[rows["observable"] == name]
-        title, unit = seen.title, f" / {seen.unit}" if seen.unit else ""
-        labels[1] = seen.symbol + unit
-        if seen.measured is None:
-            labels, log = [seen.symbol + unit, f"density / (1/{seen.unit})"], [True, True]
-            bins = mine[(mine["low"] > 0) & mine["high"].notna() & (mine["value"] > 0)]
-            for k, (at, body) in enumerate(bins.groupby("time")):
-                middle, colour = np.sqrt(body["low"] * body["high"]), f"C{k}"
-                ax.plot(middle, body["theory"], color=colour)
-                mark = {"color": colour, "label": f"t = {at:.4g}", **bars}
-                ax.errorbar(middle, body["value"], body["error"], **mark)
-        else:
-            both = mine[["value", "theory"]].to_numpy()
-            log[1] = bool(both.min() > 0 and both.max() > _DECADES * both.min())
-            ax.plot(mine["time"], mine["theory"], label="kinetic equation")
-            shown = {"color": "black", "label": "data", **bars}
-            ax.errorbar(mine["time"], mine["value"], mine["error"], **shown)
-    ax.set(xlabel=labels[0], ylabel=labels[1])
-    for side, is_log in zip("xy", log, strict=True):
-        if is_log:
-            ax.set(**{f"{side}scale": "log"})
-    ax.set_title(title, fontsize="medium")
-    ax.legend(fontsize="small", frameon=False)
-
-
-def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
-    """Figures in two columns as one picture, in a format of matplotlib's."""
-    from matplotlib.figure import Figure
-
-    wide = min(2, len(names))
-    high = -(-len(names) // wide)
-    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
-    for k, name in enumerate(names, 1):
-        draw(result, name, figure.add_subplot(high, wide, k))
-    dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
-    figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
-    return buffer.getvalue()
+        return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", 100)

@@ -1,11 +1,9 @@
 """Chi-square where errors are correlated, and known only from the spread of groups.
 
-`d` is a vector of differences between data and theory, `replicates` the same vector with each of
-G independent groups left out in turn. Its covariance C is their jackknife spread; because that is
-an estimate T^2 = d C^-1 d is no chi-square, but T^2 (G - p)/(p (G - 1)) has the F-distribution with
-p and G - p degrees of freedom (Hotelling; Anderson, An Introduction to Multivariate Statistical
-Analysis, 5.2), for groups that are not Gaussian with `effective_groups` as G. What is reported is
-the chi-square that has its p-value. The same tracers at many times are thus counted once.
+Of a vector d of differences the covariance C is the jackknife spread of `replicates`, the same with
+each of G groups left out in turn. T^2 = d C^-1 d is then no chi-square, but T^2 (G - p)/(p (G - 1))
+has the F-distribution with p and G - p degrees of freedom (Hotelling), for groups that are not
+Gaussian with `effective_groups` as G. What is reported is the chi-square that has its p-value.
 """
 
 import math
@@ -15,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betainc, gammaincc, gammainccinv
 
+from kinetics.crosscheck.words import AGREES_BELOW
+
 Array = NDArray[np.float64]
 
-# groups behind each degree of freedom, or the covariance is too uncertain
-GROUPS_PER_FREEDOM = 4
-# of the correlation matrix, relative to the largest: below, two components are the same
-_SMALLEST_EIGENVALUE = 1e-9
+GROUPS_PER_FREEDOM = 4  # behind each degree of freedom, or the covariance is too uncertain
+_SMALLEST_EIGENVALUE = 1e-9  # of correlations, to the largest: below two components are the same
 
 
 class ChiSquare(NamedTuple):
@@ -61,6 +59,9 @@ def chance(sigmas: float) -> float:
     return math.erfc(sigmas / math.sqrt(2))
 
 
+AGREES_ABOVE = chance(AGREES_BELOW)  # p-value from which on what is left agrees
+
+
 def effective_groups(replicates: Array) -> Array:
     """Groups that a variance from delete-one replicates (G, ...) is as good as, G at most."""
     # the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule)
@@ -85,19 +86,18 @@ def hotelling(difference: Array, replicates: Array, known: Array | None = None) 
 
     known (p, p): the covariance of an error of the theory, which is added.
     """
-    groups, extra = len(replicates), np.zeros((1, 1)) if known is None else known
+    groups = len(replicates)
     if difference.size == 0:
         return None
-    axes = whitening(covariance(replicates) + extra)
+    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
     white = axes @ difference
     freedom, statistic = white.size, float(white @ white)
     if freedom == 0 or groups <= freedom:
         return None
     effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
     # the upper tail of the F-distribution; a p-value below doubles is 0
-    p_value = float(
-        betainc((effective - freedom) / 2, freedom / 2, 1 / (1 + statistic / (effective - 1)))
-    )
+    share = 1 / (1 + statistic / (effective - 1))
+    p_value = float(betainc((effective - freedom) / 2, freedom / 2, share))
     value = 2 * float(gammainccinv(freedom / 2, p_value)) if p_value > 1e-300 else statistic
     return ChiSquare(value, freedom, p_value, groups, statistic)
 
@@ -108,9 +108,7 @@ def log_widening(replicates: Array, known: Array) -> float:
     return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
 
 
-def pearson(counts: Array, expected: Array) -> ChiSquare | None:
-    """Chi-square of counts against those expected."""
-    if counts.size < 2:
-        return None
+def pearson(counts: Array, expected: Array) -> ChiSquare:
+    """Chi-square of counts, two at least, against those expected."""
     value, freedom = float(np.sum((counts - expected) ** 2 / expected)), counts.size - 1
     return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)

@@ -12,31 +12,25 @@ from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.compare.statistics import effective_groups, errors
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
-from kinetics.numerics.gauss import panels_between
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 Array = NDArray[np.float64]
 
-# asked of the solver for averages: far below any standard error; where tracers are driven, or in a
-# field, it takes longer
-RTOL, FIELD_RTOL = 1e-7, 1e-5
 SPEED, DISPLACEMENT = "speed_density", "position_density"
 
 
 class Observable(NamedTuple):
-    """How an observable is written (title, symbol, unit, in a text), and what it is made of.
-
-    measured : of the means m over tracers, the scales u and d, and the law; None for a density
-    where : "field", "free" or "both", see `AVERAGES`
-    output, component : of a Solution; the output has the observable's name, if not told
+    """How an observable is written (title, symbol, unit, in a text), how it is measured from means
+    m over tracers (None: a density), where it is compared ("field", "free" or "both"), and the
+    output of a Solution, if of another name, and its component.
     """
 
     title: str
     symbol: str
     unit: str
     short: str
-    measured: Callable[[Any, Any, Any, Law], Any] | None = None
+    measured: Callable[[Any, Law], Any] | None = None
     where: str = "free"
     output: str = ""
     component: tuple[int, ...] = ()
@@ -44,47 +38,38 @@ class Observable(NamedTuple):
 
 OBSERVABLES = {name: Observable(*words) for name, *words in (
     ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
-     lambda m, u, d, law: u * m[VX], "field", "mean_velocity", (0,)),
+     lambda m, law: m[VX], "field", "mean_velocity", (0,)),
     ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
-     lambda m, u, d, law: u * np.sqrt(m[V2]), "both"),
+     lambda m, law: np.sqrt(m[V2]), "both"),
     ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
-     lambda m, u, d, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1),
+     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1),
     ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
-     lambda m, u, d, law: d**2 * m[R2]),
+     lambda m, law: m[R2]),
     ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
-     "⟨r⁴⟩/⟨r²⟩²", lambda m, u, d, law: m[R4] / m[R2] ** 2),
+     "⟨r⁴⟩/⟨r²⟩²", lambda m, law: m[R4] / m[R2] ** 2),
     ("mean_displacement", "Mean displacement along the field", r"$\langle x\rangle$", "d", "⟨x⟩",
-     lambda m, u, d, law: d * m[X], "field", "", (0,)),
+     lambda m, law: m[X], "field", "", (0,)),
     ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "var x",
-     lambda m, u, d, law: d**2 * (m[X2] - m[X] ** 2), "field", "displacement_tensor", (0, 0)),
+     lambda m, law: m[X2] - m[X] ** 2, "field", "displacement_tensor", (0, 0)),
     ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "var y",
      # across the field the mean is 0
-     lambda m, u, d, law: d**2 * (m[R2] - m[X2]) / (law.dimension - 1), "field",
+     lambda m, law: (m[R2] - m[X2]) / (law.dimension - 1), "field",
      "displacement_tensor", (1, 1)),
     (SPEED, "Speed density", "speed $v$", "U", "mean over a bin"),
     (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
 )}  # fmt: skip
 """Everything that is compared, in the order of the page: a new average is one row."""
-AVERAGES, IN_FIELD = (
-    tuple(k for k, seen in OBSERVABLES.items() if seen.measured and seen.where in ("both", where))
-    for where in ("free", "field")
-)
-"""The averages that are compared without a field, and in one."""
 
 
 def averages_of(law: Law) -> tuple[str, ...]:
-    """The averages that are compared under a law: where tracers are driven without the kurtosis,
-    and where they stick of the velocity alone, as their places are not those of all that move.
+    """The averages that are compared under a law: of driven tracers without the kurtosis, where
+    they stick of the velocity alone, as their places are not those of all that move.
     """
-    every, driven = IN_FIELD if law.field else AVERAGES, ("kurtosis",) * law.is_driven
+    where = ("both", "field" if law.field else "free")
+    every = [k for k, x in OBSERVABLES.items() if x.measured and x.where in where]
     if law.capture_speed:
-        return tuple(name for name in every if name in ("drift", "thermal_speed", "a2"))
-    return tuple(name for name in every if name not in driven)
-
-
-def rtol_of(law: Law) -> float:
-    """The relative tolerance asked of the solver for averages."""
-    return FIELD_RTOL if law.field or law.is_driven else RTOL
+        every = [k for k in every if k in ("drift", "thermal_speed", "a2")]
+    return tuple(k for k in every if k != "kurtosis" or not law.is_driven)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,13 +89,10 @@ class SampledStart(State):
 class Point(NamedTuple):
     """Every number that a theory of data has; a cause of a difference is another value of some.
 
-    restitution: as a Scene's; path: mean free path in d; start: as a Scene's initial
-    scatterers : as in a Scene; among others than "dilute" ones `path` is still 1/(2 d rho)
-    speed_unit, time_unit, length_unit : U, d/U and d of the data in the units that were told
-    at_rest : share of the tracers that never move
-    time_offset : in d/U, of the data's clock behind the true one
-    velocity_noise, position_noise : variances of a component of what is added to each velocity and
-        displacement, in U^2 and d^2
+    restitution, start, scatterers: as in a Scene; path: 1/(2 d rho) in d, among dense ones too;
+    units: U, d/U and d of the data in what was told; at_rest: share of the tracers that never move;
+    time_offset: in d/U, of the data's clock behind the true one; noise: variance of a component, in
+    U^2 and d^2.
     """
 
     restitution: Any
@@ -130,158 +112,20 @@ class Point(NamedTuple):
         """Whether the theory starts from the speeds of the sample at time 0."""
         return isinstance(self.start, SampledStart)
 
-
-def solved(
-    point: Point, law: Law, times: Array, names: Sequence[str], rtol: float = 0.0
-) -> Solution:
-    """The solution that has these observables, see `average_of`; rtol 0 is that of averages."""
-    scene = Scene(
-        restitution=point.restitution, number_density=law.free_path(point.path),
-        initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
-        tangential_restitution=law.tangential_restitution, dimension=law.dimension,
-        mass_ratio=law.mass_ratio, **law.drives,
-        outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
-    )  # fmt: skip
-    with warnings.catch_warnings():  # those who ask look at the status
-        warnings.simplefilter("ignore", ToleranceWarning)
-        return solve(scene, rtol=rtol or rtol_of(law))
+    @property
+    def start_in_words(self) -> str:
+        """The start as the middle of a sentence."""
+        if self.own_start:
+            return "the data's own speeds at time 0"
+        named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
+        return named.get(self.start, str(self.start))
 
 
-def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:
-    """The averages (..., n_names, n_times), in U and d, of sums (..., n_times, 5) in scales."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means = np.moveaxis(sums / sums[..., N, None], -1, 0)
-        made: Any = (OBSERVABLES[name].measured for name in names)
-        return np.stack([measured(means, speed, length, law) for measured in made], axis=-2)
-
-
-class Expectation:
-    """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
-    with each group left out, and expected.
-    """
-
-    def __init__(self, sample: Sample, names: Sequence[str]) -> None:
-        self.sample, self.names = sample, tuple(names)
-        total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
-        self.values = observed(total, *scales, names, sample.law)
-        self.replicates = observed(total - sample.sums, *scales, names, sample.law)
-        self._solved: dict[Any, Array] = {}
-
-    def theory(self, point: Point) -> Array:
-        """Theory (n_names, n_times)."""
-        # units of length, noise and tracers at rest change no motion: these are solved once
-        clock = point.speed_unit / point.time_unit
-        key = (*point[:2], id(point.start), point.scatterers, clock, point.time_offset)
-        if key not in self._solved:
-            late = np.where(self.sample.times > 0, point.time_offset, 0.0)
-            times = np.maximum(self.sample.times * clock + late, 0.0)
-            solution = solved(point, self.sample.law, times, self.names)
-            rows: Any = [(name, OBSERVABLES[name]) for name in self.names]
-            self._solved[key] = np.stack([
-                np.asarray(getattr(solution, row.output or name))[(..., *row.component)]
-                for name, row in rows
-            ])  # fmt: skip
-        return self._measured(self._solved[key], point)
-
-    def _measured(self, values: Array, point: Point) -> Array:
-        """Averages (..., n_names, n_times) as data in other units, with noise or with tracers at
-        rest have them: each changes the second and fourth moments of v and of r.
-        """
-        if point[4:8] == (1.0, 1.0, 1.0, 0.0) and not (
-            point.velocity_noise or point.position_noise
-        ):
-            return values
-        d, law, changed = self.sample.law.dimension, self.sample.law, values.copy()
-        for second, fourth, ratio, power, unit, noise in (
-            ("thermal_speed", "a2", law.gaussian, 2, point.speed_unit, point.velocity_noise),
-            ("msd", "kurtosis", 1.0, 1, point.length_unit, point.position_noise),
-        ):
-            left, later = 1 - point.at_rest, noise * (self.sample.times > 0)
-            at = self.names.index(second)
-            square = values[..., at, :] ** power
-            moved = left * unit**2 * square + d * later
-            changed[..., at, :] = moved ** (1 / power)
-            if fourth in self.names:
-                at, one = self.names.index(fourth), float(second == "thermal_speed")
-                quartic = left * unit**4 * ratio * (values[..., at, :] + one) * square**2
-                quartic += (2 * (d + 2) * left * unit**2 * square + d * (d + 2) * later) * later
-                still = np.where(moved > 0, moved, np.inf)
-                ratios = quartic / (ratio * still**2) - one
-                changed[..., at, :] = np.where(moved > 0, ratios, values[..., at, :])
-        return changed
-
-
-_MODEL_GROUPS = 10  # what the model of an error in `steadied` is as good as
+_MODEL_GROUPS = 10  # what the model of an error in `Expectation.steadied` is as good as
 _POWERS = {"thermal_speed": 0, "msd": 0, "a2": -3, "kurtosis": -3}
-
-
-def stabilised(names: Sequence[str], theory: Array, difference: Array) -> Array:
-    """Differences (..., n_names, n_times) as those of a function whose error does not depend on its
-    value, over its slope at the theory: ln x of second moments, as in the fit, and x^-3 of the
-    kurtosis and of 1 + a2, whose errors grow like x^4 and more from sample to sample.
-    """
-    found = difference.copy()
-    for k, name in enumerate(names):
-        if name in _POWERS:
-            x, power = theory[k] + (name == "a2"), _POWERS[name]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                logs = np.log1p(difference[..., k, :] / x)
-                moved = x * (np.expm1(power * logs) / power if power else logs)
-            # a replicate in which all is at rest has none of these: it stays
-            found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
-    return found
-
-
-def steadied(expectation: Expectation, theory: Array, replicates: Array) -> Array:
-    """Replicates (G, n_names, n_times) of differences, as `stabilised`, where the error of the
-    kurtosis is a mean of theirs and of that of independent tracers, a Gaussian of random width
-    (gamma-distributed, so that it has the theory's kurtosis) in each component.
-
-    Of 500 tracers few make <r^8>, and most samples miss them: three in four errors are too small.
-    The model is good to 20 % (0.98 to 1.28 of the error that 400 samples have), as if from ten
-    groups; the mean is by groups, of the data effective ones (Smyth, Stat. Appl. Genet. Mol. Biol.
-    3, 3 (2004)).
-    """
-    found, sample = stabilised(expectation.names, theory, replicates), expectation.sample
-    if "kurtosis" not in expectation.names:
-        return found
-    k, d = expectation.names.index("kurtosis"), sample.law.dimension
-    x, wider = theory[k], theory[k] / sample.law.gaussian - 1
-    sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
-    eighth = sixth * (d + 6) / d * (1 + 3 * wider)
-    variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
-    own, mine = errors(found[:, k]), effective_groups(found[:, k])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.sqrt(variance / sample.samples) / own
-        factor = np.sqrt((mine + _MODEL_GROUPS * ratio**2) / (mine + _MODEL_GROUPS))
-    middle = found[:, k].mean(axis=0)
-    factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
-    found[:, k] = middle + factor * (found[:, k] - middle)
-    return found
-
-
-def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array:
-    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,)."""
-    every = np.concatenate([[0.0], edges])
-    if name == DISPLACEMENT:
-        shares = solution.position_fraction(every)[index]
-        return np.append(shares, max(1 - shares.sum(), 0.0))
-    pieces = 1 if solution.scene.state.smooth else 120  # of the finest nodes in ln v
-    fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
-    x, weight = panels_between(fine, 3)
-    each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)
-    shares = np.maximum(each, 0.0).reshape(-1, pieces).sum(axis=1)
-    peak = float(solution.uncollided[index])
-    if peak > 0:  # tracers of a start with one speed that have not collided
-        speed = float(getattr(solution.scene.state, "speed", 1.0))
-        shares[min(np.searchsorted(every, speed, side="right"), shares.size) - 1] += peak
-    return np.append(shares, max(1 - shares.sum(), 0.0))
-
-
-# Standard deviation of simulations from the theory of kinetics/moments/delayed.py, relative (to
-# 1 + a2 for a2) and divided by n = rho d^2: before _LATE, and from then on. Root mean squares over
-# n = .02 to .1, five e from 0.4 to 1 and both media (tests/kinetics/measurements/density.py),
-# rounded up. Twice for v0 before and for a2 after, whose deviations have one sign.
+# standard deviation of simulations from the theory of dense media, relative (to 1 + a2 for a2) and
+# divided by n = rho d^2, before _LATE and from then on: tests/kinetics/measurements/density.py,
+# rounded up; twice for v0 before and for a2 after, whose deviations have one sign
 _OWN_ERROR: Mapping[str, tuple[float, float]] = {
     "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
 }  # fmt: skip
@@ -289,17 +133,129 @@ _LATE = 30.0  # in l/U
 _REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
 
 
-def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Array | None:
-    """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages, which
-    are independent for different names. None for dilute scatterers.
+class Expectation:
+    """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
+    with each group left out; and what is expected.
     """
-    if point.scatterers == "dilute":
-        return None
-    times, names = expectation.sample.times, expectation.names
-    late = times >= _LATE * point.path
-    share = np.array([np.where(late, *_OWN_ERROR[name][::-1]) for name in names])
-    size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
-    error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
-    logs = np.log(np.where(times > 0, times, 1.0))
-    correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
-    return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))
+
+    def __init__(self, sample: Sample, names: Sequence[str]) -> None:
+        self.sample, self.names = sample, tuple(names)
+        self._solved: dict[Any, Array] = {}
+        total = sample.sums.sum(axis=0)
+        made: Any = [OBSERVABLES[name].measured for name in names]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            self.values, self.replicates = (
+                np.stack([measured(means, sample.law) for measured in made], axis=-2)
+                for sums in (total, total - sample.sums)
+                for means in [np.moveaxis(sums / sums[..., N, None], -1, 0)]
+            )
+
+    def solved(
+        self, point: Point, times: Array, names: Sequence[str], rtol: float = 0.0
+    ) -> Solution:
+        """The solution that has these observables; rtol 0 is that of averages."""
+        law = self.sample.law
+        scene = Scene(
+            restitution=point.restitution, number_density=law.free_path(point.path),
+            initial=point.start, times=times, scatterers=point.scatterers,
+            outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
+            **{name: value for name, value in vars(law).items() if name != "varies"},
+        )  # fmt: skip
+        with warnings.catch_warnings():  # those who ask look at the status
+            warnings.simplefilter("ignore", ToleranceWarning)
+            return solve(scene, rtol=rtol or law.rtol)
+
+    def theory(self, point: Point) -> Array:
+        """Theory (n_names, n_times)."""
+        # units of length, noise and tracers at rest change no motion: these are solved once
+        clock, times = point.speed_unit / point.time_unit, self.sample.times
+        key = (*point[:2], id(point.start), point.scatterers, clock, point.time_offset)
+        if key not in self._solved:
+            late = np.where(times > 0, point.time_offset, 0.0)
+            solution = self.solved(point, np.maximum(times * clock + late, 0.0), self.names)
+            rows: Any = [(name, OBSERVABLES[name]) for name in self.names]
+            self._solved[key] = np.stack([
+                np.asarray(getattr(solution, row.output or name))[(..., *row.component)]
+                for name, row in rows
+            ])  # fmt: skip
+        told = point[4:8] == (1.0, 1.0, 1.0, 0.0) and point[9:] == (0.0, 0.0)
+        return self._solved[key] if told else self._measured(self._solved[key], point)
+
+    def _measured(self, values: Array, point: Point) -> Array:
+        """Averages (n_names, n_times) as data in other units, with noise or with tracers at rest
+        have them: each changes the second and fourth moments of v and of r.
+        """
+        law, left, changed = self.sample.law, 1 - point.at_rest, values.copy()
+        d, after = law.dimension, self.sample.times > 0
+        of_v, of_r = point.velocity_noise * after, point.position_noise * after
+        for second, fourth, ratio, power, unit, noise in (
+            ("thermal_speed", "a2", law.gaussian, 2, point.speed_unit, of_v),
+            ("msd", "kurtosis", 1.0, 1, point.length_unit, of_r),
+        ):
+            at = self.names.index(second)
+            square = values[at] ** power
+            moved = left * unit**2 * square + d * noise
+            changed[at] = moved ** (1 / power)
+            if fourth in self.names:
+                at, one = self.names.index(fourth), float(second == "thermal_speed")
+                quartic = left * unit**4 * ratio * (values[at] + one) * square**2
+                quartic += (2 * (d + 2) * left * unit**2 * square + d * (d + 2) * noise) * noise
+                still = np.where(moved > 0, moved, np.inf)
+                changed[at] = np.where(moved > 0, quartic / (ratio * still**2) - one, values[at])
+        return changed
+
+    def stabilised(self, theory: Array, difference: Array) -> Array:
+        """Differences (..., n_names, n_times) of functions whose errors hardly depend on the value,
+        over their slope at the theory: ln x of second moments, x^-3 of the kurtosis and 1 + a2.
+        """
+        found = difference.copy()
+        for k, name in enumerate(self.names):
+            if name in _POWERS:
+                x, power = theory[k] + (name == "a2"), _POWERS[name]
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    logs = np.log1p(difference[..., k, :] / x)
+                    moved = x * (np.expm1(power * logs) / power if power else logs)
+                # a replicate in which all is at rest has none of these: it stays
+                found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
+        return found
+
+    def steadied(self, theory: Array) -> Array:
+        """The replicates of differences, as `stabilised`, where the error of the kurtosis is a mean
+        of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
+        so that it has the theory's kurtosis) in each component.
+
+        Of 500 tracers few make <r^8>, and most samples miss them. The model is good to 20 %, as if
+        from ten groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol. 3,
+        3 (2004)).
+        """
+        found = self.stabilised(theory, self.replicates - theory)
+        if "kurtosis" not in self.names:
+            return found
+        k, d = self.names.index("kurtosis"), self.sample.law.dimension
+        x, wider = theory[k], theory[k] / self.sample.law.gaussian - 1
+        sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
+        eighth = sixth * (d + 6) / d * (1 + 3 * wider)
+        variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
+        own, mine = errors(found[:, k]), effective_groups(found[:, k])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.sqrt(variance / self.sample.samples) / own
+            factor = np.sqrt((mine + _MODEL_GROUPS * ratio**2) / (mine + _MODEL_GROUPS))
+        middle = found[:, k].mean(axis=0)
+        factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
+        found[:, k] = middle + factor * (found[:, k] - middle)
+        return found
+
+    def own_covariance(self, point: Point, theory: Array) -> Array | None:
+        """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages, which
+        are independent for different names. None for dilute scatterers.
+        """
+        if point.scatterers == "dilute":
+            return None
+        times, names = self.sample.times, self.names
+        late = times >= _LATE * point.path
+        share = np.array([np.where(late, *_OWN_ERROR[name][::-1]) for name in names])
+        size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
+        error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
+        logs = np.log(np.where(times > 0, times, 1.0))
+        correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
+        return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))

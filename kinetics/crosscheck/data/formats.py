@@ -1,8 +1,8 @@
 """Files of particle data: a format is one function and one row of `FORMATS`, at the end.
 
-It is given the path, its name for messages and what was asked (`tracks.Asked`), and returns what
-`tracks.from_columns` makes of columns, or the Sample of an Ensemble. Nothing in a file is executed,
-links into other files are not followed, and sizes are checked before memory is asked for.
+It is given the path, its name for messages and what was asked (`tracks.Asked`), and returns `Rows`,
+or the Sample of an Ensemble. Nothing in a file is executed, links into other files are not
+followed, and sizes are checked before memory is asked for.
 """
 
 import gzip
@@ -16,24 +16,23 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.data import tracks as t
-from kinetics.crosscheck.data.sample import Sample, read_ensemble
-from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
+from kinetics.crosscheck.data import tracks
+from kinetics.crosscheck.data.sample import Sample, from_ensemble
+from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Rows, bad, require_memory
 from kinetics.errors import InputError, short
 
-Read = Tracks | Sample
-# arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)
-FRAMES = ("times", "positions", "velocities")
+Read = Rows | Sample
+FRAMES = ("times", "positions", "velocities")  # (n_times,) and twice (n_times, n, dimension)
 # bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
 _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
 
-def read(source: Path | t.Table, asked: Asked) -> Read:
-    """Tracks or a Sample, from a file or from columns; or InputError."""
-    where = t.name_of(source)
+def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
+    """Rows or a Sample, from a file or from columns; or InputError."""
+    where = tracks.name_of(source)
     try:
-        if isinstance(source, t.Table):
-            return _arrays(where, source.columns, asked)
+        if not isinstance(source, Path):
+            return _arrays(where, source, asked)
         ending = source.suffix.lower()
         if source.name.lower().endswith((".csv.gz", ".tsv.gz")):
             ending = ".csv"
@@ -45,23 +44,23 @@ def read(source: Path | t.Table, asked: Asked) -> Read:
     except InputError:
         raise
     except Exception as error:  # the libraries raise errors of nearly any class
-        why = getattr(error, "strerror", None) or type(error).__name__
+        why = getattr(error, "strerror", None) or short(str(error), 200)
         raise InputError(f"{where}: is damaged, or not of this format ({why})") from None
 
 
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
     """Columns of one length, or arrays of frames, by the names of the file."""
     if {*FRAMES} <= {*arrays}:
-        frames = t.columns_of(where, *(arrays[name] for name in FRAMES))
-        return t.of_frames(where, [frames], asked)
-    return t.from_columns(where, list(arrays), arrays, asked)
+        frame = tracks.in_frames(where, *(arrays[name] for name in FRAMES))
+        return tracks.rows_of_frames(where, [frame], asked)
+    return tracks.rows_of(where, arrays, asked)
 
 
 def _chosen(where: str, names: Sequence[str], asked: Asked) -> list[str]:
     """The names of those arrays that are read."""
-    frames = {*FRAMES} <= {*names}
-    found = () if frames else t.find_columns(where, names, asked).values()
-    return [*FRAMES] if frames else [names[k] for k in found]
+    if {*FRAMES} <= {*names}:
+        return [*FRAMES]
+    return [*tracks.find_columns(where, names, asked).values()]
 
 
 def _csv(path: Path, where: str, asked: Asked) -> Read:
@@ -79,40 +78,29 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                 break
         else:
             bad(where, "an empty file", "a first line that names the columns, and rows")
-        if not re.search("[A-Za-z]", header):
-            bad(where, "no header", "a first line that names the columns")
         names = header.split(separator := max(",;\t", key=header.count))
-        start, found = file.tell(), t.find_columns(where, names, asked)
+        start, found = file.tell(), tracks.find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
         read = arrow.ReadOptions(column_names=names, block_size=_BLOCK)
 
         def blank(row: Any) -> str:
             return "skip" if row.text.strip()[:1] in ("", "#") else "error"
 
-        parse, why = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank), ""
-        for label in (pa.int64(), pa.string()):
-            kinds = {names[k]: label if n in t.LABELS else pa.float64() for n, k in found.items()}
-            told = {"column_types": kinds, "include_columns": list(kinds), "null_values": []}
-            file.seek(start)
-            try:
-                batches, convert = [], arrow.ConvertOptions(**told)
-                for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
-                    batches.append(batch)
-                    require_memory(where, float(batch.nbytes * len(batches)))
-                table = pa.Table.from_batches(batches)
-                columns = {name: table.column(name).to_numpy() for name in kinds}
-                return t.from_columns(where, names, columns, asked)
-            except pa.ArrowInvalid as error:
-                why = " ".join(str(error).split())
-    bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
-
-
-def _real(where: str, text: str) -> float:
-    """The finite number that a text is; else InputError."""
-    with suppress(ValueError):
-        if np.isfinite(value := float(text)):
-            return value
-    bad(where, short(text), "a finite number with a decimal point")
+        parse = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank)
+        kinds = {x: pa.float64() for name, x in found.items() if name not in tracks.LABELS}
+        told = {"column_types": kinds, "include_columns": list(found.values()), "null_values": []}
+        file.seek(start)
+        try:
+            batches, convert = [], arrow.ConvertOptions(**told)
+            for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
+                batches.append(batch)
+                require_memory(where, float(batch.nbytes * len(batches)))
+            table = pa.Table.from_batches(batches)
+        except pa.ArrowInvalid as error:
+            why = " ".join(str(error).split())
+            bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
+    columns = {x: table.column(x).to_numpy() for x in found.values()}
+    return tracks.rows_of(where, columns, asked)
 
 
 def _parquet(path: Path, where: str, asked: Asked) -> Read:
@@ -123,9 +111,7 @@ def _parquet(path: Path, where: str, asked: Asked) -> Read:
         chosen = _chosen(where, names, asked)
         require_memory(where, 8.0 * file.metadata.num_rows * len(chosen))
         table = file.read(chosen)
-    if any(column.null_count for column in table.columns):
-        bad(where, "empty cells", "a value in each row")
-    return t.from_columns(where, names, {n: table.column(n).to_numpy() for n in chosen}, asked)
+    return _arrays(where, {name: table.column(name).to_numpy() for name in chosen}, asked)
 
 
 def _npz(path: Path, where: str, asked: Asked) -> Read:
@@ -147,40 +133,32 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
 
     with h5py.File(path, "r") as file:
         if "plan" in file and "done" in file.attrs:
-            return read_ensemble(path)
-        if _own(file, "h5md") and _own(file, "particles"):
-            return _h5md(where, file["particles"], asked)
-        plain = [name for name in file if _own(file, name, h5py.Dataset)]
-        names = {f"{n} [{u}]" if (u := _unit_of(file[n])) else n: n for n in plain}
-        chosen = _chosen(where, list(names), asked)
-        return _arrays(where, {k: _dataset(where, file, names[k])[()] for k in chosen}, asked)
+            from particles import Ensemble
+
+            return from_ensemble(Ensemble.load(path), tracks.name_of(Path(path.name)))
+        if _own(file, "h5md") and (particles := _own(file, "particles")):
+            return _h5md(where, particles, asked)
+        chosen = _chosen(where, [name for name in file if _own(file, name, "Dataset")], asked)
+        return _arrays(where, {k: _dataset(where, file, k)[()] for k in chosen}, asked)
 
 
-def _own(parent: Any, name: str, kind: Any = None) -> bool:
-    """Whether a group has this member in its own file; links into other files are not followed."""
+def _own(parent: Any, name: str, kind: str = "Group") -> Any:
+    """A member of this kind that lies in the same file, or None: other links are not followed."""
     import h5py
 
-    own = isinstance(parent.get(name, getlink=True), h5py.HardLink)
-    return own and isinstance(parent[name], kind or h5py.Group)
+    found = parent[name] if isinstance(parent.get(name, getlink=True), h5py.HardLink) else None
+    return found if isinstance(found, getattr(h5py, kind)) else None
 
 
 def _dataset(where: str, parent: Any, name: str) -> Any:
     """A dataset of numbers that lie in this file, or the `value` of an element; or InputError."""
-    import h5py
-
-    if _own(parent, name):
-        parent, name = parent[name], "value"
-    found = parent[name] if _own(parent, name, h5py.Dataset) else None
+    element = _own(parent, name)
+    found = _own(element, "value", "Dataset") if element else _own(parent, name, "Dataset")
     if found is None or found.is_virtual or found.external or found.dtype.kind not in "iuf":
-        bad(f"{where}: {parent.name}/{name}", "something else", "numbers in this file")
+        bad(f"{where}: {name} value", "something else", "numbers in this file")
     size = float(found.size or 0) * found.dtype.itemsize
     require_memory(where, size, found.id.get_storage_size())
     return found
-
-
-def _unit_of(dataset: Any) -> str:
-    unit = dataset.attrs.get("unit", dataset.attrs.get("units", ""))
-    return unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
 
 
 def _h5md(where: str, particles: Any, asked: Asked) -> Read:
@@ -188,45 +166,39 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     velocities (nongnu.org/h5md); this package also writes `medium`, each tracer's configuration.
     """
     both = ("position", "velocity")
-    groups = [particles[name] for name in particles if _own(particles, name)]
+    groups = [group for name in particles if (group := _own(particles, name))]
     groups = [group for group in groups if all(_own(group, part) for part in both)]
     if len(groups) != 1:
         bad(where, f"{len(groups)} groups with position and velocity", "one")
     (group,) = groups
     place, velocity = (_dataset(where, group, name) for name in both)
-    if not np.array_equal(*(_times(where, group[name], len(place), asked) for name in both)):
+    times, others = (_times(where, group[name], asked) for name in both)
+    if not np.array_equal(times, others):
         bad(where, "positions and velocities at different times", "at the same times")
-    units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
-    if "time" in group["position"]:
-        units["time"] = _unit_of(group["position"]["time"])
-    shape, box = place.shape, None
-    r, v = np.asarray(place, float), np.asarray(velocity, float)
-    if _own(group, "box") and "edges" in group["box"]:  # rectangular, and always the same
-        edges = np.atleast_2d(np.asarray(_dataset(where, group["box"], "edges"), float))
-        box = edges[0] if edges.size and np.all(edges == edges[0]) and np.all(edges > 0) else None
+    r, box, side = np.asarray(place, float), _own(group, "box"), np.zeros(1)
+    if box and "edges" in box:  # rectangular, and always the same
+        edges = np.atleast_2d(np.asarray(_dataset(where, box, "edges"), float))
+        side = edges[0] if edges.size and np.all(edges == edges[0]) else side
     if "image" in group:
-        image = _dataset(where, group, "image")
-        if box is None or image.shape != shape or box.size < shape[2]:
-            bad(f"{where}: image", image.shape, f"{shape}, with a box that is always the same")
-        r = r + image * box[: shape[2]]
-    elif _own(group, "box") and "periodic" in str(group["box"].attrs.get("boundary", "")):
-        t.refuse_wrapped(where, "image")
+        image, axes = _dataset(where, group, "image"), r.shape[-1]
+        if image.shape != r.shape or side.size < axes or not np.all(side > 0):
+            bad(f"{where}: image", image.shape, f"{r.shape}, with a box that is always the same")
+        r = r + image * side[:axes]
+    elif box and "periodic" in str(box.attrs.get("boundary", "")):
+        bad(f"{where}: positions", "those in a periodic box", "unwrapped, or with image")
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
-    times = _times(where, group["position"], shape[0], asked)
-    columns = t.columns_of(where, times, r, v, **labels)
-    return t.of_frames(where, [columns], asked, units)
+    frame = tracks.in_frames(where, times, r, np.asarray(velocity, float), **labels)
+    return tracks.rows_of_frames(where, [frame], asked)
 
 
-def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
-    """The times of an element, (count,): as they stand, or steps times the timestep."""
-    found: dict[str, Any] = {}
-    for name in (name for name in ("time", "step") if name in element):
-        one = _dataset(where, element, name)
-        found[name] = np.asarray(one, float)
-        if one.shape == ():  # a fixed step, from an offset on
-            found[name] = one.attrs.get("offset", 0.0) + np.arange(count) * found[name]
-    return asked.times_of(where, found.get("time"), found.get("step"))
+def _times(where: str, element: Any, asked: Asked) -> Any:
+    """The times of an element: as they stand, or steps times the timestep."""
+    time, step = (
+        np.asarray(_dataset(where, element, name), float) if name in element else None
+        for name in ("time", "step")
+    )
+    return asked.times_of(where, time, step)
 
 
 # -- frames of text --------------------------------------------------------------------------------
@@ -253,12 +225,13 @@ class _Lines:
                 if line.strip():
                     yield line.strip()
 
-    def whole(self, text: str | None = None) -> int:
-        """The whole number, not negative, that a text, or the next line, is."""
-        plain = (self.next() if text is None else text).strip()
-        if not plain.isdecimal() or len(plain) > 18:
-            bad(self.where, short(plain), "a whole number")
-        return int(plain)
+    def number(self, text: str, whole: bool = True) -> Any:
+        """The finite number that a text is, or the whole one, not negative; or InputError."""
+        with suppress(ValueError):
+            value = int(text) if whole and text.strip().isdecimal() else float(text)
+            if np.isfinite(value) and whole == isinstance(value, int):
+                return value
+        bad(self.where, short(text.strip()), "a whole number" if whole else "a finite number")
 
     def table(self, count: int, names: list[str], wanted: Sequence[str]) -> dict[str, Any]:
         """Columns of the next `count` lines: (count,) each, numbers except the type; InputError
@@ -268,87 +241,59 @@ class _Lines:
             bad(self.where, f"column {name!r} {names.count(name)} times", "once")
         rows, first = list(islice(self._file, count)), self._number + 1
         self._number += len(rows)
-        kinds = [(name, "U64" if name in ("type", "element") else float) for name in wanted]
-        found, why = np.empty(0, kinds), ""
+        kinds = [(name, "U64" if name == "type" else float) for name in wanted]
+        used, why = [names.index(name) for name in wanted], f"{len(rows)} lines, some blank"
         try:
-            if rows:
-                used = [names.index(name) for name in wanted]
-                found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
+            found = (
+                np.loadtxt(rows, kinds, None, usecols=used, ndmin=1) if rows else np.empty(0, kinds)
+            )
+            if found.size == count:
+                return {name: found[name] for name in wanted}
         except ValueError as error:
             why = short(str(error), 150)
-        if why or found.size != count:
-            got = why or f"{found.size} rows and blank lines, or the end of the file"
-            bad(f"{self._name}: from line {first} on", got, f"{count} rows of numbers")
-        return {name: found[name] for name in wanted}
-
-
-# units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)
-_STYLES = {
-    "real": ("angstrom", "angstrom/fs", "fs"), "metal": ("angstrom", "angstrom/ps", "ps"),
-    "si": ("m", "m/s", "s"), "cgs": ("cm", "cm/s", "s"), "micro": ("um", "um/us", "us"),
-    "nano": ("nm", "nm/ns", "ns"), "lj": ("", "", ""),
-}  # fmt: skip
+        bad(f"{self._name}: from line {first} on", why, f"{count} rows of numbers")
 
 
 def _lammps(path: Path, where: str, asked: Asked) -> Read:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
-    frames, units, head = list[Any](), ("", "", ""), dict[str, Any]()
-    lines = _Lines(path, where)
+    frames, head, lines = list[Any](), dict[str, Any](), _Lines(path, where)
+    axes, kind = AXES[: asked.dimension or 2], [] if asked.type is None else ["type"]
     for line in lines:
-        item, *rest = line.removeprefix("ITEM: ").split()
+        item, *names = line.removeprefix("ITEM: ").split()
         if not line.startswith("ITEM: "):
             bad(lines.where, short(line), "a line `ITEM: ...` of a LAMMPS text dump")
-        if item == "TIMESTEP":
-            head = {"step": lines.whole()}
-        elif item == "TIME":
-            head["time"] = _real(lines.where, lines.next())
-        elif item == "NUMBER":
-            head["count"] = lines.whole()
+        if item in ("TIMESTEP", "TIME", "NUMBER"):
+            head[item] = lines.number(lines.next(), whole=item != "TIME")
         elif item == "UNITS":
-            unit = lines.next().strip()
-            units = _STYLES.get(unit, (unit, unit, unit))
+            lines.next()
         elif item == "BOX":
             edges = [lines.next().split() for _ in range(3)]
             if any(len(edge) != 2 for edge in edges):
                 bad(lines.where, "a slanted box", "rectangular, with two bounds a line")
-            low, high = np.array(edges, float).T
-            head |= {"low": low, "length": high - low, "periodic": rest[1:]}
+            head["sides"] = np.diff(np.array(edges, float))[:, 0]
+            head["periodic"] = [a for a, b in zip("xyz", names[1:], strict=False) if b == "pp"]
         elif item == "ATOMS":
-            time = asked.times_of(where, head.get("time"), head.get("step"))
-            frame = _lammps_frame(lines, rest, head, asked)
-            frames.append(frame | {"time": np.full(head["count"], time)})
+            wrapped = [a for a in axes if a in names and f"{a}u" not in names]
+            flags = {a: f"i{a}" for a in wrapped if f"i{a}" in names}
+            if {*wrapped} & {*head.get("periodic", ())} - {*flags}:
+                must = "unwrapped, or with image flags ix, iy"
+                bad(f"{lines.where}: positions", "those in a periodic box", must)
+            speeds = [v for v in SPEEDS if v in names or v[1] in axes]
+            places = [a if a in wrapped else f"{a}u" for a in axes]
+            wanted = ["id", *speeds, *places, *flags.values(), *kind]
+            table = lines.table(head["NUMBER"], names, wanted)
+            time = asked.times_of(where, head.get("TIME"), head.get("TIMESTEP"))
+            frame = {name: table[name] for name in (*speeds, *kind)} | {"tracer": table["id"]}
+            frame["time"] = np.full(head["NUMBER"], time)
+            for axis, place, side in zip(axes, places, head.get("sides", AXES), strict=False):
+                frame[axis] = table[place]
+                if axis in flags:
+                    frame[axis] = frame[axis] + side * table[flags[axis]]
+            frames.append(frame)
             head = {}
     if head:
         bad(where, "a last frame without atoms", "whole frames")
-    said = dict(zip(("x", "vx", "time"), units, strict=True))
-    return t.of_frames(where, frames, asked, said)
-
-
-def _lammps_frame(
-    lines: _Lines, names: list[str], head: Mapping[str, Any], asked: Asked
-) -> dict[str, Any]:
-    """The columns of one frame."""
-    axes = AXES[: asked.dimension or 2]
-    kinds = {a: [f"{a}{kind}" for kind in ("u", "su", "", "s")] for a in axes}
-    used = {a: next((x for x in every if x in names), every[0]) for a, every in kinds.items()}
-    flags = [f"i{a}" for a, x in used.items() if f"i{a}" in names and "u" not in x]
-    speeds = [v for v in SPEEDS if v in names or v[1] in axes]
-    kind = [] if asked.type is None else ["element" if "type" not in names else "type"]
-    if "length" not in head and (flags or any("s" in name for name in used.values())):
-        bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
-    for (axis, name), side in zip(used.items(), head.get("periodic", ()), strict=False):
-        if side == "pp" and "u" not in name and f"i{axis}" not in flags:
-            t.refuse_wrapped(lines.where, "image flags ix, iy")
-    table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
-    out = {v: table[v] for v in speeds} | {"tracer": table["id"]}
-    out |= {"type": table[kind[0]]} if kind else {}
-    for k, (axis, name) in enumerate(used.items()):
-        out[axis] = table[name]
-        if "s" in name:  # in units of the box
-            out[axis] = out[axis] * head["length"][k] + head["low"][k]
-        if f"i{axis}" in flags:
-            out[axis] = out[axis] + table[f"i{axis}"] * head["length"][k]
-    return out
+    return tracks.rows_of_frames(where, frames, asked)
 
 
 _PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')
@@ -365,21 +310,21 @@ def _xyz(path: Path, where: str, asked: Asked) -> Read:
     frames, d, lines = [], asked.dimension or 2, _Lines(path, where)
     needed = [*AXES[:d], *SPEEDS[:d], *(["type"] if asked.type is not None else [])]
     for line in lines:
-        count = lines.whole(line)
+        count = lines.number(line)
         said = {k.lower(): v.strip('"') for k, v in _PAIR.findall(lines.next())}
         parts, names = said.get("properties", "").split(":"), list[str]()
         for name, width in zip(parts[::3], parts[2::3], strict=False):
-            axes, wide = _XYZ.get(name.lower(), ()), lines.whole(width)
+            axes, wide = _XYZ.get(name.lower(), ()), lines.number(width)
             if (axes and not min(2, len(axes)) <= wide <= len(axes)) or wide > 1000:
                 bad(lines.where, f"{name} has {wide} columns", "pos:R:3:vel:R:3 in Properties=")
             names += axes[:wide] or [""] * wide
         step, time = said.get("step", said.get("timestep")), said.get("time", said.get("t"))
-        time = None if time is None else _real(lines.where, time)
-        time = asked.times_of(where, time, None if step is None else lines.whole(step))
+        time = None if time is None else lines.number(time, whole=False)
+        time = asked.times_of(where, time, None if step is None else lines.number(step))
         wanted = [*needed, *(v for v in ("tracer", "vz") if v in names and v not in needed)]
         frame = {"tracer": np.arange(count)} | lines.table(count, names, wanted)
         frames.append(frame | {"time": np.full(count, time)})
-    return t.of_frames(where, frames, asked)
+    return tracks.rows_of_frames(where, frames, asked)
 
 
 def _gsd(path: Path, where: str, asked: Asked) -> Read:
@@ -388,22 +333,21 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
         import gsd.hoomd
     except ImportError:
         bad(where, "a file of another package", "installed: pip install gsd")
-    asked.times_of(where, None, 0)
     with gsd.hoomd.open(str(path), "r") as file:
-        frames = list(file[: t.MOST_TIMES + 1])
+        frames = list(file[: tracks.MOST_TIMES + 1])
     d = 3 if frames and frames[0].configuration.dimensions == 3 else 2
     boxes = np.array([frame.configuration.box for frame in frames], float)
     if len({frame.particles.N for frame in frames}) != 1 or np.any(boxes[:, 3:] != 0):
         bad(where, "others", "frames of the same tracers in a rectangular box")
-    edges = boxes[:, None, :d]
     image, place, velocity = (
         np.array([getattr(frame.particles, name)[:, :d] for frame in frames], float)
         for name in ("image", "position", "velocity")
     )
+    place = place + image * boxes[:, None, :d]
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
     kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
-    columns = t.columns_of(where, times, place + image * edges, velocity, type=kinds)
-    return t.of_frames(where, [columns], asked)
+    columns = tracks.in_frames(where, times, place, velocity, type=kinds)
+    return tracks.rows_of_frames(where, [columns], asked)
 
 
 # the ending of a file's name, and the function that reads it

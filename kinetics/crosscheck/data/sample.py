@@ -1,57 +1,31 @@
 """A sample of tracers, reduced to sums over groups of them: all that a comparison looks at.
 
-Tracers among the same scatterers are not independent, configurations are. So a group is a
-configuration (or several), or, where configurations are unknown, a number of tracers; and
-every standard error and every covariance is the spread over groups.
+Tracers among the same scatterers are not independent, configurations are. So a group is one (or
+several), or, where they are unknown, a number of tracers; every error is the spread over groups.
 """
 
 import math
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.tracks import Tracks, bad, name_of
+from kinetics.crosscheck.data.tracks import Tracks, bad
 from kinetics.driven.restitution import Viscoelastic, impact_restitution
 from kinetics.driven.system import DRIVES
-from kinetics.errors import InputError
+from kinetics.validation import refuse
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-# columns of the sums: samples, and powers of speed and displacement; in a field also the velocity
-# and the displacement along it, along +x, and the square of this
+# columns of the sums: samples, powers of speed and displacement; in a field v_x, x, x^2 too
 N, V2, V4, R2, R4, VX, X, X2 = range(8)
-# groups at most: primes, so that labels with a regular pattern spread over all of them; a standard
-# error from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
+# groups at most: primes, so that labels with a regular pattern spread over all of them; an error
+# from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-# bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
-# octave, their number: from a thousandth of the root mean square to 64 times it
-_LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
-_START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
-
-
-class Flights(NamedTuple):
-    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that this share of all has.
-
-    It is 1 where units belong together, whatever the scatterers.
-    """
-
-    time: float
-    ratio: float
-    share: float
-
-
-class Binned(NamedTuple):
-    """Counts in bins of speed or displacement, in U or d, of groups that are not those of the sums.
-
-    edges (n_times, n_bins + 1); by_group (n, n_times, n_bins + 2), with what lies outside.
-    """
-
-    edges: Array
-    by_group: Counts
+# bins of speeds and displacements, 12 in an octave, from a thousandth of their scale to 64 times it
+EDGES = 2.0 ** (np.arange(-120, 73) / 12)
 
 
 class StartBins(NamedTuple):
@@ -63,10 +37,8 @@ class StartBins(NamedTuple):
 
 @dataclass(frozen=True)
 class Law:
-    """What the system has beside the restitution; field: acceleration along +x in U^2/d.
-
-    mass_ratio, bath_speed, heating, drag, capture_speed : as in a Scene
-    varies : whether the restitution depends on the impact speed
+    """What the system has beside the restitution, as a Scene has it in U and d; varies: whether the
+    restitution depends on the impact speed.
     """
 
     tangential_restitution: float = 1.0
@@ -80,22 +52,14 @@ class Law:
     varies: bool = False
 
     @property
-    def drives(self) -> dict[str, Any]:
-        """The arguments of a Scene that drive tracers, or let them stick."""
-        return {name: getattr(self, name) for name in DRIVES}
-
-    @property
     def is_driven(self) -> bool:
         """Whether `kinetics.driven` solves it: no causes of a difference are looked for."""
-        return self.varies or any(self.drives.values())
+        return self.varies or any(getattr(self, name) for name in DRIVES)
 
-    def scaled(self, speed: float, length: float) -> "Law":
-        """With U and d of these sizes in its units."""
-        return replace(
-            self, field=self.field * length / speed**2, bath_speed=self.bath_speed / speed,
-            heating=self.heating * length / speed**3, drag=self.drag * length / speed,
-            capture_speed=self.capture_speed / speed,
-        )  # fmt: skip
+    @property
+    def rtol(self) -> float:
+        """Asked of the solver for averages: far below any standard error."""
+        return 1e-5 if self.field or self.is_driven else 1e-7
 
     @property
     def smooth_disks(self) -> bool:
@@ -114,37 +78,31 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
+    """Sums over groups of tracers; lengths in d, speeds in U, times (n_times,) in d/U, rising.
 
-    names : where the data came from
-    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
-        field, with v_x, x, x^2
-    times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
-    speeds, displacements, start : counts in bins, None where unknown
+    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; (.., 8) in a field, with v_x, x, x^2
+    at_rest : (n_times,), how many have speed zero
     grouping : what a group is made of: "medium", "tracer" or "row"
-    flights : tracers that have flown straight, of the two times at which most of them have
+    speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
+        outside, of groups that are not those of the sums, (n, n_times, n_bins + 2)
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
-    warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
-    units : "speed", "length" and "time": U, d and d/U in the data's unit, and its name
+    units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
     """
 
     names: tuple[str, ...]
     times: Array
     sums: Array
-    speed_scale: Array
-    length_scale: Array
-    speeds: Binned | None
-    displacements: Binned | None
-    start: StartBins | None
     at_rest: Counts
     grouping: str
+    speeds: tuple[Array, Counts] | None = None
+    displacements: tuple[Array, Counts] | None = None
+    start: StartBins | None = None
     law: Law = Law()
-    flights: tuple[Flights, ...] = ()
     free: bool = False
     warnings: tuple[str, ...] = ()
     told: dict[str, Any] = field(default_factory=dict)
-    units: dict[str, tuple[float, str]] = field(default_factory=dict)
+    units: dict[str, float] = field(default_factory=dict)
 
     @property
     def groups(self) -> int:
@@ -156,34 +114,6 @@ class Sample:
         """Tracers at each time, (n_times,)."""
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
 
-    def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
-        """The sample with U, d and d/U of these sizes in its units; time None: length/speed."""
-        factor = speed / length if time is None else 1 / time
-        start, told = self.start, dict(self.told)
-        if "number_density" in told:
-            told["number_density"] *= length**self.law.dimension
-        speeds, displacements = (
-            one and one._replace(edges=one.edges / unit)
-            for one, unit in ((self.speeds, speed), (self.displacements, length))
-        )
-        flown = [
-            Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
-            for one in self.flights
-        ]
-        return replace(
-            self, speeds=speeds, displacements=displacements, told=told, flights=tuple(flown),
-            law=self.law.scaled(speed, length),
-            times=self.times * factor, speed_scale=self.speed_scale / speed,
-            length_scale=self.length_scale / length,
-            start=start and start._replace(squares=start.squares / speed**2),
-        )  # fmt: skip
-
-
-def size_of_vectors(vectors: Any) -> Any:
-    """The length of vectors (n, d), also of 1e200."""
-    plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
-    return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
-
 
 def reduced(
     tracks: Tracks, label: Any, names: tuple[str, ...], grouping: str, with_field: bool = False
@@ -191,116 +121,78 @@ def reduced(
     """The sums over groups of tracers; label (n,): whole numbers that say what belongs together."""
     # Another file's labels begin elsewhere, so that small runs do not fall on each other.
     group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
-    count = tracks.times.size
+    count, bins = tracks.times.size, EDGES.size + 1
     sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
     scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
-    counts = np.zeros((2, HISTOGRAM_GROUPS, count, _BINS + 2), np.int32)
-    flights, start = [], None
+    counts = np.zeros((2, HISTOGRAM_GROUPS, count, bins), np.int32)
+    start = None
     for k, time in enumerate(tracks.times):
         there = np.isfinite(tracks.velocity[k, :, 0])
         place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
-        sizes = size_of_vectors(velocity), size_of_vectors(place)
-        flights.append(straight_flights(time, sizes[1], sizes[0]))
-        scales[:, k] = [_scale(size) for size in sizes]
-        v, r = (size / scale for size, scale in zip(sizes, scales[:, k], strict=True))
+        v, r = size_of(velocity), size_of(place)
         powers = [None, v**2, (v**2) ** 2, r**2, (r**2) ** 2]
         if with_field:
-            x = place[:, 0] / scales[1, k]
-            powers += [velocity[:, 0] / scales[0, k], x, x**2]
+            powers += [velocity[:, 0], place[:, 0], place[:, 0] ** 2]
         sums[:, k] = np.transpose([np.bincount(mine, power, MOST_GROUPS) for power in powers])
-        for out, values in zip(counts, (v, r), strict=True):
-            bins = _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
-            cells = mine % HISTOGRAM_GROUPS * (_BINS + 2) + bins
-            out[:, k] = np.bincount(cells, minlength=out[:, k].size).reshape(out[:, k].shape)
         at_rest[k] = np.count_nonzero(v == 0)
+        for i, size in enumerate((v, r)):
+            with np.errstate(divide="ignore"):
+                logs, mean = np.log2(size), np.log2(np.sum(size**2) / max(size.size, 1))
+            # the root mean square as a power of 2 hardly depends on single tracers
+            octave = max(np.round(mean / 2), -1000.0)
+            scales[i, k] = 2.0**octave
+            bin_of = np.clip(np.floor(12 * (logs - octave + 10)), -1, bins - 2).astype(np.int64) + 1
+            cells = mine % HISTOGRAM_GROUPS * bins + bin_of
+            counts[i, :, k] = np.bincount(cells, minlength=HISTOGRAM_GROUPS * bins).reshape(
+                -1, bins
+            )
         if time == 0:
-            start = _start_bins(v, scales[0, k])
+            v = v[v > 0]
+            _, code, filled = np.unique(
+                np.floor(64 * np.log2(v)), return_inverse=True, return_counts=True
+            )
+            start = StartBins(np.bincount(code, v * v) / filled, filled)
+    speeds, displacements = (
+        (scale, one[one.any(axis=(1, 2))]) for scale, one in zip(scales, counts, strict=True)
+    )
     used = sums[..., N].sum(axis=1) > 0
-    edges = scales[..., None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
-    binned = [Binned(e, n[n.any(axis=(1, 2))]) for e, n in zip(edges, counts, strict=True)]
-    seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
-    return Sample(
-        names, tracks.times, sums[used], scales[0], scales[1], binned[0], binned[1], start,
-        at_rest, grouping, flights=seen,
-    )  # fmt: skip
+    return Sample(names, tracks.times, sums[used], at_rest, grouping, speeds, displacements, start)
 
 
-def _scale(size: Any) -> float:
-    """Root mean square as a power of 2, so that it hardly depends on single tracers."""
-    largest = float(size.max(initial=0.0))
-    if largest == 0.0:
-        return 1.0
-    with np.errstate(under="ignore"):
-        found = np.log2(np.mean((size / largest) ** 2)) / 2 + np.log2(largest)
-    return float(2.0 ** np.clip(np.round(found), -1000, 1000))
-
-
-def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
-    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
-    with np.errstate(divide="ignore"):
-        place = np.floor((np.log2(values) - lowest) * per_octave)
-    return np.clip(place, -1, bins).astype(np.int64) + 1
-
-
-def _start_bins(v: Any, unit: float) -> StartBins:
-    place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
-    counts, sums = np.bincount(place), np.bincount(place, v * v)
-    moving = sums > 0
-    with np.errstate(over="ignore", under="ignore"):  # refused later, in `read._scaled`
-        return StartBins(sums[moving] / counts[moving] * np.square(unit), counts[moving])
-
-
-def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
-    """The ratio |r|/(|v| t) that most tracers (n,) share within .2 %; None where too few share one.
-
-    Twenty at least, and 5 %: those that have collided put some 0.5 % into such a width.
-    """
-    moving = (distance > 0) & (speed > 0) & (time > 0)
-    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time or 1.0))
-    alike = np.searchsorted(ratio, ratio + 0.002) - np.arange(ratio.size)
-    count = int(alike.max(initial=0))
-    if count < max(20, 0.05 * distance.size):
-        return None
-    first = int(np.argmax(alike))
-    middle = float(np.exp(np.median(ratio[first : first + count])))
-    return Flights(float(time), middle, count / distance.size)
+def size_of(vectors: Any) -> Any:
+    """The length of vectors (n, d), also of 1e200."""
+    plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
+    return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
 
 
 # -- runs of the package's simulator --------------------------------------------------------------
-def read_ensemble(path: Path) -> Sample:
-    """The sample of a finished run in a file, lengths in d; InputError for a damaged one."""
-    from particles import Ensemble
-
-    try:
-        run = Ensemble.load(path)
-    except ValueError as error:
-        raise InputError(" ".join(str(error).split())) from None
-    return from_ensemble(run, name_of(Path(path.name)))
-
-
 def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     """The sums of a run, lengths in d; counts in bins too, where velocities and positions are kept.
 
-    InputError for a run without output times or with fewer than two groups.
+    InputError for what is no run, or one without output times or with fewer than two groups.
     """
-    from particles import BoltzmannGrad
+    from particles import BoltzmannGrad, Ensemble
     from particles.kernel.columns import CAUGHT
 
-    times, medium, plan = np.asarray(ensemble.times), ensemble.medium, ensemble.plan
+    if not isinstance(ensemble, Ensemble):
+        refuse("data", ensemble, "it must be a file, several files, columns or a run of simulate")
+    medium, plan, d = ensemble.medium, ensemble.plan, ensemble.medium.diameter
+    times = np.asarray(ensemble.times) / d
     if times.size == 0 or ensemble.moments.size == 0:
         bad(name, "a run without output times", "made by simulate(..., times=...)")
     sticks = ensemble.capture_speed > 0.0
     # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
     free, stored = isinstance(medium, BoltzmannGrad), ensemble.arrays
     if "raw/velocities" in stored and "raw/positions" in stored:
-        place, velocity = np.asarray(ensemble.positions), np.asarray(ensemble.velocities)
+        place, velocity = np.asarray(ensemble.positions) / d, np.asarray(ensemble.velocities)
         if sticks:  # averages are over those that move
             velocity = np.where(velocity.any(axis=2, keepdims=True), velocity, np.nan)
         label = np.arange(place.shape[1]) // (1 if free else ensemble.tracers)
         tracks, by = Tracks(times, place, velocity), "tracer" if free else "medium"
         found = reduced(tracks, label, (name,), by, bool(ensemble.field))
     else:  # from the sums that every run keeps: the averages alone
-        sums = np.array(ensemble.moments[:, :, : R4 + 1])
+        unit = 1.0 / plan.scales()
+        sums = ensemble.moments[:, :, : R4 + 1] * np.stack([unit**p for p in (0, 2, 4, 0, 0)], -1)
         if ensemble.field:  # v_x, x and x^2 of the sums of a field
             more = stored["field_sums"]
             half = more.shape[2] // 2
@@ -308,35 +200,24 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
             sums = np.concatenate([sums, more], axis=2)
         if sticks:
             sums[:, :, N] -= ensemble.moments[:, :, CAUGHT]
-        found = Sample(
-            (name,), times, sums, 1.0 / plan.scales(), np.full(times.size, medium.diameter),
-            None, None, None, np.asarray(ensemble.trapped), "medium",
-        )  # fmt: skip
+        found = Sample((name,), times, sums, np.asarray(ensemble.trapped), "medium")
     if found.groups < 2:
         bad(name, "one configuration", "two at least, for standard errors")
-    told: dict[str, Any] = {
-        "restitution": _impact_law(ensemble.restitution),
-        "number_density": ensemble.number_density,
-    }
+    restitution: Any = ensemble.restitution  # the solver's, for the particles' own
+    if hasattr(restitution, "b"):
+        restitution = Viscoelastic(restitution.b)
+    elif not isinstance(restitution, float):
+        restitution = impact_restitution((restitution.speeds, restitution.values))
+    density = ensemble.number_density * d**medium.dimension
+    told = {"restitution": restitution, "number_density": density, "scatterers": medium.scatterers}
     if plan.rest or plan.velocities is None:
-        told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
-        told["initial"] = "rest" if plan.rest else told["initial"]
-    told["scatterers"] = medium.scatterers
+        named = "monoenergetic" if plan.monoenergetic else "gaussian"
+        told["initial"] = "rest" if plan.rest else named
     law = Law(
-        ensemble.tangential_restitution, medium.dimension, ensemble.field,
-        varies=bool(ensemble.plan.varies), mass_ratio=ensemble.mass_ratio,
-        **{drive: getattr(ensemble, drive) for drive in DRIVES},
+        ensemble.tangential_restitution, medium.dimension, ensemble.field * d, ensemble.mass_ratio,
+        ensemble.bath_speed, ensemble.heating * d, ensemble.drag * d, ensemble.capture_speed,
+        bool(plan.varies),
     )  # fmt: skip
     if law.is_driven and not free:
         bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
-    found = replace(found, free=free, told=told, law=law)
-    return found.rescaled(1.0, medium.diameter)
-
-
-def _impact_law(restitution: Any) -> Any:
-    """The solver's restitution for the particles' own: a number, or of the impact speed."""
-    if isinstance(restitution, float):
-        return restitution
-    if hasattr(restitution, "b"):
-        return Viscoelastic(restitution.b)
-    return impact_restitution((restitution.speeds, restitution.values))
+    return replace(found, free=free, told=told, law=law)

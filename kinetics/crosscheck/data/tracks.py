@@ -1,25 +1,25 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
-A format (`formats`) gives columns, one row for each tracer at each time, which `from_columns` turns
-into `Tracks`.
+A format (`formats`) gives `Rows`, columns with one row for each tracer at each time, which are
+checked here; `dense` makes `Tracks` of those of all files.
 """
 
+import os
 import re
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import pandas as pd
 
-from kinetics.crosscheck.data.units import split_unit, stated
 from kinetics.errors import InputError, short
 from kinetics.validation import one_of, real_number, refuse
 
+Rows = dict[str, Any]  # columns by our names, one row for each tracer at each time
 AXES, SPEEDS = ("x", "y", "z"), ("vx", "vy", "vz")
-LABELS = ("tracer", "medium", "type")  # columns that may be there: whole numbers or texts
+LABELS = ("tracer", "medium", "type")  # columns that may be there: numbers or texts
 # other names of columns, in lower case, which are looked for where the first is missing
 ALIASES = {
     "time": ("t", "times"),
@@ -31,6 +31,7 @@ ALIASES = {
 }
 MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
 SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
+_UNIT = re.compile(r"\s*\[\s*(.*?)\s*\]$|\s+\(.*\)$")  # behind the name of a column: "t [s]"
 
 
 def bad(where: str, got: Any, must: str) -> NoReturn:
@@ -40,43 +41,37 @@ def bad(where: str, got: Any, must: str) -> NoReturn:
 
 @dataclass(frozen=True)
 class Asked:
-    """What the user says about data; InputError for what is not allowed.
+    """What the user says about data, as `compare` has it; InputError for what is not allowed.
 
-    positions : "displacement": x, y are relative to the place at time 0; "absolute": they are
-        places, with a column `tracer` and rows at time 0; "auto": as the rows at time 0 say
-    speed_unit, diameter : U and d in the data's units; "data": U from <v^2> at time 0
-    time_unit : d/U in the data's unit of time; None: diameter/speed_unit
-    columns : names of columns in the files by ours, {"time": "t_sim"} or "time=t_sim"
-    timestep : the time of one step, for formats whose frames give steps
-    dimension : 2 or 3; None: that of an Ensemble, or 2
-    bin_times : times that differ by less than this fraction are one time, at their mean
     with_field : whether the data were in a field, where speeds rise
-    type : of the particles that are compared, where a file has several
     """
 
     positions: str = "auto"
-    speed_unit: float | str = 1.0
+    speed_unit: float = 1.0
     diameter: float = 1.0
     time_unit: float | None = None
     columns: Any = None
     timestep: float | None = None
     dimension: int | None = None
-    bin_times: float | None = None
     with_field: bool = False
     type: str | int | None = None
 
     def __post_init__(self) -> None:
         one_of("positions", self.positions, ("auto", "displacement", "absolute"))
-        units = {"speed_unit": "data", "diameter": "", "time_unit": None, "timestep": None}
-        for name, said in units.items():
-            if (value := getattr(self, name)) != said or type(value) is not type(said):
+        for name in ("speed_unit", "diameter", "time_unit", "timestep"):
+            value = getattr(self, name)
+            if value is not None or name in ("speed_unit", "diameter"):
                 # a unit enters as its square and its cube, which must be finite
                 object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):
             refuse("dimension", self.dimension, "it must be 2 or 3")
-        if self.bin_times is not None:
-            real_number("bin_times", self.bin_times, 0.0, 0.2)
-        object.__setattr__(self, "columns", checked_columns(self.columns))
+        object.__setattr__(self, "columns", _by_our_names(self.columns))
+
+    @property
+    def units(self) -> dict[str, float]:
+        """U, d and d/U in the data's units."""
+        time = self.diameter / self.speed_unit if self.time_unit is None else self.time_unit
+        return {"speed": self.speed_unit, "length": self.diameter, "time": time}
 
     def times_of(self, where: str, time: Any, step: Any) -> Any:
         """The times of frames: as they stand, or their steps times the timestep."""
@@ -87,13 +82,12 @@ class Asked:
         return np.asarray(step, float) * self.timestep
 
 
-def checked_columns(columns: Any) -> dict[str, str]:
+def _by_our_names(columns: Any) -> dict[str, str]:
     """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`."""
-    pairs: Any = columns.items() if isinstance(columns, Mapping) else ()
+    pairs: Any = columns.items() if isinstance(columns, Mapping) else columns or ()
     if isinstance(columns, str):
         pairs = [part.split("=", 1) for part in columns.split(",") if part.strip()]
-    right = columns is None or isinstance(columns, str | Mapping)
-    if not right or any(len(pair) < 2 or not str(pair[1]).strip() for pair in pairs):
+    if not isinstance(columns, Mapping | str | None) or any(len(pair) < 2 for pair in pairs):
         bad("columns", short(columns), "like time=t,tracer=id, or a dictionary of names")
     known = {other: ours for ours, others in ALIASES.items() for other in (ours, *others)}
     found: dict[str, str] = {}
@@ -110,9 +104,8 @@ def checked_columns(columns: Any) -> dict[str, str]:
 class Tracks:
     """Tracers at common times; NaN where one is missing.
 
-    times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) whole numbers, None where
-    unknown; units that the file states, by "length", "speed" and "time"; file: number of the
-    file, or (n,).
+    times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) labels, None where unknown;
+    file (n,), its number.
     """
 
     times: Any
@@ -120,42 +113,31 @@ class Tracks:
     velocity: Any
     tracer: Any = None
     medium: Any = None
-    units: Mapping[str, str] = field(default_factory=dict)
     file: Any = 0
 
 
-class Table(NamedTuple):
-    """Columns in memory that take the place of a file."""
-
-    columns: Mapping[str, Any]
-    name: str = "data"
-
-
-def name_of(source: Path | Table) -> str:
-    """A file's path, or the name of a table, on one line that can be written."""
-    text = source.name if isinstance(source, Table) else str(source)
-    text = " ".join(text.encode("utf-8", "replace").decode().split()) or "''"
-    return text if len(text) <= 200 else f"{text[:90]}...{text[-100:]}"
+def name_of(source: Any) -> str:
+    """A file's path on one line that can be written; "data" for columns in memory."""
+    text = str(source) if isinstance(source, Path) else "data"
+    return " ".join(text.encode("utf-8", "replace").decode().split())[-200:] or "''"
 
 
 def require_memory(where: str, declared: float, stored: float | None = None) -> None:
-    """InputError for arrays of more bytes than a third of what is free, or than `stored` hold."""
+    """InputError for arrays of more bytes than a sixth of the memory, or than `stored` hold."""
     # deflate makes nothing smaller than by 1032
     if stored is not None and declared > 1100 * stored + 1e6:
         bad(where, f"{stored:.2g} bytes that declare {declared:.2g}", "a whole file")
-    free = 16e9  # on another system: what most machines have
-    with suppress(OSError, ValueError):
-        found = re.search(r"MemAvailable:\s*(\d+)", Path("/proc/meminfo").read_text())
-        free = 1024.0 * float(found[1]) if found else free
-    if 3 * declared > free:
-        bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
+    # on another system: what most machines have
+    total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if os.name == "posix" else 16e9
+    if 6 * declared > total:
+        bad(where, f"data of {declared:.2g} bytes", f"at most a sixth of the memory, {total:.2g}")
 
 
-def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, int]:
-    """The place of each known column; InputError where one is missing or stands twice."""
+def find_columns(where: str, names: Iterable[Any], asked: Asked) -> dict[str, Any]:
+    """The name of each known column by ours; InputError where one is missing or stands twice."""
+    names = list(names)
     plain = [str(name).strip(" \t\"'").lower() for name in names]
-    bare = [split_unit(name)[0] for name in plain]
-    d = asked.dimension or 2
+    bare, d = [_UNIT.sub("", one) for one in plain], asked.dimension or 2
     needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
     found: dict[str, int] = {}
     for ours, others in ALIASES.items():
@@ -172,63 +154,104 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
             bad(where, f"no column {told or ours!r} in {there}", f"{', '.join(needed)} (--columns)")
         if here:
             found[ours] = here[0]
-    return found
+    return {ours: names[k] for ours, k in found.items()}
 
 
-def from_columns(
-    where: str, names: Sequence[str], columns: Mapping[Any, Any], asked: Asked
-) -> Tracks:
-    """Tracks: names of all columns, and those (n,) that `find_columns` finds."""
-    found = find_columns(where, names, asked)
-    values = {ours: _column(where, ours, columns[names[k]]) for ours, k in found.items()}
-    units = stated(where, {ours: split_unit(names[k])[1] for ours, k in found.items()})
-    if len(sizes := {len(column) for column in values.values()}) > 1 or not min(sizes):
-        some = "columns that differ in length" if len(sizes) > 1 else "no rows"
-        bad(where, some, "one length, of two rows at least")
-    for name in ("time", *AXES, *SPEEDS):
-        if name in values and not np.all(good := np.isfinite(values[name])):
+def rows_of(where: str, columns: Mapping[Any, Any], asked: Asked) -> Rows:
+    """The rows of columns (n,) by the names of a file, checked; or InputError."""
+    found = find_columns(where, columns, asked)
+    c = {ours: np.asarray(columns[name]) for ours, name in found.items()}
+    if len(shapes := {one.shape for one in c.values()}) > 1 or c["time"].ndim != 1:
+        bad(where, f"columns that differ in length or shape, {shapes}", "one length (n,)")
+    if not c["time"].size:
+        bad(where, "no rows", "two at least")
+    for name, values in c.items():
+        in_words = name in LABELS and values.dtype.kind in "OUST"
+        if not in_words and (values.dtype.kind not in "iuf" or values.dtype.itemsize > 8):
+            bad(f"{where}: column {name!r}", f"type {values.dtype}", "numbers")
+        c[name] = values.astype(str) if in_words else values
+        if name not in LABELS:
+            c[name] = values.astype(float, copy=False)
+        if values.dtype.kind == "f" and not np.all(good := np.isfinite(values)):
             k = int(np.argmin(good))
-            who = f"row {k}"
-            if "tracer" in found:  # by its own label
-                who = f"tracer {np.asarray(columns[names[found['tracer']]])[k]}"
-                who += f" at time {values['time'][k]:g}"
-            bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
+            who = f"row {k}" if "tracer" not in c else f"tracer {c['tracer'][k]}"
+            who += f" at time {c['time'][k]:g}"
+            bad(f"{where}: {who}", f"{name} = {values[k]}", "a finite number")
     if asked.type is not None:
-        texts = np.asarray(values.pop("type")).astype(str)
+        texts = c.pop("type").astype(str)
         chosen = texts == str(asked.type)
         if not np.any(chosen):
             bad(f"{where}: type", short(asked.type), f"one of {', '.join(np.unique(texts)[:9])}")
-        values = {name: column[chosen] for name, column in values.items()}
-    if asked.dimension != 3 and np.any(values.pop("vz", 0)):
+        c = {name: values[chosen] for name, values in c.items()}
+    if asked.dimension != 3 and np.any(c.pop("vz", 0)):
         bad(where, "velocities with z components", "none, or say dimension 3")
-    return replace(_dense(where, values, asked), units=units)
+    x, v, t = ("".join(_UNIT.findall(str(found[name]))) for name in ("x", "vx", "time"))
+    parts = re.findall(r"[^\W\d]+", v)
+    if x and t and len(parts) == 2 and parts != [x, t] and asked.time_unit is None:
+        got = f"lengths in {x}, speeds in {v}, times in {t}"
+        bad(where, got, "units that belong together, or say --time-unit")
+    return c
 
 
-def _column(where: str, name: str, values: Any) -> Any:
-    """Numbers as floats, labels as whole numbers, or types as texts."""
-    values, here = np.asarray(values), f"{where}: column {name!r}"
-    if values.ndim != 1:
-        bad(here, f"shape {values.shape}", "(n,)")
-    if name in LABELS and values.dtype.kind in "OUST":
-        codes, texts = pd.factorize(values.astype(str), sort=True)
-        return texts[codes] if name == "type" else codes
-    if values.dtype.kind not in "iuf" or values.dtype.itemsize > 8:
-        bad(here, f"type {values.dtype}", "numbers")
-    if name not in LABELS:
-        return values.astype(float, copy=False)
-    if values.dtype.kind == "f" and not np.all((np.abs(values) < 2.0**63) & (values % 1 == 0)):
-        bad(here, "others", "whole numbers below 2^63")
-    return values.astype(np.int64, copy=False)
+def rows_of_frames(where: str, frames: Sequence[Mapping[str, Any]], asked: Asked) -> Rows:
+    """The rows of frames, each with columns by our names."""
+    if not frames:
+        bad(where, "no frames", "a file of this format")
+    names = [name for name in frames[0] if all(name in frame for frame in frames)]
+    c = {name: np.concatenate([frame[name] for frame in frames]) for name in names}
+    # tracers without any number have ended
+    here = ~np.all([np.isnan(c[name]) for name in (*AXES, *SPEEDS) if name in c], axis=0)
+    c = c if np.all(here) else {name: values[here] for name, values in c.items()}
+    return rows_of(where, c, replace(asked, columns=None))
 
 
-def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
-    index, times = binned(where, c["time"], asked)
-    keys: list[str] = [name for name in ("tracer", "medium") if name in c]
+def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
+    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
+
+    Without `tracer` the k-th of each frame is the same tracer.
+    """
+    times, place, velocity = (np.asarray(one) for one in (times, place, velocity))
+    shape = (*place.shape, 0, 0)[:2]
+    labels = {"tracer": np.arange(shape[1])} | {k: np.asarray(a) for k, a in labels.items()}
+    shapes = [times.shape, place.shape, velocity.shape, *(a.shape for a in labels.values())]
+    right = [
+        times.shape == shape[:1],
+        place.ndim == velocity.ndim == 3,
+        velocity.shape[:2] == shape,
+    ]
+    right += [found in (shape, shape[1:]) for found in shapes[3:]]
+    if not all(right):
+        must = "(T,), (T, n, d), (T, n, d) and (n,) for each label"
+        bad(f"{where}: shapes", ", ".join(map(str, shapes)), must)
+    found = {"time": np.repeat(times, shape[1])}
+    for names, vectors in ((AXES, place), (SPEEDS, velocity)):
+        found |= dict(zip(names, vectors.reshape(-1, vectors.shape[2]).T, strict=False))
+    return found | {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
+
+
+def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
+    """The tracers of all files side by side, at the times of any of them; or InputError."""
+    where, first = ", ".join(names), parts[0]
+    for name, part in zip(names, parts, strict=True):
+        for label in {*LABELS} & (part.keys() ^ first.keys()):
+            bad(name, f"another column {label} than before", "in all files or in none")
+    c = first
+    if len(parts) > 1:
+        c = {name: np.concatenate([part[name] for part in parts]) for name in c}
+    index, times = _binned(where, c["time"])
+    keys = [name for name in ("tracer", "medium") if name in c]
+    labels: dict[str, Any] = {name: c[name] for name in keys}
+    if len(parts) > 1:
+        sizes = [part["time"].size for part in parts]
+        labels["file"] = np.repeat(np.arange(len(parts)), sizes)
     if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
-        rows = pd.DataFrame({"time": index, **{name: c[name] for name in keys}})
-        c["rank"] = rows.groupby(["time", *keys]).cumcount().to_numpy()
-        keys.append("rank")
-    number = pd.DataFrame({name: c[name] for name in keys}).groupby(keys).ngroup().to_numpy()
+        rows = pd.DataFrame({"time": index, **labels})
+        labels["rank"] = rows.groupby(list(rows)).cumcount().to_numpy()
+    number = np.zeros(index.size, np.int64)
+    for values in labels.values():
+        code, known = pd.factorize(values, sort=True)
+        number = number * known.size + code
+    number = pd.factorize(number, sort=True)[0]
     n = int(number.max()) + 1
     require_memory(where, 32.0 * n * times.size)
     cell = index * n + number
@@ -237,97 +260,24 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
         who = " of ".join(f"{name} {c[name][k]}" for name in keys)
         bad(where, f"more than one row of {who} at time {c['time'][k]:g}", "one row for each time")
 
-    def spread_out(names: Sequence[str]) -> Any:
-        out = np.full((times.size * n, len(names)), np.nan)
-        out[cell] = np.stack([c[name] for name in names], axis=-1)
+    def spread_out(axes: Sequence[str]) -> Any:
+        out = np.full((times.size * n, len(axes)), np.nan)
+        out[cell] = np.stack([c[name] for name in axes], axis=-1)
         return out.reshape(times.size, n, -1)
 
-    labels: Any = {name: np.empty(n, np.int64) for name in ("tracer", "medium") if name in c}
-    for name, values in labels.items():
-        values[number] = c[name]
-    place, velocity = (spread_out([one for one in axes if one in c]) for axes in (AXES, SPEEDS))
-    return Tracks(times, place, velocity, **labels)
+    one = np.empty(n, np.int64)
+    one[number] = np.arange(number.size)  # a row of each tracer
+    place, velocity = (spread_out([a for a in names if a in c]) for names in (AXES, SPEEDS))
+    of_each = {name: values[one] for name, values in labels.items() if name != "rank"}
+    return Tracks(times, place, velocity, **of_each)
 
 
-def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
-    """The index of each row's time among the different ones, and these, at their means."""
-    within = max(SAME_TIME, asked.bin_times or 0.0)
+def _binned(where: str, time: Any) -> tuple[Any, Any]:
+    """The index of each row's time among the different ones, and these."""
     found, different = pd.factorize(time, sort=True)
     if different[0] < 0:
         bad(f"{where}: time", f"{different[0]:g}", "not negative")
-    firsts = [different[0]]
-    while different[-1] - firsts[-1] > within * different[-1]:
-        if len(firsts) == MOST_TIMES:
-            few = f"at most {MOST_TIMES}, the same for every tracer, or say --bin-times"
-            bad(f"{where}: time", f"more than {MOST_TIMES} different times", few)
-        # the first that is not so near: t - first > within * t rises with t
-        firsts.append(different[np.argmax(different - firsts[-1] > within * different)])
-    times = np.array(firsts)
-    at = np.searchsorted(times[:-1] / 2 + times[1:] / 2, different)[found]
-    return at, times if within <= SAME_TIME else np.bincount(at, time) / np.bincount(at)
-
-
-def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
-    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
-
-    Without `tracer` the k-th of each frame is the same tracer.
-    """
-    times, place, velocity = (np.asarray(one) for one in (times, place, velocity))
-    shape = (*place.shape, 0, 0)[:2]
-    labels = {"tracer": np.arange(shape[1])} | {k: np.asarray(a) for k, a in labels.items()}
-    fit = velocity.shape[:2] == shape and velocity.ndim == place.ndim == 3
-    fit &= all(one.shape in (shape, shape[1:]) for one in labels.values())
-    if times.shape != shape[:1] or not fit or max(place.shape[2], velocity.shape[2]) > 3:
-        of_labels = ", ".join(f"{k} {a.shape}" for k, a in labels.items())
-        got = f"{times.shape}, {place.shape}, {velocity.shape} and {of_labels}"
-        bad(f"{where}: shapes", got, "(T,), (T, n, d), (T, n, d) and (n,) for each label")
-    found = {"time": np.repeat(times, shape[1])}
-    for names, vectors in ((AXES, place), (SPEEDS, velocity)):
-        found |= dict(zip(names, vectors.reshape(-1, vectors.shape[2]).T, strict=False))
-    return found | {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
-
-
-def of_frames(
-    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked,
-    units: Mapping[str, str] | None = None,
-) -> Tracks:  # fmt: skip
-    """Tracks of the columns of frames, by our names; units of x, vx and time."""
-    if not frames:
-        bad(where, "no frames", "a file of this format")
-    rows = pd.concat([pd.DataFrame(frame) for frame in frames], join="inner", ignore_index=True)
-    # tracers without any number have ended
-    rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
-    found = from_columns(where, list(rows), rows, replace(asked, columns=None))
-    return replace(found, units=stated(where, units or {}))
-
-
-def refuse_wrapped(where: str, flags: str) -> NoReturn:
-    """InputError for positions in a periodic box that may have been wrapped at its edges."""
-    bad(f"{where}: positions", "those in a periodic box", f"unwrapped, or with {flags}")
-
-
-def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Tracks:
-    """The tracers of several files side by side, at the times of any of them."""
-    first = parts[0]
-    if len(parts) == 1:
-        return first
-    for name in ("tracer", "medium"):
-        if len({getattr(part, name) is None for part in parts}) > 1:
-            bad(names[-1], f"another column {name} than before", "in all files or in none")
-    if any(dict(part.units) != dict(first.units) for part in parts):
-        bad(names[-1], "units that differ from those of other files", "the same units")
-    index, times = binned(names[0], np.concatenate([part.times for part in parts]), asked)
-    rows = np.split(index, np.cumsum([part.times.size for part in parts])[:-1])
-    if any(np.unique(at).size < at.size for at in rows):
-        allowed = "a fraction that puts each time into one bin of all files"
-        bad("bin_times", asked.bin_times, allowed)
-    file = np.repeat(np.arange(len(parts)), [part.place.shape[1] for part in parts])
-    place, velocity = np.full((2, times.size, file.size, first.place.shape[2]), np.nan)
-    for k, (part, at) in enumerate(zip(parts, rows, strict=True)):
-        place[np.ix_(at, file == k)] = part.place
-        velocity[np.ix_(at, file == k)] = part.velocity
-    tracer, medium = (
-        None if getattr(first, name) is None else np.concatenate([getattr(p, name) for p in parts])
-        for name in ("tracer", "medium")
-    )
-    return Tracks(times, place, velocity, tracer, medium, units=first.units, file=file)
+    new = np.append(True, np.diff(different) > SAME_TIME * different[1:])
+    if (count := np.count_nonzero(new)) > MOST_TIMES:
+        bad(where, f"{count} different times", f"at most {MOST_TIMES}, the same for every tracer")
+    return (np.cumsum(new) - 1)[found], different[new]

@@ -22,15 +22,12 @@ from made_data import (
 from kinetics import compare
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample
-from kinetics.crosscheck.data.tracks import Table
 from kinetics.errors import InputError
 
 
 def moments(sample: Sample) -> Any:
-    """Sums of 1, v^2, v^4, r^2, r^4 over groups, in the sample's units: (n_times, 5)."""
-    v, r = sample.speed_scale**2, sample.length_scale**2
-    scales = np.stack([np.ones(v.size), v, v**2, r, r**2], axis=-1)
-    return sample.sums.sum(axis=0)[:, [N, V2, V4, R2, R4]] * scales
+    """Sums of 1, v^2, v^4, r^2, r^4 over groups: (n_times, 5)."""
+    return sample.sums.sum(axis=0)[:, [N, V2, V4, R2, R4]]
 
 
 def truth(run: Run) -> Any:
@@ -51,7 +48,7 @@ def test_every_format_gives_the_sums_of_the_run(
     grouping, groups = ("tracer", 251) if name in NO_MEDIUM else ("medium", 40)
     assert (found.grouping, found.groups) == (grouping, groups)
     assert found.law.dimension == dimension
-    np.testing.assert_array_equal(found.speeds.by_group.sum(axis=(0, 2)), TRACERS)  # type: ignore[union-attr]
+    np.testing.assert_array_equal(found.speeds[1].sum(axis=(0, 2)), TRACERS)  # type: ignore[union-attr]
     if dimension == 3:
         with pytest.raises(ValueError, match="dimension 3"):
             read_sample([path], timestep=STEP)
@@ -78,7 +75,7 @@ def test_numbers_of_a_csv_come_back_to_the_last_bit(tmp_path: Path) -> None:
     from kinetics.crosscheck.data.tracks import Asked
 
     found: Any = read(tmp_path / "a.csv", Asked())
-    np.testing.assert_array_equal(found.place[0].T, v)
+    np.testing.assert_array_equal(np.stack([found["x"], found["y"]]), v)
 
 
 @pytest.mark.parametrize("order", ["shuffled", "by tracer"])
@@ -87,7 +84,7 @@ def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
     rows = np.random.default_rng(1).permutation(data["t"].size)
     if order == "by tracer":
         rows = np.argsort(data["id"], kind="stable")
-    found = read_sample([Table({k: v[rows] for k, v in data.items()})])
+    found = read_sample([{k: v[rows] for k, v in data.items()}])
     np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
 
 
@@ -120,32 +117,20 @@ def test_several_files_are_several_runs(tmp_path: Path, run: Run) -> None:
     assert any("1000 of 2000 tracers are missing" in text for text in found.warnings)
 
 
-def test_binned_times_are_at_their_mean(run: Run) -> None:
-    data = columns_of(run)
-    factor = 1 + 0.01 * np.random.default_rng(2).uniform(-1, 1, data["t"].size)
-    found = read_sample([Table(data | {"t": data["t"] * factor})], bin_times=0.05)
-    mean = (data["t"] * factor).reshape(4, -1).mean(axis=1)
-    np.testing.assert_allclose(found.times, mean, rtol=1e-12)
-    np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
-    assert found.flights == ()  # which tracers fly alike is not known then
-
-
 def test_units_that_do_not_belong_together_need_the_unit_of_time(run: Run) -> None:
     data = columns_of(run)
     names = {"t": "t [us]", "x": "x [mm]", "y": "y [mm]", "vx": "vx [m/s]", "vy": "vy [m/s]"}
     size = {"t": 2 / 3 * 1e3, "x": 2.0, "y": 2.0, "vx": 3.0, "vy": 3.0}
     other = {names.get(k, k): v * size.get(k, 1) for k, v in data.items()}
     with pytest.raises(InputError, match=r"lengths in mm, speeds in m/s.*--time-unit"):
-        read_sample([Table(other)], diameter=2.0, speed_unit=3.0)
+        read_sample([other], diameter=2.0, speed_unit=3.0)
     told: dict[str, Any] = {"diameter": 2.0, "time_unit": 2 / 3 * 1e3}
-    found = read_sample([Table(other)], speed_unit=3.0, **told)
+    found = read_sample([other], speed_unit=3.0, **told)
     np.testing.assert_allclose(found.times, TIMES)
     np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
-    found = read_sample([Table(other)], speed_unit="data", **told)
-    assert found.speed_scale[0] ** 2 * found.sums[:, 0, V2].sum() == pytest.approx(2 * TRACERS)
     for unit in ("mm/us", "mm us^-1"):  # these belong together
         one = {k.replace("m/s", unit): v for k, v in other.items()}
-        np.testing.assert_allclose(read_sample([Table(one)]).times[-1], other["t [us]"].max())
+        np.testing.assert_allclose(read_sample([one]).times[-1], other["t [us]"].max())
 
 
 @pytest.mark.parametrize("stored", [True, False])
@@ -158,7 +143,7 @@ def test_a_run_of_the_simulator_has_its_own_averages(tmp_path: Path, stored: boo
         made.write_h5md(tmp_path / "run.h5md")
         files.append(tmp_path / "run.h5md")
     for data in (made, *files):
-        rows = compare(data, 0.75, 0.04, explain=False).observable("msd")
+        rows = compare(data, 0.75, 0.04, explain=False).to_dataframe("msd")
         np.testing.assert_allclose(rows["value"], made.msd.value[1:], rtol=1e-9)
         if not stored:
             np.testing.assert_allclose(rows["error"], made.msd.error[1:], rtol=1e-3)

@@ -27,7 +27,7 @@ XYZ = "2\nProperties=id:I:1:pos:R:2:vel:R:2 Time=0\n1 0 0 1 0\n2 0 0 0 1\n"
 TEXTS = {
     "no file": ("a.csv", None, "no such file"),
     "empty": ("a.csv", "", "empty"),
-    "no header": ("a.csv", ROWS, "header"),
+    "no header": ("a.csv", ROWS, "'time'"),
     "no rows": ("a.csv", HEAD, "Empty CSV"),
     "column missing": ("a.csv", HEAD.replace("vy", "w") + ROWS, "'vy'"),
     "column twice": ("a.csv", HEAD.replace("tracer", "vy") + ROWS, "'vy' 2 times"),
@@ -39,21 +39,17 @@ TEXTS = {
     "negative time": ("a.csv", HEAD + ROWS.replace("2,2,0", "-2,2,0"), "time: got -2"),
     "one tracer": ("a.csv", HEAD + "0,0,0,1,0,1\n2,2,0,1,0,1\n", "one tracer|1 tracer"),
     "other format": ("a.txt", HEAD + ROWS, "must be a file"),
-    "not parquet": ("a.parquet", HEAD, "damaged"),
     "not npz": ("a.npz", HEAD, "damaged"),
     "not HDF5": ("a.h5", HEAD, "damaged"),
     "not a dump": ("a.dump", HEAD, "line 1"),
-    "dump: blank line": ("a.dump", DUMP.replace("\n2 0", "\n\n2 0"), "got 1 rows and blank"),
+    "dump: blank line": ("a.dump", DUMP.replace("\n2 0", "\n\n2 0"), "some blank"),
     "dump: cut": ("a.dump", DUMP[:-10], "line 10"),
     "dump: no number": ("a.dump", DUMP.replace("1 0 0 1 0", "1 a 0 1 0"), "line 10 .*'a'"),
     "dump: huge": ("a.dump", DUMP.replace("ATOMS\n2", "ATOMS\n1000000000000"), "line 10"),
     "dump: periodic": ("a.dump", DUMP.replace("xu yu", "x y"), "image flags"),
-    "dump: slanted box": ("a.dump", DUMP.replace("0 9\n", "0 9 1\n", 1), "rectangular"),
     "dump: no timestep": ("a.dump", DUMP, "timestep"),
     "xyz: twice": ("a.xyz", XYZ.replace("id:I:1", "pos:R:1"), "pos has 1 columns"),
-    "xyz: cut": ("a.xyz", XYZ[:-3], "line 3"),
     "xyz: no time": ("a.xyz", XYZ.replace(" Time=0", ""), "times"),
-    "averages": ("a.csv", "t,v0,v0_error\n1,2,1\n2,2,1\n", "'x' in 't, v0"),
 }  # fmt: skip
 
 
@@ -70,16 +66,10 @@ def test_a_text_that_cannot_be_used(tmp_path: Path, name: str) -> None:
 
 ARGUMENTS: dict[str, tuple[dict[str, Any], str]] = {
     "density": ({"number_density": -1.0}, "number_density: got -1"),
-    "start": ({"initial": "cold"}, "initial: got 'cold'"),
-    "positions": ({"positions": "near"}, "positions: got 'near'"),
     "speed unit": ({"speed_unit": "U"}, "speed_unit: got 'U'"),
-    "time unit": ({"time_unit": 0.0}, "time_unit: got 0"),
-    "dimension": ({"dimension": 4}, "dimension: got 4"),
-    "bins": ({"bin_times": 0.5}, "bin_times: got 0.5"),
     "field": ({"field": -1.0}, "field: got -1"),
     "heating alone": ({"heating": 1.0, "restitution": None}, "heating: restitution and"),
     "columns": ({"columns": "x"}, "columns: got 'x'"),
-    "columns, twice": ({"columns": "time=t,t=t"}, "columns: got 't' twice"),
     "columns, one for two": ({"columns": "x=t"}, "'t' for two"),
     "type": ({"type": 3}, "'type'"),
 }
@@ -92,14 +82,6 @@ def test_an_argument_that_cannot_be_used(run: Run, name: str) -> None:
         compare(columns_of(run), **{"restitution": 0.75, "number_density": 0.04} | told)
 
 
-def test_columns_may_be_told_as_a_text_or_a_dictionary(run: Run) -> None:
-    data = columns_of(run)
-    data["t_sim"], data["where"] = data.pop("t"), data.pop("x")
-    told = ("time=t_sim,x=where", {"t": "T_sim", "x": "where"})
-    found = [compare(data, 0.75, 0.04, columns=one, explain=False) for one in told]
-    assert found[0] == found[1]
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -108,9 +90,9 @@ def test_columns_may_be_told_as_a_text_or_a_dictionary(run: Run) -> None:
         ({"x": np.array(["a"] * 8000)}, "'x': got type"),
         ({"vx": np.full(8000, np.inf)}, "vx = inf"),
         ({"vx": np.full(8000, 1e200)}, "speeds of"),
+        ({"t": np.repeat([0.0, 1.0, 2.0, 1e80], 2000)}, "times: got 1e"),
         ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, "every speed at time 0 is zero"),
-        ({"t": np.linspace(0, 1, 8000)}, "more than 400 different times"),
-        ({"id": np.linspace(0, 1, 8000)}, "'tracer': .*whole numbers"),
+        ({"t": np.linspace(0, 1, 8000)}, "8000 different times"),
         ({"medium": None, "id": None}, "a column tracer"),
     ],
 )

@@ -14,13 +14,20 @@ from kinetics.crosscheck.compare.statistics import (
     log_widening,
     whitening,
 )
-from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, stabilised, steadied
-from kinetics.crosscheck.data.sample import Sample
+from kinetics.crosscheck.compare.theory import Expectation, averages_of
+from kinetics.crosscheck.data.sample import Law, Sample
 
 
 def left_out(data: Any) -> Any:
     """Means of the groups (G, p) with each left out in turn."""
     return (data.sum(axis=0) - data) / (len(data) - 1)
+
+
+def expectation(sums: Any) -> Expectation:
+    """Of sums at one time, (n_groups, 1, 5)."""
+    ones = np.ones(1)
+    sample = Sample(("made",), ones, sums, np.zeros(1, int), "medium")
+    return Expectation(sample, averages_of(Law()))
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +88,7 @@ def test_an_error_of_the_theory_is_added_and_counted() -> None:
 
 def test_differences_are_those_of_functions_whose_errors_stay() -> None:
     theory, data = np.array([[1.0], [0.5], [2.0], [3.0]]), np.array([[2.0], [1.0], [4.0], [6.0]])
-    found = stabilised(AVERAGES, theory, data - theory)[:, 0]
+    found = expectation(np.ones((3, 1, 5))).stabilised(theory, data - theory)[:, 0]
     cubes = [1.5 / 3 * (1 - (1.5 / 2.0) ** 3), 3.0 / 3 * (1 - 0.5**3)]
     np.testing.assert_allclose(found, [np.log(2), cubes[0], 2 * np.log(2), cubes[1]])
 
@@ -97,13 +104,9 @@ def test_a_long_tail_that_few_tracers_miss_is_no_difference() -> None:
         v, r = 2 * rng.exponential(size=(2, 50, 10))
         r *= rng.gamma(5.0, 0.2, size=r.shape)
         sums = np.stack([0 * v + 1, v, v**2, r, r**2], axis=-1).sum(axis=1)[:, None]
-        ones = np.ones(1)
-        sample = Sample(
-            ("made",), ones, sums, ones, ones, None, None, None, np.zeros(1, int), "medium"
-        )
-        expected = Expectation(sample, AVERAGES)
-        rows = steadied(expected, theory, expected.replicates - theory)[:, 3]
-        test = hotelling(stabilised(AVERAGES, theory, expected.values - theory)[3], rows)
+        expected = expectation(sums)
+        rows = expected.steadied(theory)[:, 3]
+        test = hotelling(expected.stabilised(theory, expected.values - theory)[3], rows)
         rejected += test is not None and test.p_value < 0.05
         ratio.append(float(errors(rows)[0]))
     assert rejected < 800 * 0.081

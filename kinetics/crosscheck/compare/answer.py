@@ -1,0 +1,219 @@
+"""The answer: fits become a Comparison, with its verdict, what the data show by themselves, the
+numbers of the theory, and a summary in words.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.compare.fit import Fit, choose
+from kinetics.crosscheck.compare.judge import Both, rows_of, tests_of, worst_of
+from kinetics.crosscheck.compare.page import OUTCOMES
+from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
+from kinetics.crosscheck.compare.statistics import AGREES_ABOVE, chance, hotelling
+from kinetics.crosscheck.compare.theory import OBSERVABLES, Expectation, averages_of
+from kinetics.crosscheck.data.sample import Law, Sample
+from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
+
+_NO_DENSITIES = "At a finite density averages alone are compared, with an error of the theory."
+_OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
+
+
+def answered(
+    sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool
+) -> Comparison:
+    """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
+    expectation = Expectation(sample, averages_of(sample.law))
+    best, explanations = _likeliest(fits), list[Explanation]()
+    wrong = never_move(sample)
+    for last in (False, True):
+        both, point = Both(expectation, best), best.point
+        rows, tests = tuple(rows_of(both)), tuple(tests_of(both))
+        # Rows without spread no test can hold.
+        words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
+        verdict = Verdict.DIFFERS if wrong else worst_of(words)
+        if last or not explain:
+            break
+        explanations, medium = _explained(both, verdict, wrong, media)
+        if medium == point.scatterers or medium not in media:
+            break  # else what explains is in another medium: it is the one that is shown
+        best = next((one for one in fits if one.point.scatterers == medium), best)
+    likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
+    first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
+    note = [_OWN_START] if point.own_start and both.histograms else []
+    note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
+    parameters = _parameters(both, wrong)
+    taken = "" if len(fits) < 2 or best.chi_square is None else _in_words(fits, best)
+    return Comparison(
+        verdict=verdict, summary=_summary(both, parameters, tests, verdict, first, taken),
+        parameters=parameters, initial=point.start_in_words, samples=int(sample.samples.max()),
+        groups=sample.groups, grouping=sample.grouping, names=sample.names,
+        warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
+        numbers=rows, medium=point.scatterers,
+        covariance=tuple(map(tuple, best.covariance.tolist())),
+    )  # fmt: skip
+
+
+def _likeliest(fits: Sequence[Fit]) -> Fit:
+    """The likeliest of the fits that agree with the data, or of all of them.
+
+    Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
+    Burnham and Augustin, Biometrics 53, 603 (1997)).
+    """
+    fits = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE] or fits
+    best = min(fits, key=lambda f: f.criterion)
+    if not np.isfinite(best.criterion):
+        return best
+    weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
+    away = np.array([one.at - best.at for one in fits])
+    return replace(best, covariance=best.covariance + (away.T * (weight / weight.sum())) @ away)
+
+
+def _explained(
+    both: Both, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
+) -> tuple[list[Explanation], str]:
+    """What explains a difference or is to be noted, the likeliest first, and in which medium."""
+    medium, law = both.point.scatterers, both.sample.law
+    if wrong or law.is_driven or law.field:
+        return [wrong] if wrong else [], medium
+    found = [note for note in (_traps(both), _missing(both)) if note]
+    if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
+        from kinetics.crosscheck.compare.causes import tested_causes
+
+        tested = list(tested_causes(both, media))
+        if tested and tested[0][0].outcome == "explains":
+            medium = tested[0][1]
+        found = [*(item for item, _ in tested), *found]
+    # Python's sort keeps the order of those of one outcome: the likeliest stays first.
+    return sorted(found, key=lambda item: [*OUTCOMES].index(item.outcome)), medium
+
+
+# -- what the data show by themselves, without a fit -----------------------------------------------
+def never_move(sample: Sample) -> Explanation | None:
+    """Particles that have speed zero at every time: of late times alone one in 100 at least, as
+    tracers may have come to rest before.
+    """
+    rest, most = int(sample.at_rest.min()), int(sample.samples.max())
+    late = sample.times[0] > 0 and rest < 0.01 * most
+    if not rest or late or sample.times.size < 2 or sample.law.is_driven:
+        return None
+    said = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
+    more = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
+    return Explanation("scatterers", "found", said + more, value=rest / most, headline=said)
+
+
+def _traps(both: Both) -> Explanation | None:
+    """Tracers that have speed zero at some time, which only trapped ones have."""
+    rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
+    said = f"{rest} tracers come to rest"
+    text = f"{said}: caught between scatterers, or stopped by a program."
+    found = Explanation("traps", "found", text, value=rest / most, headline=said)
+    return found if rest else None
+
+
+def _missing(both: Both) -> Explanation | None:
+    """Fewer tracers at later times: what is left is biased, and the complete times tell."""
+    sample, samples = both.sample, both.sample.samples
+    most, least = int(samples.max()), int(np.argmin(samples))
+    complete = samples == most
+    if np.all(complete):
+        return None
+    whole, part = (
+        hotelling(*both.flat(choose(both.usable & times, sample.groups, 1)))
+        for times in (complete, ~complete)
+    )
+    missing, outcome = most - int(samples[least]), "does not" if part else "noted"
+    if part is not None and part.p_value < AGREES_ABOVE:
+        outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
+    text = f"{missing} of {most} tracers are missing at t = {numeral(sample.times[least], '.4g')}. "
+    text += "A cap on collisions takes the fast ones away."
+    left: tuple[Any, ...] = (None, None, None) if whole is None else whole[:3]
+    names = ("chi_square_after", "dof", "p_value")
+    return Explanation(
+        "missing tracers", outcome, text, part is not None, missing / most,
+        chi_square_before=part and part.value, **dict(zip(names, left, strict=True)),
+        headline=f"{missing} tracers that are missing at later times",
+    )  # fmt: skip
+
+
+# -- in words --------------------------------------------------------------------------------------
+def _parameters(both: Both, wrong: Explanation | None) -> dict[str, Parameter]:
+    """The numbers of the theory; those that were fitted have standard errors."""
+    point, found, left, why = both.point, both.found, both.found.chi_square, ""
+    if wrong or (left is not None and left.p_value < chance(DIFFERS_ABOVE)):
+        why = wrong.headline if wrong else "the model does not fit"
+    density = both.sample.law.free_path(point.path)
+    values = {"restitution": point.restitution, "number_density": density}
+    values |= {"mean_free_path": point.path}
+    made = {}
+    for name, value in values.items():
+        free = "restitution" if name == "restitution" else "path"
+        made[name] = Parameter(value, None, "from ρ₀" if name == "mean_free_path" else "told")
+        if callable(value):
+            made[name] = Parameter(None, None, f"told: {value}")
+        elif free in found.free and why:
+            used = f"no value: {why}; the theory that is shown has {numeral(value, '.5g')}"
+            made[name] = Parameter(None, None, used)
+        elif free in found.free:
+            at, error = found.value(free)
+            error *= value / at if at else 1.0
+            made[name] = Parameter(value, error, "fitted to v₀ and ⟨r²⟩ over time")
+    return made
+
+
+def _in_words(fits: Sequence[Fit], best: Fit) -> str:
+    """Which medium was taken and why."""
+    said = {
+        one.point.scatterers: f"{numeral(one.chi_square.value, '.3g')}/{one.chi_square.freedom}"
+        for one in fits if one.chi_square
+    }  # fmt: skip
+    taken = f"{best.point.scatterers} {said.pop(best.point.scatterers)}"
+    others = ", ".join(f"{name} {left}" for name, left in said.items())
+    return f" The medium taken: {taken} (chi-square/degrees of freedom; {others})."
+
+
+def _summary(
+    both: Both, parameters: dict[str, Parameter], tests: Sequence[Any],
+    verdict: Verdict, best: Explanation | None, medium: str,
+) -> str:  # fmt: skip
+    """What was fitted, the verdict in a sentence, what was compared, the clearest difference."""
+    within = [
+        f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
+        f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
+    ]  # fmt: skip
+    cause = f"; {best.headline} explains it" if best else ""
+    answer = {
+        Verdict.AGREES: f"No difference seen, better than {', '.join(within) or 'no average'}.",
+        Verdict.UNCLEAR: f"A difference is possible, more samples would show it{cause}.",
+        Verdict.DIFFERS: f"They differ{cause}.",
+    }.get(verdict, "Nothing could be tested.")
+    names = {"restitution": "e", "number_density": "ρ₀"}
+    fitted = " and ".join(
+        f"{symbol} = {number(one.value, one.error)}"
+        for name, symbol in names.items() if (one := parameters[name]).error is not None
+    )  # fmt: skip
+    if best is not None and best.outcome == "found":
+        answer = f"They differ. Look at the data first: {best.headline}."
+    elif fitted:
+        answer = f"{fitted}, fitted. {answer}"
+    sample, law, point = both.sample, both.sample.law, both.point
+    every = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
+    others = {"e_t": "tangential_restitution", "field": "field", "M/m": "mass_ratio"}
+    others |= {"w": "bath_speed", "D_v": "heating", "γ": "drag", "v_c": "capture_speed"}
+    plain = Law()
+    every |= {k: x for k, n in others.items() if (x := getattr(law, n)) != getattr(plain, n)}
+    told = [f"{k} = {x if callable(x) else numeral(x, '.6g')}" for k, x in every.items()]
+    first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
+    answer += f" {int(sample.samples.max())} tracers at {sample.times.size} times from {first} to "
+    answer += f"{last} d/U, compared with the kinetic equation with "
+    answer += f"{', '.join(told)}, from {point.start_in_words}.{medium}"
+    odd = [test for test in tests if test.verdict is not Verdict.AGREES]
+    if odd:
+        t = min(odd, key=lambda test: test.p_value)
+        at = "" if t.time is None else f" at t = {numeral(t.time, '.4g')}"
+        answer += f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is {t.observable}"
+        answer += f"{at}: chi-square {numeral(t.chi_square, '.4g')} with {t.dof} degrees of freedom"
+        answer += f", p = {numeral(t.p_value, '.2g')}."
+    return answer
