@@ -5,13 +5,14 @@ What a configuration leaves is a dictionary of arrays, by the names that they ha
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import reduce
 from math import ceil, inf, log2, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from particles.checks import short
 from particles.impact import Law, compiled
 from particles.kernel.columns import (
     FIELD_SUMS,
@@ -112,6 +113,14 @@ class Plan(Value):
         if self.mass_ratio < inf:
             e = (1.0 + e) * (self.mass_ratio / (1.0 + self.mass_ratio)) - 1.0
         return lowest, e
+
+    def unlike(self, other: "Plan") -> str:
+        """Say in what another plan is another run's; empty if it is not."""
+        for f in fields(self):
+            ours, theirs = getattr(self, f.name), getattr(other, f.name)
+            if not np.array_equal(ours, theirs):
+                return f"another run, with {f.name} = {short(theirs)}, not {short(ours)}"
+        return ""
 
     def scales(self) -> np.ndarray:
         """Return the powers of 2 that velocities are multiplied by in sums, (n_times,).

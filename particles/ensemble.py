@@ -1,7 +1,7 @@
 """Ensemble: the frozen result of a simulation, and the sums it is made from."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
 from operator import attrgetter
@@ -10,24 +10,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.checks import check_path, refuse, short
-from particles.configuration import Plan, Totals
+from particles.checks import check_path, refuse
+from particles.configuration import PER_OCTAVE, Plan, Totals
 from particles.estimators import Estimate, Histogram, jackknife, share
-from particles.field import FieldEstimates
 from particles.kernel.columns import (
     ALL_COLLISIONS,
     CAUGHT,
-    COLLISIONS,
-    CORRELATION,
     HISTOGRAMS,
-    R2,
-    R4,
     SAMPLES,
-    SPEED2,
-    SPEED4,
     TRAVELLED,
 )
-from particles.outputs import DRIVES, IN_FIELD, OF_A_DEPTH, RAW, SCALARS
+from particles.outputs import (
+    DRIVES,
+    ESTIMATES,
+    IN_FIELD,
+    OF_A_DEPTH,
+    RAW,
+    SCALARS,
+    VARIABLES,
+    Sums,
+)
 from particles.results import Result, Value, frozen
 
 if TYPE_CHECKING:
@@ -84,7 +86,7 @@ def _of_plan(name: str, words: str) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(FieldEstimates, Result):
+class Ensemble(Result):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
@@ -194,43 +196,6 @@ class Ensemble(FieldEstimates, Result):
         return frozen(self.moments[:, :, CAUGHT].sum(axis=0).astype(np.int64))
 
     @cached_property
-    def thermal_speed(self) -> Estimate:
-        """sqrt(<v^2>) in U, (n_times,): the paper's v0(t), eq. v0defi."""
-        sums = jackknife(self.moments, lambda m: np.sqrt(m[:, SPEED2] / m[:, SAMPLES]))
-        return sums.divided(self._scales)
-
-    @cached_property
-    def a2(self) -> Estimate:
-        """<v^4> / (k <v^2>^2) - 1, (n_times,): 0 for a Gaussian, k = 2, or 5/3 in space."""
-        d = self.medium.dimension
-        gaussian = (d + 2) / d
-        return jackknife(
-            self.moments,
-            lambda m: m[:, SPEED4] * m[:, SAMPLES] / (gaussian * m[:, SPEED2] ** 2) - 1.0,
-        )
-
-    @cached_property
-    def msd(self) -> Estimate:
-        """Mean square displacement <r^2> in d^2, (n_times,)."""
-        return jackknife(self.moments, lambda m: m[:, R2] / m[:, SAMPLES]).divided(self._unit**-2)
-
-    @cached_property
-    def kurtosis(self) -> Estimate:
-        """<r^4> / <r^2>^2, (n_times,): 2 for a Gaussian, 5/3 in space. NaN at time 0."""
-        return jackknife(self.moments, lambda m: m[:, R4] * m[:, SAMPLES] / m[:, R2] ** 2)
-
-    @cached_property
-    def collisions(self) -> Estimate:
-        """Mean number of collisions per tracer up to each time, (n_times,)."""
-        return jackknife(self.moments, lambda m: m[:, COLLISIONS] / m[:, SAMPLES])
-
-    @cached_property
-    def velocity_autocorrelation(self) -> Estimate:
-        """<v(t).v(0)> in U^2, (n_times,)."""
-        sums = jackknife(self.moments, lambda m: m[:, CORRELATION] / m[:, SAMPLES])
-        return sums.divided(self._scales)
-
-    @cached_property
     def mean_free_path(self) -> Estimate:
         """Path travelled per collision, all tracers from start to end, in d. A scalar."""
         return jackknife(
@@ -239,32 +204,21 @@ class Ensemble(FieldEstimates, Result):
         )
 
     @property
-    def speed_histogram(self) -> Histogram:
-        """Distribution of |v| in U; 16 bins per octave."""
-        return self._histogram("speed_histogram")
+    def passage_times(self) -> np.ndarray:
+        """When each tracer first had x = depth, in d/U, (media * tracers,); inf if it never had."""
+        if "raw/passages" not in self.arrays:
+            raise AttributeError("passages were not asked for: simulate(field=..., depth=...)")
+        return frozen(self.arrays["raw/passages"] * self._unit)
 
-    @property
-    def velocity_component_histogram(self) -> Histogram:
-        """Distribution of |v_x| in U (the distribution of v_x is even); 16 bins per octave."""
-        return self._histogram("velocity_component_histogram")
+    @cached_property
+    def passed(self) -> Estimate:
+        """Share of the tracers that have reached the depth by each time, (n_times,)."""
+        return self._over_tracers(self.passage_times[:, None] <= self.times)
 
-    @property
-    def displacement_histogram(self) -> Histogram:
-        """Distribution of |r| in d: the paper's g(r, t); 16 bins per octave."""
-        return self._histogram("displacement_histogram")
-
-    @property
-    def free_path_histogram(self) -> Histogram:
-        """Distribution of the completed flights' length in d, over the whole run (n_times = 1).
-
-        A flight counts if a collision ends it up to the last time; the first begins at time 0.
-        """
-        return self._histogram("free_path_histogram")
-
-    @property
-    def free_time_histogram(self) -> Histogram:
-        """Distribution of the duration in d/U of the flights of `free_path_histogram`."""
-        return self._histogram("free_time_histogram")
+    @cached_property
+    def mean_passage_time(self) -> Estimate:
+        """Mean of `passage_times`, a scalar; infinite if one of the tracers never had x = depth."""
+        return self._over_tracers(self.passage_times)
 
     @property
     def positions(self) -> np.ndarray:
@@ -367,11 +321,8 @@ class Ensemble(FieldEstimates, Result):
         totals = Totals(plan)
         for run, name in named:
             own, done = run.plan.configurations, totals.configurations
-            for f in fields(plan):
-                ours, theirs = getattr(plan, f.name), getattr(run.plan, f.name)
-                if f.name != "part" and not np.array_equal(ours, theirs):
-                    what = f"is of another run, with {f.name} = {short(theirs)}, not {short(ours)}"
-                    raise ValueError(f"parts: {run.plan.part or 'the whole'}{name} {what}")
+            if other := plan.unlike(replace(run.plan, part=None)):
+                raise ValueError(f"parts: {run.plan.part or 'the whole'}{name} is of {other}")
             if own.start < done:
                 raise ValueError(f"parts: configuration {own.start} is there twice{name}")
             if own.start > done:
@@ -385,14 +336,29 @@ class Ensemble(FieldEstimates, Result):
     def _unit(self) -> float:
         return self.medium.diameter
 
-    @cached_property
-    def _scales(self) -> np.ndarray:
-        return self.plan.scales()
-
     def _get(self, name: str, key: str) -> np.ndarray:
         if key not in self.arrays:
             raise AttributeError(f"{name} was not asked for: simulate(observables=[{name!r}, ...])")
         return self.arrays[key]
+
+    def _over_tracers(self, each: np.ndarray) -> Estimate:
+        """Return the mean of what each tracer has, (media * tracers, ...)."""
+        sums = each.reshape(self.media, self.tracers, *each.shape[1:]).sum(axis=1)
+        numbers = np.full(sums.shape, self.tracers)
+        return jackknife(np.stack((sums, numbers), axis=1), lambda total: total[0] / total[1])
+
+    def _average(self, name: str) -> Estimate:
+        unit, _, of, scaled = ESTIMATES[name]
+        sums = self.moments
+        if self.field:
+            sums = np.concatenate([sums, self.arrays["field_sums"]], axis=2)
+        elif name in IN_FIELD and name != "trapped_fraction":
+            raise AttributeError(f"{name} is there in a field only: simulate(field=...)")
+        assert of is not None
+        d = self.medium.dimension
+        found = jackknife(sums, lambda total: of(Sums(total, d)))
+        # after the jackknife: squares of late speeds are too small for a number
+        return found.divided(self.plan.scales() if scaled else self._unit ** -_LENGTHS[unit])
 
     def _histogram(self, name: str) -> Histogram:
         counts, squares, cross = self._get(name, f"histograms/{name}/sums")
@@ -404,6 +370,27 @@ class Ensemble(FieldEstimates, Result):
         everything = share(counts, squares, cross, samples, self.media)
         p, error = everything.value, everything.error
         return Histogram(edges, Estimate(p[:, 1:-1], error[:, 1:-1]), p[:, 0], p[:, -1])
+
+
+_LENGTHS = {"1": 0, "U": 0, "U^2": 0, "d": 1, "d^2": 2}
+
+
+def _attach(name: str, make: Callable[[Ensemble, str], Any], words: str) -> None:
+    def attribute(ensemble: Ensemble) -> Any:
+        return make(ensemble, name)
+
+    attribute.__doc__ = words
+    made = cached_property(attribute)
+    made.__set_name__(Ensemble, name)
+    setattr(Ensemble, name, made)
+
+
+for _name, _one in ESTIMATES.items():
+    if _one.of is not None:
+        _attach(_name, Ensemble._average, f"Estimate of {_one.words}; unit {_one.unit}.")
+for _name, (_, _unit, _words) in VARIABLES.items():
+    _words = f"Histogram of the {_words} in {_unit}; {PER_OCTAVE} bins per octave."
+    _attach(_name, Ensemble._histogram, _words)
 
 
 def load(path: str | PathLike[str]) -> Ensemble:

@@ -144,11 +144,8 @@ class Saver:
         if not resume:
             raise ValueError(f"{where}; it exists, resume=True (--resume) would go on from it")
         found, arrays, done = read(self.path)
-        for f in fields(self.plan):
-            ours, theirs = (getattr(plan, f.name) for plan in (self.plan, found))
-            if not np.array_equal(ours, theirs):
-                what = f"it holds another run, with {f.name} = {short(theirs)}, not {short(ours)}"
-                raise ValueError(f"{where}; {what}")
+        if other := self.plan.unlike(found):
+            raise ValueError(f"{where}; it holds {other}")
         return Totals(self.plan, arrays, done)
 
     def write(self, totals: Totals) -> None:

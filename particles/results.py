@@ -85,6 +85,10 @@ class Result(Value):
     statuses: Any
     outputs: tuple[str, ...]
 
+    if TYPE_CHECKING:  # averages and histograms, which `ensemble` makes of the tables of `outputs`
+
+        def __getattr__(self, name: str) -> Any: ...
+
     def to_xarray(self) -> "xarray.Dataset":
         """Return an xarray Dataset: estimates and histograms, each with `<name>_error`.
 
@@ -177,7 +181,7 @@ class Result(Value):
         for name in names:
             one = getattr(self, name)
             if name in ESTIMATES:
-                unit, words = ESTIMATES[name]
+                unit, words = ESTIMATES[name][:2]
                 dims = ("time", "component", "component2")[: one.value.ndim]
                 axes |= {d: (d, list("xyz"[: plan.medium.dimension])) for d in dims[1:]}
             else:
