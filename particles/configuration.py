@@ -276,7 +276,7 @@ def _follow_block(
     Return what is kept of each tracer: `traps` and raw data.
     """
     from particles.events import Varying
-    from particles.kernel import driven, follow, follow_falling, lane, records
+    from particles.kernel import driven, follow, lane, records
 
     medium, n = plan.medium, min(BLOCK, plan.tracers - first)
     unit, mean_path = medium.diameter, dilute_mean_path(medium)
@@ -294,35 +294,26 @@ def _follow_block(
         start_places(plan, configuration, cells, first, n),
     )  # fmt: skip
     kept = nothing(plan, 0, n)
-    none, no_counts = np.empty((0, 0)), np.zeros((0, 0), np.int64)
-    speeds, components, distances, paths, durations = (
-        sums.get(f"histograms/{name}/sums", no_counts) for name in HISTOGRAMS
-    )
+    counts = [sums.get(f"histograms/{name}/sums") for name in HISTOGRAMS]
     record = records.Records(
         times=plan.times / unit,
         scales=plan.scales(),
         moments=sums["moments"][0],
         totals=sums["path_sums"][0],
         statuses=sums["statuses"],
-        field_sums=sums["field_sums"][0] if plan.field else none,
+        field_sums=sums["field_sums"][0] if plan.field else np.empty((0, 0)),
         grids=np.ascontiguousarray(plan.grids()[:, :2]),
-        speeds=speeds,
-        components=components,
-        distances=distances,
-        paths=paths,
-        durations=durations,
+        counts=tuple(np.zeros((0, 0), np.int64) if one is None else one for one in counts),
         positions=kept.get("raw/positions", np.empty((0, 0, 0))),
         velocities=kept.get("raw/velocities", np.empty((0, 0, 0))),
-        finals=kept.get("raw/finals", none),
+        finals=kept.get("raw/finals", np.empty((0, 0))),
         passages=kept.get("raw/passages", np.empty(0)),
         depth=(plan.depth or 0.0) / unit,
+        traps=kept["traps"][:, 1:].copy(),
         queue=np.empty(records.QUEUE, records.OUTPUT),
-        queued=np.zeros(1, np.int64),
+        filled=np.zeros(2, np.int64),
     )
-    field, limit = plan.field * unit, ESCAPE_PATHS * mean_path
-    kind = lane.DRIVEN_LANE if plan.driven else lane.FALLING_LANE if field else lane.LANE
-    lanes = np.empty(lane.LANES, kind)
-    traps, caught, varying = kept["traps"][:, 1:].copy(), 0, None
+    field, lanes, varying = plan.field * unit, np.empty(lane.LANES, lane.LANE), None
     if plan.driven or plan.varies:
         lowest, values = plan.table()
         endless = 1.0 if plan.capture_speed else float(values[0])
@@ -332,13 +323,12 @@ def _follow_block(
         scale = (mean_path * mean_path / heating) ** (1.0 / 3.0) if heating else inf
         step = STEP * min(scale, 1.0 / drag if drag else inf)
         drive = driven.Drive(mean_path, field, plan.bath_speed, heating, drag, step)
-        caught = driven.follow_driven(start, drive, varying, traps, lanes, record)
-    elif field:
-        limits = field, mean_path, limit
-        caught = follow_falling.follow_falling(start, cells, limits, traps, lanes, record)
+        driven.follow_driven(start, drive, varying, lanes, record)
     else:
-        caught = follow.follow(start, cells, varying, mean_path, limit, traps, lanes, record)
-    kept["traps"] = np.insert(traps[:caught], 0, configuration, axis=1)
+        limit = ESCAPE_PATHS * mean_path
+        follow.follow(start, cells, varying, field or None, mean_path, limit, lanes, record)
+    traps = record.traps[: record.filled[records.CAUGHT]]
+    kept["traps"] = np.insert(traps, 0, configuration, axis=1)
     return {name: kept[name] for name in kept if name == "traps" or name.startswith("raw/")}
 
 

@@ -1,4 +1,4 @@
-"""The steps of a tracer on parabolas among disks, which `particles.kernel.follow_falling` joins.
+"""The steps of a tracer on parabolas among disks, which `particles.kernel.follow` joins.
 
 A lane holds the place in its cell and the velocity at its last node: a contact, a cell wall, or the
 end of a slide. From there the parabola is followed to the next node.
@@ -25,7 +25,7 @@ from numba import njit
 from particles.cells import Cells, cell_at
 from particles.compiled import inlined
 from particles.events import NEVER, bounce
-from particles.kernel.lane import AT_REST, Start, open_flights
+from particles.kernel.lane import AT_REST, Start
 from particles.kernel.parabola import length_of, time_to_reach
 from particles.kernel.steps import enter
 from particles.search import SLOTS, near_chord
@@ -95,25 +95,20 @@ def contact_in_field(
 
 
 @inlined
-def begin(lane: Any, cells: Cells | None, start: Start) -> None:
-    """Put a tracer that has been launched where it starts, with its initial velocity."""
-    lane.vx, lane.vy, lane.vz = lane.start_vx, lane.start_vy, lane.start_vz
-    if cells is None:
-        open_flights(lane, start)
-    else:
-        lane.from_i = lane.from_j = 0
-        lane.from_x = lane.from_y = 0.0
-        if start.places.shape[0]:
-            place = start.places[lane.tracer]
-            lane.from_i, lane.from_j = int(place[0]), int(place[1])
-            lane.from_x, lane.from_y = place[2], place[3]
-        lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
-        lane.stored_i = lane.stored_j = cells.shape[0] // 2
-        lane.stored_i += lane.i
-        lane.stored_j += lane.j
-        lane.cell = cell_at(cells.shape, lane.stored_i, lane.stored_j, 0)
-        lane.before = APART
-        begin_flight(lane)
+def begin(lane: Any, cells: Cells, start: Start) -> None:
+    """Put a tracer that has been launched where it starts."""
+    lane.from_i = lane.from_j = 0
+    lane.from_x = lane.from_y = 0.0
+    if start.places.shape[0]:
+        place = start.places[lane.tracer]
+        lane.from_i, lane.from_j = int(place[0]), int(place[1])
+        lane.from_x, lane.from_y = place[2], place[3]
+    lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
+    middle = cells.shape[0] // 2
+    lane.stored_i, lane.stored_j = middle + lane.i, middle + lane.j
+    lane.cell = cell_at(cells.shape, lane.stored_i, lane.stored_j, 0)
+    lane.before = APART
+    begin_flight(lane)
 
 
 @inlined

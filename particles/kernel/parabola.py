@@ -12,12 +12,16 @@ no number is large: `times_of` makes three steps for many tracers at once, in th
 registers, and leaves the few that need more to `time_of`.
 """
 
-from math import log, sqrt
+from math import copysign, log, sqrt
+
+from typing import Any
 
 import numpy as np
 from numba import njit
 
 from particles.compiled import inlined
+from particles.kernel.lane import Start, collide_at_random
+from particles.kernel.records import Records
 
 SERIES = 0.03  # artanh(r)/r by nine terms of its series where r^2 is smaller: to 1e-16
 NEAREST = 1e-17  # of r to 1; artanh(r) is then multiplied by w^2 of this order
@@ -173,3 +177,50 @@ def times_of(work: np.ndarray, n: int, field: float) -> None:
             good[a] = LEFT * t - bent * bent * abs(h) if x < SERIES_AT_ONCE else -1.0
     for a in range(n):
         times[a] *= path[a] / sqrt(speed2[a] + field * path[a])
+
+
+@inlined
+def ask(work: np.ndarray, a: int, path: float, along: float, vy: float, vz: float) -> None:
+    """Enter number a of what `times_of` is asked: a length, and the velocity where it begins."""
+    across2 = vy * vy + vz * vz
+    work[PATH, a], work[ALONG, a], work[ACROSS2, a] = path, along, across2
+    work[SPEED2, a] = along * along + across2
+
+
+@inlined
+def asked(work: np.ndarray, a: int) -> tuple[float, float, float]:
+    """Return the speed there, the velocity along the field and the square of that across."""
+    return sqrt(work[SPEED2, a]), work[ALONG, a], work[ACROSS2, a]
+
+
+@inlined
+def note_passage(lane: Any, x: float, lasts: float, field: float, records: Records) -> None:
+    """Note when x first has the value depth, if it comes to it on this piece of the parabola.
+
+    x: from the start, where the piece begins.
+    """
+    if records.passages[lane.tracer] == np.inf:
+        towards = copysign(1.0, field)
+        left = towards * (records.depth - x)
+        reaches = time_to_reach(left, towards * lane.vx, abs(field)) if left > 0.0 else 0.0
+        if reaches <= lasts:
+            records.passages[lane.tracer] = lane.time + reaches
+
+
+@inlined
+def move_freely(lane: Any, lasts: float, field: float) -> None:
+    """Move a lane without scatterers along its parabola for so long."""
+    lane.time += lasts
+    lane.flight_x += (lane.vx + 0.5 * field * lasts) * lasts
+    lane.flight_y += lane.vy * lasts
+    lane.flight_z += lane.vz * lasts
+    lane.vx += field * lasts
+
+
+@inlined
+def collide_freely(lane: Any, start: Start) -> None:
+    """Collide without scatterers, with an impact parameter at random."""
+    speed = sqrt(lane.vx * lane.vx + lane.vy * lane.vy + lane.vz * lane.vz)
+    lane.ux, lane.uy, lane.uz = lane.vx / speed, lane.vy / speed, lane.vz / speed
+    speed *= collide_at_random(lane, start, None)
+    lane.vx, lane.vy, lane.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz

@@ -23,12 +23,12 @@ import numpy as np
 
 from particles.cells import Cells, next_listed
 from particles.compiled import called
-from particles.events import bounce
+from particles.events import bounce, is_collapsing
 from particles.kernel import columns
 from particles.kernel.falling import STRUCK, TANGENT, come_along, note_place
 from particles.kernel.lane import RUNNING
-from particles.kernel.records import QUEUE, Records, enter_queue, queue_falling
-from particles.kernel.steps import enter
+from particles.kernel.records import QUEUE, WAITING, Records, enter_queue, queue_falling
+from particles.kernel.steps import SHORT, enter
 from particles.search import SLOTS
 
 SMALL = 1e-12
@@ -128,6 +128,28 @@ def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
         if apart > SAME and dx * dx + dy * dy < least * least:
             found, at_x, at_y, least = True, cx, cy, sqrt(dx * dx + dy * dy)
     return found, at_x, at_y
+
+
+@called
+def after_short_flight(
+    lane: Any, before: tuple[float, float], cells: Cells, law: tuple[float, float], field: float
+) -> int:
+    """Bring a lane to rest in a corner from which, without the field, it would never come out.
+
+    before: normal of the disk struck before. Return FALLS, SLIDES or RESTS.
+    """
+    square = lane.vx * lane.vx + lane.vy * lane.vy
+    if square <= abs(field) * 1e3 * SHORT:
+        return FALLS  # where the field bends flights that are so short, they are followed
+    per = 1.0 / sqrt(square)
+    direction = lane.vx * per, lane.vy * per
+    if not is_collapsing(before, (lane.normal_x, lane.normal_y), direction, law[0], law[1]):
+        return FALLS
+    found, cx, cy = touched(lane, cells)
+    if not found:
+        return FALLS
+    lane.vx = lane.vy = 0.0
+    return settle(lane, cx, cy, law, field)
 
 
 @called
@@ -308,7 +330,7 @@ def _note_passage(
 @called
 def roll(lane: Any, left: float, field: float, side: float, records: Records) -> int:
     """Let a lane slide along disk `struck` over an angle, or to where it turns or the run ends."""
-    times, queue, queued = records.times, records.queue, records.queued
+    times, queue, filled = records.times, records.queue, records.filled
     work = np.empty((3, ORDER + 1))
     angle = atan2(lane.normal_y, lane.normal_x)
     # From here on in sqrt(g d) and sqrt(d/g).
@@ -338,10 +360,10 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records) ->
         _put(lane, angle, along * pace)
         if due:
             note_place(lane, side)
-            if queued[0] == QUEUE:
+            if filled[WAITING] == QUEUE:
                 enter_queue(records)
-            queue_falling(lane, queue[queued[0]], times, field)
-            queued[0] += 1
+            queue_falling(lane, queue[filled[WAITING]], times, field)
+            filled[WAITING] += 1
         if outcome >= 0:
             return outcome
 

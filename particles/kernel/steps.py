@@ -135,12 +135,11 @@ def enter(lane: Any, shape: tuple[int, ...], di: int, dj: int, dk: int) -> None:
 def collide(
     lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float],
     varying: Varying | None, endless: tuple[float, float],
-) -> tuple[float, bool]:  # fmt: skip
-    """Bounce off the scatterer met after this path; the next flight begins there.
+) -> bool:  # fmt: skip
+    """Bounce off the scatterer met after this path; tell whether the tracer is trapped from now on.
 
     law: restitution and tangential restitution, unless they are varying; endless: those of bounces
-    that never end. Return the ratio of the speeds after and before, and whether the tracer is
-    trapped from now on. In space `end_bounces` sees to the bounces that never end.
+    that never end, to which in space `end_bounces` sees.
     """
     cx, cy, cz = lane.struck_x, lane.struck_y, lane.struck_z
     ux, uy = lane.ux, lane.uy
@@ -171,21 +170,18 @@ def collide(
         lane.flight_z = lane.k * side + lane.z
     lane.flight_x, lane.flight_y = lane.i * side + lane.x, lane.j * side + lane.y
     lane.collisions += 1
+    lane.slowness /= ratio
     aim(lane, side, shape)
-    return ratio, trapped
+    return trapped
 
 
 @inlined
-def end_bounces(
-    lane: Any, path: float, cells: Cells, law: tuple[float, float]
-) -> tuple[float, bool]:
-    """In space, after a bounce and a very short flight before it: let the endless ones follow.
-
-    Return as `collide`.
-    """
+def end_bounces(lane: Any, path: float, cells: Cells, law: tuple[float, float]) -> bool:
+    """Let the endless bounces follow, in space after a very short flight; tell as `collide`."""
     if law[0] >= law[1] or len(cells.shape) == 2:
-        return 1.0, False
+        return False
     place, u = (lane.x, lane.y, lane.z), (lane.ux, lane.uy, lane.uz)
     (lane.ux, lane.uy, lane.uz), ratio = end_of_bounces(cells, lane.cell, place, u, law, path)
+    lane.slowness /= ratio
     aim(lane, cells.side, cells.shape)
-    return ratio, ratio == 0.0
+    return ratio == 0.0
