@@ -29,8 +29,6 @@ from particles.kernel import columns
 from particles.kernel.lane import RUNNING, Start, launch, open_flights
 from particles.kernel.parabola import length_of, move_freely, note_passage
 from particles.kernel.records import (
-    QUEUE,
-    WAITING,
     Records,
     count_flight,
     enter_queue,
@@ -184,7 +182,7 @@ def follow_driven(
     time.
     """
     # Taken out of their tuples once, as in `follow`.
-    times, grids, queue, filled = records.times, records.grids, records.queue, records.filled
+    times, passages, grids = records.times, records.passages, records.grids
     paths, durations = records.counts[columns.PATH], records.counts[columns.DURATION]
     field, mean_path, tangential = drive.field, drive.mean_path, start.law[1]
     strength, towards = abs(field), copysign(1.0, field)
@@ -202,10 +200,7 @@ def follow_driven(
             if lane.span > 0.0 and (lane.left <= 0.0 or lane.time >= lane.next_output):
                 _end_step(lane, drive, solid)
             while lane.output < times.size and lane.time >= lane.next_output:
-                if filled[WAITING] == QUEUE:
-                    enter_queue(records)
-                queue_falling(lane, queue[filled[WAITING]], times, field)
-                filled[WAITING] += 1
+                queue_falling(lane, records, field)
             if lane.output == times.size and times.size > 0:
                 status = columns.FINISHED
             lasts = lane.next_output - lane.time
@@ -225,7 +220,7 @@ def follow_driven(
             if meets:
                 lasts = lane.clock / rate
             if status == RUNNING:
-                if records.passages.size:
+                if passages.size:
                     note_passage(lane, lane.flight_x, lasts, field, records)
                 if strength == 0.0:
                     lane.travelled += speed * lasts

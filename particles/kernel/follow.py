@@ -28,8 +28,6 @@ from particles.kernel.lane import (
     shift_clock,
 )
 from particles.kernel.records import (
-    QUEUE,
-    WAITING,
     Records,
     count_flight,
     enter_queue,
@@ -71,9 +69,8 @@ def follow(
     lanes: of LANE, as many as shall be under way at the same time.
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
-    times, scales, grids = records.times, records.scales, records.grids
+    times, passages, grids = records.times, records.passages, records.grids
     paths, durations = records.counts[columns.PATH], records.counts[columns.DURATION]
-    queue, filled = records.queue, records.filled
     last_time = times[times.size - 1] if times.size else np.inf
     law = endless = start.law
     if varying is not None:
@@ -121,10 +118,7 @@ def follow(
                     # By rounding, a tracer in a corner may touch the next scatterer already.
                     path = limit if escaped else max(path, 0.0)
                 while is_due(lane, path, times.size):
-                    if filled[WAITING] == QUEUE:
-                        enter_queue(records)
-                    queue_output(lane, queue[filled[WAITING]], times, scales)
-                    filled[WAITING] += 1
+                    queue_output(lane, records)
                 path, finished = fly(lane, path, times.size, last_time)
                 if finished or escaped:
                     status = columns.FINISHED if finished else columns.ESCAPED
@@ -158,16 +152,13 @@ def follow(
                     lasts = lane.contact if meets else min(lane.wall_x, lane.wall_y)
                     x = falling.come_along(lane, lane.x, side)
                 while lane.time + lasts >= lane.next_output and lane.output < times.size:
-                    if filled[WAITING] == QUEUE:
-                        enter_queue(records)
                     if cells is not None:
                         falling.note_place(lane, side)
-                    queue_falling(lane, queue[filled[WAITING]], times, field)
-                    filled[WAITING] += 1
+                    queue_falling(lane, records, field)
                 if lane.output == times.size and times.size > 0:
                     status = columns.FINISHED
                     lasts = max(last_time - lane.time, 0.0)
-                if records.passages.size:
+                if passages.size:
                     parabola.note_passage(lane, x, lasts, field, records)
                 if cells is None:
                     if status == columns.FINISHED:

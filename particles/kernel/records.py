@@ -82,43 +82,52 @@ def count_flight(
     paths: np.ndarray, durations: np.ndarray, grids: np.ndarray, path: float, lasts: float,
     shifts: int,
 ) -> None:  # fmt: skip
-    """Enter a completed flight in the histograms; lasts: its time, times 2**-64 shifts."""
+    """Enter a completed flight in the histograms; lasts: its time, times 2**-64 shifts.
+
+    Without `Records`: numba would count references to all that it holds, at each collision.
+    """
     if paths.size:
         _count(paths, 0, _log2(path), grids[columns.PATH])
     if durations.size:
         _count(durations, 0, _log2(lasts) + 64.0 * shifts, grids[columns.DURATION])
 
 
-@inlined
-def _begin_row(lane: Any, row: Any, caught: float) -> None:
-    """Fill in what of a lane's state does not change in a flight, and count the output."""
+@called
+def _next_row(lane: Any, caught: float, records: Records) -> Any:
+    """Return the next row of the queue, with what does not change in a flight; count the output."""
+    if records.filled[WAITING] == QUEUE:
+        enter_queue(records)
+    row = records.queue[records.filled[WAITING]]
+    records.filled[WAITING] += 1
     row.output, row.tracer, row.collisions = lane.output, lane.tracer, lane.collisions
     row.start_vx, row.start_vy, row.start_vz = lane.start_vx, lane.start_vy, lane.start_vz
     row.caught = caught
     lane.output += 1
+    return row
 
 
-@inlined
-def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> None:
-    """Fill a row of the queue with the state of a lane at its next output time, in its flight."""
+@called
+def queue_output(lane: Any, records: Records) -> None:
+    """Queue the state of a lane at its next output time, in its flight."""
+    scale, times = records.scales[lane.output], records.times
+    row = _next_row(lane, 0.0, records)
     # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
     done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
-    speed = scales[lane.output] * lane.unit / lane.slowness
+    speed = scale * lane.unit / lane.slowness
     row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy
     row.z = lane.flight_z + done * lane.uz
     row.vx, row.vy, row.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz
-    _begin_row(lane, row, 0.0)
     lane.next_output = times[lane.output] * lane.unit if lane.output < times.size else np.inf
 
 
-@inlined
-def queue_falling(lane: Any, row: Any, times: np.ndarray, field: float) -> None:
+@called
+def queue_falling(lane: Any, records: Records, field: float) -> None:
     """As `queue_output`, of a lane on its parabola in a field."""
+    row, times = _next_row(lane, 0.0, records), records.times
     done = max(lane.next_output - lane.time, 0.0)
     row.x = lane.flight_x + (lane.vx + 0.5 * field * done) * done
     row.y, row.z = lane.flight_y + lane.vy * done, lane.flight_z + lane.vz * done
     row.vx, row.vy, row.vz = lane.vx + field * done, lane.vy, lane.vz
-    _begin_row(lane, row, 0.0)
     lane.next_output = times[lane.output] if lane.output < times.size else np.inf
 
 
@@ -126,13 +135,9 @@ def queue_falling(lane: Any, row: Any, times: np.ndarray, field: float) -> None:
 def _note_trap(lane: Any, first: int, records: Records) -> None:
     """Record where and when a tracer was caught, at rest where its flight began at all outputs."""
     while lane.output < records.times.size:
-        if records.filled[WAITING] == QUEUE:
-            enter_queue(records)
-        row = records.queue[records.filled[WAITING]]
-        records.filled[WAITING] += 1
+        row = _next_row(lane, 1.0, records)
         row.x, row.y, row.z = lane.flight_x, lane.flight_y, lane.flight_z
         row.vx = row.vy = row.vz = 0.0
-        _begin_row(lane, row, 1.0)
     trap = records.traps[records.filled[CAUGHT]]
     records.filled[CAUGHT] += 1
     trap[columns.TRAP_TRACER] = first + lane.tracer

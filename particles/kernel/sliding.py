@@ -27,7 +27,7 @@ from particles.events import bounce, is_collapsing
 from particles.kernel import columns
 from particles.kernel.falling import STRUCK, TANGENT, come_along, note_place
 from particles.kernel.lane import RUNNING
-from particles.kernel.records import QUEUE, WAITING, Records, enter_queue, queue_falling
+from particles.kernel.records import Records, queue_falling
 from particles.kernel.steps import SHORT, enter
 from particles.search import SLOTS
 
@@ -330,7 +330,7 @@ def _note_passage(
 @called
 def roll(lane: Any, left: float, field: float, side: float, records: Records) -> int:
     """Let a lane slide along disk `struck` over an angle, or to where it turns or the run ends."""
-    times, queue, filled = records.times, records.queue, records.filled
+    times = records.times
     work = np.empty((3, ORDER + 1))
     angle = atan2(lane.normal_y, lane.normal_x)
     # From here on in sqrt(g d) and sqrt(d/g).
@@ -360,10 +360,7 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records) ->
         _put(lane, angle, along * pace)
         if due:
             note_place(lane, side)
-            if filled[WAITING] == QUEUE:
-                enter_queue(records)
-            queue_falling(lane, queue[filled[WAITING]], times, field)
-            filled[WAITING] += 1
+            queue_falling(lane, records, field)
         if outcome >= 0:
             return outcome
 
