@@ -161,6 +161,32 @@ def bounce(
 
 
 @njit(inline="always", error_model="numpy")
+def turned(
+    direction: tuple[float, float, float], along: float, a: float, b: float
+) -> tuple[float, float, float]:
+    """Return along u + a p + b r, where p and r are two unit vectors across the direction u.
+
+    They depend on u alone (Duff et al., J. Computer Graphics Techniques 6, 1, 2017).
+    """
+    ux, uy, uz = direction
+    sign = copysign(1.0, uz)
+    tilt = -1.0 / (sign + uz)
+    mixed = ux * uy * tilt
+    return (
+        along * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed,
+        along * uy + a * sign * mixed + b * (sign + uy * uy * tilt),
+        along * uz - a * sign * ux - b * uy,
+    )
+
+
+@njit(inline="always", error_model="numpy")
+def _unit(vx: float, vy: float, vz: float) -> tuple[float, float, float]:
+    """Return a unit vector exact to rounding of one that nearly is: one Newton step on the norm."""
+    per = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
+    return vx * per, vy * per, vz * per
+
+
+@njit(inline="always", error_model="numpy")
 def scatter_in_space(
     direction: tuple[float, float, float],
     impact: tuple[float, float],
@@ -169,32 +195,20 @@ def scatter_in_space(
 ) -> tuple[tuple[float, float, float], float]:
     """Return (new unit direction, speed ratio) after a collision in three dimensions.
 
-    impact (a, b): the impact parameter as a vector y = a p + b r in the plane across the direction
-    u; p and r are two unit vectors of that plane, which depend on u alone (Duff et al., J. Computer
-    Graphics Techniques 6, 1, 2017). With the normal s = -(q u + y), q = sqrt(1 - y^2), the new
-    velocity is (-e + (e + et) y^2) u - (e + et) q y. A head-on collision at e = 0 has ratio 0 and
-    keeps u.
+    impact (a, b): the impact parameter as a vector y = a p + b r (`turned`). With the normal
+    s = -(q u + y), q = sqrt(1 - y^2), the new velocity is (-e + (e + et) y^2) u - (e + et) q y. A
+    head-on collision at e = 0 has ratio 0 and keeps u.
     """
-    (ux, uy, uz), (a, b) = direction, impact
+    a, b = impact
     y2 = a * a + b * b
     square = 1.0 - y2
     along, ratio = _rebound(y2, 1.0, square, restitution, tangential)
     if ratio == 0.0:
         return direction, 0.0
     scale = 1.0 / ratio
-    along *= scale
     across = -(tangential + restitution) * sqrt(square) * scale
-    a *= across
-    b *= across
-    sign = copysign(1.0, uz)
-    tilt = -1.0 / (sign + uz)
-    mixed = ux * uy * tilt
-    vx = along * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed
-    vy = along * uy + a * sign * mixed + b * (sign + uy * uy * tilt)
-    vz = along * uz - a * sign * ux - b * uy
-    # As in the plane: one Newton step on the norm.
-    unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
-    return (vx * unit, vy * unit, vz * unit), ratio
+    vx, vy, vz = turned(direction, along * scale, a * across, b * across)
+    return _unit(vx, vy, vz), ratio
 
 
 @njit(inline="always", error_model="numpy")
@@ -224,9 +238,7 @@ def bounce_in_space(
     kept *= scale
     across = -(tangential + restitution) * depth * scale
     vx, vy, vz = kept * ux + across * px, kept * uy + across * py, kept * uz + across * pz
-    # As in the plane: one Newton step on the norm.
-    unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
-    return normal, (vx * unit, vy * unit, vz * unit), ratio
+    return normal, _unit(vx, vy, vz), ratio
 
 
 @njit(error_model="numpy")

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from particles.compiled import inlined, kernel
-from particles.events import Varying, restitution_at
+from particles.events import Varying, restitution_at, turned
 from particles.kernel import columns
 from particles.kernel.lane import RUNNING, Start, launch, open_flights
 from particles.kernel.parabola import length_of, move_freely, note_passage
@@ -111,13 +111,7 @@ def _draw_normal(lane: Any, speed: float, solid: bool) -> float:
     if solid:
         a, b = in_disk(_word(lane))
         ahead = sqrt(1.0 - (a * a + b * b))
-        # Two unit vectors across the direction, as in `events.scatter_in_space`.
-        sign = copysign(1.0, uz)
-        tilt = -1.0 / (sign + uz)
-        mixed = ux * uy * tilt
-        lane.normal_x = ahead * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed
-        lane.normal_y = ahead * uy + a * sign * mixed + b * (sign + uy * uy * tilt)
-        lane.normal_z = ahead * uz - a * sign * ux - b * uy
+        lane.normal_x, lane.normal_y, lane.normal_z = turned((ux, uy, uz), ahead, a, b)
     else:
         a = 2.0 * _unit(lane) - 1.0
         ahead = sqrt((1.0 - a) * (1.0 + a))

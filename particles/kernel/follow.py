@@ -6,7 +6,7 @@ processor can compute the square roots and divisions of several tracers at the s
 scatterers the flights are random: the particle method of the kinetic equation itself.
 """
 
-from math import copysign, log, sqrt
+from math import copysign, log
 from typing import Any
 
 import numpy as np
@@ -99,9 +99,8 @@ def follow(
             else:
                 falling.aim(lane, 0.5 * side, field)
                 falling.next_contact(lane, slots, head, links, nodes, field)
-        if cells is None:
-            if field is not None:
-                parabola.times_of(work, active, strength)
+        if cells is None and field is not None:
+            parabola.times_of(work, active, strength)
         a = 0
         while a < active:
             lane = lanes[a]
@@ -135,9 +134,8 @@ def follow(
                         if path < steps.SHORT and not trapped:
                             trapped = steps.end_bounces(lane, path, cells, endless)
                         status = columns.TRAPPED if trapped else RUNNING
-                    if varying is not None:
-                        if lane.impact < varying.capture:
-                            status, lane.slowness = columns.CAPTURED, 1.0 / AT_REST
+                    if varying is not None and lane.impact < varying.capture:
+                        status, lane.slowness = columns.CAPTURED, 1.0 / AT_REST
                     if status == RUNNING:
                         shift_clock(lane, times)
                         if lane.collisions == start.most:

@@ -71,7 +71,7 @@ LANE = record_type(
             "stored_i", "stored_j", "stored_k",  # the cell of the box that stands for it
             "cell",                     # where its scatterers are stored
             "step_i", "step_j", "step_k",  # +1 or -1: from this cell to the next
-            "before", "crossed",        # in a field: is it on the disk `struck`; walls crossed since
+            "before", "crossed",        # whether it is on the disk `struck`; walls crossed since
             "from_i", "from_j",         # the cell where the path began, from the middle one
             "draws",                    # random numbers used
         ),

@@ -13,7 +13,6 @@ registers, and leaves the few that need more to `time_of`.
 """
 
 from math import copysign, log, sqrt
-
 from typing import Any
 
 import numpy as np

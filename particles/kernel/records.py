@@ -151,7 +151,7 @@ def _note_trap(lane: Any, first: int, records: Records) -> None:
 def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
     moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
-    speeds, components, distances = records.counts[:columns.PATH]
+    speeds, components, distances = records.counts[: columns.PATH]
     positions, velocities, sums = records.positions, records.velocities, records.field_sums
     for m in range(records.filled[WAITING]):
         row = queue[m]
