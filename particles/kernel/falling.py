@@ -45,9 +45,9 @@ def contact_in_field(
 ) -> float:  # fmt: skip
     """Return the time of the first contact with a disk, NEVER if it is not before `limit`.
 
-    place: from the centre of the disk, whose radius is 1; velocity; field: along x, of either sign.
-    before: APART, STRUCK or TANGENT; in the last two cases the contact sought is the next one. A
-    tracer that is APART and by rounding not outside collides at once if it moves inwards.
+    place: from the centre of the disk, whose radius is 1. before: APART, STRUCK or TANGENT; in the
+    last two cases it is the next contact. A tracer that is APART and by rounding not outside
+    collides at once if it moves inwards.
     """
     x, y = place
     vx, vy = velocity
@@ -169,8 +169,7 @@ def next_contact(
 ) -> None:  # fmt: skip
     """Find the first disk that a lane meets in its cell; the time is NEVER if there is none.
 
-    The parabola to the wall is no farther than g t^2/8 from its chord. Only disks that come so near
-    to the chord are looked at closely.
+    Only disks near the chord are looked at: the parabola is no farther than g t^2/8 from it.
     """
     x, y, cell = lane.x, lane.y, lane.cell
     first = min(lane.wall_x, lane.wall_y)
@@ -233,10 +232,7 @@ def flown(lane: Any, field: float) -> float:
 
 @inlined
 def collide(lane: Any, law: tuple[float, float]) -> float:
-    """Bounce off the disk that has been met; return the normal velocity after that, not negative.
-
-    law: restitution and tangential restitution.
-    """
+    """Bounce off the disk that has been met; return the normal velocity after that."""
     lane.struck_x, lane.struck_y = lane.meets_x, lane.meets_y
     nx, ny = lane.x - lane.struck_x, lane.y - lane.struck_y
     per = 1.0 / sqrt(nx * nx + ny * ny)

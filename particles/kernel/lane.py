@@ -26,10 +26,7 @@ AT_REST = 1e-300  # a speed in place of 0, with which a tracer begins in a field
 
 
 def record_type(fields: Mapping[Any, tuple[str, ...]]) -> np.dtype:
-    """Return the type of a record with these fields, kind of number -> names.
-
-    Of type np.record, so that `lane.x` is read in the same way compiled and interpreted.
-    """
+    """Return the type of a record, kind of number -> names; `lane.x` is read also interpreted."""
     named = [(name, kind) for kind, names in fields.items() for name in names]
     return np.dtype((np.record, np.dtype(named, align=True)))
 
@@ -84,10 +81,9 @@ AT_THE_CENTRE = np.empty((0, 4))
 class Start(NamedTuple):
     """Which tracers to follow, and how.
 
-    first: number of the first one. given (n, dimension): initial velocities in U, or
-    (0, dimension) to draw n of them. law: restitution and tangential restitution. most: the largest
-    number of collisions, 0 for no limit. places (n, 4): where they start, of
-    `placement.free_places`, or (0, 4): at the centre.
+    first: number of the first one. given (n, dimension): initial velocities, or (0, dimension) to
+    draw n of them. law: (e, et). most: the largest number of collisions, 0 for no limit. places
+    (n, 4): of `placement.free_places`, or (0, 4): all start at the centre.
     """
 
     first: int
@@ -119,7 +115,7 @@ def launch(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
 
 @inlined
 def open_flights(lane: Any, start: Start) -> None:
-    """Open the stream of the random flights of a tracer that has been launched."""
+    """Open the stream of the random flights of a tracer."""
     lane.stream, lane.gamma = open_stream(
         start.seed, FLIGHTS, start.configuration, start.first + lane.tracer
     )
@@ -134,10 +130,7 @@ def note_impact(lane: Any, varying: Varying | None, share: float) -> None:
 
 @inlined
 def collide_at_random(lane: Any, start: Start, varying: Varying | None) -> float:
-    """Collide with an impact parameter at random; return the ratio of the speeds.
-
-    It is uniform on the line, or in the disk, across the direction; never 0, so the ratio is not 0.
-    """
+    """Collide with an impact parameter at random, never 0; return the ratio of the speeds."""
     draw = 2 * lane.collisions + 1
     if start.dimension == 2:
         impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
@@ -157,14 +150,11 @@ def collide_at_random(lane: Any, start: Start, varying: Varying | None) -> float
 
 @inlined
 def _velocity(start: Start, tracer: int) -> tuple[float, float, float]:
-    """Return a tracer's initial velocity."""
-    solid = start.dimension == 3
-    vz = 0.0
+    solid, vz = start.dimension == 3, 0.0
     if start.given.shape[0]:
-        vx, vy = start.given[tracer, 0], start.given[tracer, 1]
         if solid:
             vz = start.given[tracer, 2]
-        return vx, vy, vz
+        return start.given[tracer, 0], start.given[tracer, 1], vz
     state, gamma = open_stream(start.seed, START, start.configuration, start.first + tracer)
     angle = 2.0 * pi * uniform(state, gamma, 0)
     speed = 1.0 if start.monoenergetic else sqrt(-2.0 * log(uniform(state, gamma, 1)))
@@ -196,10 +186,9 @@ def is_due(lane: Any, path: float, n_times: int) -> bool:
 
 @inlined
 def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, bool]:
-    """Advance the time of a lane by a flight; the outputs within it have been queued before.
+    """Advance the time of a lane by a flight, to the last output at most, but not its place.
 
-    Return the path flown and whether the last output has been reached: the flight then ends there.
-    The place is left to the caller, whose coordinates may be those of a cell.
+    Return the path flown and whether the last output has been reached.
     """
     finished = lane.output == n_times and n_times > 0
     if finished:

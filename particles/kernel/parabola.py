@@ -43,8 +43,7 @@ def length_of(
 ) -> tuple[float, float, float]:
     """Return the length of a piece of a parabola, then u and the speed at its end.
 
-    lasts: the time it takes. s0, u0: speed and velocity along the field where it begins. w2: square
-    of the velocity across the field. field: not negative. NaN at rest without a field.
+    lasts: the time it takes. s0, u0, w2: as above. field: not negative. NaN at rest without one.
     """
     u1 = u0 + field * lasts
     s1 = sqrt(u1 * u1 + w2)
@@ -70,10 +69,7 @@ def time_to_reach(distance: float, along: float, field: float) -> float:
 
 @inlined
 def _bounds(s0: float, u0: float, g: float) -> tuple[float, float]:
-    """Return the least and the greatest time that a length of 1 may take.
-
-    The time is longest with nothing across the field, and shortest with u the whole speed.
-    """
+    """Return the times that a length of 1 takes at least, with u the speed, and at most, with w = 0."""
     size = abs(u0)
     square = u0 * u0 + (2.0 * g if u0 >= 0.0 else -2.0 * g)
     root = sqrt(abs(square))
@@ -95,10 +91,9 @@ def _first_guess(s0: float, u0: float, g: float, low: float, high: float) -> flo
 
 @njit(error_model="numpy")
 def time_of(path: float, speed: float, along: float, across2: float, field: float) -> float:
-    """Return the time that a tracer takes for this length of its parabola.
+    """Return the time that a length of its parabola takes a tracer, by Halley's method in bounds.
 
-    speed, along: where it begins, and its velocity along the field; across2: the square of that
-    across. field: above 0. Halley's method between bounds, to rounding.
+    speed, along: where it begins; across2: square of the velocity across. field: above 0.
     """
     unit = sqrt(speed * speed + field * path)
     s0, u0, w2 = speed / unit, along / unit, across2 / (unit * unit)
@@ -127,18 +122,16 @@ def time_of(path: float, speed: float, along: float, across2: float, field: floa
 
 
 @inlined
-def _halved(y: float) -> float:
-    """Return the tanh of half the argument of which y is the tanh."""
+def _halved(y: float) -> float:  # tanh of half the argument of which y is the tanh
     return y / (1.0 + sqrt(1.0 - y * y))
 
 
 @njit(error_model="numpy")
 def times_of(work: np.ndarray, n: int, field: float) -> None:
-    """Find the times that n lengths of parabolas take.
+    """Find the times that n lengths take; the loops have no branches, so they become vectors.
 
-    work (ROWS, at least n): PATH, SPEED2 (square of the speed), ALONG and ACROSS2 are given; LASTS
-    receives the times where GOOD becomes 0 or more. Elsewhere, also where it is NaN, `time_of` is
-    to be asked. field: above 0. The loops have no branches, so the compiler makes vectors of them.
+    work (ROWS, at least n): LASTS receives the times where GOOD becomes 0 or more. Elsewhere, also
+    where it is NaN, `time_of` is to be asked.
     """
     path, speed2, along, across2 = work[PATH], work[SPEED2], work[ALONG], work[ACROSS2]
     times, good, low, high = work[LASTS], work[GOOD], work[_LOW], work[_HIGH]
@@ -194,10 +187,7 @@ def asked(work: np.ndarray, a: int) -> tuple[float, float, float]:
 
 @inlined
 def note_passage(lane: Any, x: float, lasts: float, field: float, records: Records) -> None:
-    """Note when x first has the value depth, if it comes to it on this piece of the parabola.
-
-    x: from the start, where the piece begins.
-    """
+    """Note when x first has the value depth on this piece of the parabola, which begins at x."""
     if records.passages[lane.tracer] == np.inf:
         towards = copysign(1.0, field)
         left = towards * (records.depth - x)

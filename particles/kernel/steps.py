@@ -1,7 +1,7 @@
 """The steps of a tracer among scatterers, which `particles.kernel.follow` puts together.
 
-The number of axes of `shape`, the cells along each of them, is the dimension. The compiler knows
-it, so what is said of the third coordinate leaves no trace in a kernel for the plane.
+The compiler knows the number of axes of `shape`, the dimension, and leaves out what is said of a
+third coordinate in the plane.
 """
 
 from math import copysign
@@ -25,9 +25,8 @@ from particles.kernel.lane import note_impact
 from particles.kernel.pockets import end_of_bounces
 from particles.search import SLOTS, strike
 
-# Flights shorter than this, in d, occur in corners between scatterers only, whose walls are
-# straight on this scale; whether a tracer ever leaves is then decided by `is_collapsing`, or in
-# space by `pockets`.
+# Flights shorter than this, in d, occur only in corners, straight on this scale; whether a tracer
+# ever leaves is then decided by `is_collapsing`, or in space by `pockets`.
 SHORT = 1e-9
 
 
@@ -136,10 +135,9 @@ def collide(
     lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float],
     varying: Varying | None, endless: tuple[float, float],
 ) -> bool:  # fmt: skip
-    """Bounce off the scatterer met after this path; tell whether the tracer is trapped from now on.
+    """Bounce off the scatterer met after this path; tell whether the tracer is trapped.
 
-    law: restitution and tangential restitution, unless they are varying; endless: those of bounces
-    that never end, to which in space `end_bounces` sees.
+    law: (e, et), unless varying; endless: those of bounces that never end.
     """
     cx, cy, cz = lane.struck_x, lane.struck_y, lane.struck_z
     ux, uy = lane.ux, lane.uy
