@@ -4,7 +4,7 @@ import os
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
-from math import inf
+from math import inf, prod
 from pathlib import Path
 from typing import Any
 
@@ -12,22 +12,12 @@ import numpy as np
 
 from particles.cells import box_bytes
 from particles.checks import check_number, check_whole, real_array, refuse, short
-from particles.configuration import Plan, speeds
+from particles.configuration import Plan, layout, speeds
 from particles.impact import check_restitution, compiled
-from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, OF_FLIGHTS, TOTALS
-from particles.media import (
-    MEDIA,
-    BoltzmannGrad,
-    HardDisks,
-    Medium,
-    Poisson,
-    Positions,
-    dilute_mean_path,
-)
+from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, Random, dilute_mean_path
 from particles.outputs import DRIVES, OBSERVABLES
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
-IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field may be in
 # With a field: of field times mean free path, in U^2, so that the fourth power of the speed is a
 # number; and of field times diameter, in U^2.
 FIELDS = (1e-100, 1e100)
@@ -36,10 +26,9 @@ STRONGEST = 1e30  # of what drives tracers, in its unit: fourth powers of speeds
 LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
-_NUMBER = 8  # bytes
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
 # the contents of that file.
-_COPIES = 3
+COPIES = 3
 
 
 def make_plan(
@@ -80,8 +69,8 @@ def make_plan(
         refuse("capture_speed", capture_speed, "it must be 0 among scatterers in a field")
     if drag and times is None and not (field or bath_speed or heating):
         refuse("times", times, "drag alone stops a tracer; give output times")
-    seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
-    most = whole["max_collisions"]
+    seed, most = check_whole("seed", whole["seed"], 0, 2**64 - 1), whole["max_collisions"]
+    may_rest = max(abs(field), bath_speed, heating) > 0.0
     if most is None and times is None:
         refuse("times", times, "give output times, or max_collisions, or both")
     return Plan(
@@ -89,11 +78,7 @@ def make_plan(
         restitution=restitution,
         tangential_restitution=tangential,
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
-        velocities=_check_initial(
-            initial,
-            (media, tracers, medium.dimension),
-            may_rest=max(abs(field), bath_speed, heating) > 0.0,
-        ),
+        velocities=_check_initial(initial, (media, tracers, medium.dimension), may_rest),
         times=_check_times(times),
         media=media,
         tracers=tracers,
@@ -155,9 +140,8 @@ def _check_field(field: Any, medium: Medium) -> float:
     if not all(FIELDS[0] <= square <= FIELDS[1] for square in squares):
         allowed = f"times the mean free path, and times d, must be 0 or {FIELDS[0]:g} to "
         refuse("field", field, f"{allowed}{FIELDS[1]:g} U^2 in size")
-    if not isinstance(medium, IN_FIELD):
-        names = ", ".join(kind.__name__ for kind in IN_FIELD)
-        refuse("field", field, f"it is not there for {type(medium).__name__}, only for {names}")
+    if isinstance(medium, Random) and medium.dimension == 3:
+        refuse("field", field, f"it must be 0 for {type(medium).__name__}; disks may be in a field")
     return value
 
 
@@ -195,42 +179,35 @@ def _check_initial(
 ) -> np.ndarray | None:  # fmt: skip
     """Return velocities that are given, or None; shape: media, tracers, dimension."""
     if isinstance(initial, str):
-        if initial == "rest" and not may_rest:
-            allowed = "it needs a field; without one only a bath or heating moves a tracer"
-            refuse("initial", initial, allowed)
-        if initial not in ("gaussian", "monoenergetic", "rest"):
+        if initial not in ("gaussian", "monoenergetic") and not (initial == "rest" and may_rest):
             names = "'gaussian', 'monoenergetic', 'rest' (in a field, a bath or heated)"
             refuse("initial", initial, f"it must be {names} or velocities")
         return None
     velocities = real_array("initial", initial, "it must be a name or an array of real velocities")
-    media, tracers, d = shape
-    if velocities.shape not in ((tracers, d), (media, tracers, d)):
-        raise ValueError(
-            f"initial: got the shape {velocities.shape}; it must be (tracers, {d}) = "
-            f"({tracers}, {d}) or (media, tracers, {d}) = ({media}, {tracers}, {d})"
-        )
+    if velocities.shape not in (shape, shape[1:]):
+        allowed = f"its shape must be (tracers, dimension) = {shape[1:]}, or with media {shape}"
+        refuse("initial", velocities, allowed)
     with np.errstate(over="ignore"):
         sizes = speeds(velocities)
     good = (sizes >= SMALLEST_SPEED) & (sizes <= 1.0 / SMALLEST_SPEED)
     if may_rest:
         good |= sizes == 0.0
     if not good.all():
-        raise ValueError(
-            f"initial: got the velocity {velocities[~good][0]}; its size must be from "
-            f"{SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
-        )
+        allowed = f"its size must be from {SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
+        refuse("initial", velocities[~good][0], allowed)
     return velocities
 
 
 def _check_observables(observables: Iterable[str] | None, field: float) -> frozenset[str]:
     if observables is None:
         return frozenset()
+    allowed = f"it must be names out of {', '.join(OBSERVABLES)}"
     try:
         names = frozenset([observables] if isinstance(observables, str) else observables)
     except TypeError:
-        refuse("observables", observables, f"it must be names out of {', '.join(OBSERVABLES)}")
+        refuse("observables", observables, allowed)
     for name in sorted(names - set(OBSERVABLES), key=short):
-        refuse("observables", name, f"it must be names out of {', '.join(OBSERVABLES)}")
+        refuse("observables", name, allowed)
     if field and (name := "velocity_component_histogram") in names:
         refuse("observables", name, "it is of |v_x|, without the sign, in a field; use velocities")
     return names
@@ -238,39 +215,30 @@ def _check_observables(observables: Iterable[str] | None, field: float) -> froze
 
 def require_memory(plan: Plan, workers: int) -> None:
     """Raise ValueError, with the estimate, for a run that needs more memory than there is."""
-    available, needed = machine_memory(), estimate(plan, workers)
-    total = sum(needed.values())
+    available, needed = machine_memory() / 1e9, estimate(plan, workers)
+    total = sum(needed.values()) / 1e9
     if total > available:
         name = max(needed, key=lambda name: needed[name])
         value = getattr(plan.medium if name == "count" else plan, name)
-        what = f"the run needs about {total / 1e9:.2g} GB of memory, this machine has "
-        what += f"{available / 1e9:.2g} GB"
+        what = f"the run needs about {total:.2g} GB of memory, this machine has {available:.2g} GB"
         refuse(name, sorted(value) if name == "observables" else value, what)
 
 
 def estimate(plan: Plan, workers: int) -> dict[str, int]:
     """Return the bytes that a run needs at least, by the argument that they depend on most."""
-    medium, times, bins = plan.medium, plan.times.size, plan.grids()[:, 2].astype(int)
-    counts = sum(
-        int(bins[k]) * (1 if name in OF_FLIGHTS else times)
-        for k, name in enumerate(HISTOGRAMS)
-        if name in plan.observables
-    )
-    dimension = medium.dimension
-    each = times * dimension * len(plan.observables & {"positions", "velocities"})
-    each += FINALS[dimension] * ("finals" in plan.observables) + (plan.depth is not None)
-    columns = MOMENTS + (FIELD_SUMS[dimension] if plan.field else 0)
-    media = len(plan.configurations)
-    threads = min(workers, media)
-    box = 0
+    medium, media = plan.medium, len(plan.configurations)
+    threads, box = min(workers, media), 0
     if not isinstance(medium, BoltzmannGrad):
-        box = box_bytes(medium.box_side / medium.diameter, medium.count, dimension)
-    return {
-        "count": threads * box,
-        "media": _NUMBER * media * (times * columns + TOTALS),
-        "times": _NUMBER * counts * (threads + 2 * _COPIES),
-        "observables": _NUMBER * media * plan.tracers * each * _COPIES,
-    }
+        box = box_bytes(medium.box_side / medium.diameter, medium.count, medium.dimension)
+    found = {"count": threads * box, "media": 0, "times": 0, "observables": 0}
+    for name, (shape, _) in layout(plan, media, media * plan.tracers).items():
+        if name.startswith("histograms/"):
+            found["times"] += (threads + 2 * COPIES) * 8 * prod(shape)
+        elif name.startswith("raw/"):
+            found["observables"] += COPIES * 8 * prod(shape)
+        elif name != "traps":  # of which there are few
+            found["media"] += 8 * prod(shape)
+    return found
 
 
 def machine_memory() -> float:

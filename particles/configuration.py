@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import reduce
 from math import ceil, inf, log2, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -165,35 +165,38 @@ def speeds(velocities: np.ndarray) -> np.ndarray:
     return reduce(np.hypot, np.moveaxis(velocities, -1, 0))
 
 
-def nothing(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray]:
-    """Return the arrays of so many configurations in which nothing has happened.
+def layout(plan: Plan, media: int, n: int) -> dict[str, tuple[tuple[int, ...], Any]]:
+    """Return (shape, what it holds at first) of each array that so many configurations leave.
 
     n: tracers for whose raw data there is room. Of `histograms/<name>/sums` only the counts are
     there yet, (n_times, bins + 2).
     """
-    n_times, dimension = plan.times.size, plan.medium.dimension
-    bins = plan.grids()[:, 2].astype(int)
+    n_times, d = plan.times.size, plan.medium.dimension
     flat = isinstance(plan.medium, BoltzmannGrad) and not plan.capture_speed
-    traps = TRAPS[2 if flat else dimension]
-    arrays = {
-        "moments": np.zeros((media, n_times, MOMENTS)),
-        "path_sums": np.zeros((media, TOTALS)),
-        "statuses": np.zeros(STATUSES, np.int64),
-        "traps": np.empty((n, 1 + traps)),
-        "raw/positions": np.full((n_times, n, dimension), np.nan),
-        "raw/velocities": np.full((n_times, n, dimension), np.nan),
-        "raw/finals": np.full((n, FINALS[dimension]), np.nan),
+    arrays: dict[str, tuple[tuple[int, ...], Any]] = {
+        "moments": ((media, n_times, MOMENTS), 0.0),
+        "path_sums": ((media, TOTALS), 0.0),
+        "statuses": ((STATUSES,), 0),
+        "traps": ((n, 1 + TRAPS[2 if flat else d]), np.nan),
+        "raw/positions": ((n_times, n, d), np.nan),
+        "raw/velocities": ((n_times, n, d), np.nan),
+        "raw/finals": ((n, FINALS[d]), np.nan),
     }
     arrays = {k: v for k, v in arrays.items() if k[:4] != "raw/" or k[4:] in plan.observables}
     if plan.field:
-        arrays["field_sums"] = np.zeros((media, n_times, FIELD_SUMS[dimension]))
+        arrays["field_sums"] = (media, n_times, FIELD_SUMS[d]), 0.0
     if plan.depth is not None:
-        arrays["raw/passages"] = np.full(n, np.inf)
-    for k, name in enumerate(HISTOGRAMS):
+        arrays["raw/passages"] = (n,), np.inf
+    for name, bins in zip(HISTOGRAMS, plan.grids()[:, 2], strict=True):
         if name in plan.observables:
             rows = 1 if name in OF_FLIGHTS else n_times
-            arrays[f"histograms/{name}/sums"] = np.zeros((rows, bins[k] + 2), np.int64)
+            arrays[f"histograms/{name}/sums"] = (rows, int(bins) + 2), 0
     return arrays
+
+
+def nothing(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray]:
+    """Return the arrays of `layout` of configurations in which nothing has happened."""
+    return {name: np.full(*shape) for name, shape in layout(plan, media, n).items()}
 
 
 class Totals:

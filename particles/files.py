@@ -3,7 +3,7 @@
 Attributes of a file: `format`, and `done` (the first so many configurations are in it). Lengths are
 in the diameter d, times in d/U:
 
-    plan (n,)                       the arguments, JSON as bytes; `part` only in a part of a run
+    plan (n,)                       the arguments, JSON as bytes
     moments (done, n_times, 8)      sums over tracers: 1, (s v)^2, (s v)^4, r^2, r^4, collisions,
                                     s v(t).v(0), trapped; s = 2^round(log2(max(t, 1)))
     path_sums (done, 2)             path and collisions
@@ -37,13 +37,11 @@ import numpy as np
 from particles.checks import check_path, short
 from particles.configuration import Arrays, Plan, Totals
 from particles.impact import Tabulated, Viscoelastic
-from particles.kernel.columns import STATUSES
 from particles.media import MEDIA
 from particles.outputs import DRIVES
 from particles.results import package_version
 
 FORMAT = "inelastic-lorentz particles 7"
-EARLIER = "inelastic-lorentz particles 6"  # without what drives tracers, and (4,) statuses
 SHARE = 0.02  # of the time between two writings of the whole file that one of them may take
 
 
@@ -75,14 +73,13 @@ def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
     try:
         with h5py.File(name, "r") as file:
             found, done = file.attrs["format"].decode(), int(file.attrs["done"])
-            if found in (FORMAT, EARLIER):
+            if found == FORMAT:
                 file.visititems(collect)
-                arrays["statuses"] = np.resize([*arrays["statuses"], 0], STATUSES)
                 plan = _understood(arrays.pop("plan").tobytes())
     except Exception as error:  # of nearly any class; h5py's own words are long
         what = "is damaged, or no saved simulation"
         raise ValueError(f"{name}: {what} ({type(error).__name__})") from None
-    if found not in (FORMAT, EARLIER):
+    if found != FORMAT:
         raise ValueError(f"{name}: holds {short(found)}; this version reads {FORMAT!r}")
     return plan, arrays, done
 
@@ -95,14 +92,10 @@ def _text(plan: Plan) -> bytes:
             return sorted(value)
         if isinstance(value, np.ndarray):
             return value.tolist()
-        return {"kind": type(value).__name__} | {
-            f.name: getattr(value, f.name) for f in fields(value) if f.init
-        }
+        own = {f.name: getattr(value, f.name) for f in fields(value) if f.init}
+        return {"kind": type(value).__name__} | own
 
-    found = {f.name: getattr(plan, f.name) for f in fields(plan)}
-    if plan.part is None:  # a whole run has the file that it had before there were parts
-        del found["part"]
-    return json.dumps(found, default=plain).encode()
+    return json.dumps(vars(plan), default=plain).encode()
 
 
 def _understood(text: bytes) -> Plan:
@@ -119,7 +112,7 @@ def _understood(text: bytes) -> Plan:
         "times": np.array(found["times"], float),
         "velocities": None if given is None else np.array(given, float),
         "observables": frozenset(found["observables"]),
-        "part": tuple(found["part"]) if "part" in found else None,
+        "part": found["part"] and tuple(found["part"]),
     })  # fmt: skip
 
 
@@ -131,11 +124,7 @@ class Saver:
         self._next = 0.0
 
     def begin(self, resume: bool) -> Totals:
-        """Return the totals to go on from, and make sure that the run can be saved.
-
-        Raises ValueError for a run that exists (without resume), is damaged or is another one, or
-        if it cannot be written. What is refused is left as it was.
-        """
+        """Return the totals to go on from, and make sure that the run can be saved."""
         if not os.path.isfile(self.path):
             totals = Totals(self.plan)
             self.write(totals)
@@ -161,10 +150,9 @@ class Saver:
 
 
 def write_whole(path: str, contents: bytes) -> None:
-    """Write a file beside its target, rename it, and wait for the disk.
+    """Write a file beside its target, or what a link points to, rename it, and wait for the disk.
 
-    A symbolic link is followed: the file that it points to is replaced. Raises ValueError if it
-    cannot be written; what was there before is left as it was.
+    Raises ValueError if it cannot be written; what was there before is left as it was.
     """
     if os.path.exists(path) and not os.path.isfile(path):
         raise ValueError(f"{path}: is a folder, a device or a pipe, not a file")
@@ -189,12 +177,11 @@ def write_whole(path: str, contents: bytes) -> None:
 
 
 def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndarray) -> None:
-    """Write a run as H5MD 1.1: positions and velocities over time, which other programs read.
+    """Write a run as H5MD 1.1: positions and velocities (n_times, n, dimension), in d and U.
 
-    P. de Buyl, P. H. Colberg and F. Hoefling, Comput. Phys. Commun. 185, 1546 (2014). Lengths are
-    in the diameter d, speeds in U, times in d/U. Positions are displacements from each tracer's
-    start, in no box; NaN where a tracer has ended. `medium` (n,) is the configuration of each
-    tracer. positions, velocities (n_times, n, dimension).
+    P. de Buyl, P. H. Colberg and F. Hoefling, Comput. Phys. Commun. 185, 1546 (2014). Positions are
+    displacements from each tracer's start, in no box; NaN where a tracer has ended. `medium` (n,)
+    is the configuration of each tracer.
     """
     unit, dimension = plan.medium.diameter, plan.medium.dimension
     first, count = plan.configurations.start, len(plan.configurations) * plan.tracers

@@ -27,7 +27,7 @@ LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 def _require_density(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
     if not in_diameters >= LEAST_DENSITY:
-        least = f"at least {LEAST_DENSITY:g} per d^{dimension}; below use BoltzmannGrad, the limit"
+        least = f"{LEAST_DENSITY:g} per d^{dimension} or more; below use BoltzmannGrad, the limit"
         refuse(name, value, f"in units of d it is {in_diameters:.3g}, it must be {least}")
 
 
@@ -74,11 +74,11 @@ class Random:
 class HardDisks(Random):
     """Disks that do not overlap, placed by random sequential addition (paper, section 2).
 
-    number_density: disks per unit area. count: their number in the periodic square box, of side
-    sqrt(count / number_density). diameter d of a disk and of the tracer, in the unit of length
-    that density, times and results share. equilibrate: sweeps of Monte Carlo moves (Metropolis, one
-    attempt per disk each) after the placement. A tracer that is never farther from its start than
-    half the side of the box has the same path as in an unbounded plane.
+    number_density: disks per unit area, 1e-10 to 0.65 d^-2. count: their number in the periodic
+    square box, whose side is at least 4 d. diameter d of a disk and of the tracer, in the unit of
+    length that density, times and results share. equilibrate: sweeps of Monte Carlo moves
+    (Metropolis, one attempt per disk each) after the placement. A tracer that is never farther from
+    its start than half the side of the box has the same path as in an unbounded plane.
 
     No disk lies within d of the box's centre, where tracers start. It is kept free while the disks
     are placed, so that slightly fewer stand beside it than beside a place that is found free
@@ -87,8 +87,6 @@ class HardDisks(Random):
 
     In a field along x the disks nearer than 2 d to each other leave corners for a tracer's centre;
     one that opens against the field is a trap, in which inelastic tracers come to rest.
-    ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
-    lower than 1e-10 d^-2 or higher than 0.65 d^-2.
     """
 
     number_density: float
@@ -124,15 +122,8 @@ class Poisson(Random):
 class HardSpheres(Random):
     """Spheres in three dimensions that do not overlap, placed by random sequential addition.
 
-    number_density: spheres per unit volume. diameter d of a sphere and of the tracer, in the unit
-    of length that density, times and results share. count: their number in the periodic cubic box,
-    of side (count / number_density)^(1/3). equilibrate: sweeps of Monte Carlo moves (Metropolis,
-    one attempt per sphere each) after the placement.
-
-    No sphere lies within d of the box's centre, where tracers start; beside it slightly fewer stand
-    than beside a place found free afterwards, unless equilibrated, as HardDisks says of disks.
-    ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
-    lower than 1e-10 d^-3 or higher than 0.65 d^-3.
+    Arguments as of HardDisks, per unit volume, in a cubic box; so is what it says of the places
+    beside the start.
     """
 
     number_density: float
@@ -149,8 +140,7 @@ class HardSpheres(Random):
 class PoissonSpheres(Random):
     """Spheres in three dimensions, placed without regard to one another; they may overlap.
 
-    Arguments as of HardSpheres; the density is 1 d^-3 at most. None of the spheres lies within d of
-    the start.
+    Arguments as of HardDisks; at most 1 d^-3. None lies within d of the start.
     """
 
     number_density: float
@@ -168,12 +158,9 @@ class BoltzmannGrad:
     """No scatterers: exponential free paths, and impact parameters as a dilute gas has them.
 
     The particle method of the kinetic equation itself (paper, eq. inelaslorentz2): the limit of
-    number_density -> 0 at a given mean free path, without recollisions.
-
-    dimension 2: disks, number_density per unit area, free paths of mean 1/(2 d rho0), the impact
-    parameter uniform. dimension 3: spheres, number_density per unit volume, mean 1/(pi d^2 rho0),
-    the impact parameter uniform in the disk across the velocity. ValueError where dimension is
-    another number or a number is not positive and finite.
+    number_density -> 0 at a given mean free path, without recollisions. dimension 2: disks, free
+    paths of mean 1/(2 d rho0), the impact parameter uniform. dimension 3: spheres, mean
+    1/(pi d^2 rho0), the impact parameter uniform in the disk across the velocity.
     """
 
     number_density: float
@@ -198,11 +185,10 @@ class Positions(Value):
     """Scatterers where the user says, in a periodic square box; they may overlap.
 
     positions (count, 2), the same in every configuration, or (media, count, 2), one set for each.
-    box_side: side of the box, in the unit of the positions; coordinates are taken modulo it.
-    start: where tracers start, the box's centre if not given. ValueError if a scatterer covers it
-    (is nearer than the diameter), if a position is not finite, or if the box is smaller than 4 d or
-    holds fewer than 1e-10 scatterers per d^2. Where the start is the box's centre, only the first
-    tracer of a run from rest begins there, the others at random free places (`simulate`).
+    box_side: side of the box, 4 d or more, in the unit of the positions; coordinates are taken
+    modulo it. start: where tracers start, the box's centre if not given; no scatterer may be nearer
+    than d. Where it is the box's centre, only the first tracer of a run from rest begins there, the
+    others at random free places (`simulate`).
 
     With one set for all configurations, these differ only in their tracers, and errors are those
     of the mean over tracers in this one medium.
@@ -232,22 +218,17 @@ class Positions(Value):
             allowed = f"it must be two finite numbers, at most {FARTHEST:g} boxes away"
             refuse("start", self.start, allowed)
 
-        def require(good: Any, allowed: str) -> None:
+        offset = array - origin  # from the start to the nearest image
+        with np.errstate(invalid="ignore"):
+            offset -= box * np.round(offset / box)
+        near = (abs(array) <= FARTHEST * box).all(axis=-1)
+        free = np.hypot(offset[..., 0], offset[..., 1]) >= d
+        for good, allowed in (
+            (near, f"it must be finite, at most {FARTHEST:g} boxes away"),
+            (free, f"it covers the start {tuple(origin.tolist())}; it must be {d:g} away or more"),
+        ):
             if len(bad := np.argwhere(~good)):
                 refuse(f"positions[{bad[0][-1]}]", array[tuple(bad[0])].tolist(), allowed)
-
-        require(
-            (abs(array) <= FARTHEST * box).all(axis=-1),
-            f"it must be finite, at most {FARTHEST:g} boxes away: there a place has digits left",
-        )
-        # Relative to the start, in (-box/2, box/2): the nearest image.
-        offset = array - origin
-        offset -= box * np.round(offset / box)
-        require(
-            np.hypot(offset[..., 0], offset[..., 1]) >= d,
-            f"it covers the start ({origin[0]:g}, {origin[1]:g}), which must be at least "
-            f"{self.diameter:g} away",
-        )
         density = array.shape[-2] / (box * box)
         _require_density("box_side", self.box_side, density * d * d)
         object.__setattr__(self, "positions", array)
@@ -257,34 +238,27 @@ class Positions(Value):
 
     def __repr__(self) -> str:
         shape = " x ".join(str(n) for n in self.positions.shape)
-        return (
-            f"Positions(<{shape} numbers>, box_side={self.box_side!r}, "
-            f"diameter={self.diameter!r}, start={self.start!r})"
-        )
+        rest = f"diameter={self.diameter!r}, start={self.start!r}"
+        return f"Positions(<{shape} numbers>, box_side={self.box_side!r}, {rest})"
 
     @classmethod
     def from_csv(
         cls, path: str | PathLike[str], box_side: float, diameter: float = 1.0,
         start: tuple[float, float] | None = None,
     ) -> "Positions":  # fmt: skip
-        """Read positions from a CSV file of two columns, x and y; one header line may precede.
-
-        Raises ValueError, naming the row, for one that does not hold two numbers, and for a file
-        that cannot be read, is not text or holds no positions.
-        """
+        """Read positions from a CSV file of two columns, x and y; one header line may precede."""
         name = check_path("path", path)
         if os.path.exists(name) and not os.path.isfile(name):
             raise ValueError(f"{name}: is a folder, a device or a pipe; it must be a file")
         try:
             with open(name, encoding="utf-8-sig") as file:
-                lines = [line for line in file.read().splitlines() if line.strip()]
-            has_header = bool(lines) and not any(c in "0123456789" for c in lines[0].split(",")[0])
-            if not lines[has_header:]:
+                lines = [line for line in file if line.strip()]
+            if lines and not any(c in "0123456789" for c in lines[0].split(",")[0]):
+                del lines[0]
+            if not lines:
                 raise ValueError("holds no positions")
-            rows = np.loadtxt(lines[has_header:], delimiter=",", quotechar='"', ndmin=2)
-        except OSError as error:
-            raise ValueError(f"{name}: cannot be read ({error.strerror})") from None
-        except ValueError as error:  # of loadtxt, with the row, and of what is no text in UTF-8
+            rows = np.loadtxt(lines, delimiter=",", quotechar='"', ndmin=2)
+        except (OSError, ValueError) as error:  # of loadtxt with the row; what is no text in UTF-8
             raise ValueError(f"{name}: must be two columns of numbers ({error})") from None
         return cls(rows, box_side, diameter, start)
 

@@ -1,10 +1,9 @@
 """The paths of a few tracers of a run among the scatterers, and a picture of them.
 
-A run keeps sums, not paths. A path is found again by following the same tracers, among the same
-scatterers and with the same random numbers, up to 1, 2, 3 ... collisions: each such run ends at the
-place of a collision, to the same bits as the run itself. In a field, where paths are curved, the
-places at many times are taken instead, as with noise and drag: driven in these ways, a tracer whose
-outputs are at other times has another path of the same kind.
+A run keeps sums, not paths. A path is found again by following the same tracers up to 1, 2, 3 ...
+collisions: each such run ends at the place of a collision, to the same bits as the run itself.
+Where paths are curved, in a field and with noise and drag, the places at many times are taken
+instead; with noise a tracer whose outputs are at other times has another path of the same kind.
 """
 
 from dataclasses import dataclass, replace
@@ -14,15 +13,7 @@ import numpy as np
 
 from particles.checks import check_positive, check_whole, refuse
 from particles.configuration import Plan, follow_tracers, start_places
-from particles.kernel.columns import (
-    COLLISION_CAP,
-    FINAL_COLLISIONS,
-    FINAL_X,
-    FINAL_Y,
-    FINAL_Z,
-    LN_SPEED,
-    LN_TIME,
-)
+from particles.kernel import columns
 from particles.placement import build, scatterers
 from particles.results import Value
 
@@ -60,12 +51,10 @@ def trajectories(
     until: float | None = None,
     collisions: int = 300,
 ) -> list[Trajectory]:
-    """Return the paths of the first tracers of one configuration of a run.
+    """Return the paths of the first so many tracers of one configuration of a run.
 
-    tracers: how many. until: the time in d/U at which they end, that of the run's last output if
-    None. collisions: where they end at the latest, 1000 at most (not in a field).
-
-    Raises ValueError for a number out of range.
+    until: the time in d/U at which they end, that of the run's last output if None. collisions:
+    where they end at the latest, 1000 at most (not in a field).
     """
     tracers = check_whole("tracers", tracers, 1, plan.tracers)
     configuration = check_whole("configuration", configuration, 0, plan.media - 1)
@@ -108,7 +97,7 @@ def _flights(
     """The places of the start, of the collisions and of the end, and the speeds between them."""
     d, dimension = plan.medium.diameter, plan.medium.dimension
     cells = build(plan.medium, np.uint64(plan.seed), configuration)
-    place_of = [FINAL_X, FINAL_Y, FINAL_Z][:dimension]
+    place_of = [columns.FINAL_X, columns.FINAL_Y, columns.FINAL_Z][:dimension]
     start = replace(plan, times=np.zeros(1), observables=frozenset({"velocities"}))
     first = follow_tracers(start, configuration, cells)["raw/velocities"][0]
     times = [[0.0] for _ in first]
@@ -121,11 +110,11 @@ def _flights(
         found = follow_tracers(replace(asked, max_collisions=n), configuration, cells)
         for k in np.nonzero(~ended)[0]:
             end = found["raw/finals"][k]
-            times[k].append(float(np.exp(end[LN_TIME])) * d)
+            times[k].append(float(np.exp(end[columns.LN_TIME])) * d)
             places[k].append(end[place_of] * d)
-            speeds[k].append(float(np.exp(end[LN_SPEED])))
-            ended[k] = end[FINAL_COLLISIONS] < n
-        if not found["statuses"][COLLISION_CAP]:
+            speeds[k].append(float(np.exp(end[columns.LN_SPEED])))
+            ended[k] = end[columns.FINAL_COLLISIONS] < n
+        if not found["statuses"][columns.COLLISION_CAP]:
             break
     return [
         Trajectory(np.array(t), np.array(where), np.array(v[:-1]))
@@ -136,10 +125,9 @@ def _flights(
 def disks_within(
     plan: Plan, configuration: int, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray | None:
-    """Return the disks of one configuration in a rectangle, (n, 2), in d from the start.
+    """Return the disks of one configuration between two corners, (n, 2), in d from the start.
 
-    low, high (2,): its corners in d. None where there are none to draw: in the Boltzmann-Grad
-    limit, in space, and where the rectangle holds more than a picture can show.
+    None where there are none to draw: in space, and more than a picture can show.
     """
     medium = plan.medium
     if medium.dimension != 2 or np.prod(high - low) * medium.number_density > MOST_SCATTERERS:
@@ -157,10 +145,9 @@ def disks_within(
 def plot_trajectories(
     plan: Plan, tracers: int = 8, ax: "Axes | None" = None, colour_bar: bool = True, **which: Any
 ) -> "Axes":
-    """Draw paths of the first tracers of one configuration of a run, and the disks beside them.
+    """Draw paths of the first tracers of a run on axes, which are returned, and disks beside them.
 
-    which: as of `trajectories`. In space the paths are projected on the plane of x and y, and no
-    sphere is drawn. Returns the axes.
+    which: as of `trajectories`. In space the paths are projected on the plane of x and y.
     """
     from matplotlib import colormaps
     from matplotlib.collections import EllipseCollection, LineCollection

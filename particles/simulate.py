@@ -149,9 +149,9 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
     """Run the configurations in so many threads, at most 4 for each thread ahead of their turn.
 
     Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C. After
-    an exception nobody waits for the threads, as a pool of concurrent.futures would; each ends
-    after its configuration, or with the process. Queues written in C are all that is shared: an
-    exception that a signal raises inside a lock of `threading` may leave it locked for ever.
+    an exception nobody waits for the threads, as a pool of concurrent.futures would. Queues written
+    in C are all that is shared: an exception that a signal raises inside a lock of `threading` may
+    leave it locked for ever.
     """
     asked: SimpleQueue[int | None] = SimpleQueue()
     done: SimpleQueue[tuple[int, Arrays | BaseException | None]] = SimpleQueue()

@@ -69,7 +69,7 @@ def time_to_reach(distance: float, along: float, field: float) -> float:
 
 @inlined
 def _bounds(s0: float, u0: float, g: float) -> tuple[float, float]:
-    """Return the times that a length of 1 takes at least, with u the speed, and at most, with w = 0."""
+    """Return the times that a length of 1 takes at least (u the speed) and at most (w = 0)."""
     size = abs(u0)
     square = u0 * u0 + (2.0 * g if u0 >= 0.0 else -2.0 * g)
     root = sqrt(abs(square))

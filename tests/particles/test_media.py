@@ -163,7 +163,7 @@ def test_positions_from_csv(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match=f"disks.csv: .*{words}") as caught:
             Positions.from_csv(path, 10.0)
         assert "\n" not in str(caught.value)
-    with pytest.raises(ValueError, match=r"none.csv: cannot be read \(No such file"):
+    with pytest.raises(ValueError, match=r"none.csv: .*No such file"):
         Positions.from_csv(tmp_path / "none.csv", 10.0)
     (tmp_path / "zero.csv").symlink_to("/dev/zero")
     os.mkfifo(tmp_path / "pipe.csv")
