@@ -41,7 +41,7 @@ from particles.media import MEDIA
 from particles.outputs import DRIVES
 from particles.results import package_version
 
-FORMAT = "inelastic-lorentz particles 7"
+FORMAT = "inelastic-lorentz particles 8"
 SHARE = 0.02  # of the time between two writings of the whole file that one of them may take
 
 

@@ -46,13 +46,11 @@ class Random:
     dimension: ClassVar[int]
     overlapping: ClassVar[bool]
     largest: ClassVar[float] = LARGEST_RSA_DENSITY  # density in d^-2, or d^-3
-    equilibrate: int = 0
 
     def __post_init__(self) -> None:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
         check_whole("count", self.count, 1, LARGEST_COUNT)
-        check_whole("equilibrate", self.equilibrate, 0, 2**31)
         in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
         if in_diameters > self.largest:
@@ -76,14 +74,12 @@ class HardDisks(Random):
 
     number_density: disks per unit area, 1e-10 to 0.65 d^-2. count: their number in the periodic
     square box, whose side is at least 4 d. diameter d of a disk and of the tracer, in the unit of
-    length that density, times and results share. equilibrate: sweeps of Monte Carlo moves
-    (Metropolis, one attempt per disk each) after the placement. A tracer that is never farther from
-    its start than half the side of the box has the same path as in an unbounded plane.
+    length that density, times and results share. A tracer that is never farther from its start than
+    half the side of the box has the same path as in an unbounded plane.
 
     No disk lies within d of the box's centre, where tracers start. It is kept free while the disks
     are placed, so that slightly fewer stand beside it than beside a place that is found free
-    afterwards: within 1.25 d of it 1.6 % fewer at 0.04 d^-2, 15 % at 0.2 d^-2. After `equilibrate`
-    there is no difference.
+    afterwards: within 1.25 d of it 1.6 % fewer at 0.04 d^-2, 15 % at 0.2 d^-2.
 
     In a field along x the disks nearer than 2 d to each other leave corners for a tracer's centre;
     one that opens against the field is a trap, in which inelastic tracers come to rest.
@@ -92,7 +88,6 @@ class HardDisks(Random):
     number_density: float
     count: int = 40_000
     diameter: float = 1.0
-    equilibrate: int = 0
     scatterers, dimension = "hard disks", 2
     overlapping = False
 
@@ -129,7 +124,6 @@ class HardSpheres(Random):
     number_density: float
     diameter: float = 1.0
     count: int = 40_000
-    equilibrate: int = 0
     scatterers, dimension = "hard spheres", 3
     overlapping = False
 

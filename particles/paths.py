@@ -14,7 +14,8 @@ import numpy as np
 from particles.checks import check_positive, check_whole, refuse
 from particles.configuration import Plan, follow_tracers, start_places
 from particles.kernel import columns
-from particles.placement import build, scatterers
+from particles.media import BoltzmannGrad
+from particles.placement import build, placed
 from particles.results import Value
 
 if TYPE_CHECKING:
@@ -132,10 +133,10 @@ def disks_within(
     medium = plan.medium
     if medium.dimension != 2 or np.prod(high - low) * medium.number_density > MOST_SCATTERERS:
         return None
-    own = scatterers(medium, np.uint64(plan.seed), configuration)
-    if own is None:
+    if isinstance(medium, BoltzmannGrad):
         return None
-    d, box = medium.diameter, medium.box_side  # type: ignore[union-attr]
+    own = placed(medium, np.uint64(plan.seed), configuration)[1]
+    d, box = medium.diameter, medium.box_side
     images = [np.arange(np.floor(a / box), np.ceil(b / box) + 1) for a, b in zip(low, high)]  # noqa: B905
     shifts = np.stack(np.meshgrid(*images), axis=-1).reshape(-1, 1, 2) * box
     found = (own[:, :2] * d + shifts).reshape(-1, 2)
