@@ -18,7 +18,7 @@ for a restitution of the impact speed and for sticking. Three things happen to t
   it the moments that it has without a collision. A step ends at every output.
 """
 
-from math import copysign, exp, expm1, log, pi, sqrt
+from math import exp, expm1, log, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +27,7 @@ from particles.compiled import inlined, kernel
 from particles.events import Varying, restitution_at, turned
 from particles.kernel import columns
 from particles.kernel.lane import RUNNING, Start, launch, open_flights
-from particles.kernel.parabola import length_of, move_freely, note_passage
+from particles.kernel.parabola import length_flown, move_freely, note_passage
 from particles.kernel.records import (
     Records,
     count_flight,
@@ -179,7 +179,7 @@ def follow_driven(
     times, passages, grids = records.times, records.passages, records.grids
     paths, durations = records.counts[columns.PATH], records.counts[columns.DURATION]
     field, mean_path, tangential = drive.field, drive.mean_path, start.law[1]
-    strength, towards = abs(field), copysign(1.0, field)
+    strength = abs(field)
     solid, noisy = start.dimension == 3, drive.step < np.inf
     from_bath = drive.bath * _OF_BATH[int(solid)]
     active = min(lanes.size, start.n)
@@ -203,7 +203,7 @@ def follow_driven(
                     lane.span = lane.left = min(drive.step, lasts)
                     lane.kick_x, lane.kick_y, lane.kick_z = _kick(lane, drive, solid)
                 lasts = min(lasts, lane.left)
-            along, across2 = towards * lane.vx, lane.vy * lane.vy + lane.vz * lane.vz
+            across2 = lane.vy * lane.vy + lane.vz * lane.vz
             speed = sqrt(lane.vx * lane.vx + across2)
             rate = (speed + from_bath) / mean_path
             if strength > 0.0:
@@ -218,8 +218,8 @@ def follow_driven(
                     note_passage(lane, lane.flight_x, lasts, field, records)
                 if strength == 0.0:
                     lane.travelled += speed * lasts
-                elif lasts > 0.0:
-                    lane.travelled += length_of(lasts, speed, along, across2, strength)[0]
+                else:
+                    lane.travelled += length_flown(lane.vx, lane.vy, lane.vz, lasts, field)
                 began = lane.time
                 move_freely(lane, lasts, field)
                 lane.time = min(began + lasts, lane.next_output)

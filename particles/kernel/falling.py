@@ -26,7 +26,7 @@ from particles.cells import Cells, cell_at
 from particles.compiled import inlined
 from particles.events import NEVER, bounce
 from particles.kernel.lane import AT_REST, Start
-from particles.kernel.parabola import length_of, time_to_reach
+from particles.kernel.parabola import length_flown, time_to_reach
 from particles.kernel.steps import enter
 from particles.search import SLOTS, near_chord
 
@@ -224,10 +224,7 @@ def cross_cell(lane: Any, shape: tuple[int, ...], side: float, field: float) -> 
 @inlined
 def flown(lane: Any, field: float) -> float:
     """Return the length of the flight of a lane so far."""
-    along, across2 = copysign(1.0, field) * lane.first_vx, lane.vy * lane.vy
-    if lane.lasted == 0.0:
-        return 0.0
-    return length_of(lane.lasted, sqrt(along * along + across2), along, across2, abs(field))[0]
+    return length_flown(lane.first_vx, lane.vy, 0.0, lane.lasted, field)
 
 
 @inlined

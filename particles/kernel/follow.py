@@ -89,11 +89,10 @@ def follow(
         for a in range(active):
             lane = lanes[a]
             if cells is None:
-                path = -mean_path * log(uniform(lane.stream, lane.gamma, 2 * lane.collisions))
-                if field is None:
-                    lane.contact = path
-                else:
-                    parabola.ask(work, a, path, towards * lane.vx, lane.vy, lane.vz)
+                word = uniform(lane.stream, lane.gamma, 2 * lane.collisions)
+                lane.contact = -mean_path * log(word)
+                if field is not None:
+                    parabola.ask(work, a, lane.contact, towards * lane.vx, lane.vy, lane.vz)
             elif field is None:
                 steps.next_contact(lane, slots, head, links, nodes, shape)
             else:
@@ -142,9 +141,8 @@ def follow(
                             status = columns.COLLISION_CAP
             else:
                 if cells is None:
-                    path, lasts, x = work[parabola.PATH, a], work[parabola.LASTS, a], lane.flight_x
-                    if not work[parabola.GOOD, a] >= 0.0:
-                        lasts = parabola.time_of(path, *parabola.asked(work, a), strength)
+                    path, lasts = lane.contact, parabola.answer(work, a, strength)
+                    x = lane.flight_x
                 else:
                     meets = lane.contact <= min(lane.wall_x, lane.wall_y)
                     lasts = lane.contact if meets else min(lane.wall_x, lane.wall_y)
@@ -160,10 +158,7 @@ def follow(
                     parabola.note_passage(lane, x, lasts, field, records)
                 if cells is None:
                     if status == columns.FINISHED:
-                        # Of no time at all the length would be 0/0 at rest.
-                        path = 0.0
-                        if lasts > 0.0:
-                            path = parabola.length_of(lasts, *parabola.asked(work, a), strength)[0]
+                        path = parabola.length_flown(lane.vx, lane.vy, lane.vz, lasts, field)
                     lane.travelled += path
                     parabola.move_freely(lane, lasts, field)
                     if status == RUNNING:

@@ -61,6 +61,15 @@ def length_of(
 
 
 @inlined
+def length_flown(vx: float, vy: float, vz: float, lasts: float, field: float) -> float:
+    """Return the length of a piece of a parabola, from its first velocity and the time it takes."""
+    if not lasts > 0.0:
+        return 0.0
+    along, across2 = copysign(1.0, field) * vx, vy * vy + vz * vz
+    return length_of(lasts, sqrt(vx * vx + across2), along, across2, abs(field))[0]
+
+
+@inlined
 def time_to_reach(distance: float, along: float, field: float) -> float:
     """Return the time until a tracer first is so far along the field; distance: above 0."""
     root = sqrt(along * along + 2.0 * field * distance)
@@ -180,9 +189,12 @@ def ask(work: np.ndarray, a: int, path: float, along: float, vy: float, vz: floa
 
 
 @inlined
-def asked(work: np.ndarray, a: int) -> tuple[float, float, float]:
-    """Return the speed there, the velocity along the field and the square of that across."""
-    return sqrt(work[SPEED2, a]), work[ALONG, a], work[ACROSS2, a]
+def answer(work: np.ndarray, a: int, field: float) -> float:
+    """Return the time that number a takes."""
+    if work[GOOD, a] >= 0.0:
+        return float(work[LASTS, a])
+    speed = sqrt(work[SPEED2, a])
+    return time_of(work[PATH, a], speed, work[ALONG, a], work[ACROSS2, a], field)
 
 
 @inlined
