@@ -237,11 +237,6 @@ def _join(name: str, pieces: list[np.ndarray]) -> np.ndarray:
     return np.concatenate(pieces, axis=1 if name in ("raw/positions", "raw/velocities") else 0)
 
 
-def run_configurations(plan: Plan, start: int, stop: int) -> list[Arrays]:
-    """Run configurations start to stop - 1, one after another."""
-    return [run_configuration(plan, c) for c in range(start, stop)]
-
-
 def run_configuration(plan: Plan, configuration: int) -> Arrays:
     """Place the scatterers of one configuration and follow its tracers."""
     from particles.placement import build

@@ -13,13 +13,7 @@ import numpy as np
 from particles.checks import check_path, refuse
 from particles.configuration import PER_OCTAVE, Plan, Totals
 from particles.estimators import Estimate, Histogram, jackknife, share
-from particles.kernel.columns import (
-    ALL_COLLISIONS,
-    CAUGHT,
-    HISTOGRAMS,
-    SAMPLES,
-    TRAVELLED,
-)
+from particles.kernel.columns import ALL_COLLISIONS, CAUGHT, HISTOGRAMS, SAMPLES, TRAVELLED
 from particles.outputs import (
     DRIVES,
     ESTIMATES,
@@ -44,15 +38,14 @@ class Statuses(Value):
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
     trapped: caught in a corner between scatterers, where infinitely many collisions follow within
-    1e-9 d or so (events.is_collapsing; kernel.pockets between spheres), or at rest after a head-on
-    collision at e = 0. In a field (kernel.sliding) at rest in a corner of two disks that opens
-    against the field; with a tangential restitution below 1, where it would slide along a disk; and
-    at rest on the very top of a disk. escaped: flew 1e6 mean free paths without a collision.
-    captured: struck a scatterer with a normal velocity below capture_speed, and stick to it.
+    1e-9 d or so, or at rest after a head-on collision at e = 0. In a field at rest in a corner of
+    two disks that opens against the field; with a tangential restitution below 1, where it would
+    slide along a disk; and at rest on the very top of a disk. escaped: flew 1e6 mean free paths
+    without a collision. captured: struck a scatterer with a normal velocity below capture_speed.
     trap_times (trapped + captured,) in d/U: when it was declared. With tangential restitution 1 the
     collisions end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
-    trap_places (.., dimension) relative to the tracer's start, in d; trap_tracers
-    (.., 2): configuration and tracer. With a capture_speed bounces that never end do not occur.
+    trap_places (.., dimension) from the tracer's start, in d; trap_tracers (.., 2): configuration
+    and tracer.
     """
 
     finished: int
@@ -69,15 +62,11 @@ class Statuses(Value):
         """What to change, if tracers are missing from the late estimates; else an empty string."""
         notes = []
         if self.collision_cap and self.finished:
-            notes.append(
-                f"{self.collision_cap} tracers made max_collisions collisions before the last "
-                f"time: raise max_collisions or end `times` earlier"
-            )
+            n = self.collision_cap
+            notes.append(f"{n} tracers made max_collisions collisions before the last time")
         if self.escaped:
-            notes.append(
-                f"{self.escaped} tracers met nothing in 1e6 mean free paths: the scatterers leave "
-                f"straight corridors free; move them, or end `times` before the escape"
-            )
+            n = self.escaped
+            notes.append(f"{n} tracers met nothing in 1e6 mean free paths, in straight corridors")
         return "; ".join(notes)
 
 
@@ -91,9 +80,8 @@ class Ensemble(Result):
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
     estimate at that time: what is left is biased towards slow tracers. `samples` says how many
-    entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
-    caught, as do captured ones (`trapped` says how many, at each time). Some, such as
-    `drift`, are there in a field only.
+    entered, `missing` how many did not. Trapped and captured tracers stay in, at rest (`trapped`
+    says how many, at each time). Some estimates, such as `drift`, are there in a field only.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
     names that they have in a file.
@@ -162,18 +150,10 @@ class Ensemble(Result):
     @cached_property
     def statuses(self) -> Statuses:
         """How the tracers ended."""
-        traps = self.arrays["traps"]
-        finished, cap, trapped, escaped, captured = (int(n) for n in self.arrays["statuses"])
-        return Statuses(
-            finished,
-            cap,
-            trapped,
-            escaped,
-            trap_times=traps[:, 2] * self._unit,
-            trap_places=traps[:, 3:] * self._unit,
-            trap_tracers=traps[:, :2].astype(np.int64),
-            captured=captured,
-        )
+        traps, unit = self.arrays["traps"], self._unit
+        *others, captured = self.arrays["statuses"].tolist()
+        which = traps[:, :2].astype(np.int64)
+        return Statuses(*others, traps[:, 2] * unit, traps[:, 3:] * unit, which, captured)
 
     @property
     def collision_total(self) -> int:
@@ -198,10 +178,8 @@ class Ensemble(Result):
     @cached_property
     def mean_free_path(self) -> Estimate:
         """Path travelled per collision, all tracers from start to end, in d. A scalar."""
-        return jackknife(
-            self.arrays["path_sums"],
-            lambda s: s[TRAVELLED] / s[ALL_COLLISIONS] * self._unit,
-        )
+        sums = self.arrays["path_sums"]
+        return jackknife(sums, lambda s: s[TRAVELLED] / s[ALL_COLLISIONS] * self._unit)
 
     @property
     def passage_times(self) -> np.ndarray:
@@ -232,10 +210,7 @@ class Ensemble(Result):
 
     @property
     def finals(self) -> np.ndarray:
-        """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions.
-
-        In three dimensions (media * tracers, 6), with z in the last column.
-        """
+        """End of each tracer, (.., 5): ln v, ln t, x, y, number of collisions; in space z, too."""
         d = self._unit
         finals = self._get("finals", "raw/finals")
         scale, shift = np.array([1, 1, d, d, 1, d]), np.array([0, np.log(d), 0, 0, 0, 0])
@@ -245,15 +220,14 @@ class Ensemble(Result):
     def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        which: configuration (0), until (the last time), collisions (300). Raises
-        ValueError for one out of range.
+        which: configuration (0), until (the last time), collisions (300).
         """
         from particles.paths import trajectories
 
         return trajectories(self.plan, tracers, **which)
 
     def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
-        """Draw paths of the first tracers among the scatterers, coloured by speed; return the axes.
+        """Draw such paths among the scatterers, coloured by speed; return the axes.
 
         which: as of `trajectories`, ax (axes to draw on) and colour_bar (True).
         """
@@ -262,38 +236,26 @@ class Ensemble(Result):
         return plot_trajectories(self.plan, tracers, **which)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything to an HDF5 file, replacing it if it exists.
+        """Write everything to an HDF5 file, whole; one that exists, or a link's, is replaced.
 
-        Written beside its target and renamed; where the path is a symbolic link, the file that it
-        points to is replaced. Raises ValueError if it cannot be written.
+        Raises ValueError if it cannot be written.
         """
         from particles.files import write
 
         write(path, self.plan, self.arrays, self.media)
 
     def write_h5md(self, path: str | PathLike[str]) -> None:
-        """Write positions and velocities as H5MD 1.1, for other programs.
-
-        An existing file is replaced. Raises ValueError for a run without positions or velocities,
-        and where the file cannot be written.
-        """
+        """Write positions and velocities, which must be kept, as H5MD 1.1 for other programs."""
         from particles.files import write_h5md
 
         if missing := {"positions", "velocities"} - {*self.outputs}:
-            name = min(missing)
-            raise ValueError(
-                f"H5MD needs positions and velocities, and {name} were not asked for: "
-                f"simulate(observables=[{name!r}, ...])"
-            )
+            raise ValueError(f"H5MD needs {min(missing)}: simulate(observables=[...])")
         positions = self.positions / self._unit
         write_h5md(check_path("path", path), self.plan, positions, self.velocities)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> "Ensemble":
-        """Read a finished run from a file.
-
-        Raises ValueError for a file that is not one, is damaged or holds an unfinished run.
-        """
+        """Read a finished run from a file; ValueError for a damaged or an unfinished one."""
         from particles.files import read
 
         plan, arrays, done = read(path)
@@ -309,7 +271,6 @@ class Ensemble(Result):
         """Return the whole run from all its parts, to the same bits as if it had been run at once.
 
         parts: of `simulate(..., part=(k, n))`, or their files, in any order; n may differ.
-        Raises ValueError if a part is missing or there twice, or if parts are of different runs.
         """
         if isinstance(parts, (str, bytes, PathLike, Ensemble)):
             refuse("parts", parts, "it must be a sequence of ensembles or of their files")
@@ -367,9 +328,9 @@ class Ensemble(Result):
         edges = 2.0 ** (low + np.arange(int(bins) + 1) / per_octave)
         if name not in HISTOGRAMS[:2]:
             edges = edges * self._unit
-        everything = share(counts, squares, cross, samples, self.media)
-        p, error = everything.value, everything.error
-        return Histogram(edges, Estimate(p[:, 1:-1], error[:, 1:-1]), p[:, 0], p[:, -1])
+        found = share(counts, squares, cross, samples, self.media)
+        inside = Estimate(found.value[:, 1:-1], found.error[:, 1:-1])
+        return Histogram(edges, inside, found.value[:, 0], found.value[:, -1])
 
 
 _LENGTHS = {"1": 0, "U": 0, "U^2": 0, "d": 1, "d^2": 2}
