@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from particles.cells import box_bytes
-from particles.checks import check_number, check_whole, real_array, refuse, short
+from particles.checks import check_number, check_whole, is_whole, real_array, refuse, short
 from particles.configuration import Plan, layout, speeds
 from particles.impact import check_restitution, compiled
 from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, Random, dilute_mean_path
@@ -24,6 +24,7 @@ FIELDS = (1e-100, 1e100)
 DEEPEST = 1e100  # in d
 STRONGEST = 1e30  # of what drives tracers, in its unit: fourth powers of speeds are numbers
 LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
+UNLESS_SMOOTH, AMONG = "unless tangential_restitution is 1", "among scatterers in a field"
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
@@ -55,20 +56,30 @@ def make_plan(
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         refuse("media", media, f"it must be {medium.sets}, the sets of positions given")
     field = _check_field(field, medium)
-    mass_ratio = _check_mass_ratio(mass_ratio, medium, tangential)
+    allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
+    mass_ratio = check_number("mass_ratio", mass_ratio, LEAST_MASS_RATIO, inf, allowed)
     drives = zip(DRIVES, (bath_speed, heating, drag, capture_speed), strict=True)
-    driven = {name: _check_drive(name, value, medium) for name, value in drives}
-    if bath_speed and tangential != 1.0:
-        refuse("bath_speed", bath_speed, "it must be 0 unless tangential_restitution is 1")
-    if capture_speed and (bath_speed or mass_ratio < inf):
-        refuse("capture_speed", capture_speed, "it must be 0 unless scatterers are fixed")
-    among = field and not isinstance(medium, BoltzmannGrad)
-    if among and not isinstance(restitution, float):
-        refuse("restitution", restitution, "it must be a number among scatterers in a field")
-    if among and capture_speed:
-        refuse("capture_speed", capture_speed, "it must be 0 among scatterers in a field")
-    if drag and times is None and not (field or bath_speed or heating):
-        refuse("times", times, "drag alone stops a tracer; give output times")
+    allowed = f"it must be a number from 0 to {STRONGEST:g}"
+    driven = {name: check_number(name, value, 0.0, STRONGEST, allowed) for name, value in drives}
+    kind, dilute = type(medium).__name__, isinstance(medium, BoltzmannGrad)
+    rough, moved, among = tangential != 1.0, mass_ratio < inf, field and not dilute
+    for name, value, forbidden, allowed in (
+        ("mass_ratio", mass_ratio, moved and not dilute, f"it must be inf for {kind}"),
+        ("mass_ratio", mass_ratio, moved and rough, f"it must be inf {UNLESS_SMOOTH}"),
+        ("bath_speed", bath_speed, bath_speed and not dilute, f"it must be 0 for {kind}"),
+        ("heating", heating, heating and not dilute, f"it must be 0 for {kind}"),
+        ("drag", drag, drag and not dilute, f"it must be 0 for {kind}"),
+        ("bath_speed", bath_speed, bath_speed and rough, f"it must be 0 {UNLESS_SMOOTH}"),
+        ("capture_speed", capture_speed, capture_speed and (bath_speed or moved),
+         "it must be 0 unless scatterers are fixed"),
+        ("capture_speed", capture_speed, capture_speed and among, f"it must be 0 {AMONG}"),
+        ("restitution", restitution, among and not isinstance(restitution, float),
+         f"it must be a number {AMONG}"),
+        ("times", times, drag and times is None and not (field or bath_speed or heating),
+         "drag alone stops a tracer; give output times"),
+    ):  # fmt: skip
+        if forbidden:
+            refuse(name, value, allowed)
     seed, most = check_whole("seed", whole["seed"], 0, 2**64 - 1), whole["max_collisions"]
     may_rest = max(abs(field), bath_speed, heating) > 0.0
     if most is None and times is None:
@@ -99,13 +110,12 @@ def _check_part(part: Any, media: int) -> tuple[int, int] | None:
     if part is None:
         return None
     allowed = f"it must be two whole numbers (k, n), the k-th of n parts, 1 <= k <= n <= {media}"
-    two = isinstance(part, (tuple, list)) and len(part) == 2
-    if not two or any(isinstance(x, bool) or not isinstance(x, (int, np.integer)) for x in part):
+    if not isinstance(part, (tuple, list)) or len(part) != 2:
         refuse("part", part, allowed)
-    k, n = map(int, part)
+    k, n = (x if is_whole(x) else 0 for x in part)
     if not 1 <= k <= n <= media:
         refuse("part", part, allowed)
-    return (k, n) if n > 1 else None
+    return (int(k), int(n)) if n > 1 else None
 
 
 def check_workers(workers: int | None) -> int:
@@ -143,25 +153,6 @@ def _check_field(field: Any, medium: Medium) -> float:
     if isinstance(medium, Random) and medium.dimension == 3:
         refuse("field", field, f"it must be 0 for {type(medium).__name__}; disks may be in a field")
     return value
-
-
-def _check_mass_ratio(mass_ratio: Any, medium: Medium, tangential: float) -> float:
-    allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
-    value = check_number("mass_ratio", mass_ratio, LEAST_MASS_RATIO, inf, allowed)
-    if value < inf and not isinstance(medium, BoltzmannGrad):
-        name = type(medium).__name__
-        refuse("mass_ratio", mass_ratio, f"it must be inf for {name}, which has fixed scatterers")
-    if value < inf and tangential != 1.0:
-        refuse("mass_ratio", mass_ratio, "it must be inf unless tangential_restitution is 1")
-    return value
-
-
-def _check_drive(name: str, value: Any, medium: Medium) -> float:
-    allowed = f"it must be a number from 0 to {STRONGEST:g}"
-    number = check_number(name, value, 0.0, STRONGEST, allowed)
-    if number and name != "capture_speed" and not isinstance(medium, BoltzmannGrad):
-        refuse(name, value, f"it must be 0 for {type(medium).__name__}; it needs BoltzmannGrad")
-    return number
 
 
 def _check_depth(depth: Any, field: float) -> float | None:

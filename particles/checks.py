@@ -41,10 +41,14 @@ def check_number(name: str, value: Any, low: float, high: float, allowed: str) -
     return number
 
 
+def is_whole(value: Any) -> bool:
+    """Tell whether this is a whole number, of Python or NumPy, and no boolean."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
 def check_whole(name: str, value: Any, low: int, high: int) -> int:
     """Return a whole number from low to high as an int."""
-    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not whole or not low <= value <= high:
+    if not is_whole(value) or not low <= value <= high:
         refuse(name, value, f"it must be a whole number from {low} to {high}")
     return int(value)
 

@@ -25,6 +25,7 @@ from particles.kernel.columns import (
     TRAPS,
 )
 from particles.media import BoltzmannGrad, Medium, Positions, dilute_mean_path
+from particles.outputs import DRIVES
 from particles.results import Value
 
 if TYPE_CHECKING:
@@ -46,13 +47,10 @@ Arrays = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Plan(Value):
-    """What is to be run, checked.
+    """What is to be run, the arguments of `simulate` checked, in U and the user's unit of length.
 
     velocities (media or none, tracers, dimension), or None to draw them. rest: all tracers begin at
-    rest. field: acceleration along x in U^2 over the user's unit of length. depth: x in that unit
-    whose first passage is recorded. mass_ratio: of a scatterer over a tracer. bath_speed, heating,
-    drag, capture_speed: those of `simulate`, in units of U and of the user's unit of length.
-    part: (k, n) for the k-th of n parts of the configurations, None for all.
+    rest. part: None for all configurations.
     """
 
     medium: Medium
@@ -99,11 +97,11 @@ class Plan(Value):
 
     @property
     def law(self) -> tuple[float, float]:
-        """By what a collision multiplies the two components of the tracer's velocity, (e, et).
+        """By what a collision multiplies the components of the tracer's velocity, (e, et).
 
-        The one across the normal by et. Along it the impulse turns the velocity relative to the
-        scatterer round, times the restitution; of the change M/(m + M) is the tracer's, so e may
-        be negative: the tracer then follows the scatterer. Where it varies, e of slow impacts.
+        Along the normal the impulse turns the velocity relative to the scatterer round, times the
+        restitution; of the change M/(m + M) is the tracer's, so e may be negative: the tracer then
+        follows the scatterer. Where it varies, e of slow impacts.
         """
         return float(self.table()[1][0]), self.tangential_restitution
 
@@ -113,6 +111,13 @@ class Plan(Value):
         if self.mass_ratio < inf:
             e = (1.0 + e) * (self.mass_ratio / (1.0 + self.mass_ratio)) - 1.0
         return lowest, e
+
+    def told(self) -> dict[str, Any]:
+        """Return the arguments of `simulate` that are of interest, without arrays."""
+        names = ["medium", "restitution", "tangential_restitution", "field", "media", "tracers"]
+        names += ["max_collisions", "seed", *(("mass_ratio",) if self.mass_ratio < inf else ())]
+        names += [name for name in (*DRIVES, "part") if getattr(self, name)]
+        return {name: getattr(self, name) for name in names}
 
     def unlike(self, other: "Plan") -> str:
         """Say in what another plan is another run's; empty if it is not."""
@@ -136,10 +141,9 @@ class Plan(Value):
     def grids(self) -> np.ndarray:
         """Return log2 of the first edge, bins per octave and bins of each histogram, (5, 3).
 
-        Speeds from 2**-20 of 1 / (last time) to 2**6 times the fastest start; distances and paths
-        from 2**-12 d up to what the fastest start can fly, 2**40 d at most; flight times from those
-        of the shortest path up to the last time, 2**60 d/U at most. The speeds that a
-        field, a bath and noise can give are added to that of the start, 2**40 U at most each.
+        Speeds from 2**-20 of 1 / (last time) to 4 times what start, field, bath and noise can give;
+        distances and paths from 2**-12 d up to what the fastest can fly; flight times from those of
+        the shortest path up to the last time.
         """
         fastest = 4.0
         if self.velocities is not None:
@@ -200,10 +204,9 @@ def nothing(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray]:
 
 
 class Totals:
-    """What configurations 0, 1, ... have left, joined in this order.
+    """What configurations 0, 1, ... have left, joined; arrays: of the first `done`, to go on from.
 
-    arrays: those of the first `done`, to go on from. A signal may interrupt `add` anywhere:
-    `_state` alone says what has been added.
+    A signal may interrupt `add` anywhere: `_state` alone says what has been added.
     """
 
     def __init__(self, plan: Plan, arrays: Arrays | None = None, done: int = 0) -> None:
@@ -269,10 +272,7 @@ def _with_squares(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 def _follow_block(
     plan: Plan, configuration: int, cells: "Cells | None", first: int, sums: Arrays
 ) -> Arrays:
-    """Follow at most BLOCK tracers from number `first` on, adding to the sums of `nothing`.
-
-    Return what is kept of each tracer: `traps` and raw data.
-    """
+    """Follow at most BLOCK tracers from number `first` on, adding to the sums; return the rest."""
     from particles.events import Varying
     from particles.kernel import driven, follow, lane, records
 
@@ -333,10 +333,10 @@ def _follow_block(
 def start_places(
     plan: Plan, configuration: int, cells: "Cells | None", first: int, n: int
 ) -> np.ndarray:
-    """Return the free places where n tracers from number `first` on start, (n, 4).
+    """Return where n tracers from number `first` on start, (n, 4), as `placement.free_places`.
 
-    (0, 4) where all tracers start at the centre: those that move, those without scatterers, and
-    those among `Positions` for which the user gave another start. Columns: placement.free_places.
+    (0, 4) where all start at the centre: those that move, those without scatterers, and those among
+    `Positions` for which the user gave another start.
     """
     from particles.kernel.lane import AT_THE_CENTRE
     from particles.placement import free_places

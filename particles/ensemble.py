@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf
 from operator import attrgetter
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,6 @@ from particles.configuration import PER_OCTAVE, Plan, Totals
 from particles.estimators import Estimate, Histogram, jackknife, share
 from particles.kernel.columns import ALL_COLLISIONS, CAUGHT, HISTOGRAMS, SAMPLES, TRAVELLED
 from particles.outputs import (
-    DRIVES,
     ESTIMATES,
     IN_FIELD,
     OF_A_DEPTH,
@@ -111,24 +109,9 @@ class Ensemble(Result):
         return len(self.plan.configurations)
 
     def __repr__(self) -> str:
-        e, times = self.restitution, "no output times"
-        law = f"restitution {e:g}" if isinstance(e, float) else f"restitution {e}"
-        if self.tangential_restitution != 1.0:
-            law += f", tangential restitution {self.tangential_restitution:g}"
-        if self.mass_ratio < inf:
-            law += f", mass ratio {self.mass_ratio:g}"
-        if self.field:
-            law += f", field {self.field:g} U^2/d"
-        for name in (n for n in DRIVES if getattr(self, n)):
-            law += f", {name.replace('_', ' ')} {getattr(self, name):g} {DRIVES[name]}"
-        if n := self.times.size:
-            times = f"{n} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
-        note = self.statuses.note
-        return (
-            f"Ensemble: {self.media} configurations of {self.medium!r}\n"
-            f"  {law}, {self.tracers} tracers in each configuration\n  {times}\n"
-            f"  {self.statuses!r}{': ' * bool(note)}{note}\n  outputs: {', '.join(self.outputs)}"
-        )
+        told = ", ".join(f"{name}={value!r}" for name, value in self.plan.told().items())
+        about = f"{self.statuses!r} {self.statuses.note}\n  outputs: {', '.join(self.outputs)}"
+        return f"Ensemble({told}, {self.times.size} times)\n  {about}"
 
     def __dir__(self) -> list[str]:
         absent = {*HISTOGRAMS, *RAW, *IN_FIELD, *OF_A_DEPTH, "passage_times"} - {*self.outputs}
@@ -151,9 +134,9 @@ class Ensemble(Result):
     def statuses(self) -> Statuses:
         """How the tracers ended."""
         traps, unit = self.arrays["traps"], self._unit
-        *others, captured = self.arrays["statuses"].tolist()
-        which = traps[:, :2].astype(np.int64)
-        return Statuses(*others, traps[:, 2] * unit, traps[:, 3:] * unit, which, captured)
+        finished, cap, trapped, escaped, captured = self.arrays["statuses"].tolist()
+        when, where, which = traps[:, 2] * unit, traps[:, 3:] * unit, traps[:, :2].astype(np.int64)
+        return Statuses(finished, cap, trapped, escaped, when, where, which, captured)
 
     @property
     def collision_total(self) -> int:

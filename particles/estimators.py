@@ -1,9 +1,8 @@
 """Estimates with standard errors, from sums kept per configuration.
 
-Tracers of one configuration share their scatterers and are not independent; configurations are.
-So every error is the spread over configurations: the delete-one jackknife for functions of sums,
-and the ratio estimator's variance for histograms (Cochran, Sampling Techniques, chapters 6 and 9).
-With one configuration the spread is unknown, so the error is infinite.
+Tracers of one configuration share their scatterers and are not independent; configurations are. So
+every error is the spread over configurations: the delete-one jackknife, and the ratio estimator's
+variance for histograms (Cochran, Sampling Techniques, chapters 6 and 9). It is infinite with one.
 """
 
 import math
@@ -79,8 +78,7 @@ def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) ->
         n = len(sums)
         if n < 2:
             return Estimate(value, np.full(value.shape, np.inf))
-        mean = np.zeros(value.shape)
-        square = np.zeros(value.shape)
+        mean, square = np.zeros((2, *value.shape))
         # Deviations from the value: no cancellation in the squares.
         for part in sums:
             deviation = np.asarray(function(total - part), dtype=float) - value
@@ -96,9 +94,8 @@ def share(
 ) -> Estimate:
     """Return counts / samples with its error over n configurations.
 
-    counts, squares, cross (n_times, n_bins): sums over configurations of the count c in a bin, of
-    c^2 and of c m, where m is the configuration's number of samples; samples (2, n_times): sums of
-    m and of m^2.
+    counts, squares, cross (n_times, n_bins): sums over them of the count c in a bin, of c^2 and of
+    c m, m the number of samples; samples (2, n_times): sums of m and of m^2.
     """
     with np.errstate(all="ignore"):
         total = samples[0][:, None]

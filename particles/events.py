@@ -63,8 +63,8 @@ def law_at(varying: Varying | None, law: tuple[float, float], speed: float) -> t
 def contact(dx: float, dy: float, ux: float, uy: float) -> tuple[float, float]:
     """Return (path to contact, impact parameter) with a scatterer at (dx, dy) from the tracer.
 
-    The path is NEVER where the unit direction (ux, uy) misses it. It may be negative by rounding
-    for a tracer that touches two scatterers at once. The impact parameter is signed, in d.
+    The path is NEVER where the unit direction (ux, uy) misses it, and may be negative by rounding
+    for a tracer that touches two scatterers. The impact parameter is signed.
     """
     along = dx * ux + dy * uy
     impact = dx * uy - dy * ux
@@ -76,11 +76,7 @@ def contact(dx: float, dy: float, ux: float, uy: float) -> tuple[float, float]:
 
 @njit(inline="always", error_model="numpy")
 def contact_in_space(dx: float, dy: float, dz: float, ux: float, uy: float, uz: float) -> float:
-    """Return the path to contact with a scatterer at (dx, dy, dz) from the tracer, in space.
-
-    NEVER where the unit direction (ux, uy, uz) misses it. The impact parameter is the size of what
-    is left of (dx, dy, dz) without its component along the direction.
-    """
+    """Return the path to contact with a scatterer at (dx, dy, dz) from the tracer, or NEVER."""
     along = dx * ux + dy * uy + dz * uz
     px, py, pz = dx - along * ux, dy - along * uy, dz - along * uz
     square = 1.0 - (px * px + py * py + pz * pz)
@@ -149,10 +145,8 @@ def bounce(
 ) -> tuple[float, float, float]:
     """Return (new velocity, its normal component) after a collision in the plane.
 
-    (nx, ny): the unit normal towards the tracer. law: restitution e and tangential restitution et.
-    The component along the normal is multiplied by -e and the one across it by et. In this form
-    normal components far smaller than the speed keep their digits. A component that is not towards
-    the scatterer, by rounding, is taken for 0.
+    (nx, ny): the unit normal towards the tracer. law: (e, et). In this form normal components far
+    smaller than the speed keep their digits. One that is not towards the scatterer counts as 0.
     """
     restitution, tangential = law
     approach = -min(vx * nx + vy * ny, 0.0)
@@ -251,14 +245,11 @@ def is_collapsing(
 ) -> bool:
     """Tell whether a tracer between two straight walls collides infinitely often from now on.
 
-    before and left: unit normals, towards the tracer, of the wall before and of the one that it
-    leaves with this unit direction. The walls enclose the angle theta; alpha is the angle of the
-    direction with the wall left, from the side of the corner. From one collision to the next,
-    tan(alpha') = r tan(alpha + theta) with r = e/et, and the distance from the corner is multiplied
-    by sin(alpha)/sin(alpha + theta). For r < 1 there are fixed points if
-    sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta) (1 + r)/(1 - r); below
-    the upper one, which repels, alpha goes to the lower one, and path and speed shrink
-    geometrically for ever. For r >= 1 the distance grows in the end.
+    before, left: unit normals of the wall before and of the one that it leaves with this unit
+    direction. The walls enclose the angle theta; alpha is that of the direction with the wall left.
+    From one collision to the next tan(alpha') = r tan(alpha + theta), r = e/et. For r < 1 there are
+    fixed points if sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta)
+    (1 + r)/(1 - r); below the upper one path and speed shrink geometrically for ever.
     """
     (ax, ay), (bx, by), (ux, uy) = before, left, direction
     if restitution >= tangential:

@@ -1,16 +1,14 @@
 """Runs in HDF5 files, while they go on and when they have ended; and as H5MD for other programs.
 
 Attributes of a file: `format`, and `done` (the first so many configurations are in it). Lengths are
-in the diameter d, times in d/U:
+in the diameter d, times in d/U; columns in `kernel.columns`:
 
     plan (n,)                       the arguments, JSON as bytes
-    moments (done, n_times, 8)      sums over tracers: 1, (s v)^2, (s v)^4, r^2, r^4, collisions,
-                                    s v(t).v(0), trapped; s = 2^round(log2(max(t, 1)))
+    moments (done, n_times, 8)      sums over tracers; velocities times s = 2^round(log2(max(t, 1)))
     path_sums (done, 2)             path and collisions
-    field_sums (done, n_times, 10)  in a field, whose s is 1, sums over tracers: v_x, v_y, v_x^2,
-                                    v_x v_y, v_y^2, and the same of the place; in space (.., 18)
+    field_sums (done, n_times, ..)  in a field, whose s is 1
     statuses (5,)                   finished, collision cap, trapped, escaped, captured
-    traps (n, 5)                    configuration, tracer, time, x, y (and z): trapped or captured
+    traps (n, ..)                   configuration, tracer, time, place: trapped or captured
     histograms/<name>/sums (3, n_times, bins + 2)   sums over configurations of the counts c,
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
@@ -61,26 +59,22 @@ def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
 
     Raises ValueError, one line, for a file that is missing, damaged, or not one of ours.
     """
-    name = check_path("path", path)
-    if not os.path.isfile(name):
-        raise ValueError(f"{name}: no such file")
-    arrays: dict[str, np.ndarray] = {}
-
-    def collect(key: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset):
-            arrays[key] = item[()]
-
+    path = check_path("path", path)
+    if not os.path.isfile(path):
+        raise ValueError(f"{path}: no such file")
+    names: list[str] = []
     try:
-        with h5py.File(name, "r") as file:
+        with h5py.File(path, "r") as file:
             found, done = file.attrs["format"].decode(), int(file.attrs["done"])
             if found == FORMAT:
-                file.visititems(collect)
+                file.visit(names.append)
+                arrays = {n: file[n][()] for n in names if isinstance(file[n], h5py.Dataset)}
                 plan = _understood(arrays.pop("plan").tobytes())
     except Exception as error:  # of nearly any class; h5py's own words are long
         what = "is damaged, or no saved simulation"
-        raise ValueError(f"{name}: {what} ({type(error).__name__})") from None
+        raise ValueError(f"{path}: {what} ({type(error).__name__})") from None
     if found != FORMAT:
-        raise ValueError(f"{name}: holds {short(found)}; this version reads {FORMAT!r}")
+        raise ValueError(f"{path}: holds {short(found)}; this version reads {FORMAT!r}")
     return plan, arrays, done
 
 
@@ -137,16 +131,12 @@ class Saver:
             raise ValueError(f"{where}; it holds {other}")
         return Totals(self.plan, arrays, done)
 
-    def write(self, totals: Totals) -> None:
-        """Save everything."""
-        began = time.monotonic()
-        write(self.path, self.plan, totals.arrays(), totals.configurations)
-        self._next = time.monotonic() + (time.monotonic() - began) / SHARE
-
-    def write_if_due(self, totals: Totals) -> None:
-        """Save everything, if the last time was long enough ago."""
-        if time.monotonic() >= self._next:
-            self.write(totals)
+    def write(self, totals: Totals, at_once: bool = True) -> None:
+        """Save everything, at once or if the last time was long enough ago."""
+        if at_once or time.monotonic() >= self._next:
+            began = time.monotonic()
+            write(self.path, self.plan, totals.arrays(), totals.configurations)
+            self._next = time.monotonic() + (time.monotonic() - began) / SHARE
 
 
 def write_whole(path: str, contents: bytes) -> None:

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass, field
 from math import cbrt, pi, sqrt
 from os import PathLike
-from typing import Any, ClassVar, Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -29,11 +29,6 @@ def _require_density(name: str, value: float, in_diameters: float, dimension: in
     if not in_diameters >= LEAST_DENSITY:
         least = f"{LEAST_DENSITY:g} per d^{dimension} or more; below use BoltzmannGrad, the limit"
         refuse(name, value, f"in units of d it is {in_diameters:.3g}, it must be {least}")
-
-
-def _fraction(of_one: float, words: str) -> Any:
-    """Return the property: their share of space. of_one: that of one scatterer in d^dimension."""
-    return property(lambda m: of_one * m.number_density * m.diameter**m.dimension, doc=words)
 
 
 class Random:
@@ -67,6 +62,12 @@ class Random:
         volume = self.count / self.number_density
         return sqrt(volume) if self.dimension == 2 else cbrt(volume)
 
+    @property
+    def share_of_space(self) -> float:
+        """Area, or volume, of the scatterers over that of space, overlaps counted twice."""
+        of_one = pi / 4 if self.dimension == 2 else pi / 6
+        return of_one * self.number_density * self.diameter**self.dimension
+
 
 @dataclass(frozen=True)
 class HardDisks(Random):
@@ -91,7 +92,7 @@ class HardDisks(Random):
     scatterers, dimension = "hard disks", 2
     overlapping = False
 
-    area_fraction = _fraction(pi / 4, "Area of the disks per unit area.")
+    area_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ class Poisson(Random):
     overlapping = True
     largest = float("inf")
 
-    area_fraction = _fraction(pi / 4, "Their area per unit area, overlaps counted twice.")
+    area_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ class HardSpheres(Random):
     scatterers, dimension = "hard spheres", 3
     overlapping = False
 
-    volume_fraction = _fraction(pi / 6, "Volume of the spheres per unit volume.")
+    volume_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,7 @@ class PoissonSpheres(Random):
     overlapping = True
     largest = LARGEST_POISSON_SPHERES
 
-    volume_fraction = _fraction(pi / 6, "Their volume per unit volume, overlaps counted twice.")
+    volume_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)

@@ -101,10 +101,8 @@ def _flights(
     place_of = [columns.FINAL_X, columns.FINAL_Y, columns.FINAL_Z][:dimension]
     start = replace(plan, times=np.zeros(1), observables=frozenset({"velocities"}))
     first = follow_tracers(start, configuration, cells)["raw/velocities"][0]
-    times = [[0.0] for _ in first]
-    places = [[np.zeros(dimension)] for _ in first]
-    speeds = [[float(np.linalg.norm(v))] for v in first]
-    ended = np.zeros(len(first), bool)
+    times, places = [[0.0] for _ in first], [[np.zeros(dimension)] for _ in first]
+    speeds, ended = [[float(np.linalg.norm(v))] for v in first], np.zeros(len(first), bool)
     last = np.empty(0) if until is None else np.array([until])
     asked = replace(plan, times=last, observables=frozenset({"finals"}))
     for n in range(1, collisions + 1):
@@ -126,10 +124,7 @@ def _flights(
 def disks_within(
     plan: Plan, configuration: int, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray | None:
-    """Return the disks of one configuration between two corners, (n, 2), in d from the start.
-
-    None where there are none to draw: in space, and more than a picture can show.
-    """
+    """Return the disks between two corners, (n, 2), in d from the start; None if there are many."""
     medium = plan.medium
     if medium.dimension != 2 or np.prod(high - low) * medium.number_density > MOST_SCATTERERS:
         return None
@@ -146,10 +141,7 @@ def disks_within(
 def plot_trajectories(
     plan: Plan, tracers: int = 8, ax: "Axes | None" = None, colour_bar: bool = True, **which: Any
 ) -> "Axes":
-    """Draw paths of the first tracers of a run on axes, which are returned, and disks beside them.
-
-    which: as of `trajectories`. In space the paths are projected on the plane of x and y.
-    """
+    """Draw `trajectories`, in space projected on x and y, and the disks beside them."""
     from matplotlib import colormaps
     from matplotlib.collections import EllipseCollection, LineCollection
     from matplotlib.colors import ListedColormap, LogNorm

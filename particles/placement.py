@@ -66,11 +66,11 @@ def _spot(u: float, cells: Cells, box: float) -> tuple[int, float, float]:
 def _place_at_random(
     cells: Cells, positions: np.ndarray, box: float, overlapping: bool, key: tuple[np.uint64, int]
 ) -> int:
-    """Fill an empty box at random; return how many scatterers were placed. key: of the stream.
+    """Fill an empty box at random; return how many scatterers were placed.
 
     Each is uniform in the box and rejected within 1 of the box's centre, where tracers start, and,
-    unless overlapping, of one placed before (random sequential addition). positions (count, 3):
-    receives their places from the middle.
+    unless overlapping, of one before. positions (count, 3): their places from there. key: of the
+    stream.
     """
     state, gamma = open_stream(key[0], PLACEMENT, key[1], 0)
     draws = 0
@@ -102,10 +102,9 @@ def free_places(
 ) -> np.ndarray:
     """Return where n tracers from number `first` on begin at rest: i, j, x, y of each, (n, 4).
 
-    Tracers that move all begin at one place, the centre: their velocities tell them apart. At rest
-    there, they would all have one path. i, j: the cell, from the middle one; x, y: the place from
-    its centre, in d. Tracer 0 begins at the centre of the middle cell, every other one at a random
-    place in the box that no disk covers; at the centre, too, where there is hardly any.
+    i, j: the cell, from the middle one; x, y: the place from its centre, in d. At one place they
+    would all have one path: tracer 0 begins at the centre, every other one at a random place in the
+    box that no disk covers, or at the centre where there is hardly any.
     """
     across, side = cells.shape[0], cells.side
     found = np.zeros((n, 4))

@@ -7,7 +7,6 @@ import json
 from collections.abc import Iterable
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
-from math import inf
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ import numpy as np
 
 from particles.checks import refuse
 from particles.kernel.columns import OF_FLIGHTS
-from particles.outputs import DRIVES, ESTIMATES, VARIABLES
+from particles.outputs import ESTIMATES, VARIABLES
 
 if TYPE_CHECKING:
     import pandas
@@ -23,10 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DECADES = 30.0  # last over first time from which on the axis is logarithmic
-# Arguments that a dataset names, always or where they do something.
-ALWAYS = ("restitution", "tangential_restitution", "field", "media", "tracers", "max_collisions",
-          "seed")  # fmt: skip
-ARGUMENTS = (*ALWAYS, "mass_ratio", *DRIVES, "part")
 
 
 def package_version() -> str:
@@ -123,24 +118,20 @@ class Result(Value):
         is drawn in one figure, and a list of axes is returned. ValueError for a name that is not
         there or is one number.
         """
-        if name is None and ax is not None:
-            raise ValueError("ax: axes without a name; name what to draw on them")
-        if ax is None:
-            from matplotlib import pyplot
-
+        if name is None:
+            if ax is not None:
+                raise ValueError("ax: axes without a name; name what to draw on them")
             names = [n for n in self._drawn if n in VARIABLES or getattr(self, n).value.ndim]
             names = names if self.plan.times.size else [n for n in names if n[:4] == "free"]
-            names = [name] if name is not None else names
-            rows, columns = -(-len(names) // 3), min(len(names), 3)
-            size = (4.2 * columns, 3.2 * rows)
-            figure = pyplot.figure(figsize=size if name is None else None, layout="constrained")
-            axes = [figure.add_subplot(rows, columns, k + 1) for k in range(len(names))]
+            axes = _new_axes(len(names))
             for each, place in zip(names, axes, strict=True):
                 self.plot(each, place)
-            return axes if name is None else axes[0]
+            return axes
         one, times = getattr(self, self._known(name)), self.plan.times
         if name in ESTIMATES and not one.value.ndim:
             refuse("name", name, "it is one number; plot draws what depends on the time")
+        if ax is None:
+            (ax,) = _new_axes(1)
         if name in VARIABLES:
             _, unit, words = VARIABLES[name]
             for k, line in enumerate(one.density.value):
@@ -193,18 +184,24 @@ class Result(Value):
             found[name] = dims, one.value, {"units": unit, "long_name": words}
             error = {"units": unit, "long_name": f"standard error of {name}"}
             found[f"{name}_error"] = dims, one.error, error
-        scene = {"medium": " ".join(repr(plan.medium).split())}
-        scene |= {n: getattr(plan, n) for n in ARGUMENTS if n in ALWAYS or getattr(plan, n)}
-        if plan.mass_ratio == inf:  # JSON has no infinity
-            del scene["mass_ratio"]
         ends = ["finished", "collision_cap", "trapped", "escaped"]
         ends += ["captured"] if plan.capture_speed else []
         about = {
             "status": ", ".join(f"{getattr(self.statuses, name)} {name}" for name in ends),
-            "scene": json.dumps(scene, default=repr),
+            "scene": json.dumps(plan.told(), default=repr),
             "version": package_version(),
         }
         return xarray.Dataset(found, axes, about).copy(deep=True)
+
+
+def _new_axes(n: int) -> list["Axes"]:
+    """Return so many axes in a new figure, three in a row."""
+    from matplotlib import pyplot
+
+    rows, columns = -(-n // 3), min(n, 3)
+    size = None if n == 1 else (4.2 * columns, 3.2 * rows)
+    figure = pyplot.figure(figsize=size, layout="constrained")
+    return [figure.add_subplot(rows, columns, k + 1) for k in range(n)]
 
 
 def _per(unit: str) -> str:

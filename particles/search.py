@@ -1,12 +1,10 @@
 """The eight slots of a cell, searched at once: what is struck first, and what is near.
 
-A loop over the slots holds a minimum and the place of it, which LLVM does not turn into vectors by
-itself. So both searches are written in LLVM's own instructions, on vectors of eight doubles. The
-arithmetic is that of `particles.events.contact`, line by line, nothing contracted or reordered, so
-every bit is that of the loop (tests/particles/test_search.py). With 40,000 hard disks at 0.04 d^-2
-that is worth a factor of two in collisions/s, in a field a factor of 1.4.
-
-Both functions run in compiled code only. This is the only file that needs llvmlite.
+LLVM makes no vectors of a loop that holds a minimum and the place of it. So both searches are
+written in LLVM's own instructions, on vectors of eight doubles. The arithmetic is that of
+`particles.events.contact`, line by line, so every bit is that of the loop. With 40,000 hard disks
+at 0.04 d^-2 that is worth a factor of two in collisions/s, in a field a factor of 1.4. Both run in
+compiled code only. This is the only file that needs llvmlite.
 """
 
 from typing import Any

@@ -130,7 +130,7 @@ def simulate(
         for arrays in found:
             totals.add(arrays)
             if saver is not None:
-                saver.write_if_due(totals)
+                saver.write(totals, at_once=False)
             if progress is not None:
                 progress(totals.configurations, count)
     finally:

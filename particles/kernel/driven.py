@@ -1,21 +1,20 @@
 """The event loop of tracers that something drives: a bath of moving scatterers, noise and drag.
 
-Without positions of scatterers, as the kinetic equation has it; also in a field along x, and there
-for a restitution of the impact speed and for sticking. Three things happen to the velocity v:
+Without positions of scatterers; also in a field along x, and there for a restitution of the impact
+speed and for sticking. Three things happen to the velocity v:
 
 - Collisions. The normal n is that of the approach, q = (v - V).n > 0, and V.n = -w s with s a
-  standard normal number. They come at the rate (1/2) dn q/l, in space (1/pi) dn q/l. Since
-  q <= max(v.n, 0) + w max(s, 0), they are some of two kinds of candidates: of rate v/l, with an
-  impact parameter at random as among fixed scatterers and s normal; and of rate w sqrt(pi/2)/l, in
-  space 2 w sqrt(2/pi)/l, with any normal and s > 0 of density s exp(-s^2/2). A candidate of either
-  kind is a collision with the probability q/(max(v.n, 0) + w max(s, 0)). This is exact, and at
-  least 67 % of the candidates are collisions.
+  standard normal number. They come at the rate (1/2) dn q/l, in space (1/pi) dn q/l, and are some
+  of two kinds of candidates: of rate v/l, with an impact parameter at random as among fixed
+  scatterers and s normal; and of rate w sqrt(pi/2)/l, in space 2 w sqrt(2/pi)/l, with any normal
+  and s > 0 of density s exp(-s^2/2). A candidate of either kind is a collision with the probability
+  q/(max(v.n, 0) + w max(s, 0)), 67 % or more in the mean. This is exact.
 - The field. Until v can have grown by the field times a short time, the candidates of a bound of
   the rate are drawn, and kept with the probability (rate at that time)/bound: exact too.
 - Noise and drag: the exact Ornstein-Uhlenbeck process over half a step, flight and collisions over
-  a step, the process over half a step. With the kicks K1 and K2 of the halves the place at the end
-  has h K1 of K1; (h/2)(K1 + K2) + (h/sqrt(12))(K1 - K2) instead, to first order in gamma h, gives
-  it the moments that it has without a collision. A step ends at every output.
+  a step, the process over half a step. Of the kicks K1 and K2 of the halves the place at the end
+  receives (h/2)(K1 + K2) + (h/sqrt(12))(K1 - K2), not h K1, to first order in gamma h: the moments
+  that it has without a collision. A step ends at every output.
 """
 
 from math import exp, expm1, log, pi, sqrt

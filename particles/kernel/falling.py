@@ -3,17 +3,16 @@
 A lane holds the place in its cell and the velocity at its last node: a contact, a cell wall, or the
 end of a slide. From there the parabola is followed to the next node.
 
-When it first touches a disk is the first root of a quartic. In a uniform field g along x, and from
-the centre of the disk, the tracer is at (x + vx t + g t^2/2, y + vy t), and touches the disk where
+When it first touches a disk is the first root of a quartic. In a field g along x, and from the
+centre of the disk, the tracer is at (x + vx t + g t^2/2, y + vy t), and touches the disk where
 P = |r|^2 - 1 falls through 0. Half the second derivative of P is
 
     q(t) = 3/2 (vx + g t)^2 + v^2 + g x - 3/2 vx^2,
 
 whose least value m over the time that is left is known at once. So P is nowhere below the parabola
-P_k + 2 h_k s + m s^2 that touches it at the present time t_k, and the first root of P is not before
-the first root of that parabola. Going from one such root to the next, the tracer comes near the
-first contact from before, quadratically, and cannot pass it; where the parabola has no root, there
-is no contact.
+P_k + 2 h_k s + m s^2 that touches it at the present time t_k, nor its first root before that of the
+parabola. Going from one such root to the next, the tracer comes near the first contact from before,
+quadratically, and cannot pass it; where the parabola has no root, there is no contact.
 """
 
 from math import copysign, sqrt

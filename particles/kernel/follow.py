@@ -2,8 +2,7 @@
 
 Several tracers, one in each lane, advance in turns. Among scatterers first the next contact of
 every lane in its cell is found; then every lane either collides or goes on to the next cell. So the
-processor can compute the square roots and divisions of several tracers at the same time. Without
-scatterers the flights are random: the particle method of the kinetic equation itself.
+processor can compute the square roots and divisions of several tracers at the same time.
 """
 
 from math import copysign, log
@@ -22,7 +21,6 @@ from particles.kernel.lane import (
     advance,
     collide_at_random,
     fly,
-    is_due,
     launch,
     open_flights,
     shift_clock,
@@ -107,7 +105,9 @@ def follow(
             if field is None:
                 path, escaped = lane.contact, False
                 if cells is not None:
-                    wall = steps.next_wall(lane, shape)
+                    wall = min(lane.wall_x, lane.wall_y)
+                    if len(shape) == 3:
+                        wall = min(wall, lane.wall_z)
                     escaped = path > wall
                     if escaped and wall <= limit:
                         steps.cross_cell(lane, shape)
@@ -115,7 +115,8 @@ def follow(
                         continue
                     # By rounding, a tracer in a corner may touch the next scatterer already.
                     path = limit if escaped else max(path, 0.0)
-                while is_due(lane, path, times.size):
+                reached = lane.time + path * lane.slowness
+                while reached >= lane.next_output and lane.output < times.size:
                     queue_output(lane, records)
                 path, finished = fly(lane, path, times.size, last_time)
                 if finished or escaped:

@@ -179,12 +179,6 @@ def advance(lane: Any, path: float) -> None:
 
 
 @inlined
-def is_due(lane: Any, path: float, n_times: int) -> bool:
-    """Tell whether an output time comes within the next flight, of this length."""
-    return lane.time + path * lane.slowness >= lane.next_output and lane.output < n_times
-
-
-@inlined
 def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, bool]:
     """Advance the time of a lane by a flight, to the last output at most, but not its place.
 

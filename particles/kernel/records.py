@@ -28,13 +28,11 @@ class Records(NamedTuple):
     """Arrays that a kernel adds to; those not asked for are empty. Columns: kernel.columns.
 
     times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
-    by in the sums there. moments (n_times, MOMENTS), totals (TOTALS,), statuses (STATUSES,).
-    field_sums (n_times, FIELD_SUMS[dimension]), in a field. grids (5, 2): log2 of the lowest edge
-    and bins per octave of each histogram. counts: of the five histograms, (n_times or 1, bins + 2),
-    the first and the last of what lies outside. positions, velocities (n_times, n, dimension) and
-    finals (n, FINALS[dimension]): raw, in d and U. passages (n,), inf, receives the times at which
-    x first has the value depth, in d. traps (n, TRAPS[dimension]): the trapped and captured
-    tracers. queue (QUEUE,) of OUTPUT: states that wait. filled (2,): how many wait, and how many
+    by in the sums there. grids (5, 2): log2 of the lowest edge and bins per octave of each
+    histogram. counts: of each, (n_times or 1, bins + 2), the first and the last of what lies
+    outside. positions, velocities (n_times, n, dimension) and finals: raw, in d and U. passages
+    (n,), inf, receives the times at which x first has the value depth, in d. traps: the trapped and
+    captured tracers. queue (QUEUE,): states that wait. filled (2,): how many wait, and how many
     rows of traps are filled.
     """
 
@@ -82,10 +80,7 @@ def count_flight(
     paths: np.ndarray, durations: np.ndarray, grids: np.ndarray, path: float, lasts: float,
     shifts: int,
 ) -> None:  # fmt: skip
-    """Enter a completed flight in the histograms; lasts: its time, times 2**-64 shifts.
-
-    Without `Records`: numba would count references to all that it holds, at each collision.
-    """
+    """Enter a completed flight; without `Records`, references to which would be counted."""
     if paths.size:
         _count(paths, 0, _log2(path), grids[columns.PATH])
     if durations.size:
@@ -205,10 +200,7 @@ def _add_products(sums: np.ndarray, first: int, vector: tuple[float, float, floa
 
 @inlined
 def finish(lane: Any, status: int, first: int, records: Records) -> None:
-    """Enter the end of a tracer, at the place where its flight began. first: number of the first.
-
-    A trapped or captured one rests there at all later outputs.
-    """
+    """Enter the end of a tracer where its flight began; a trapped or captured one rests there."""
     if status in (columns.TRAPPED, columns.CAPTURED):
         _note_trap(lane, first, records)
     records.totals[columns.TRAVELLED] += lane.travelled

@@ -1,19 +1,18 @@
 """What follows infinitely many bounces in a field: sliding along a disk, leaving it, rest.
 
 A tracer that a field presses on a disk with the acceleration a_n, and that leaves it with the
-normal velocity v_n, comes back after 2 v_n/a_n; for e < 1 infinitely many such bounces end after
-2 v_n/(a_n (1 - e)). What is declared:
+normal velocity v_n, comes back after 2 v_n/a_n; for e < 1 infinitely many such bounces end.
 
-Sliding. Where v_n^2/(2 a_n) < SMALL d, v_n becomes 0 and the tracer slides. For et = 1 it slides
-without friction: with phi the angle of the normal from the direction of x, phi'' = -g sin(phi), and
-it leaves where a_n = -g cos(phi) - phi'^2 is no longer positive, that is with theta from the top of
+Sliding. Where v_n^2/(2 a_n) < SMALL d, v_n becomes 0. For et = 1 the tracer slides without
+friction: with phi the angle of the normal from the direction of x, phi'' = -g sin(phi), and it
+leaves where a_n = -g cos(phi) - phi'^2 is no longer positive, that is with theta from the top of
 the disk where cos(theta) = 2k/3, k = cos(theta_0) + v_0^2/(2 g d). For et < 1 the bounces take the
 tangential velocity too: the tracer is trapped where it is.
 
 Corners of two disks that overlap. The bounces between the two are followed one by one; they take no
-time. Where the velocity falls to SMALL of what it was, which is where infinitely many bounces would
-follow, the tracer comes to rest. If -g is between the two normals, it is trapped as soon as
-v^2/2 < SMALL |g| d; else it slides along the disk that the field lets it slide along, or falls.
+time. Where the velocity falls to SMALL of what it was the tracer comes to rest. If -g is between
+the two normals, it is trapped as soon as v^2/2 < SMALL |g| d; else it slides along the disk that
+the field lets it slide along, or falls.
 """
 
 from math import acos, asin, atan2, copysign, cos, pi, sin, sqrt

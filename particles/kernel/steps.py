@@ -58,13 +58,6 @@ def aim(lane: Any, side: float, shape: tuple[int, ...]) -> None:
 
 
 @inlined
-def next_wall(lane: Any, shape: tuple[int, ...]) -> float:
-    """Return the path to the wall of its cell that a lane reaches first."""
-    wall = min(lane.wall_x, lane.wall_y)
-    return min(wall, lane.wall_z) if len(shape) == 3 else wall
-
-
-@inlined
 def next_contact(
     lane: Any, slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
     shape: tuple[int, ...],
