@@ -277,20 +277,6 @@ def test_a_run_is_saved_as_it_is(law: Any, drive: Any, tmp_path: Path) -> None:
     assert all(np.isfinite(path.places).all() for path in run.trajectories(3, until=2.0))
 
 
-def test_a_file_of_the_format_before_is_read(tmp_path: Path) -> None:
-    run = simulate(HardDisks(0.1, count=400), 0.5, times=[3.0], media=2, tracers=5)
-    run.save(tmp_path / "a.h5")
-    with h5py.File(tmp_path / "a.h5", "r+") as file:
-        file.attrs["format"] = np.bytes_("inelastic-lorentz particles 6")
-        plan = json.loads(file["plan"][()].tobytes())
-        for name in ("bath_speed", "heating", "drag", "capture_speed"):
-            del plan[name]
-        old = file["statuses"][:4]
-        del file["statuses"], file["plan"]
-        file["statuses"], file["plan"] = old, np.frombuffer(json.dumps(plan).encode(), np.uint8)
-    assert particles.load(tmp_path / "a.h5") == run
-
-
 def test_viscoelastic_is_what_it_says() -> None:
     assert Viscoelastic(0.45)(1.0) == pytest.approx(0.79912, abs=1e-5)
     a = 1.15345 * 0.45**2

@@ -78,7 +78,6 @@ MEDIA: list[tuple[str, Any]] = [
     ("count", lambda: HardDisks(0.04, LONG)),
     ("count", lambda: HardSpheres(0.1, count=None)),
     ("count", lambda: PoissonSpheres(0.1, count=5)),  # the box would be 3.68 d wide
-    ("equilibrate", lambda: HardDisks(0.1, 99, equilibrate=-1)),
     ("diameter", lambda: PoissonSpheres(0.1, 0.0)),
     ("diameter", lambda: BoltzmannGrad(0.1, diameter=NAN)),
     ("dimension", lambda: BoltzmannGrad(0.1, dimension=4)),
