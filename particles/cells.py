@@ -186,7 +186,7 @@ def next_listed(
 ) -> tuple[float, float, float, int, int]:  # fmt: skip
     """Return (centre of the next scatterer of a cell, next slot, next node).
 
-    Begin with slot 0 and node `cells.head[cell]`; all are done at slot SLOTS and a negative node.
+    From slot 0 and node `cells.head[cell]` on until slot SLOTS and a negative node.
     """
     z = 0.0
     if slot < SLOTS:

@@ -342,8 +342,7 @@ def start_places(
     from particles.placement import free_places
 
     medium = plan.medium
-    if isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2:
-        return AT_THE_CENTRE
-    if cells is None or not plan.rest:
+    given = isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2
+    if cells is None or given or not plan.rest:
         return AT_THE_CENTRE
     return np.asarray(free_places(cells, np.uint64(plan.seed), configuration, first, n))

@@ -55,18 +55,6 @@ class Statuses(Value):
     trap_tracers: np.ndarray = field(repr=False)
     captured: int = 0
 
-    @property
-    def note(self) -> str:
-        """What to change, if tracers are missing from the late estimates; else an empty string."""
-        notes = []
-        if self.collision_cap and self.finished:
-            n = self.collision_cap
-            notes.append(f"{n} tracers made max_collisions collisions before the last time")
-        if self.escaped:
-            n = self.escaped
-            notes.append(f"{n} tracers met nothing in 1e6 mean free paths, in straight corridors")
-        return "; ".join(notes)
-
 
 def _of_plan(name: str, words: str) -> Any:
     return property(lambda ensemble: attrgetter(name)(ensemble.plan), doc=words)
@@ -90,9 +78,7 @@ class Ensemble(Result):
 
     medium = _of_plan("medium", "The medium asked for.")
     restitution = _of_plan("restitution", "The coefficient of restitution, or its law.")
-    tangential_restitution = _of_plan(
-        "tangential_restitution", "What a collision leaves of the tangential velocity, a fraction."
-    )
+    tangential_restitution = _of_plan("tangential_restitution", "The factor of what is across.")
     mass_ratio = _of_plan("mass_ratio", "Mass of a scatterer over that of the tracer; often inf.")
     bath_speed = _of_plan("bath_speed", "Of a component of a scatterer's velocity, in U.")
     heating = _of_plan("heating", "D of the noise <dv_i dv_j> = 2 D delta_ij dt, in U^3/d.")
@@ -110,12 +96,8 @@ class Ensemble(Result):
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value!r}" for name, value in self.plan.told().items())
-        about = f"{self.statuses!r} {self.statuses.note}\n  outputs: {', '.join(self.outputs)}"
+        about = f"{self.statuses!r}\n  outputs: {', '.join(self.outputs)}"
         return f"Ensemble({told}, {self.times.size} times)\n  {about}"
-
-    def __dir__(self) -> list[str]:
-        absent = {*HISTOGRAMS, *RAW, *IN_FIELD, *OF_A_DEPTH, "passage_times"} - {*self.outputs}
-        return sorted(set(super().__dir__()) - absent)
 
     @property
     def outputs(self) -> tuple[str, ...]:  # type: ignore[override]

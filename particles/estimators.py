@@ -63,8 +63,7 @@ class Histogram(Value):
     @property
     def density(self) -> Estimate:
         """Probability per unit of the variable, (n_times, n_bins)."""
-        width = np.diff(self.edges)
-        return self.probability.divided(width)
+        return self.probability.divided(np.diff(self.edges))
 
 
 def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) -> Estimate:
@@ -73,19 +72,13 @@ def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) ->
     sums (n_configurations, ...); function maps a sum over configurations to an array.
     """
     with np.errstate(all="ignore"):
-        total = sums.sum(axis=0)
+        total, n = sums.sum(axis=0), len(sums)
         value = np.asarray(function(total), dtype=float)
-        n = len(sums)
         if n < 2:
             return Estimate(value, np.full(value.shape, np.inf))
-        mean, square = np.zeros((2, *value.shape))
         # Deviations from the value: no cancellation in the squares.
-        for part in sums:
-            deviation = np.asarray(function(total - part), dtype=float) - value
-            mean += deviation
-            square += deviation * deviation
-        variance = (n - 1) / n * np.maximum(square - mean * mean / n, 0.0)
-        error = np.sqrt(variance)
+        deviations = np.array([function(total - part) for part in sums]) - value
+        error = np.sqrt((n - 1) * deviations.var(axis=0))
     return Estimate(value, np.where(np.isnan(error), np.inf, error))
 
 

@@ -1,9 +1,8 @@
 """One event of a tracer: where it strikes next, how it moves there, how it leaves.
 
-Lengths are in d, so the centre of the tracer meets a scatterer on a circle of radius 1.
-The path of a tracer among fixed scatterers does not depend on its speed; so a tracer is a place,
-a unit direction and, apart from them, an inverse speed. This is the rescaling of the paper's
-section 2 with the speed kept.
+Lengths are in d, so the centre of the tracer meets a scatterer on a circle of radius 1. The path
+among fixed scatterers does not depend on the speed; so a tracer is a place, a unit direction and,
+apart from them, an inverse speed: the rescaling of the paper's section 2 with the speed kept.
 """
 
 from math import asin, atan2, copysign, frexp, pi, sqrt

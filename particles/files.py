@@ -55,10 +55,7 @@ def write(path: Any, plan: Plan, arrays: Arrays, done: int) -> None:
 
 
 def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
-    """Return (plan, arrays, configurations done) from a file, which is only read.
-
-    Raises ValueError, one line, for a file that is missing, damaged, or not one of ours.
-    """
+    """Return (plan, arrays, configurations done) from a file; ValueError if it cannot be used."""
     path = check_path("path", path)
     if not os.path.isfile(path):
         raise ValueError(f"{path}: no such file")

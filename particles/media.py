@@ -45,7 +45,8 @@ class Random:
     def __post_init__(self) -> None:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        check_whole("count", self.count, 1, LARGEST_COUNT)
+        count = check_whole("count", self.count, 1, LARGEST_COUNT)
+        vars(self).update(number_density=density, diameter=d, count=count)
         in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
         if in_diameters > self.largest:
@@ -164,11 +165,12 @@ class BoltzmannGrad:
     scatterers: ClassVar[str] = "dilute"
 
     def __post_init__(self) -> None:
-        if type(self.dimension) is not int or self.dimension not in (2, 3):
-            refuse("dimension", self.dimension, "it must be 2 or 3")
+        dimension = check_whole("dimension", self.dimension, 2, 3)
+        density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        in_diameters = check_positive("number_density", self.number_density) * d * d
-        if self.dimension == 3:
+        vars(self).update(number_density=density, diameter=d, dimension=dimension)
+        in_diameters = density * d * d
+        if dimension == 3:
             in_diameters *= d
         if not 0.0 < in_diameters < float("inf") or 0.5 / in_diameters == float("inf"):
             allowed = f"in units of d it is {in_diameters:.3g}, it must be above 0 and finite"
@@ -226,9 +228,9 @@ class Positions(Value):
                 refuse(f"positions[{bad[0][-1]}]", array[tuple(bad[0])].tolist(), allowed)
         density = array.shape[-2] / (box * box)
         _require_density("box_side", self.box_side, density * d * d)
-        object.__setattr__(self, "positions", array)
-        object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
-        object.__setattr__(self, "number_density", density)
+        start = tuple(origin.tolist())
+        vars(self).update(positions=array, box_side=box, diameter=d, start=start)
+        vars(self).update(number_density=density)
         super().__post_init__()
 
     def __repr__(self) -> str:

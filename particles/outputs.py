@@ -66,10 +66,9 @@ def _across(s: Sums) -> np.ndarray:
 
 
 class Average(NamedTuple):
-    """An estimate: unit, words, and its value as a function of the sums.
+    """An estimate: unit, words, and its value as a function of the sums, None of other sums.
 
-    of: None where it is made of other sums than these. scaled: the value is still times the power
-    of 2 that velocities are multiplied by in sums.
+    scaled: it is still times the power of 2 that velocities are multiplied by in sums.
     """
 
     unit: str

@@ -36,8 +36,7 @@ class Trajectory(Value):
     """The path of one tracer: straight from each place to the next, or nearly so in a field.
 
     times (n,) in d/U: of the start, of each collision and of the end. places (n, dimension) in d,
-    from the start, or, of tracers that begin at rest among disks, from the start of the first one.
-    speeds (n - 1,) in U: between two places.
+    from the start of the first tracer. speeds (n - 1,) in U: between two places.
     """
 
     times: np.ndarray

@@ -43,7 +43,7 @@ def frozen(value: Any) -> Any:
 
 
 def _content(value: Any) -> Any:
-    if isinstance(value, (np.ndarray, np.generic)):
+    if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, MappingProxyType):
         return tuple((name, _content(value[name])) for name in sorted(value))

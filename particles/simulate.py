@@ -59,9 +59,8 @@ def simulate(
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
         U; the dimension is that of the medium. In a field, a bath or heated also "rest": among
-        disks the first tracer of a configuration then starts at the centre, where all tracers that
-        move do, and every other one at a random free place of the box. If `Positions` give another
-        start than the centre, all start there, and from rest they have one path: take tracers=1.
+        disks the first tracer of a configuration then starts at the centre, where all that move do,
+        and every other one at a random free place of the box (but see `Positions`).
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.
@@ -70,13 +69,12 @@ def simulate(
         instead: a process pool, a Dask client's get_executor()).
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
-    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad and for HardDisks, Poisson and
-        Positions. U is any unit of speed where tracers start at rest. BoltzmannGrad: a free path is
-        an exponential length along the parabola. Among disks, where the field holds tracers on a
-        disk in ever smaller bounces they slide along it without friction until it curves away, or
-        until the next disk, and they may come to rest in a corner of two disks: they are then
-        trapped. With a tangential restitution below 1 they are trapped where they would begin to
-        slide. Statuses says which.
+    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad and among disks. U is any unit
+        of speed where tracers start at rest. BoltzmannGrad: a free path is an exponential length
+        along the parabola. Among disks, where the field holds tracers on a disk in ever smaller
+        bounces they slide along it without friction until it curves away, or until the next disk,
+        and they may come to rest in a corner of two disks: they are then trapped. With a tangential
+        restitution below 1 they are trapped where they would begin to slide.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
     mass_ratio: mass of a scatterer over that of the tracer, 1e-6 or more; inf: they are fixed. A
         finite one, for BoltzmannGrad and tangential_restitution 1, is of scatterers at rest that
@@ -148,7 +146,7 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
     leave it locked for ever.
     """
     asked: SimpleQueue[int | None] = SimpleQueue()
-    done: SimpleQueue[tuple[int, Arrays | BaseException | None]] = SimpleQueue()
+    done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
     ended: list[bool] = []
 
     def work() -> None:
@@ -159,7 +157,7 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
                 done.put((c, error))
         done.put((-1, None))
 
-    results: dict[int, Arrays | BaseException | None] = {}
+    results: dict[int, Any] = {}
     coming = iter(which)
     try:
         for _ in range(workers):
@@ -174,7 +172,6 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
                 raise result
             for following in islice(coming, 1):
                 asked.put(following)
-            assert result is not None
             yield result
     except BaseException:
         ended.append(True)

@@ -42,10 +42,7 @@ _LATE = 0.5 - 1.0 / sqrt(12.0)
 
 
 class Drive(NamedTuple):
-    """What drives the tracers; lengths in d, times in d/U.
-
-    bath: w. heating, drag: D, gamma. step: of the noise and drag; inf without them.
-    """
+    """What drives the tracers, in d and U: w, D, gamma; step: of noise and drag, or inf."""
 
     mean_path: float
     field: float
@@ -134,10 +131,7 @@ def _draw_any_normal(lane: Any, solid: bool) -> float:
 
 @inlined
 def _impact_speed(lane: Any, speed: float, kind: float, drive: Drive, solid: bool) -> float:
-    """Draw a candidate; return its impact speed, negative where it is no collision.
-
-    kind: uniform from 0 to l times the bound of the rate.
-    """
+    """Draw a candidate; return its impact speed, negative if none. kind: l times a rate."""
     if kind < speed:
         towards = _draw_normal(lane, speed, solid)
         if drive.bath == 0.0:
@@ -168,11 +162,9 @@ def _start(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
 def follow_driven(
     start: Start, drive: Drive, varying: Varying, lanes: np.ndarray, records: Records
 ) -> None:
-    """Follow tracers that are driven, adding to the records.
+    """Follow tracers that are driven, adding to the records; arguments as of `follow`.
 
-    varying: the restitution, and what sticks; with scatterers of finite mass that of the tracer's
-    own change of velocity (Plan.law). lanes: of LANE, as many as shall be under way at the same
-    time.
+    varying: with scatterers of finite mass of the tracer's own change of velocity (Plan.law).
     """
     # Taken out of their tuples once, as in `follow`.
     times, passages, grids = records.times, records.passages, records.grids

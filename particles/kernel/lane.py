@@ -4,8 +4,7 @@ The path of a tracer without a field does not depend on its speed (`particles.ev
 holds a place, a unit direction and, apart from them, the slowness 1/speed. Lengths are in d, times
 in d/U. In the plane the third coordinates are 0.
 
-A tracer slows down without end. So that neither slowness nor time overflows, both are kept times
-2**-64k; `shifts` is k and `unit` is 2**-64k.
+A tracer slows down without end: slowness and time are kept times `unit` = 2**-64k, `shifts` is k.
 """
 
 from collections.abc import Mapping
