@@ -1,7 +1,6 @@
 """The steps of a tracer on parabolas among disks, which `particles.kernel.follow` joins.
 
-A lane holds the place in its cell and the velocity at its last node: a contact, a cell wall, or the
-end of a slide. From there the parabola is followed to the next node.
+A lane holds place and velocity at its last node: a contact, a cell wall, or the end of a slide.
 
 When it first touches a disk is the first root of a quartic. In a field g along x, and from the
 centre of the disk, the tracer is at (x + vx t + g t^2/2, y + vy t), and touches the disk where

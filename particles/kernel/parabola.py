@@ -137,10 +137,9 @@ def _halved(y: float) -> float:  # tanh of half the argument of which y is the t
 
 @njit(error_model="numpy")
 def times_of(work: np.ndarray, n: int, field: float) -> None:
-    """Find the times that n lengths take; the loops have no branches, so they become vectors.
+    """Find the times that n lengths take, in vectors: loops without branches.
 
-    work (ROWS, at least n): LASTS receives the times where GOOD becomes 0 or more. Elsewhere, also
-    where it is NaN, `time_of` is to be asked.
+    LASTS receives them where GOOD becomes 0 or more; elsewhere `time_of` is to be asked.
     """
     path, speed2, along, across2 = work[PATH], work[SPEED2], work[ALONG], work[ACROSS2]
     times, good, low, high = work[LASTS], work[GOOD], work[_LOW], work[_HIGH]

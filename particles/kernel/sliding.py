@@ -136,10 +136,7 @@ def _settle(lane: Any, cx: float, cy: float, law: tuple[float, float], field: fl
 def after_short_flight(
     lane: Any, before: tuple[float, float], cells: Cells, law: tuple[float, float], field: float
 ) -> int:
-    """Bring a lane to rest in a corner from which, without the field, it would never come out.
-
-    before: normal of the disk struck before. Return FALLS, SLIDES or RESTS.
-    """
+    """End bounces in a corner that without the field would never end: FALLS, SLIDES or RESTS."""
     square = lane.vx * lane.vx + lane.vy * lane.vy
     if square <= abs(field) * 1e3 * SHORT:
         return FALLS  # where the field bends flights that are so short, they are followed
@@ -220,10 +217,7 @@ def _leaving_ahead(now: float, along: float, way: float, field: float) -> float:
 
 @called
 def _expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
-    """Expand the angle in powers of the time. work (3, ORDER + 1): row 0 receives the terms.
-
-    field: 1 or -1. Times are in sqrt(d/g), in which no power of a strong field overflows.
-    """
+    """Expand the angle in powers of the time in sqrt(d/g): row 0 of work; field: 1 or -1."""
     phi, sine, cosine = work[0], work[1], work[2]
     phi[0], phi[1] = angle, along
     sine[0], cosine[0] = sin(angle), cos(angle)
