@@ -55,8 +55,6 @@ def parts(*pairs: tuple[float, Observable], start: int | None = None) -> tuple[P
 class Output(NamedTuple):
     """One row of the table.
 
-    Attributes
-    ----------
     name : in ``Scene.outputs``, and of the attribute or method of the Solution
     step : the step of the plan that makes it
     symbol, unit : for heads of columns; the unit is "1" for dimensionless quantities
@@ -87,7 +85,7 @@ class Output(NamedTuple):
     @property
     def is_number(self) -> bool:
         """Whether it is one number for each time."""
-        return self.values is not None and self.shape == ("n_times",)
+        return self.values is not None and self.shape == _PER_TIME
 
     @property
     def head(self) -> str:
@@ -192,23 +190,20 @@ _ROWS = (
     ),
 )  # fmt: skip
 
-_NOT_IN_FIELD = {
-    "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
-    "intermediate_scattering",
-}  # fmt: skip
-_NOT_DRIVEN = _NOT_IN_FIELD - {"diffusion_coefficient"}
-_IN_FIELD_ONLY = {"displacement_tensor"}
-
 # what a row is made of is the same tuple each time
 _CACHED = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
-FIELD_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_IN_FIELD}
-"""Name -> row for scenes with a field, which `kinetics.field` solves."""
+_FREE_ONLY = {
+    "kurtosis", "velocity_autocorrelation", "position_density", "intermediate_scattering"
+}  # fmt: skip
 
-DRIVEN_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_DRIVEN}
+OUTPUTS = {name: row for name, row in _CACHED.items() if name != "displacement_tensor"}
+"""Name -> row, in the order in which outputs are listed."""
+
+DRIVEN_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _FREE_ONLY}
 """Name -> row for scenes with driven tracers, which `kinetics.driven` solves."""
 
-OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _IN_FIELD_ONLY}
-"""Name -> row, in the order in which outputs are listed."""
+FIELD_OUTPUTS = {n: row for n, row in DRIVEN_OUTPUTS.items() if n != "diffusion_coefficient"}
+"""Name -> row for scenes with a field, which `kinetics.field` solves."""
 
 
 class Axis(NamedTuple):

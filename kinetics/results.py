@@ -1,8 +1,7 @@
 """What results are: values with read-only arrays, of which datasets, plots and files are made.
 
-A file is netCDF-4: the averages, for any program, and the variable `record`, from which
-:func:`load` builds the value again: JSON of its arguments and figures, where ``{"variable": name}``
-stands for a variable. What `load` reads is checksummed by HDF5, nothing is executed, and only
+A file is netCDF-4: the averages, for any program, and the variable `record`, the JSON from which
+:func:`load` builds the value again. It is checksummed by HDF5, nothing in it is executed, and only
 classes that `kinetics` names are built; what was solved on demand is solved again. xarray, pandas,
 h5py and matplotlib are imported at first use.
 """
@@ -21,7 +20,6 @@ import sys
 from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cached_property
-from html import escape
 from itertools import product
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
@@ -38,7 +36,7 @@ if TYPE_CHECKING:
 
 COMPONENTS = ("component", "component2")
 """Dimensions of vectors and tensors, which come last; their coordinates are x, y and z."""
-_FORMAT, _RECORD = "inelastic-lorentz kinetics 2", "record"
+_FORMAT, _RECORD = "inelastic-lorentz kinetics 3", "record"
 
 
 def frozen(value: Any) -> Any:
@@ -125,9 +123,8 @@ class Value:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write this to a netCDF-4 file, whole or not at all; :func:`kinetics.load` reads it back.
 
-        Where the path is a symbolic link, the file that it points to is replaced. Raises InputError
-        where the file cannot be written, and for what a file cannot hold: an initial state that is
-        a Python function, or a class that is not of this package.
+        Raises InputError where the file cannot be written, and for what a file cannot hold: an
+        initial state that is a Python function, or a class that is not of this package.
         """
         record = json.dumps({"format": _FORMAT, "value": _plain(self, True)})
         made = self._dataset(only=())
@@ -136,14 +133,6 @@ class Value:
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         return dataset(type(self).__name__, self, {}, {})
-
-    def _figures(self) -> Mapping[str, str]:
-        """What a notebook shows, name -> text."""
-        return {}
-
-    def _repr_html_(self) -> str:
-        figures = (f"<tr><td>{escape(a)}<td>{escape(b)}" for a, b in self._figures().items())
-        return f"<p>{escape(repr(self).splitlines()[0])}</p><table>{''.join(figures)}</table>"
 
     def _to_storage(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self) if f.init}  # type: ignore[arg-type]
@@ -202,21 +191,17 @@ class Result(Value):
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one quantity by its name, on ``ax`` or on new axes; returns the matplotlib axes.
 
-        Averages are drawn over time, densities at up to eight of the times. Axes are labelled with
-        units. ``points``: as of :meth:`to_xarray`. Without a name everything is drawn, see
-        :meth:`plot_all`. Raises InputError for a name that is not there.
+        Averages are drawn over time, densities at up to eight of the times; without a name
+        everything is drawn. ``points``: as of :meth:`to_xarray`. InputError for an unknown name.
         """
-        if name is not None:
-            return self._draw(name, self._named(name, points), ax)
-        if ax is not None:
+        if name is None and ax is None:
+            return self.plot_all(**points)
+        if name is None:
             raise InputError("ax: got axes without a name; name what to draw on them")
-        return self.plot_all(**points)
+        return _draw(name, self._named(name, points), ax)
 
     def plot_all(self, **points: Any) -> NDArray[Any]:
-        """Draw everything, each quantity in axes of its own in one new figure; an array of axes.
-
-        <r^2> is drawn over ln t where that is nearly straight. ``points``: as of :meth:`to_xarray`.
-        """
+        """Draw each quantity in axes of its own in one new figure; returns an array of axes."""
         from matplotlib import pyplot
 
         groups: dict[str, list[xarray.DataArray]] = {}
@@ -225,46 +210,12 @@ class Result(Value):
             if 1 <= len(_axes(one)) <= 2 and "front" not in one.dims and not empty:
                 base = str(one.name).removesuffix("_real").removesuffix("_imag")
                 groups.setdefault(base, []).append(one)
-        width = min(3, max(1, len(groups)))
-        rows = max(1, -(-len(groups) // width))
-        figure, grid = pyplot.subplots(
-            rows, width, squeeze=False, figsize=(4.2 * width, 3.2 * rows), layout="constrained"
-        )
-        for place, (base, parts) in zip(grid.flat, groups.items(), strict=False):
-            self._draw(base, parts, place)
-            if base == "msd" and _is_logarithmic(parts[0]["time"].values, parts[0].values):
-                place.set_yscale("linear")
-        for place in grid.flat[len(groups) :]:
-            figure.delaxes(place)
-        return grid.flat[: len(groups)]
-
-    def _draw(self, name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
-        """Draw a quantity, or its real and imaginary part."""
-        free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
-        several &= parts[0].shape[0] > 1 or free[0] != "angle"  # one angle: F is isotropic
-        if not 1 <= len(free) <= 2:
-            raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
-        if ax is None:
-            from matplotlib import pyplot
-
-            _, ax = pyplot.subplots(layout="constrained")
-        along = parts[0][free[-1]]
-        for part, style in zip(parts, ("-", "--"), strict=False):
-            ax.set_prop_cycle(None)  # imaginary parts are broken lines of the same colours
-            for label, line in _lines(part).items():
-                ax.plot(along, line, style, label=label if several else None)
-        if several:
-            ax.legend()
-        ax.set(xlabel=_label(along), ylabel=_label(parts[0]))
-        x, y = along.values, parts[0].values
-        if _is_wide(x[x > 0.0] if along.name == "time" else x):  # 0 is then left out
-            ax.set_xscale("log")
-        top = y.max(where=np.isfinite(y), initial=0.0)
-        if name.endswith(("density", "vdf")) and top > 0.0:
-            ax.set(yscale="log", ylim=(1e-7 * top, 3.0 * top))  # tails are of interest
-        elif len(parts) == 1 and _is_wide(y):
-            ax.set_yscale("log")
-        return ax
+        columns = min(3, len(groups))
+        rows = math.ceil(len(groups) / columns)
+        figure = pyplot.figure(figsize=(4.2 * columns, 3.2 * rows), layout="constrained")
+        places = [figure.add_subplot(rows, columns, k + 1) for k in range(len(groups))]
+        made = [_draw(*group, ax) for group, ax in zip(groups.items(), places, strict=True)]
+        return np.array(made)
 
     def _made(self, only: Collection[str] | None, points: Mapping[str, Any]) -> xarray.Dataset:
         for name in points:
@@ -322,6 +273,35 @@ def _components(one: xarray.DataArray) -> dict[str, xarray.DataArray]:
     return {f"{one.name}_{''.join(at.values())}": one.sel(at, drop=True) for at in places}
 
 
+def _draw(name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
+    """Draw a quantity, or its real and imaginary part; wide ranges on logarithmic axes."""
+    free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
+    several &= parts[0].shape[0] > 1 or free[0] != "angle"  # one angle: F is isotropic
+    if not 1 <= len(free) <= 2:
+        raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
+    if ax is None:
+        from matplotlib import pyplot
+
+        _, ax = pyplot.subplots(layout="constrained")
+    along = parts[0][free[-1]]
+    for part, style in zip(parts, ("-", "--"), strict=False):
+        ax.set_prop_cycle(None)  # imaginary parts are broken lines of the same colours
+        for label, line in _lines(part).items():
+            ax.plot(along, line, style, label=label if several else None)
+    if several:
+        ax.legend()
+    ax.set(xlabel=_label(along), ylabel=_label(parts[0]))
+    x, y = along.values, parts[0].values
+    if _is_wide(x[x > 0.0] if along.name == "time" else x):  # 0 is then left out
+        ax.set_xscale("log")
+    top = y.max(where=np.isfinite(y), initial=0.0)
+    if name.endswith(("density", "vdf")) and top > 0.0:
+        ax.set(yscale="log", ylim=(1e-7 * top, 3.0 * top))  # tails are of interest
+    elif len(parts) == 1 and _is_wide(y):
+        ax.set_yscale("log")
+    return ax
+
+
 def _lines(one: xarray.DataArray) -> dict[str, Any]:
     """Label -> line: the components of what depends on the time; of other things some times."""
     free = _axes(one)
@@ -340,18 +320,13 @@ def _label(one: xarray.DataArray) -> str:
     return text.translate({60: "⟨", 62: "⟩"}).replace("^2", "²").replace("^3", "³")
 
 
-def _is_logarithmic(t: NDArray[Any], y: NDArray[Any]) -> bool:
-    """Whether y grows more slowly than t^0.75 over the later half of the times."""
-    middle = t.size // 2
-    if t.size < 3 or not (t[middle] > 0.0 and 0.0 < y[middle] <= y[-1]):
-        return False
-    return bool(np.log(y[-1] / y[middle]) < 0.75 * np.log(t[-1] / t[middle]))
-
-
 def _is_wide(values: NDArray[Any]) -> bool:
     """Whether numbers are positive and span 1.5 decades: their axis is logarithmic then."""
     x = values[np.isfinite(values)]
     return bool(x.size > 1 and 0.0 < 30.0 * x.min() < x.max())
+
+
+# -- files ----------------------------------------------------------------------------------------
 
 
 def load(path: str | os.PathLike[str]) -> Any:
@@ -362,19 +337,26 @@ def load(path: str | os.PathLike[str]) -> Any:
     """
     import h5py
 
-    name, foreign = _path(path), "it is damaged, or no file that kinetics saved"
+    name = _path(path)
     try:
         if not os.path.isfile(name):
             raise InputError("there is no such file")
         with h5py.File(name, "r") as file:
-            record = json.loads(_stored(file, _RECORD).tobytes())
-            if record["format"] != _FORMAT:
-                raise InputError(f"this version reads {_FORMAT!r}, not {short(record['format'])}")
-            return _restored(record["value"], file)
+            record = file[_RECORD]
+            own = isinstance(file.get(_RECORD, getlink=True), h5py.HardLink)
+            own &= not record.is_virtual and not record.external
+            # nothing of another file, and no more memory than is stored
+            if not own or record.id.get_storage_size() < record.nbytes:
+                raise ValueError(_RECORD)
+            found = json.loads(record[()].tobytes())
+        if found["format"] != _FORMAT:
+            raise InputError(f"this version reads {_FORMAT!r}, not {short(found['format'])}")
+        return _restored(found["value"])
     except InputError as error:
         raise InputError(f"path: got {name!r}; {error}") from None
     except Exception as error:  # h5py raises errors of nearly any class
-        raise InputError(f"path: got {name!r}; {foreign} ({type(error).__name__})") from None
+        what = "it is damaged, or no file that kinetics saved"
+        raise InputError(f"path: got {name!r}; {what} ({type(error).__name__})") from None
 
 
 def write_whole(contents: Mapping[str, bytes]) -> None:
@@ -439,18 +421,6 @@ def _netcdf(made: xarray.Dataset) -> bytes:
     return image.getvalue()
 
 
-def _stored(file: Any, name: str) -> NDArray[Any]:
-    """An array of a file; ValueError for data of another file, or larger than what is stored."""
-    import h5py
-
-    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        raise ValueError(name)
-    found = file[name]
-    if found.is_virtual or found.external or found.id.get_storage_size() < found.nbytes:
-        raise ValueError(name)
-    return np.asarray(found[()])
-
-
 def _public(name: Any) -> Any:
     """The class of this name in `kinetics`, which loads it at first use; None for another name."""
     found = getattr(sys.modules["kinetics"], str(name), None)
@@ -488,17 +458,15 @@ def _plain(value: Any, whole: bool) -> Any:
     return {"class": cls.__name__} | {name: _plain(part, whole) for name, part in parts.items()}
 
 
-def _restored(plain: Any, file: Any) -> Any:
+def _restored(plain: Any) -> Any:
     """What `_plain` was given."""
     if isinstance(plain, list):
-        return tuple(_restored(item, file) for item in plain)
+        return tuple(_restored(item) for item in plain)
     if not isinstance(plain, dict):
         return plain
     if "array" in plain:
         return np.asarray(plain["array"])
-    if "variable" in plain:
-        return _stored(file, plain["variable"])
-    parts = {name: _restored(item, file) for name, item in plain.items()}
+    parts = {name: _restored(item) for name, item in plain.items()}
     if "class" not in parts:
         return parts
     cls = _public(name := parts.pop("class"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.driven.restitution import impact_restitution
 from kinetics.driven.system import DRIVES, System, checked_drives
 from kinetics.numerics import FloatArray
-from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, described
+from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 from kinetics.results import Value
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
@@ -128,8 +127,7 @@ class Scene(Value):
                 name = "scatterers" if at_a_density else "tangential_restitution"
                 allowed = "driven tracers are solved among smooth dilute scatterers only"
                 refuse(name, getattr(self, name), allowed)
-            names = ("restitution", *DRIVES)
-            arguments |= {name: getattr(system, name) for name in names}
+            arguments |= {name: getattr(system, name) for name in ("restitution", *DRIVES)}
         table = DRIVEN_OUTPUTS if system else FIELD_OUTPUTS if field else OUTPUTS
         gains = field > 0.0 or (system is not None and system.is_driven)
         self.store(
@@ -185,11 +183,6 @@ class Scene(Value):
         """What every solver needs: law, mean free path in d, initial state, times in d/U."""
         return self._any_law, self.mean_free_path, self.state, np.asarray(self.times)
 
-    def _figures(self) -> dict[str, str]:
-        """The outputs, with their units in brackets, and what they are."""
-        rows = {name: described(name, self.dimension) for name in self.outputs}
-        return {f"{name} [{unit}]": words for name, (unit, words, _) in rows.items()}
-
 
 def _start(initial: Any, dimension: int, with_field: bool) -> State:
     """The initial state in this dimension."""
@@ -205,20 +198,15 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
 
 
 def _check_outputs(outputs: Any, table: Mapping[str, Any]) -> tuple[str, ...]:
-    """The names without repetitions; InputError, with the nearest name, for an unknown one."""
+    """The names without repetitions; InputError for an unknown one."""
     several = isinstance(outputs, Iterable) and not isinstance(outputs, str)
     names = list(outputs) if several else [outputs]
     known = ", ".join(table)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if not isinstance(name, str):
-            refuse("outputs", name, f"known are {known}")
-        if name not in table:
-            near = difflib.get_close_matches(name, table, n=1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            if name in OUTPUTS or name in FIELD_OUTPUTS:
-                without = "without a field" if table is OUTPUTS else "with a field or a drive"
-                hint = f"not available {without}; "
-            refuse("outputs", name, f"{hint}known are {known}")
-    return tuple(str(name) for name in dict.fromkeys(names))
+        if not isinstance(name, str) or name not in table:
+            without = " without a field" if table is OUTPUTS else " with a field or a drive"
+            elsewhere = isinstance(name, str) and name in {**OUTPUTS, **FIELD_OUTPUTS}
+            refuse("outputs", name, f"known{without if elsewhere else ''} are {known}")
+    return tuple(dict.fromkeys(names))

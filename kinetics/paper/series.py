@@ -1,4 +1,4 @@
-r"""The Sonine expansion of the scaled state and of diffusion to any order.
+r"""The Sonine expansion of the scaled state to any order.
 
 F(c) = exp(-c^2)/pi (1 + sum_k a_k S_k(c^2)), k = 2 ... n + 1 at order n. S_k are the Laguerre
 polynomials (paper, label ``sonine1``); the paper's own approximation is order 1, a_2 alone. The
@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
-from kinetics.paper.first_order import numbers
+from kinetics.paper.printed import numbers
+from kinetics.validation import real_number, whole_number
 
 HIGHEST_ORDER = 100
 ROUNDING_LIMIT = 1e-4  # relative error of a root above which it is not reported
@@ -43,53 +43,42 @@ class SeriesStatus(enum.Enum):
     ILL_CONDITIONED = "rounding spoils the numbers of this order: try a lower one"
 
 
-def laguerre_products(size: int, alpha: int) -> FloatArray:
-    """Integrals of x^(alpha + 1/2) e^-x S_i S_k, S of parameter alpha, shape (size, size).
+def _laguerre_products(size: int) -> FloatArray:
+    """Integrals of x^(1/2) e^-x S_i S_k, shape (size, size).
 
-    From S_i = sum_m (-1/2)_m/m! S'_(i-m), S' the polynomials of parameter alpha + 1/2, whose
-    integrals are diagonal: Gamma(k + alpha + 3/2)/k!.
+    From S_i = sum_m (-1/2)_m/m! S'_(i-m), S' the polynomials of parameter 1/2, whose integrals are
+    diagonal: Gamma(k + 3/2)/k!.
     """
     from scipy.linalg import toeplitz
 
     index = np.arange(1.0, size)
     change = np.cumprod(np.append(1.0, (index - 1.5) / index))
-    norm = math.gamma(alpha + 1.5) * np.cumprod(np.append(1.0, (index + alpha + 0.5) / index))
+    norm = math.gamma(1.5) * np.cumprod(np.append(1.0, (index + 0.5) / index))
     lower = toeplitz(change, np.zeros(size))
     return np.asarray((lower * norm) @ lower.T)
 
 
-def _loss_matrix(law: CollisionLaw, size: int, vector: bool) -> FloatArray:
-    """What a collision takes from the average of S_j, or of c S_j, in terms of S_i, or c S_i."""
+def _loss_matrix(law: CollisionLaw, size: int) -> FloatArray:
+    """What a collision takes from the average of S_j, in terms of S_i, shape (size, size)."""
     q = law.quadrature_for(2.0 * size + 1.0)
     kept, lost = np.exp(-2.0 * q.log_loss), -np.expm1(-2.0 * q.log_loss)
-    weight = q.weight * q.parallel if vector else q.weight
-    out = np.eye(size) if vector else np.zeros((size, size))
+    out = np.zeros((size, size))
     for j in range(size):
-        for i in range(j + vector):
-            mean = float(weight @ (kept**i * lost ** (j - i)))
-            out[j, i] -= math.comb(j + vector, j - i) * mean
-        if (
-            not vector
-        ):  # 1 - E[s^(2j)] from the same numbers: what is lost goes to lower polynomials
-            out[j, j] = -out[j, :j].sum()
+        for i in range(j):
+            out[j, i] = -math.comb(j, i) * float(q.weight @ (kept**i * lost ** (j - i)))
+        # 1 - E[s^(2j)] from the same numbers: what is lost goes to lower polynomials
+        out[j, j] = -out[j, :j].sum()
     return out
 
 
 @lru_cache(maxsize=64)
 def _matrices(restitution: float, size: int) -> tuple[FloatArray, FloatArray]:
     """(I - T) H and the matrix of j a_j - j a_(j-1), both read-only."""
-    law = CollisionLaw(restitution)
-    collide = _loss_matrix(law, size, False) @ laguerre_products(size, 0)
+    collide = _loss_matrix(CollisionLaw(restitution), size) @ _laguerre_products(size)
     j = np.arange(float(size))
     scale = np.diag(j) - np.diag(j[1:], -1)
     collide.flags.writeable = scale.flags.writeable = False
     return collide, scale
-
-
-def _order(order: int, highest: int) -> int:
-    if isinstance(order, bool) or order != int(order) or not 1 <= order <= highest:
-        raise InputError(f"order: got {order!r}; it must be a whole number from 1 to {highest}")
-    return int(order)
 
 
 @dataclass(frozen=True)
@@ -136,9 +125,8 @@ def scaled_state(restitution: float, order: int) -> SonineState:
     """
     from scipy.linalg import eig
 
-    e, n = float(restitution), _order(order, HIGHEST_ORDER)
-    if not 0.0 <= e < 1.0:
-        raise InputError(f"restitution: got {e!r}; it must be from 0 to below 1")
+    e = real_number("restitution", restitution, 0.0, math.nextafter(1.0, 0.0))
+    n = whole_number("order", order, 1, HIGHEST_ORDER)
     collide, scale = _matrices(e, n + 2)
     kept = [0, *range(2, n + 2)]
     left, right = collide[1:, kept], scale[1:, kept]
@@ -166,89 +154,3 @@ def scaled_state(restitution: float, order: int) -> SonineState:
             return SonineState(e, n, a, h, roots, rounding, SeriesStatus.REAL)
         status = SeriesStatus.ILL_CONDITIONED
     return SonineState(e, n, nothing, math.nan, roots, rounding, status)
-
-
-@dataclass(frozen=True)
-class SonineDiffusion:
-    """The diffusion coefficient of the Chapman-Enskog equation at one order.
-
-    Attributes
-    ----------
-    restitution, order : as asked
-    coefficient : D_e/(l v0(t)), dimensionless; NaN without a real scaled state
-    slope : d<r^2>/d ln t in units of l^2, 8 D_e/(l v0 h); infinite at e = 1
-    expansion : b_i in b(c) = c exp(-c^2)/pi sum_i b_i S_i(c^2)
-    rounding : estimate of the relative rounding error of the coefficient
-    status : SeriesStatus: that of the scaled state, or ILL_CONDITIONED
-    """
-
-    restitution: float
-    order: int
-    coefficient: float
-    slope: float
-    expansion: FloatArray
-    rounding: float
-    status: SeriesStatus
-
-
-def diffusion_of_order(restitution: float, order: int) -> SonineDiffusion:
-    """D_e at this order (1 to 40), 0 <= e <= 1; the Gaussian is the state at e = 1.
-
-    With B = (l/v0^2) b(c) the equation for B (label ``diffuse15``) is, in scaled variables,
-    -(h/2) div_c (c b) + L b = c F,  D_e = -(l v0/2) integral of c.b dc. The paper's ansatz
-    B ~ v f_a2 (label ``ad3``) is order 1 of b = c F_n(c) sum_k d_k S_k(c^2), S_k of parameter 1.
-    At e = 1 it converges as n^(-3/2); at e < 1 it inherits the divergence of F_n.
-    """
-    e, n = float(restitution), _order(order, 40)
-    rate, a, status = 0.0, np.array([1.0]), SeriesStatus.REAL
-    if e != 1.0:
-        state = scaled_state(e, n)
-        rate, a, status = state.cooling_rate, state.coefficients, state.status
-    b, rounding = np.full(n + len(a), np.nan), math.nan
-    if status is SeriesStatus.REAL:
-        found, rounding = _solve(CollisionLaw(e), n, rate, a)
-        if rounding < ROUNDING_LIMIT:
-            b = found
-        else:
-            status = SeriesStatus.ILL_CONDITIONED
-    # the integral of c.b is that of x e^-x times the polynomial: its coefficient of S_0
-    coefficient = -0.5 * float(b[0])
-    slope = math.inf if e == 1.0 else 8.0 * coefficient / rate
-    return SonineDiffusion(e, n, coefficient, slope, b, rounding, status)
-
-
-def _solve(law: CollisionLaw, n: int, rate: float, a: FloatArray) -> tuple[FloatArray, float]:
-    """b_i, shape (n + len(a),), and the rounding error to expect."""
-    trial = _trial_functions(n, a)
-    size = len(trial)
-    collide = _loss_matrix(law, size, True) @ laguerre_products(size, 1)
-    j = np.arange(float(size))
-    # c.grad of c S_j: (1 + 2j) S_j - 2 (j + 1) S_(j-1), the norm of S_j being j + 1
-    scale = np.diag((1.0 + 2.0 * j) * (j + 1.0)) - np.diag(2.0 * (j[1:] + 1.0) * j[1:], -1)
-    left = (0.5 * rate * scale - collide)[:n] @ trial
-    # S_k of the scalar state is S_k - S_(k-1) of the vector
-    padded = np.zeros(n + 1)
-    padded[: min(n + 1, len(a))] = a[: n + 1]
-    right = (j[:n] + 1.0) * (padded[:-1] - padded[1:])
-    size_of_rows = np.linalg.norm(left, axis=1)
-    left, right = left / size_of_rows[:, None], right / size_of_rows
-    rounding = float(np.finfo(float).eps * np.linalg.cond(left))
-    return np.asarray(trial @ np.linalg.solve(left, right)), rounding
-
-
-def _trial_functions(n: int, a: FloatArray) -> FloatArray:
-    """n functions that span F_n/phi times S_0 ... S_(n-1), in terms of S_i: (n + len(a), n)."""
-    from scipy.special import eval_genlaguerre, roots_genlaguerre
-
-    size = n + len(a)
-    x, w = roots_genlaguerre(size + n, 1.0)
-    root = np.sqrt(w)
-    basis = root * np.array([eval_genlaguerre(i, 1.0, x) for i in range(size)])
-    trial = np.zeros((n, x.size))
-    vector = root * np.polynomial.laguerre.lagval(x, a)
-    for k in range(n):
-        for _ in range(2):
-            vector = vector - trial[:k].T @ (trial[:k] @ vector)
-        trial[k] = vector / np.linalg.norm(vector)
-        vector = x * trial[k]
-    return np.asarray(basis @ trial.T / np.arange(1.0, size + 1.0)[:, None])

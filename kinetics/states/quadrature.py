@@ -65,10 +65,10 @@ def gaussian(
 ) -> LogMeasure:
     """Speed density v^(d-1) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
 
-    In the plane its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a
-    power of k for the powers of v, for which 8 + 1.5 highest e-folds are added. The left end is
-    where v^(d + lowest), or v^2, is below rtol/e^2, the right one where exp(-v^2/2) is as small.
-    The density may be multiplied by a function of v/D that is at most ``ratio``, and at most D/v.
+    Spacing h leaves exp(-pi^2/(2 h)), times a power of k for the powers of v, for which 8 + 1.5
+    highest e-folds are added. The left end is where v^(d + lowest), or v^2, is below rtol/e^2, the
+    right one where exp(-v^2/2) is as small. The density may be multiplied by a function of v/D
+    that is at most ``ratio``, and at most D/v.
     """
     depth = math.log(1.0 / rtol) + 2.0
     more = depth + 6.0 + 1.5 * (highest + dimension - 2)
@@ -135,8 +135,7 @@ def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> L
 def evaluate(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
     """Call a user's density on an array of speeds; InputError where the answer cannot be used.
 
-    It is tried at speeds that no tracer has, where powers of v overflow before exp(-v^2) is zero:
-    NaN counts as 0 beyond _NOBODY and below its reciprocal.
+    NaN counts as 0 beyond _NOBODY and below its reciprocal, where powers of v overflow.
     """
     try:
         with np.errstate(all="ignore"):
@@ -145,15 +144,12 @@ def evaluate(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
         if f.shape != v.shape:
             raise ValueError(f"it returned shape {f.shape} for speeds of shape {v.shape}")
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"initial: the density could not be evaluated on an array ({error}); "
-            "it must map an array of speeds to an array of densities"
-        ) from None
+        what = "it must map an array of speeds to one of densities"
+        raise InputError(f"initial: the density could not be evaluated ({error}); {what}") from None
     f = np.where(np.isnan(f) & ((v > _NOBODY) | (v < 1.0 / _NOBODY)), 0.0, f)
     if np.any(np.isnan(f)):
-        raise InputError(
-            f"initial: the density is NaN at v = {v[np.isnan(f)][0]:g} U; it must be a number"
-        )
+        where = f"{v[np.isnan(f)][0]:g}"
+        raise InputError(f"initial: the density is NaN at v = {where} U; it must be a number")
     return f
 
 

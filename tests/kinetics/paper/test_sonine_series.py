@@ -10,8 +10,6 @@ import pytest
 from kinetics import sonine
 from kinetics.paper.series import SeriesStatus
 
-# -- the scaled state -----------------------------------------------------------------------------
-
 
 def moment_equations(e: float, order: int) -> tuple[mp.matrix, mp.matrix]:
     """j h m_(2j) = lambda(2j) m_(2j+1), j = 1 ... order + 1, in monomials and many digits.
@@ -100,53 +98,3 @@ def test_orders_that_rounding_spoils_say_so() -> None:
     assert spoilt.status is SeriesStatus.ILL_CONDITIONED
     assert math.isnan(spoilt.a2)
     assert spoilt.rounding > 1e-4
-
-
-# -- diffusion ------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("e", [0.6, 0.75, 0.9])
-def test_diffusion_of_first_order_is_the_printed_one(e: float) -> None:
-    # l = 1 for number_density 1/2; eq. ad7 in units of l v0
-    printed = float(sonine.diffusion_coefficient(1.0, e, sonine.a2(e), number_density=0.5))
-    found = sonine.diffusion_of_order(e, 1)
-    assert found.coefficient == pytest.approx(printed, rel=1e-12)
-    # d<r^2>/d ln t of eq. ad8 is its prefactor
-    late = sonine.msd_sonine([1e12, math.e * 1e12], e, number_density=0.5)
-    assert found.slope == pytest.approx(float(np.diff(late)[0]), rel=1e-9)
-
-
-@pytest.mark.parametrize(("e", "order"), [(0.4, 2), (0.7, 5), (0.95, 8), (1.0, 6)])
-def test_the_expansion_of_b_solves_its_equation_in_the_mean(e: float, order: int) -> None:
-    # the weak form by quadrature over speed and impact parameter, nothing of the module's basis
-    found = sonine.diffusion_of_order(e, order)
-    if e == 1.0:
-        h, a = 0.0, np.array([1.0])
-    else:
-        state = sonine.scaled_state(e, order)
-        h, a = state.cooling_rate, state.coefficients
-    x, w = np.polynomial.legendre.leggauss(120)
-    c, dc = 5.0 * (x + 1.0), 5.0 * w
-    y, dy = (x + 1.0) / 2, w / 2
-    ratio2 = e**2 + (1 - e**2) * y**2
-    parallel = -e + (1 + e) * y**2
-
-    def vector(k: int, z: np.ndarray) -> np.ndarray:
-        """S_k of parameter 1: the sum of the scalar ones up to k."""
-        return np.polynomial.laguerre.lagval(z, np.ones(k + 1))
-
-    density = 2 * c * np.exp(-(c**2)) * np.polynomial.laguerre.lagval(c**2, a)  # 2 pi c F
-    gauss = 2 * c * np.exp(-(c**2))
-    b = c * gauss * sum(d * vector(k, c**2) for k, d in enumerate(found.expansion))
-    for j in range(order):
-        test, slope = c * vector(j, c**2), _derivative(j, c)
-        after = np.array([(parallel * vector(j, ratio2 * s**2)) @ dy * s for s in c])
-        left = h / 2 * (dc @ (b * c * slope)) - dc @ (b * c * (test - after))
-        assert left == pytest.approx(dc @ (c * density * vector(j, c**2) * c), abs=1e-9)
-    assert -0.5 * (dc @ (c * b)) == pytest.approx(found.coefficient, rel=1e-9)
-
-
-def _derivative(j: int, c: np.ndarray) -> np.ndarray:
-    """d/dc of c S_j(c^2)."""
-    series = np.polynomial.laguerre.Laguerre(np.ones(j + 1))
-    return series(c**2) + 2 * c**2 * series.deriv()(c**2)
