@@ -18,8 +18,7 @@ from kinetics.driven.steady import Steady, refined, velocity_dataset
 from kinetics.driven.system import System
 from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning, judged
 from kinetics.field.steady import SteadyDensity, densities
-from kinetics.numerics import FloatArray
-from kinetics.numerics.threads import one_blas_thread
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Result, Value
 from kinetics.validation import (
     check_positive,

@@ -19,9 +19,8 @@ from kinetics.errors import InputError, PlanStep
 from kinetics.field import radau
 from kinetics.field.evolution import ALL, INTEGRALS, SHORTEST_TIME, March
 from kinetics.field.scene import DENSITIES, MADE_OF, FieldScene
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.blocks import BlockElimination
-from kinetics.numerics.threads import one_blas_thread
 from kinetics.states.state import State
 
 _MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000

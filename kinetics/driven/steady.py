@@ -17,10 +17,9 @@ from kinetics.driven.heated import Line, density, log_moment
 from kinetics.driven.system import System
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged
 from kinetics.field.starts import angular
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.numerics.threads import one_blas_thread
 from kinetics.results import Result, dataset, variable
 from kinetics.validation import (
     check_rtol,

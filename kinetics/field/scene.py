@@ -15,8 +15,7 @@ from kinetics.field.density import VelocityDensity
 from kinetics.field.evolution import ALL, Evolution
 from kinetics.field.grid import Resolution
 from kinetics.field.starts import Start
-from kinetics.numerics import FloatArray
-from kinetics.numerics.threads import one_blas_thread
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
 DENSITIES = "densities"
