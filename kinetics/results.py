@@ -74,12 +74,11 @@ def _brief(value: Any) -> str:
     for one in fields(value):
         part = getattr(value, one.name)
         empty = isinstance(part, np.ndarray | tuple) and len(part) == 0
-        if empty or not one.repr or _contents(part) == _contents(one.default):
-            continue
-        shown[one.name] = getattr(part, "__qualname__", repr(part))
-        if isinstance(part, np.ndarray):
-            size, ends = " x ".join(map(str, part.shape)), f"{part.min():.6g} to {part.max():.6g}"
-            shown[one.name] = f"<{size} numbers, {ends}>"
+        if not (empty or not one.repr or _contents(part) == _contents(one.default)):
+            shown[one.name] = getattr(part, "__qualname__", repr(part))
+            if isinstance(part, np.ndarray):
+                size, low, high = " x ".join(map(str, part.shape)), part.min(), part.max()
+                shown[one.name] = f"<{size} numbers, {low:.6g} to {high:.6g}>"
     return f"{type(value).__name__}({', '.join(f'{n}={part}' for n, part in shown.items())})"
 
 
@@ -159,8 +158,8 @@ class Result(Value):
         """An xarray Dataset of everything, whose attributes say units, status and accuracy.
 
         ``points`` are where functions are evaluated: for a Solution speeds, angles, radii,
-        scaled_radii, wave_numbers and direction; for others see there. Complex quantities are split
-        into ``_real`` and ``_imag``, so that ``to_netcdf`` takes them. InputError for other points.
+        scaled_radii, wave_numbers and direction. Complex quantities are split into ``_real`` and
+        ``_imag``, so that ``to_netcdf`` takes them. InputError for other points.
         """
         return self._made(None, points)
 
@@ -194,11 +193,11 @@ class Result(Value):
         Averages are drawn over time, densities at up to eight of the times; without a name
         everything is drawn. ``points``: as of :meth:`to_xarray`. InputError for an unknown name.
         """
-        if name is None and ax is None:
-            return self.plot_all(**points)
-        if name is None:
+        if name is not None:
+            return _draw(name, self._named(name, points), ax)
+        if ax is not None:
             raise InputError("ax: got axes without a name; name what to draw on them")
-        return _draw(name, self._named(name, points), ax)
+        return self.plot_all(**points)
 
     def plot_all(self, **points: Any) -> NDArray[Any]:
         """Draw each quantity in axes of its own in one new figure; returns an array of axes."""
@@ -206,16 +205,15 @@ class Result(Value):
 
         groups: dict[str, list[xarray.DataArray]] = {}
         for one in self._made(None, points).data_vars.values():
-            empty = one.name == "uncollided" and not one.values.any()  # of most starts
-            if 1 <= len(_axes(one)) <= 2 and "front" not in one.dims and not empty:
+            if 1 <= len(_axes(one)) <= 2 and one.values.any():  # not what is zero
                 base = str(one.name).removesuffix("_real").removesuffix("_imag")
                 groups.setdefault(base, []).append(one)
         columns = min(3, len(groups))
         rows = math.ceil(len(groups) / columns)
         figure = pyplot.figure(figsize=(4.2 * columns, 3.2 * rows), layout="constrained")
-        places = [figure.add_subplot(rows, columns, k + 1) for k in range(len(groups))]
-        made = [_draw(*group, ax) for group, ax in zip(groups.items(), places, strict=True)]
-        return np.array(made)
+        for k, (name, parts) in enumerate(groups.items()):
+            _draw(name, parts, figure.add_subplot(rows, columns, k + 1))
+        return np.array(figure.axes)
 
     def _made(self, only: Collection[str] | None, points: Mapping[str, Any]) -> xarray.Dataset:
         for name in points:
@@ -275,8 +273,7 @@ def _components(one: xarray.DataArray) -> dict[str, xarray.DataArray]:
 
 def _draw(name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
     """Draw a quantity, or its real and imaginary part; wide ranges on logarithmic axes."""
-    free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
-    several &= parts[0].shape[0] > 1 or free[0] != "angle"  # one angle: F is isotropic
+    free = _axes(parts[0])
     if not 1 <= len(free) <= 2:
         raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
     if ax is None:
@@ -287,8 +284,8 @@ def _draw(name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
     for part, style in zip(parts, ("-", "--"), strict=False):
         ax.set_prop_cycle(None)  # imaginary parts are broken lines of the same colours
         for label, line in _lines(part).items():
-            ax.plot(along, line, style, label=label if several else None)
-    if several:
+            ax.plot(along, line, style, label=label)
+    if len(ax.lines) > 1 or (len(free) == 2 and free[0] != "angle"):
         ax.legend()
     ax.set(xlabel=_label(along), ylabel=_label(parts[0]))
     x, y = along.values, parts[0].values
@@ -342,12 +339,13 @@ def load(path: str | os.PathLike[str]) -> Any:
         if not os.path.isfile(name):
             raise InputError("there is no such file")
         with h5py.File(name, "r") as file:
+            if not isinstance(file.get(_RECORD, getlink=True), h5py.HardLink):
+                raise ValueError("a link")
             record = file[_RECORD]
-            own = isinstance(file.get(_RECORD, getlink=True), h5py.HardLink)
-            own &= not record.is_virtual and not record.external
             # nothing of another file, and no more memory than is stored
-            if not own or record.id.get_storage_size() < record.nbytes:
-                raise ValueError(_RECORD)
+            beyond = record.is_virtual or record.external
+            if beyond or record.id.get_storage_size() < record.nbytes:
+                raise ValueError("not stored here")
             found = json.loads(record[()].tobytes())
         if found["format"] != _FORMAT:
             raise InputError(f"this version reads {_FORMAT!r}, not {short(found['format'])}")
@@ -360,11 +358,10 @@ def load(path: str | os.PathLike[str]) -> Any:
 
 
 def write_whole(contents: Mapping[str, bytes]) -> None:
-    """Write files, by their paths, all of them or none.
+    """Write files, by their paths, all of them or none; InputError where one cannot be written.
 
     Each is written beside its target under a random name; when all are on the disk they get their
     own. A symbolic link is followed: the file that it points to is replaced, and the link stays.
-    Raises InputError where one cannot be written; what was there before is left as it was.
     """
     parts: dict[str, str] = {}
     path = ""
@@ -383,10 +380,6 @@ def write_whole(contents: Mapping[str, bytes]) -> None:
                 os.fsync(file.fileno())
         for beside, target in parts.items():
             os.replace(beside, target)
-        for folder in {os.path.dirname(t) for t in parts.values()} if os.name == "posix" else ():
-            descriptor = os.open(folder, os.O_RDONLY)  # the new names are safe with their folder
-            os.fsync(descriptor)
-            os.close(descriptor)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"path: got {path!r}; it cannot be written ({reason})") from None

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.densities.harmonic import speed_fronts
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
@@ -48,29 +47,19 @@ def solve(
     Parameters
     ----------
     scene : system, initial state, times and outputs
-    rtol : relative accuracy of every average (of 1 + a2 for a2; of <v^p> for its harmonics; of
-        v_rms(0) v_rms(t), v_rms = sqrt(<v^2>), for velocity_autocorrelation), and of the densities
-        relative to their maximum, for speeds above 1e-2 of the thermal one; below it
-        is the density of ln v that keeps it. 1e-14 to 0.1. The scaled position density G(R) is
-        solved to max(rtol, 1e-8), absolute. By default 1e-10; 1e-8 for driven tracers, 1e-6 with a
-        field, and densities of both are solved to max(rtol, 1e-4)
+    rtol : relative accuracy, 1e-14 to 0.1, of every average (of 1 + a2 for a2; of <v^p> for its
+        harmonics; of v_rms(0) v_rms(t), v_rms = sqrt(<v^2>), for velocity_autocorrelation), and of
+        the densities relative to their maximum, for speeds above 1e-2 of the thermal one; below it
+        is the density of ln v that keeps it. The scaled position density G(R) is solved to
+        max(rtol, 1e-8), absolute. By default 1e-10; 1e-8 for driven tracers, 1e-6 with a field, and
+        densities of both are solved to max(rtol, 1e-4)
     method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
-        positivity exact, second order, for rough ones), or None for the solver's choice. Averages
-        need no density, and are the same for either.
+        positivity exact, second order, for rough ones), or None for the solver's choice
     nodes : of the speed axis of the densities, 8 to 8192, for convergence studies
 
-    Returns
-    -------
-    Solution : frozen; arrays with time as the first axis, under the names of the outputs
-
-    Warns
-    -----
-    ToleranceWarning : the status is not CONVERGED
-
-    Raises
-    ------
-    InputError (a ValueError) : an argument out of range, a density that is negative, not
-        normalised or without second moment, or a method that cannot do the scene
+    Returns a Solution. Warns (ToleranceWarning) where its status is not CONVERGED. Raises
+    InputError (a ValueError) for an argument out of range, a density that is negative, not
+    normalised or without second moment, or a method that cannot do the scene.
 
     >>> from kinetics import Scene
     >>> solution = solve(Scene(restitution=0.7, times=[0.0, 1e3, 1e6]))
@@ -113,15 +102,13 @@ class Solution(Result):
     Attributes
     ----------
     scene : the question
-    rtol : the relative accuracy asked for
+    rtol, method, nodes : as they were given to `kinetics.solve`
     values : output name -> array whose first axis is time; also as attributes, ``solution.msd``
     status : SolverStatus; its text says what to change
-    message : the status of this solution in words: which part misses its tolerance, by how much,
-        and what to change
+    message : which part misses its tolerance, by how much, and what to change
     error_estimate : largest relative error that the solver saw
     plan : what was solved and what was skipped, and why
     stats : numbers about the work (nodes, panels, points of the initial state)
-    method, nodes : as they were given to `kinetics.solve`
     """
 
     scene: Scene
@@ -174,9 +161,7 @@ class Solution(Result):
         return tuple(name for name in names if set(OUTPUTS[name].shape) & set(AXES))
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        """Averages, and functions at the points: speeds in U, angles and direction in radians,
-        radii in d, scaled_radii, wave_numbers in 1/d; by default where the distributions are.
-        """
+        """Averages, and functions at the points, by default where the distributions are."""
         d = self.scene.dimension
         found = {
             name: variable(("time", *COMPONENTS[: a.ndim - 1]), a, *described(name, d))
@@ -184,11 +169,13 @@ class Solution(Result):
         }
         axes = {"time": variable(("time",), self.times, "d/U", "time since the start", "t")}
         axes |= {c: variable((c,), list("xyz"[:d]), "1", "component") for c in COMPONENTS}
-        for output in self._on_demand:
-            for name in OUTPUTS[output].names:
-                shape = OUTPUTS[output].shape[1:] if name == output else ("n_R",)
-                if only is None or {name, "uncollided"} & set(only):
-                    self._add(name, shape, points, found, axes)
+        for name in self._on_demand:
+            if only is None or {name, "uncollided"} & set(only):
+                self._add(name, OUTPUTS[name].shape[1:], points, found, axes)
+        if "position_density" in self._on_demand and (
+            only is None or "scaled_position_density" in only
+        ):
+            self._add("scaled_position_density", ("n_R",), points, found, axes)
         return dataset(
             f"Solution of the inelastic Lorentz equation: {self.scene}",
             self.scene,
@@ -200,31 +187,24 @@ class Solution(Result):
             tolerance_reached=self.error_estimate,
         )
 
-    def _add(
-        self,
-        name: str,
-        shape: tuple[str, ...],
-        points: Mapping[str, Any],
-        found: dict[str, Any],
-        axes: dict[str, Any],
-    ) -> None:
+    def _add(self, name: str, shape: tuple[str, ...], given: Any, found: Any, axes: Any) -> None:
         """A function at the points, and the share of tracers that a speed density leaves out."""
         along = [AXES[n] for n in shape]
-        at = [self._points_on(axis.points, points) for axis in along]
-        turned = name == "intermediate_scattering" and "direction" in points
-        values = getattr(self, name)(*at, *([points["direction"]] if turned else []))
-        for axis, x in zip(along, at, strict=True):
+        at = [self._points_on(axis.points, given) for axis in along]
+        if name == "intermediate_scattering" and "direction" in given:
+            at.append(given["direction"])
+        values, (unit, words, symbol) = (
+            getattr(self, name)(*at),
+            described(name, self.scene.dimension),
+        )
+        for axis, x in zip(along, at, strict=False):
             axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
-        unit, words, symbol = described(name, self.scene.dimension)
-        parts = {"": (values, symbol)}
+        dims = ("time", *(axis.name for axis in along))
         if np.iscomplexobj(values):
-            parts = {
-                "_real": (values.real, f"Re {symbol}"),
-                "_imag": (values.imag, f"Im {symbol}"),
-            }
-        for ending, (array, sign) in parts.items():
-            dims = ("time", *(axis.name for axis in along))
-            found[name + ending] = variable(dims, array, unit, words, sign)
+            found[f"{name}_real"] = variable(dims, values.real, unit, words, f"Re {symbol}")
+            found[f"{name}_imag"] = variable(dims, values.imag, unit, words, f"Im {symbol}")
+        else:
+            found[name] = variable(dims, values, unit, words, symbol)
         if name == "speed_density":
             words = "share of tracers of a start of one speed that have not collided (or e = 1)"
             found["uncollided"] = variable(("time",), self.uncollided, "1", words)
@@ -321,7 +301,7 @@ class Solution(Result):
         the maximum for v above 1e-2 of the thermal speed, below it that of the density of ln v.
         From rough ones (sharp speeds, steps, noise: the plan says "conservative") the share of
         tracers slower than v, the integral of this density with :attr:`uncollided`, is right to
-        rtol; f itself is not at its steps (:attr:`speed_fronts`).
+        rtol; f itself is not at its steps.
         """
         return np.asarray(self._velocities().speed_density(speeds(v)))
 
@@ -340,18 +320,6 @@ class Solution(Result):
         if not self.scene.capture_speed:
             refuse("capture_speed", self.scene.capture_speed, "it must be above 0: nothing sticks")
         return np.asarray(frozen(self._answer.captured))
-
-    @property
-    def speed_fronts(self) -> FloatArray:
-        """Speeds in U, rising, at which :meth:`speed_density` may step or be infinite.
-
-        Of a start of sharp speeds (empty for others): those speeds, and the ends of what one and
-        two collisions make of them.
-        """
-        scene = self.scene
-        sharp = scene.state.profile(0) is None and not scene.field and scene.system is None
-        start = scene.state.harmonic(0, 1e-6) if sharp else None
-        return np.asarray(frozen(speed_fronts(scene.law, start) if sharp else np.empty(0)))
 
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.

@@ -256,11 +256,6 @@ class CollisionLaw:
         return any(bool(np.any(q.weight[q.cosine < -1.0 + 1e-9] > 0.0)) for q in samples)
 
     @cached_property
-    def loss_ends(self) -> tuple[float, ...]:
-        """The least and the largest -ln s of each part of the law: its density steps there."""
-        return tuple(x for p in self._parts for x in (p.least_loss, p.largest_loss))
-
-    @cached_property
     def _lowest_power(self) -> float:
         """The same without a medium."""
         return max(part.lowest_power for part in self._parts)

@@ -34,7 +34,7 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     that are mixtures are looked at (tests/kinetics/collision/test_memory.py counts the zeros of
     both kinds).
     """
-    smooth = law.least_loss == 0.0 and not law.has_atoms and len(law.loss_ends) == 2
+    smooth = law.least_loss == 0.0 and not law.has_atoms and len(law.bounces) == 1
     if law.is_elastic or smooth:
         return ()
     # bounces that lose nothing take a single value too, but leave no waves
