@@ -163,7 +163,7 @@ def normalised(density: NDArray[Any], total: float, name: str = "density") -> fl
     if density.size and float(density.min()) < 0.0:
         raise InputError(f"{name}: got a value of {density.min():.3g}; it must not be negative")
     if not abs(total - 1.0) < 1e-6:
-        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 0.5 else ""
+        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 1.0 else ""
         what = f"its integral over the velocities is {total:.6g}; it must be 1{narrow}"
         raise InputError(f"{name}: {what}")
     return total

@@ -137,10 +137,7 @@ class CollisionLaw:
         weights : the chance of each law at a collision, above 0, up to a common factor, (n_laws,).
             For kinds of scatterers it is in proportion to number density times cross section, and
             l is the mean free path among all of them
-        laws : of one dimension, each of any form, without a medium
-
-        E[s^p cos(m chi)] is the weighted sum of those of the laws, to the same accuracy: what is
-        smooth stays smooth. It is for dilute scatterers: a finite density is refused.
+        laws : of one dimension, each of any form, without a medium. What is smooth stays smooth
 
         >>> mixed = CollisionLaw.mixture([1, 3], [CollisionLaw(0.5), CollisionLaw(0.9)])
         >>> bool(abs(mixed.decay_rate(2) - 2 / 3 * (1 - (0.5**2 + 3 * 0.9**2) / 4)) < 1e-15)
@@ -265,7 +262,7 @@ class CollisionLaw:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
         There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0. In a medium it may
-        be higher: below it returns of returns do not add up to anything finite.
+        be higher: below it returns of returns do not add up.
         """
         if self.medium is None:
             return self._lowest_power
@@ -328,9 +325,8 @@ class CollisionLaw:
         Raises InputError where that takes more than some million points.
         """
         level = self._level(rate, m)
-        if level > _LEVELS_KEPT:
-            return _quadrature(self.bounces, level)
-        return _kept_quadrature(self.bounces, level)
+        make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
+        return make(self.bounces, level)
 
     def _level(self, rate: float, m: int) -> int:
         """How often panels are halved for functions that vary so fast."""
@@ -339,10 +335,9 @@ class CollisionLaw:
             raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
         return max(0, math.ceil(math.log2(max(turn, 1.0) / RESOLVED)))
 
-    def _beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
+    def _beyond(self, p: NDArray[Any]) -> NDArray[Any]:
         """What the nodes leave out of E[s^p]."""
-        found: NDArray[Any] | float = self._sum([part.beyond(p) for part in self._parts])
-        return found
+        return np.asarray(self._sum([part.beyond(p) for part in self._parts]))
 
     def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
         """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
@@ -492,16 +487,10 @@ def _size(z: NDArray[Any]) -> float:
 
 
 @lru_cache(maxsize=64)
-def _kept_quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
-    """The same quadrature again: it is not made twice."""
-    return _quadrature(bounces, level)
-
-
 def _quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
     """The weighted sum of the averages over these bounces."""
-    return ImpactQuadrature.joined(
-        [w for w, _ in bounces], [one.quadrature(level) for _, one in bounces]
-    )
+    found = [bounce.quadrature(level) for _, bounce in bounces]
+    return ImpactQuadrature.joined([share for share, _ in bounces], found)
 
 
 def law_of(

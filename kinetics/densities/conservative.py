@@ -7,8 +7,9 @@ matrix of non-negative off-diagonal entries, whose exponential is summed by unif
 non-negative terms only: no mass is ever below 0, the sum of the masses is kept to rounding, and the
 energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
 
-Near steps and infinities of f no nodes give f itself. What is kept to rtol is the distribution function: the share of the tracers that are slower
-than v, for every v. Its error is the difference of two spacings, times a stated factor.
+Near steps and infinities of f no nodes give f itself. What is kept to rtol is the distribution
+function: the share of the tracers that are slower than v, for every v. Its error is the difference
+of two spacings, times a stated factor.
 """
 
 from __future__ import annotations

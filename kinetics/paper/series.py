@@ -30,8 +30,7 @@ from kinetics.numerics import FloatArray
 from kinetics.paper.printed import numbers
 from kinetics.validation import real_number, whole_number
 
-HIGHEST_ORDER = 100
-ROUNDING_LIMIT = 1e-4  # relative error of a root above which it is not reported
+HIGHEST_ORDER = 32  # at which rounding leaves 8 digits
 _REAL = 1e-9  # imaginary part over modulus of a root that counts as real
 
 
@@ -40,7 +39,6 @@ class SeriesStatus(enum.Enum):
 
     REAL = "a real solution"
     NO_REAL_SOLUTION = "no real solution with a positive cooling rate: try another order"
-    ILL_CONDITIONED = "rounding spoils the numbers of this order: try a lower one"
 
 
 def _laguerre_products(size: int) -> FloatArray:
@@ -91,7 +89,6 @@ class SonineState:
     coefficients : a_0 = 1, a_1 = 0, a_2 ... a_(order+1); NaN without a real solution
     cooling_rate : h, dimensionless; NaN without a real solution
     roots : every h of this order with a_0 = 1, complex, shape (n_roots,), by modulus
-    rounding : bound on the relative rounding error of h, NaN without a real solution
     status : SeriesStatus
     """
 
@@ -100,7 +97,6 @@ class SonineState:
     coefficients: FloatArray
     cooling_rate: float
     roots: NDArray[np.complex128]
-    rounding: float
     status: SeriesStatus
 
     @property
@@ -117,7 +113,7 @@ class SonineState:
 
 
 def scaled_state(restitution: float, order: int) -> SonineState:
-    """The scaled state for 0 <= e < 1 with a_2 ... a_(order+1), order from 1 to 100.
+    """The scaled state for 0 <= e < 1 with a_2 ... a_(order+1), order from 1 to 32.
 
     Of several real solutions the one of the smallest coefficients (sum of |a_k|) is taken: at order
     1 the paper's stable one. Without one the status says so and the numbers are NaN. InputError for
@@ -129,28 +125,15 @@ def scaled_state(restitution: float, order: int) -> SonineState:
     n = whole_number("order", order, 1, HIGHEST_ORDER)
     collide, scale = _matrices(e, n + 2)
     kept = [0, *range(2, n + 2)]
-    left, right = collide[1:, kept], scale[1:, kept]
-    values, dual, vectors = eig(left, right, left=True)
+    values, vectors = eig(collide[1:, kept], scale[1:, kept])
     weight = np.abs(vectors).sum(axis=0)
     proper = np.isfinite(values) & (np.abs(vectors[0]) > 1e-14 * weight)
-    values, vectors, dual, weight = (
-        values[proper],
-        vectors[:, proper],
-        dual[:, proper],
-        weight[proper],
-    )
+    values, vectors, weight = values[proper], vectors[:, proper], weight[proper]
     roots = values[np.argsort(np.abs(values))]
     real = (np.abs(values.imag) < _REAL * np.abs(values)) & (values.real > 0.0)
-    nothing, rounding, status = np.full(n + 2, np.nan), math.nan, SeriesStatus.NO_REAL_SOLUTION
-    if np.any(real):
-        best = int(np.argmin(np.where(real, weight / np.abs(vectors[0]), np.inf)))
-        h, x, y = float(values[best].real), vectors[:, best], dual[:, best]
-        # backward error of the QZ algorithm times the condition number of a simple eigenvalue
-        change = np.linalg.norm(left) + h * np.linalg.norm(right)
-        change *= np.linalg.norm(x) * np.linalg.norm(y) / abs(np.vdot(y, right @ x))
-        rounding = float(np.finfo(float).eps * change / h)
-        if rounding < ROUNDING_LIMIT:
-            a = np.insert((x / x[0]).real, 1, 0.0)
-            return SonineState(e, n, a, h, roots, rounding, SeriesStatus.REAL)
-        status = SeriesStatus.ILL_CONDITIONED
-    return SonineState(e, n, nothing, math.nan, roots, rounding, status)
+    if not np.any(real):
+        nothing = np.full(n + 2, np.nan)
+        return SonineState(e, n, nothing, math.nan, roots, SeriesStatus.NO_REAL_SOLUTION)
+    best = int(np.argmin(np.where(real, weight / np.abs(vectors[0]), np.inf)))
+    a = np.insert((vectors[:, best] / vectors[0, best]).real, 1, 0.0)
+    return SonineState(e, n, a, float(values[best].real), roots, SeriesStatus.REAL)

@@ -28,11 +28,8 @@ from kinetics.results import Value
 _SAMPLE_SPACING, _SAMPLE_WIDTH = 1.0 / 16.0, 12
 _LEFT_OUT = (10395.0 / 64.0) ** 2 / math.factorial(12)
 # The scan of a function: panels of this width in ln v, from the least to the largest number of
-# which the square is in the range of doubles.
-_SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 32
-# Narrow peaks are looked for within so many e-folds of U, at so many points of a panel: ones that
-# are wider than a thousandth of their speed are found.
-_NEAR, _CLOSE_POINTS = 20.0, 512
+# which the square is in the range of doubles, with so many Gauss points each.
+_SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 64
 _MOST_HALVINGS = 40  # of a piece: rounding in ln v is reached
 _NOBODY = 1e30  # U: no tracer is as fast, none that moves as slow as the reciprocal
 
@@ -169,7 +166,9 @@ def function(
         return np.asarray(evaluate(density, v) * v)
 
     edges = np.arange(_SCAN_LOWEST, _SCAN_HIGHEST + _SCAN_WIDTH, _SCAN_WIDTH)
-    mass, narrow = _scan(per_log_speed, edges)
+    x, w = panels_between(edges, _SCAN_POINTS)
+    with np.errstate(all="ignore"):
+        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, _SCAN_POINTS).sum(axis=1)
     if not np.all(np.isfinite(mass)):
         raise InputError(NO_INTEGRAL)
     if not mass.any():
@@ -188,31 +187,9 @@ def function(
     first, last = np.nonzero(live)[0][[0, -1]]
     # two more panels on both sides, because what is left out falls from panel to panel
     first, last = max(first - 2, 0), min(last + 2, mass.size - 1)
-    cuts = [
-        np.linspace(edges[i], edges[i + 1], 129 if narrow[i] else 2)[:-1]
-        for i in range(first, last + 1)
-    ]
-    span = np.append(np.concatenate(cuts), edges[last + 1])
+    span = edges[first : last + 2]
     tolerance = 0.1 * max(rtol, 1e-15) * float(mass.sum())  # below that is rounding
     return _without_zeros(*refined(per_log_speed, np.stack([span[:-1], span[1:]], 1), tolerance))
-
-
-def _scan(
-    per_log_speed: Callable[[FloatArray], NDArray[Any]], edges: FloatArray
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Integral of the size of a density over each panel, and in which panels a peak is narrow."""
-    x, w = panels_between(edges, _SCAN_POINTS)
-    with np.errstate(all="ignore"):
-        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, _SCAN_POINTS).sum(axis=1)
-    middle = slice(int(np.searchsorted(edges, -_NEAR)), int(np.searchsorted(edges, _NEAR)))
-    close = np.linspace(-_NEAR, _NEAR, _CLOSE_POINTS * (middle.stop - middle.start), endpoint=False)
-    found = np.abs(per_log_speed(close)).reshape(-1, _CLOSE_POINTS).sum(axis=1)
-    found *= close[1] - close[0]
-    narrow = np.zeros(mass.shape, dtype=bool)
-    # where the two sums are a percent apart, neither of them resolves the density
-    narrow[middle] = np.abs(found - mass[middle]) > 0.01 * np.maximum(found, mass[middle])
-    mass[middle] = np.maximum(found, mass[middle])
-    return mass, narrow
 
 
 def refined(

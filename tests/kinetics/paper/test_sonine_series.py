@@ -61,7 +61,6 @@ def test_a_real_root_is_that_of_the_moment_equations(e: float, order: int, digit
         h, a = polished(e, order, state.cooling_rate, state.coefficients)
         error = float(abs(state.cooling_rate / h - 1))
         assert error < digits
-        assert error <= state.rounding
         assert float(abs(state.a2 - a[1])) < 10 * digits
 
 
@@ -91,10 +90,3 @@ def test_odd_orders_lose_their_real_root_where_they_are_said_to(order: int, edge
 def test_even_orders_have_a_real_root_at_every_restitution(order: int) -> None:
     for e in np.linspace(0.0, 0.99, 12):
         assert sonine.scaled_state(float(e), order).status is SeriesStatus.REAL
-
-
-def test_orders_that_rounding_spoils_say_so() -> None:
-    spoilt = sonine.scaled_state(0.4, 60)
-    assert spoilt.status is SeriesStatus.ILL_CONDITIONED
-    assert math.isnan(spoilt.a2)
-    assert spoilt.rounding > 1e-4
