@@ -281,7 +281,7 @@ class Solution(Result):
 
         ``times`` in d/U, not falling, shape (n,). The averages are those of a Solution of a scene
         with these times and the same last one, to the bit; `error_estimate` and `status` are of all
-        times. Raises InputError for times out of range, without averages, and for one with a field.
+        times.
         """
         answer = self._without_field()
         outputs = tuple(name for name in self.scene.outputs if OUTPUTS[name].values is not None)
@@ -299,18 +299,16 @@ class Solution(Result):
 
         Without the tracers of :attr:`uncollided`. From smooth starts the error is at most rtol of
         the maximum for v above 1e-2 of the thermal speed, below it that of the density of ln v.
-        From rough ones (sharp speeds, steps, noise: the plan says "conservative") the share of
-        tracers slower than v, the integral of this density with :attr:`uncollided`, is right to
-        rtol; f itself is not at its steps.
+        From rough ones (sharp speeds, steps, noise: the plan says "conservative") its integral up
+        to v, with :attr:`uncollided`, is right to rtol; f itself is not at its steps.
         """
         return np.asarray(self._velocities().speed_density(speeds(v)))
 
     @property
     def uncollided(self) -> FloatArray:
-        """Share of tracers in the delta peak of a monoenergetic start, shape (n_times,).
+        """Share of the tracers of a start of one speed that have not collided, shape (n_times,).
 
-        Those that have not collided (at e = 1 all); zero for other starts. With a field, of any
-        start of sharp velocities (rest, one speed, a Beam, samples).
+        At e = 1 all. With a field, of any start of sharp velocities (rest, a Beam, samples).
         """
         return np.asarray(frozen(self._velocities().uncollided))
 
@@ -324,19 +322,18 @@ class Solution(Result):
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
 
-        Its integral is 1; with c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The
-        error is 1e-8 of the maximum, a percent near steps. With a field it is the component along
-        it, and sharp starts are refused.
+        With c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The error is 1e-8 of the
+        maximum, a percent near steps. With a field it is the component along it, of smooth starts
+        only.
         """
         return np.asarray(self._velocities().component_density(finite_line("v_x", v_x)))
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
 
-        The sum of the harmonics up to ``scene.harmonics``, with a field of all; integral of
-        f v dv dphi is 1. In space phi is the angle to the x axis, about which f is symmetric: the
-        density is in 1/U^3, and the integral of 2 pi f v^2 sin(phi) dv dphi is 1. Delta peaks are
-        left out; v must be above 0.
+        The sum of the harmonics up to ``scene.harmonics``, with a field of all; integral of f v dv
+        dphi is 1. In space phi is the angle to the x axis, the density is in 1/U^3, and the
+        integral of 2 pi f v^2 sin(phi) dv dphi is 1. Delta peaks are left out; v must be above 0.
         """
         v_, phi_ = speeds(v, zero_allowed=False), finite_line("phi", phi)
         return np.asarray(self._asked("velocity_density").velocity_density(v_, phi_))
@@ -345,10 +342,9 @@ class Solution(Result):
 
     @property
     def ballistic_front(self) -> tuple[FloatArray, FloatArray]:
-        """Where tracers of sharp speeds are that have not collided, and how many of all they are.
+        """Radius in d, and share, of tracers of sharp speeds that have not collided.
 
-        Radius in d and share, shape (n_times, n_speeds) each: delta peaks, which
-        :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
+        Shape (n_times, n_speeds) each: delta peaks, which :meth:`position_density` leaves out.
         """
         found = self._moved()
         return frozen(found.front_radius), frozen(found.front_weight)
@@ -384,11 +380,11 @@ class Solution(Result):
         return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
 
     def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """How the density p = G(R)/(2 pi R) in the plane falls at R: its exponent and its rate.
+        """How the density p = G(R)/(2 pi R), in space G(R)/(4 pi R^2), falls: exponent and rate.
 
-        In space p = G(R)/(4 pi R^2). Shapes (n_times, n_R), for R > 0. The exponent is
-        d ln(ln(p(0)/p(R)))/d ln R, n where p ~ exp(-(R/b)^n), and the rate -d ln p/dR; without
-        tracers that have not collided, NaN where p is below its error. Not at a finite density.
+        Shapes (n_times, n_R), for R > 0. The exponent is d ln(ln(p(0)/p(R)))/d ln R, n where
+        p ~ exp(-(R/b)^n), and the rate -d ln p/dR; without tracers that have not collided, NaN
+        where p is below its error. Not at a finite density.
         """
         found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
         if self.scene.law.returns(0)[0]:
@@ -413,9 +409,7 @@ class Solution(Result):
         """F(k, t) = <exp(i k.r)> for k in 1/d, shape (n_times, n_k), to max(rtol, 1e-12) absolute.
 
         ``direction`` is the angle of k to the x axis, in radians, for directed starts, where F is
-        complex (in space the start is symmetric about this axis); by default F is the mean over the
-        directions of k, and real. Raises InputError also for wave numbers larger than can be solved
-        for.
+        complex; by default F is the mean over the directions of k, and real.
         """
         answer = self._asked("intermediate_scattering")
         k = not_negative_line("wave_numbers", wave_numbers)

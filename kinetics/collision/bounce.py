@@ -5,11 +5,9 @@ plane, and y^2 is in space. The normal component of its velocity, sqrt(1 - y^2) 
 by -e, the tangential one, y, by et. In units of its speed before the bounce (paper, label
 ``vchange``, where et = 1) it leaves with
 
-    speed                 s^2 = e^2 (1 - y^2) + et^2 y^2
-    parallel component    s cos(chi) = et y^2 - e (1 - y^2)
+    s^2 = e^2 (1 - y^2) + et^2 y^2,   s cos(chi) = et y^2 - e (1 - y^2)
 
-The other kind of bounce is made of samples. Both have the same methods; a law is a weighted sum of
-bounces. An average over one collision is a weighted sum over nodes, :class:`ImpactQuadrature`.
+A law is a weighted sum of such bounces, or of samples, which have the same methods.
 """
 
 from __future__ import annotations
@@ -42,10 +40,8 @@ class ImpactQuadrature:
     """Averages over one collision: E[f] = sum_k weight_k f_k; arrays of shape ``(n_nodes,)``.
 
     weight : positive, sums to 1
-    log_loss : xi = -ln s, s the speed ratio of the bounce; accurate relative to itself
-    ratio : s = exp(-xi)
-    parallel : s cos(chi), chi the deflection
-    dimension : 2 or 3
+    log_loss : -ln s, s the speed ratio of the bounce; accurate relative to itself
+    ratio, parallel : s, and s cos(chi), chi the deflection
     across : s sin(chi), where chi is small: cos(chi) alone would lose its digits; None elsewhere
     """
 
@@ -69,10 +65,7 @@ class ImpactQuadrature:
         return np.arccos(self.cosine)
 
     def harmonic(self, m: int) -> FloatArray:
-        """What angular harmonic m keeps of itself in a bounce, shape (n_nodes,).
-
-        cos(m chi) in the plane, the Legendre polynomial P_m(cos chi) in space.
-        """
+        """What harmonic m keeps: cos(m chi) in the plane, P_m(cos chi) in space, (n_nodes,)."""
         return 1.0 - self.harmonic_loss(m)
 
     def harmonic_loss(self, m: int) -> FloatArray:
@@ -121,8 +114,8 @@ class ImpactQuadrature:
 class DiskBounce:
     """The bounce off a disk (dimension 2) or a sphere (3); e and et from 0 to 1, not both 0.
 
-    Or e from -1 to 0, et = 1, off one that is pushed away: the tracer is deflected by less than
-    pi/2, and by nothing both where it grazes and where it hits head-on.
+    Or e from -1 to 0, et = 1, off one that is pushed away: deflected by less than pi/2, and by
+    nothing both where the tracer grazes and where it hits head-on.
     """
 
     restitution: float
@@ -225,7 +218,7 @@ class DiskBounce:
         return above * np.exp(p * (math.log(self._ends[1]) + near) + power * near) / (p + power)
 
     def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
-        """P(xi > u) is y^(d-1) where e < et and 1 - y^(d-1) where et < e; 1 up to the least loss.
+        """P(-ln s > u) is y^(d-1) where e < et, 1 - y^(d-1) where et < e, 1 up to the least loss.
 
         du = |et^2 - e^2| y dy/s^2.
         """
@@ -241,32 +234,6 @@ class DiskBounce:
             first, whole = equal_panels(self.least_loss, _POINTS, _FOLDS / max(rate, _FOLDS))
             u, w = np.concatenate([first, u]), np.concatenate([whole, w])
         return u, w
-
-    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
-        """The average cell by cell of width ``spacing`` in -ln s, and the cell of each node.
-
-        Gauss points in y, in which s is smooth; its density in -ln s is not. Where s
-        reaches 0, cells end at e^-40 of its largest; the last one holds all below.
-        """
-        first, last = self.least_loss, self.largest_loss
-        count = max(1, math.ceil(min(40.0 + first, last) / spacing))
-        edge = np.clip(np.arange(count + 1) * spacing, first, last)
-        if first == last:
-            q = self.quadrature(0)
-            return q, np.full(q.weight.size, count - 1)
-        rise = -np.expm1(2.0 * np.minimum(0.0, edge - last)) * np.exp(-2.0 * edge)
-        fall = -np.expm1(2.0 * np.minimum(0.0, first - edge)) * math.exp(-2.0 * first)
-        angle = np.arctan2(np.sqrt(rise), np.sqrt(fall))  # 0 where s is least
-        angle[-1] = 0.0
-        rising = self.restitution < self.tangential_restitution
-        z = np.sin(angle) if rising else 2.0 * np.sin(0.5 * angle) ** 2  # y, or 1 - y
-        node, weight = gauss_legendre(points)
-        width = (z[:-1] - z[1:])[:, None]
-        at = (z[1:, None] + width * node).ravel()
-        y, missed = (at, (1.0 - at) * (1.0 + at)) if rising else (1.0 - at, at * (2.0 - at))
-        q = self._quadrature(y, np.sqrt(missed), (width * weight).ravel())
-        kept = q.weight > 0.0  # cells below the least loss are empty
-        return q.part(kept), np.repeat(np.arange(count), points)[kept]
 
 
 @dataclass(frozen=True)
@@ -346,11 +313,6 @@ class SampledBounce:
         beyond = chance.sum() - np.cumsum(chance)
         u = (np.arange(count)[:, None] + node) * width
         return u.ravel(), (width * (ends + beyond[:, None] * weight)).ravel()
-
-    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
-        """The samples and the cell of each."""
-        q = self.quadrature(0)
-        return q, np.floor(q.log_loss / spacing).astype(np.int64)
 
 
 Bounce = DiskBounce | SampledBounce

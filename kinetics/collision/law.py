@@ -57,19 +57,17 @@ class CollisionLaw:
     tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
         smooth scatterers. Not both may be below 1e-8: the tracer would stop at its first bounce
     dimension : 2 (disks in the plane) or 3 (spheres)
-    mass_ratio : A, the mass of a scatterer over that of the tracer, 1e-6 or more; inf: fixed.
-        A finite one, for smooth scatterers, is of scatterers at rest that are met once each:
-        ``restitution`` is then that of the relative velocity, and the bounce is that off a fixed
-        scatterer of ``effective_restitution``, which e stands for everywhere else
+    mass_ratio : A, the mass of a scatterer over that of the tracer, 1e-6 or more; inf: fixed. A
+        finite one is of smooth scatterers at rest that are met once each, ``restitution`` that of
+        the relative velocity; elsewhere e then stands for ``effective_restitution``
 
-    A law that is not of this form is made by :meth:`from_samples` or :meth:`mixture`; its
-    ``restitution`` and ``tangential_restitution`` are None. That of a scene at a finite density has
-    a ``medium``: what belongs to one collision is as without it, rates of decay are those of the
-    medium. Raises InputError for arguments out of range.
+    Other laws are made by :meth:`from_samples` and :meth:`mixture`; their ``restitution`` and
+    ``tangential_restitution`` are None. That of a scene at a finite density has a ``medium``: rates
+    of decay are then those of the medium, and all else is of one collision.
 
-    All results are dimensionless. Relative accuracy 1e-13 or better for every e and et, those near
-    0 and 1 included: for real p each is a sum of terms of one sign. For complex p the error of
-    E[s^p] is relative to E[s^(Re p)]. Rounding of e leaves 1e-16 (A + 1/A) at a mass ratio A.
+    All results are dimensionless, with a relative accuracy of 1e-13 or better for every e and et;
+    for complex p that of E[s^p] is relative to E[s^(Re p)], and rounding of e leaves
+    1e-16 (A + 1/A). Raises InputError for arguments out of range.
 
     >>> law = CollisionLaw(restitution=0.7)
     >>> bool(abs(law.decay_rate(2) - 2 / 3 * (1 - 0.7**2)) < 1e-15)
@@ -109,15 +107,11 @@ class CollisionLaw:
     ) -> CollisionLaw:
         """A law of one's own: a random restitution, or measured bounces.
 
-        Parameters
-        ----------
         weight : of each sample, not negative, sum 1, shape (n_samples,), up to 20,000 of them
-        ratio : speed after the bounce over the speed before, above 0, same shape. Ratios above 1
-            have averages, but the solvers refuse them: they need a tracer that never gains energy
-        cosine : cosine of the deflection, from -1 to 1, same shape. A law must not prefer left
-            or right: in the plane the deflection takes both signs with equal chance, in space
-            every azimuth
-        dimension : 2 or 3
+        ratio : speed after the bounce over the speed before, above 0. The solvers refuse ratios
+            above 1: they need a tracer that never gains energy
+        cosine : cosine of the deflection, from -1 to 1. A law must not prefer left or right: in the
+            plane the deflection takes both signs with equal chance, in space every azimuth
 
         >>> half = CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.0, 0.0])
         >>> float(half.mean_speed_ratio_power(2.0))
@@ -132,12 +126,9 @@ class CollisionLaw:
         """Each collision follows one of the laws, drawn anew: a random restitution, or scatterers
         of several kinds.
 
-        Parameters
-        ----------
         weights : the chance of each law at a collision, above 0, up to a common factor, (n_laws,).
-            For kinds of scatterers it is in proportion to number density times cross section, and
-            l is the mean free path among all of them
-        laws : of one dimension, each of any form, without a medium. What is smooth stays smooth
+            For kinds of scatterers it is in proportion to number density times cross section
+        laws : of one dimension, each of any form, without a medium
 
         >>> mixed = CollisionLaw.mixture([1, 3], [CollisionLaw(0.5), CollisionLaw(0.9)])
         >>> bool(abs(mixed.decay_rate(2) - 2 / 3 * (1 - (0.5**2 + 3 * 0.9**2) / 4)) < 1e-15)
@@ -209,8 +200,8 @@ class CollisionLaw:
     def effective_restitution(self) -> float | None:
         """e of the fixed scatterer that leaves the tracer the same velocity, -1 < e <= 1.
 
-        With A the mass ratio 1 + e = (1 + restitution) A/(1 + A). Below 0 the tracer goes on behind
-        the scatterer that it has hit. None for samples and mixtures.
+        1 + e = (1 + restitution) A/(1 + A), A the mass ratio. Below 0 the tracer goes on behind the
+        scatterer that it has hit. None for samples and mixtures.
         """
         if self.restitution is None or self.mass_ratio == math.inf:
             return self.restitution
@@ -261,8 +252,7 @@ class CollisionLaw:
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
-        There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0. In a medium it may
-        be higher: below it returns of returns do not add up.
+        There it is -1 for smooth disks, -2 for spheres and for et = 0; in a medium perhaps higher.
         """
         if self.medium is None:
             return self._lowest_power
@@ -275,10 +265,9 @@ class CollisionLaw:
 
     @property
     def uniform_power(self) -> float | None:
-        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
+        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = d - 1; None for others.
 
-        Then lambda(z) = z/(z + q), kappa = 1/q, and the scaling state is known in closed form. None
-        for all other laws.
+        Then lambda(z) = z/(z + q), and the scaling state is known in closed form.
         """
         if self.effective_restitution == 0.0 and self.tangential_restitution == 1.0:
             return self.dimension - 1.0
@@ -295,9 +284,9 @@ class CollisionLaw:
         return 2.0 * math.pi * (self.dimension - 1.0)
 
     def mean_free_path(self, number_density: float, diameter: float) -> float:
-        """l = 1/(2 d rho) among disks, 1/(pi d^2 rho) among spheres; d the diameter.
+        """l = 1/(2 d rho) among disks, 1/(pi d^2 rho) among spheres, or that of the medium.
 
-        0 or infinite where it is beyond the range of doubles; that of the medium if there is one.
+        0 or infinite where it is beyond the range of doubles.
         """
         across = 2.0 * diameter if self.dimension == 2 else math.pi * diameter * diameter
         rate = across * number_density
@@ -320,10 +309,7 @@ class CollisionLaw:
         return self.quadrature_for(0.0)
 
     def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
-        """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``.
-
-        Raises InputError where that takes more than some million points.
-        """
+        """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``."""
         level = self._level(rate, m)
         make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
         return make(self.bounces, level)
@@ -346,21 +332,8 @@ class CollisionLaw:
         weight = [w * each for (w, _), (_, each) in zip(self.bounces, found, strict=True)]
         return np.concatenate([u for u, _ in found]), np.concatenate(weight)
 
-    def cells(self, spacing: float, points: int = 6) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
-        """The average cell by cell of width ``spacing`` in -ln s, with so many points in each.
-
-        Returns the quadrature and the cell of each of its nodes, shape (n_nodes,). Where s reaches
-        0 cells end at -ln s = 40; the last one holds all bounces below.
-        """
-        found, cells = zip(*(part.cells(spacing, points) for part in self._parts), strict=True)
-        return ImpactQuadrature.joined([w for w, _ in self.bounces], found), np.concatenate(cells)
-
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
-        """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
-
-        Closed forms: e^p 2F1(-p/2, 1/2; 3/2; -(1-e^2)/e^2) for smooth disks,
-        2 (et^(p+2) - e^(p+2))/((p+2)(et^2 - e^2)) for spheres.
-        """
+        """E[s^p], of the shape of p, a float for a real number; p may be complex."""
         p_ = self._exponents(p)
         q = self.quadrature_for(_size(p_))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -370,8 +343,7 @@ class CollisionLaw:
     def decay_rate(self, p: ArrayLike) -> Any:
         """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part).
 
-        Same shapes as :meth:`mean_speed_ratio_power`; accurate relative to itself also where
-        it vanishes (p -> 0, elastic bounces). Negative for p < 0.
+        Accurate relative to itself also where it vanishes (p -> 0, elastic bounces).
         """
         return self.harmonic_decay_rate(p, 0)
 
@@ -499,8 +471,8 @@ def law_of(
 ) -> CollisionLaw:  # fmt: skip
     """The law of these arguments, as the solvers take them.
 
-    ``restitution`` may be a CollisionLaw itself; the other three are its own then, and need not be
-    given. Raises InputError for arguments out of range, and for a law that gains energy.
+    ``restitution`` may be a CollisionLaw itself; the others, its own then, need not be given.
+    Raises InputError for arguments out of range, and for a law that gains energy.
     """
     if not isinstance(restitution, CollisionLaw):
         return CollisionLaw(restitution, tangential_restitution, dimension, mass_ratio=mass_ratio)
@@ -524,8 +496,8 @@ def law_in_medium(
 ) -> CollisionLaw:
     """The law among these scatterers; the law itself where they are dilute.
 
-    Raises InputError for unknown names, for a density above 0.3 d^-2, and for laws for which the
-    theory is not derived: rough scatterers, spheres, samples, mixtures, a finite mass ratio.
+    Raises InputError for arguments out of range, and where the theory is not derived: rough or
+    moving scatterers, spheres, samples, mixtures.
     """
     scatterers = one_of("scatterers", scatterers, SCATTERERS)
     order = one_of("density_order", order, ORDERS)

@@ -1,29 +1,22 @@
 r"""Scatterers at a finite density: how a tracer that meets them again changes the collision law.
 
-The kinetic equation of the paper forgets every scatterer that was hit. In a medium of number
-density n (per d^2, d the contact distance) a tracer that is thrown back by a second scatterer meets
-the first one again, and on its way it runs along a corridor that it knows to be empty. In the clock
-of the path length, with K one collision and B a bounce straight back (direction reversed, speed
-times e), both together replace
+In a medium of number density n (per d^2, d the contact distance) a tracer that is thrown back by a
+second scatterer meets the first one again, and on its way it runs along a corridor that it knows to
+be empty. In the clock of the path length, with K one collision and B a bounce straight back
+(direction reversed, speed times e), both together replace
 
     K - 1  by  (K - 1)/(1 - eps B (K - 1)),      eps = (2 e/(1 + e)) n ln(1/n),
 
 so that on v^p exp(i m phi) lambda_m(p) becomes lambda_m(p)/(1 + eps (-1)^m e^p lambda_m(p)). The
 derivation is in examples/docs/theory/density.md, how far it agrees with simulations in
-examples/docs/validation.md. The coefficient 4/3 of the elastic gas at m = 1, p = 0 is that of van
-Leeuwen and Weijland, Physica 36 (1967) 457.
-
-Orders of the theory ("density_order"):
+examples/docs/validation.md. Orders of the theory ("density_order"):
 
 "leading" : the above, without any number that is fitted or integrated
 "first" : the order n too. eps = (2 e/(1 + e)) n ln(1/(C n)) with a constant C(e; m) of each
     harmonic m = 0, 1, 2 (above, the leading order), and collisions 1 + d(e) n times as often. C and
-    d are integrals over two scatterers and over loops, in returns.json. C is that of the average
-    which is slowest: of v for m = 0, of the direction for the others
+    d are integrals over two scatterers and over loops, in returns.json
 "second" : with terms of the order (n ln n)^2 in the path and in the harmonic m = 1, fitted to
     simulations. The default, because it is the nearest
-
-In averages over time, F(k, t) and G(R), returns take time (`kinetics.moments.delayed`).
 """
 
 from __future__ import annotations
@@ -54,13 +47,7 @@ _LOSSY, _LONGER, _J1 = (0.29, 3.2), 1.5, (1.07, 0.45)
 
 @dataclass(frozen=True)
 class Medium:
-    """Fixed smooth disks at a finite density.
-
-    scatterers : "overlapping" (placed independently) or "hard disks"
-    density : n = rho d^2, dimensionless
-    restitution : e
-    order : the level of the theory, one of ORDERS
-    """
+    """Fixed smooth disks at a finite density, of restitution e: density is n = rho d^2."""
 
     scatterers: str
     density: float
@@ -71,9 +58,8 @@ class Medium:
     def path_ratio(self) -> float:
         """The mean path between collisions over 1/(2 d rho), with 1 + d n of the order n.
 
-        Overlapping disks leave it as it is at every density (Santalo). Among hard disks it is
-        pi (free area)/(exposed arc), (1 - eta)^2/(1 - 7 eta/16) with eta = pi n/4, the share of
-        the area that disks cover (Henderson's contact value of the pair distribution).
+        Overlapping disks leave it as it is (Santalo). Among hard disks it is (1 - eta)^2/(1 - 7
+        eta/16), eta = pi n/4, the share of the area that disks cover (Henderson).
         """
         ratio = 1.0
         if self.scatterers == "hard disks":

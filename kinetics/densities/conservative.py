@@ -48,6 +48,7 @@ _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the ax
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
+_NODES_OF_A_CELL = 16.0  # radians of s^z on one, so that losses lie a tenth of it apart
 # Of returns to the scatterer before: the deepest -ln s that is kept apart, and shares of bounces
 # that are rounding.
 _DEEPEST, _NO_SHARE = 40.0, 1e-17
@@ -86,7 +87,8 @@ def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
 
     In a medium that of its operator, in which shares may be negative.
     """
-    q, low = law.cells(spacing)
+    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
+    low = np.minimum((q.log_loss / spacing).astype(np.int64), math.ceil(_DEEPEST / spacing))
     kernel = _shared(q.log_loss, low, q.weight * q.harmonic(m), spacing)
     eps, loss = law.returns(m)
     return _with_returns(kernel, spacing, eps, loss) if eps else kernel

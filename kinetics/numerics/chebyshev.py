@@ -29,7 +29,6 @@ def interpolation_rows(difference: FloatArray, weights: FloatArray) -> FloatArra
     """Rows that take values at any nodes to the values of their polynomial at some points.
 
     difference : point minus node, shape (..., n_nodes), exactly 0 where they coincide
-    weights : barycentric weights of the nodes, shape (n_nodes,)
     """
     exact = difference == 0.0
     rows = weights / np.where(exact, 1.0, difference)
@@ -89,10 +88,7 @@ class Chebyshev:
         return interpolation_rows(local[:, None] - self.local, self.weights)
 
     def last_coefficients(self, values: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
-        """Sizes of the last Chebyshev coefficient and of the one before it.
-
-        values : at the points, shape (..., nodes); the results have the shape (...).
-        """
+        """Sizes of the last Chebyshev coefficient and of the one before, of values (..., nodes)."""
         return np.abs(values @ self._last_two[:, 0]), np.abs(values @ self._last_two[:, 1])
 
     @cached_property
@@ -131,7 +127,6 @@ def panel_rule(nodes: int, width: float) -> PanelRule:
 class PanelShifts:
     """Where the nodes of a panel go when they are shifted down, and the interpolation there.
 
-    rule : the collocation
     shift : in x, not negative, shape (n_shifts,)
     below : by how many panels each shifted node lies below, shape (nodes, n_shifts)
     rows : its interpolation from the nodes of that panel, shape (nodes, n_shifts, nodes)
@@ -198,8 +193,7 @@ def with_returns(
 ) -> tuple[FloatArray, FloatArray]:
     """Loss and gain of (K - 1)/(1 - factor S (K - 1)), with S f(x) = f(x - shift), from those of K.
 
-    Both as :meth:`PanelShifts.kernel` has them, factor (n_m,); the gain reaches as many panels down
-    as it takes.
+    Both as :meth:`PanelShifts.kernel` has them, factor (n_m,).
     """
     n, count = rule.nodes, loss.shape[0]
     # K - 1 panel by panel, the nearest one first, (reach + 1, n_m, n, n)

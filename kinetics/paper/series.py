@@ -1,14 +1,11 @@
 r"""The Sonine expansion of the scaled state to any order.
 
-F(c) = exp(-c^2)/pi (1 + sum_k a_k S_k(c^2)), k = 2 ... n + 1 at order n. S_k are the Laguerre
-polynomials (paper, label ``sonine1``); the paper's own approximation is order 1, a_2 alone. The
-scaled equation (label ``ifmu2``), projected on S_1 ... S_(n+1), is linear except for h:
+F(c) = exp(-c^2)/pi (1 + sum_k a_k S_k(c^2)), k = 2 ... n + 1 at order n, S_k Laguerre polynomials
+(paper, label ``sonine1``); the paper's own approximation is order 1, a_2 alone. The scaled equation
+(label ``ifmu2``), projected on S_1 ... S_(n+1), is a generalised eigenvalue problem for h:
 
     h (j a_j - j a_(j-1)) = sum_k (I - T)_ji H_ik a_k,        a_0 = 1, a_1 = 0,
-    T_ji = E[C(j, i) s^(2i) (1 - s^2)^(j-i)],  H_ik = integral of x^(1/2) e^-x S_i S_k dx,
-
-a generalised eigenvalue problem. T is a matrix of probabilities and each element of H a sum whose
-terms but one have the same sign: both are accurate to rounding at every order.
+    T_ji = E[C(j, i) s^(2i) (1 - s^2)^(j-i)],  H_ik = integral of x^(1/2) e^-x S_i S_k dx
 
 The expansion diverges for every e < 1, because F falls as exp(-2c/h): it comes nearest the exact h
 at order 2 for e <= 0.6, about 30 for e = 0.8, and leaves it again. Odd orders have no real root
@@ -83,13 +80,9 @@ def _matrices(restitution: float, size: int) -> tuple[FloatArray, FloatArray]:
 class SonineState:
     """The scaled state at one order.
 
-    Attributes
-    ----------
-    restitution, order : as asked
     coefficients : a_0 = 1, a_1 = 0, a_2 ... a_(order+1); NaN without a real solution
     cooling_rate : h, dimensionless; NaN without a real solution
     roots : every h of this order with a_0 = 1, complex, shape (n_roots,), by modulus
-    status : SeriesStatus
     """
 
     restitution: float

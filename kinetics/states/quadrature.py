@@ -1,9 +1,8 @@
 """Distributions of speeds as weighted points on the logarithmic speed axis.
 
-The solver only ever needs averages of smooth functions of ln v over the initial state, so that a
-state is a list of points and weights: one point for a monoenergetic start, the trapezoid rule for a
-Gaussian, panels of Gauss-Legendre points for a density, and for samples of velocities the points
-of a fine grid that give every smooth average that the samples give.
+The solver only needs averages of smooth functions of ln v over the initial state: one point for a
+monoenergetic start, the trapezoid rule for a Gaussian, panels of Gauss-Legendre points for a
+density, and for samples a fine grid that gives every smooth average that the samples give.
 """
 
 from __future__ import annotations
@@ -84,8 +83,7 @@ def table(
 ) -> LogMeasure:
     """A density, real or complex, linear between the points; pieces no wider than 1/4 in ln v.
 
-    One that begins at speed 0 goes down to where what is left is rtol of <v^lowest>. Raises
-    InputError where that is below the smallest number.
+    One that begins at speed 0 goes down to where what is left is rtol of <v^lowest>.
     """
     knots = np.log(np.maximum(speed, 1e-320))
     if speed[0] == 0.0:
@@ -155,10 +153,8 @@ def function(
 ) -> LogMeasure | None:
     """A speed density, or a harmonic of one, given as a function: adaptive panels in ln v.
 
-    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice. None for a
-    function that is zero wherever it was looked at.
-
-    Raises InputError where it is NaN, has no finite integral or no second moment.
+    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice. None for one
+    that is zero. Raises InputError where it is NaN, has no finite integral or no second moment.
     """
 
     def per_log_speed(x: FloatArray) -> NDArray[Any]:

@@ -1,21 +1,12 @@
 """The contract of an initial state: what a new one must provide.
 
-To add an initial state, write a ``@dataclass(frozen=True)`` class whose fields are what the user
-gives; ``Scene(initial=...)`` takes any object of a subclass of :class:`State`.
-
-1. In ``__post_init__`` check the arguments (`kinetics.validation`) and store arrays with
-   ``self.store(name=array)``, which keeps read-only copies. Speeds are in U, densities in 1/U.
-2. Write ``harmonic``: f_m as points ln v with weights, so that the sum of the weights times v^p
-   exp(smooth function of ln v) is right to about ``rtol`` for all powers p from ``lowest`` to
-   ``highest``. f_0 is the speed density: its weights sum to 1. `quadrature` has rules for
-   Gaussians, tables, functions and samples.
-3. Write ``profile`` if f_m is a function of v. The densities of the velocity and position need it,
-   the averages do not. Leave it out for delta peaks and samples.
-4. Set the attributes of State where their defaults do not fit, in the class or with ``store``, and
-   write ``in_space()`` if the state may start a scene in space and is not isotropic.
-5. For the package: export it in ``kinetics/__init__.py``, and add one object of it to STATES in
-   ``tests/kinetics/states/test_contract.py``, which tests every rule of this list.
-
+Write a ``@dataclass(frozen=True)`` class whose fields are what the user gives;
+``Scene(initial=...)`` takes any object of a subclass of :class:`State`. In ``__post_init__`` check
+the arguments, and store arrays with ``self.store(name=array)``, which keeps read-only copies.
+Speeds are in U, densities in 1/U. Write ``harmonic`` (`quadrature` has rules for Gaussians, tables,
+functions and samples), ``profile`` if f_m is a function of v, which densities need, and
+``in_space()`` if the state may start a scene in space and is not isotropic; set the attributes of
+State where their defaults do not fit. ``tests/kinetics/states/test_contract.py`` tests all this.
 The shortest example is :class:`kinetics.states.kinds.Rest`.
 """
 
@@ -59,16 +50,15 @@ class State(Value):
         """The state as it starts a three-dimensional scene; None if it has no such form.
 
         There harmonic m is the integral of P_m(cos theta) f over all directions, theta the angle to
-        the x axis, about which the state is symmetric. Isotropic states that are given by their
-        speeds are the same in space.
+        the x axis. Isotropic states that are given by their speeds are the same in space.
         """
         return self if self.highest_harmonic == 0 else None
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
-        """f_m(v), the integral of exp(-i m phi) v f(v, phi) over phi, as weighted points.
+        """f_m(v), the integral of exp(-i m phi) v f(v, phi) over phi, as weighted points; or None.
 
-        They give averages of powers of the speed from ``lowest`` to ``highest`` to about rtol. None
-        where f_m is zero.
+        The sum of the weights times v^p exp(smooth function of ln v) is right to about rtol for all
+        powers p from ``lowest`` to ``highest``. f_0 is the speed density: its weights sum to 1.
         """
         raise NotImplementedError
 
