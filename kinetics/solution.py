@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 import warnings
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -275,22 +275,6 @@ class Solution(Result):
             raise InputError("collision_numbers: the scene has none; give Scene some")
         law, path, state, _ = self.scene.problem
         return ByCollision(law, path, state, numbers, self.rtol)
-
-    def at(self, times: ArrayLike) -> Solution:
-        """The averages at other times up to the last of the scene, without solving it again.
-
-        ``times`` in d/U, not falling, shape (n,). The averages are those of a Solution of a scene
-        with these times and the same last one, to the bit; `error_estimate` and `status` are of all
-        times.
-        """
-        answer = self._without_field()
-        outputs = tuple(name for name in self.scene.outputs if OUTPUTS[name].values is not None)
-        if not outputs:
-            raise InputError("outputs: none of this scene's is an average over the tracers")
-        scene = replace(self.scene, times=times, outputs=outputs)
-        if np.asarray(scene.times)[-1] > (last := float(self.times[-1])):
-            refuse("times", times, f"this scene was solved up to its last time, {last:g} d/U")
-        return _solution(answer.at(scene), scene, self.rtol, self.method, self.nodes)
 
     # -- velocity -----------------------------------------------------------------------------
 

@@ -110,12 +110,6 @@ class Answer(Value):
         degree = max([2.0, *(p for p, _ in self._powers)])
         return _with_enough_nodes(Averages(*self.scene.problem, self.rtol, degree), self._needed)
 
-    def at(self, scene: Scene) -> Answer:
-        """The answer to a scene with other times and fewer outputs; nothing is solved again."""
-        other = replace(self, scene=scene)
-        vars(other)["averages"] = self.averages.at(np.asarray(scene.times))
-        return other
-
     @property
     def values(self) -> dict[str, FloatArray]:
         """Every output that is an array, in the order of the table; InputError on overflow."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.quadrature import LogMeasure
@@ -274,12 +274,10 @@ class PolarGrid(Table):
 
 
 class Functions(State):
-    """A state whose f_m are functions of v: a subclass says which, and None for those left out."""
+    """A state whose f_m are functions of v; a subclass gives those that are not zero."""
 
     smooth = True
-
-    def _function(self, m: int) -> Callable[[Any], Any] | None:
-        raise NotImplementedError
+    terms: Mapping[int, Callable[[Any], Any]]
 
     def in_space(self) -> State:
         """The same functions, as coefficients of Legendre polynomials."""
@@ -287,11 +285,13 @@ class Functions(State):
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """Adaptive Gauss panels in ln v; None for a function that is zero everywhere."""
-        function = self._function(m)
-        if function is None or m:
-            return function and quadrature.function(function, rtol, lowest, highest)
+        if m not in self.terms:
+            return None
         # a tenth of the allowed error of the norm, so that its check sees the density
-        found = quadrature.function(function, min(rtol, 1e-7), lowest, highest)
+        tight = rtol if m else min(rtol, 1e-7)
+        found = quadrature.function(self.terms[m], tight, lowest, highest)
+        if m:
+            return found
         if found is None:
             raise InputError(quadrature.NO_INTEGRAL)
         if np.iscomplexobj(found.weight):
@@ -301,8 +301,7 @@ class Functions(State):
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
-        function = self._function(m)
-        return None if function is None else lambda v: quadrature.evaluate(function, v)
+        return (lambda v: quadrature.evaluate(self.terms[m], v)) if m in self.terms else None
 
 
 @dataclass(frozen=True)
@@ -314,8 +313,8 @@ class SpeedDensity(Functions):
 
     function: Callable[[Any], Any]
 
-    def _function(self, m: int) -> Callable[[Any], Any] | None:
-        return None if m else self.function
+    def __post_init__(self) -> None:
+        self.store(terms={0: self.function})
 
 
 @dataclass(frozen=True)
@@ -337,9 +336,6 @@ class AngularHarmonics(Functions):
         if not whole or 0 not in orders or min(orders) < 0:
             refuse("terms", orders, "orders must be whole, m >= 0, and m = 0 is needed")
         self.store(terms=dict(self.terms), highest_harmonic=int(max(orders)))
-
-    def _function(self, m: int) -> Callable[[Any], Any] | None:
-        return self.terms.get(m)
 
 
 # -- directions -----------------------------------------------------------------------------------
@@ -373,17 +369,15 @@ class Beam(State):
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """The points of the speeds, with their weights times exp(-i m phi_0)."""
         found: LogMeasure = self.speeds.harmonic(0, rtol, lowest, highest)
-        return LogMeasure(found.x, found.weight * self._turn(m)) if m else found
+        return LogMeasure(found.x, found.weight * self._turn(m))
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The speed density times exp(-i m phi_0)."""
         profile: SpeedFunction | None = self.speeds.profile(0)
-        if profile is None or m == 0:
-            return profile
-        return lambda v: np.asarray(self._turn(m) * profile(v))
+        return profile and (lambda v: np.asarray(self._turn(m) * profile(v)))
 
-    def _turn(self, m: int) -> complex:
-        return complex(np.exp(-1j * m * self.direction))
+    def _turn(self, m: int) -> Any:
+        return np.exp(-1j * m * self.direction) if m else 1.0
 
 
 NAMED: dict[str, State] = {"gaussian": Gaussian(), "monoenergetic": Monoenergetic(), "rest": Rest()}
@@ -397,7 +391,5 @@ def as_state(initial: Any, name: str = "initial") -> State:
         return NAMED[initial]
     if callable(initial):
         return SpeedDensity(initial)
-    raise InputError(
-        f"{name}: got {short(initial)}; it must be one of {', '.join(NAMED)}, a function of v "
-        "or a state (SpeedTable, SpeedSamples, Beam, ...)"
-    )
+    allowed = "a function of v or a state (SpeedTable, SpeedSamples, Beam, ...)"
+    refuse(name, initial, f"it must be one of {', '.join(NAMED)}, {allowed}")

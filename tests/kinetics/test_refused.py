@@ -30,11 +30,10 @@ from kinetics import (
 NAN, INF, AN_EXP = math.nan, math.inf, np.exp
 V, ONES = np.linspace(0.0, 1.0, 11), np.ones(11)
 GRID, FLAT = np.linspace(0.0, 1.0, 5), np.ones((5, 8))
-DISKS, LATE, DENSE = CollisionLaw(0.5), dict(times=[1e4]), dict(scatterers="hard disks")
+DISKS, DENSE = CollisionLaw(0.5), dict(scatterers="hard disks")
 AMONG = Scene(0.5, 0.02, times=[1.0], scatterers="overlapping").law
 MIXED = CollisionLaw.mixture([0.5, 0.5], [CollisionLaw(1.0), DISKS])
 MEDIUM: dict[str, Any] = dict(scatterers="overlapping", number_density=0.1)
-OTHERS = dict(outputs="speed_density"), dict(field=0.1)
 
 
 def scene(**changes: Any) -> Scene:
@@ -144,9 +143,6 @@ RESULTS: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("p", lambda p: solved(restitution=0.0).moment(p), [-1.0]),
     ("p", lambda p: solved(initial=Beam()).harmonic(p, 1), ["x", NAN, 50]),
     ("m", lambda m: solved(initial=Beam()).harmonic(1, m), [-1, 300, 0.5]),
-    ("times", lambda t: solved(**LATE).at(t), [[1.1e4], [], [-1.0], [2.0, 1.0], ["x"]]),
-    ("outputs", lambda k: solved(**OTHERS[k]).at([0.5]), [0]),
-    ("field", lambda k: solved(**OTHERS[k]).at([0.5]), [1]),
     ("collision_numbers", lambda m: solved().by_collision, [0]),
     ("p", lambda p: solved(restitution=0.0, collision_numbers=[3]).by_collision.moment(p), [-1.0]),
     ("collision_numbers",  # <1/v> does not exist

@@ -232,7 +232,7 @@ def test_what_is_saved_comes_back(name: str, tmp_path: Path) -> None:
     ask = {
         "solution with densities": lambda s: (
             s.velocity_density([0.1, 1.0], [0.3]), s.position_density([0.5]), s.uncollided,
-            s.intermediate_scattering([0.1], 0.2), s.harmonic(1.5, 2), s.at([50.0]).msd,
+            s.intermediate_scattering([0.1], 0.2), s.harmonic(1.5, 2),
         ),
         "rough solution": lambda s: (s.speed_density([0.1, 1.0]),),
         "scaled": lambda s: (s.cooling_rate, s.a2, s.vdf(1.0)),
