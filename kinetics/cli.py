@@ -60,9 +60,7 @@ def other_owners() -> str:
     for name, others in ((name, {*owners.get(name, ())} - {"inelastic-lorentz"}) for name in names):
         if others:
             whose = ", ".join(sorted(others))
-            return (
-                f"the package {name!r} is also of {whose}; use a fresh environment (python -m venv)"
-            )
+            return f"the package {name!r} is also of {whose}; use a fresh environment"
     return ""
 
 
@@ -140,9 +138,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _complain(message: str) -> int:
-    line = " ".join(message.split())
-    # what is wrong stands first, and what is allowed last
-    _say(line if len(line) <= 390 else f"{line[:240]} ... {line[-135:]}")
+    _say(message)
     return BAD_INPUT
 
 

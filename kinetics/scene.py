@@ -68,13 +68,9 @@ class Scene(Value):
     `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the
     outputs are fewer; in a field, and for outputs with a direction, starts are symmetric about x.
 
-    Raises
-    ------
-    InputError (a ValueError) : one line that names the argument, its value and what is allowed
-
-    A scene whose initial state is a Python function can neither be saved to a file nor, if the
-    function is a lambda, be pickled: give the density as a SpeedTable where that is needed. Two
-    scenes are equal if their systems, initial states, times and outputs are.
+    Raises InputError (a ValueError), one line that names the argument, its value and what is
+    allowed. A scene whose initial state is a Python function cannot be saved to a file: give the
+    density as a SpeedTable where that is needed.
     """
 
     restitution: Any
@@ -153,30 +149,30 @@ class Scene(Value):
 
         Raises InputError where the restitution depends on the impact speed: there is none.
         """
-        if impact_restitution(self.restitution) is not None:
+        if self._varies:
             refuse("restitution", self.restitution, "a CollisionLaw needs a number")
         return self._any_law
 
+    @property
+    def _varies(self) -> bool:
+        """Whether the restitution depends on the impact speed."""
+        return impact_restitution(self.restitution) is not None
+
     @cached_property
     def system(self) -> System | None:
-        """What drives the tracer, or makes its restitution depend on the speed; None for neither.
-
-        In U and d.
-        """
-        varies = impact_restitution(self.restitution) is not None
+        """What drives the tracer, or makes its restitution vary, in U and d; None for neither."""
         drives = checked_drives(**{name: getattr(self, name) for name in (*DRIVES, "field")})
-        if not varies and not any(drives[name] for name in DRIVES):
+        if not self._varies and not any(drives[name] for name in DRIVES):
             return None
         return System.checked(self.restitution, self.dimension, self.mass_ratio, **drives)
 
     @cached_property
     def _any_law(self) -> CollisionLaw:
         """The law; where the restitution depends on the impact speed one of the same geometry."""
-        varies = impact_restitution(self.restitution) is not None
-        e = 1.0 if varies else self.restitution
+        e = 1.0 if self._varies else self.restitution
         law = law_of(e, self.tangential_restitution, self.dimension, self.mass_ratio)
-        system = (self.scatterers, self.number_density, self.diameter)
-        return law_in_medium(law, *system, self.density_order)
+        medium = self.scatterers, self.number_density, self.diameter, self.density_order
+        return law_in_medium(law, *medium)
 
     @property
     def problem(self) -> tuple[CollisionLaw, float, State, FloatArray]:

@@ -247,6 +247,8 @@ class Answer(Value):
         chain = {y for row in moving for _, y, _ in row.made_of(self.scene.dimension)}
         harmonics = sorted({m for _, m in self._powers} | set(profiles))
         isotropic = averages.state.highest_harmonic == 0
+        enough = "the start is isotropic" if isotropic else "no output needs more"
+        methods = sorted({one.method for one in profiles.values()})
         kept = "elastic: speeds are kept, harmonics relax at their own rates"
         reasons = {
             VELOCITY: kept if averages.elastic else f"backward equation for {moments}",
@@ -255,19 +257,18 @@ class Answer(Value):
             DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
             POSITION: f"{flights.wave_numbers if flights else 0} wave numbers",
             SCATTERING: "solved for the wave numbers that are asked for",
-            "angular harmonics": f"m = {harmonics}: "
-            + ("the start is isotropic" if isotropic else "no output needs more"),
-            DENSITIES: f"{len(profiles)} harmonics, "
-            + ", ".join(sorted({one.method for one in profiles.values()})),
+            "angular harmonics": f"m = {harmonics}: {enough}",
+            DENSITIES: f"{len(profiles)} harmonics, {', '.join(methods)}",
         }
         asked = {"initial state", *(row.step for row in self._rows)}
         asked |= {"angular harmonics"} if harmonics else set()
+        steps = [
+            PlanStep(part, part in asked and why != kept, why if part in asked else "not asked for")
+            for part, why in reasons.items()
+        ]
         medium = averages.law.medium
-        steps = [PlanStep("scatterers met again", True, medium.level)] if medium else []
-        for part, why in reasons.items():
-            done = part in asked and not (part == VELOCITY and averages.elastic)
-            steps.append(PlanStep(part, done, why if part in asked else "not asked for"))
-        return tuple(steps)
+        again = [PlanStep("scatterers met again", True, medium.level)] if medium else []
+        return (*again, *steps)
 
     @property
     def stats(self) -> dict[str, Any]:
