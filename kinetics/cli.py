@@ -138,7 +138,9 @@ def _run(arguments: list[str]) -> int:
 
 
 def _complain(message: str) -> int:
-    _say(message)
+    line = " ".join(message.split())
+    # what is wrong stands first, and what is allowed last
+    _say(line if len(line) <= 390 else f"{line[:240]} ... {line[-135:]}")
     return BAD_INPUT
 
 

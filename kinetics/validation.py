@@ -8,7 +8,6 @@ from __future__ import annotations
 import contextlib
 import math
 import sys
-import warnings
 from collections.abc import Iterable
 from numbers import Real
 from typing import Any, NoReturn
@@ -91,20 +90,13 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
 
 
 def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:
-    """Numbers of any shape, float or complex, of these kinds of dtypes; NaN is let in.
-
-    Masked values are not, and neither is what NumPy warns that it would lose a part of.
-    """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            array = np.asarray(value)
-            if array.dtype.kind in kinds and not np.ma.is_masked(value):
-                array = array.astype(complex if array.dtype.kind == "c" else float)
-                array.flags.writeable = False
-                return array
-    except (Warning, OverflowError, TypeError, ValueError):
-        pass
+    """Numbers of any shape, float or complex, of these kinds of dtypes; NaN is let in."""
+    with contextlib.suppress(OverflowError, TypeError, ValueError):
+        array = np.asarray(value)
+        if array.dtype.kind in kinds and not np.ma.is_masked(value):
+            array = array.astype(complex if array.dtype.kind == "c" else float)
+            array.flags.writeable = False
+            return array
     refuse(name, value, allowed)
 
 

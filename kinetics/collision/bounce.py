@@ -129,14 +129,10 @@ class DiskBounce:
         return least, most, (most - least) * (most + least)
 
     @property
-    def least_loss(self) -> float:
-        """-ln of the largest speed ratio."""
-        return 0.0 - math.log(self._ends[1])
-
-    @property
-    def largest_loss(self) -> float:
-        """-ln of the smallest speed ratio."""
-        return 0.0 - math.log(self._ends[0]) if self._ends[0] > 0.0 else math.inf
+    def losses(self) -> tuple[float, float]:
+        """The least and the largest -ln s."""
+        least, most, _ = self._ends
+        return 0.0 - math.log(most), -math.log(least) if least > 0.0 else math.inf
 
     @property
     def lowest_power(self) -> float:
@@ -230,8 +226,8 @@ class DiskBounce:
         else:
             chance = missed**2 if self.dimension == 3 else missed**2 / (1.0 + y)
         w = w * y * chance * self._ends[2] * np.exp(2.0 * u)
-        if self.least_loss > 0.0:
-            first, whole = equal_panels(self.least_loss, _POINTS, _FOLDS / max(rate, _FOLDS))
+        if self.losses[0] > 0.0:
+            first, whole = equal_panels(self.losses[0], _POINTS, _FOLDS / max(rate, _FOLDS))
             u, w = np.concatenate([first, u]), np.concatenate([whole, w])
         return u, w
 
@@ -266,19 +262,14 @@ class SampledBounce:
         return cls(tuple(w.tolist()), tuple(s[kept].tolist()), tuple(c.tolist()), dimension)
 
     @property
-    def least_loss(self) -> float:
-        """-ln of the largest speed ratio; negative where a bounce may gain energy."""
-        return 0.0 - math.log(max(self.ratio))
-
-    @property
-    def largest_loss(self) -> float:
-        """-ln of the smallest speed ratio."""
-        return 0.0 - math.log(min(self.ratio))
+    def losses(self) -> tuple[float, float]:
+        """The least and the largest -ln s; the least is negative where energy may be gained."""
+        return 0.0 - math.log(max(self.ratio)), 0.0 - math.log(min(self.ratio))
 
     @property
     def tail_exponent(self) -> float:
         """0 where every bounce loses energy; infinite where a share of them loses none."""
-        return 0.0 if self.least_loss > 0.0 else math.inf
+        return 0.0 if self.losses[0] > 0.0 else math.inf
 
     def turns(self, rate: float, m: int) -> float:
         """Samples are summed as they are."""
@@ -299,8 +290,9 @@ class SampledBounce:
         """Gauss points on equal cells, exact for polynomials: the chance falls in steps."""
         q = self.quadrature(0)
         # the weights are interpolatory, of half the order of Gauss weights
-        count = math.ceil(4.0 * self.largest_loss * max(rate, _FOLDS) / _FOLDS)
-        width = self.largest_loss / count
+        largest = self.losses[1]
+        count = math.ceil(4.0 * largest * max(rate, _FOLDS) / _FOLDS)
+        width = largest / count
         cell = np.minimum((q.log_loss / width).astype(int), count - 1)
         node, weight = gauss_legendre(_POINTS)
         # integrals of Lagrange's polynomials up to each sample, by Legendre's

@@ -215,12 +215,12 @@ class CollisionLaw:
     @cached_property
     def least_loss(self) -> float:
         """The smallest -ln s that occurs: 0 for smooth scatterers, below 0 if energy is gained."""
-        return min(part.least_loss for part in self._parts)
+        return min(part.losses[0] for part in self._parts)
 
     @cached_property
     def largest_loss(self) -> float:
         """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
-        return max(part.largest_loss for part in self._parts)
+        return max(part.losses[1] for part in self._parts)
 
     @property
     def least_ratio(self) -> float:

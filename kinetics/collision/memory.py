@@ -36,7 +36,7 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     if law.is_elastic or smooth:
         return ()
     # bounces that lose nothing take a single value too, but leave no waves
-    steps = any(part.has_atoms and part.largest_loss > 0.0 for _, part in law.bounces)
+    steps = any(part.has_atoms and part.losses[1] > 0.0 for _, part in law.bounces)
     if not steps:
         highest = min(highest, 64.0)  # faster waves fall faster than 1/t there
     q = law.quadrature_for(highest)
