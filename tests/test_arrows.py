@@ -29,7 +29,7 @@ ROOMS: dict[str, set[str]] = {
     "collision": {"numerics"} | CHECKS,
     "states": {"numerics", "results"} | CHECKS,
     "scaling": BASE,
-    "paper": {"collision", "numerics"} | CHECKS,
+    "paper": {"numerics"},
     "moments": BASE | {"states"},
     "densities": BASE | {"states", "scaling", "moments"},
     "position": BASE | {"states", "moments"},

@@ -24,7 +24,6 @@ from kinetics import (
     solve,
     solve_field,
     solve_scaled,
-    sonine,
 )
 
 NAN, INF, AN_EXP = math.nan, math.inf, np.exp
@@ -103,8 +102,6 @@ SYSTEM: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("method", lambda start: solve(scene(initial=start, outputs="speed_density"),
                                    method="spectral"), ["monoenergetic", SpeedSamples([0.3, 1.0])]),
     ("nodes", lambda n: solve(scene(), nodes=n), [7, 10_000, 64.0, True]),
-    ("order", lambda n: sonine.scaled_state(0.5, n), [0, 2.5, 33]),
-    ("restitution", lambda e: sonine.scaled_state(e, 2), [1.0]),
 ]  # fmt: skip
 STATES: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("density", lambda f: SpeedTable(V, f), [2 * V - 0.5, NAN * ONES, INF * ONES, 2 * ONES,

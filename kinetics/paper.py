@@ -1,8 +1,13 @@
-"""The printed formulas: the scaled state, cooling, the random walk, diffusion and G(R).
+"""The paper's approximations as numbers: Sonine, Chapman-Enskog, random walk and G(R).
 
-Lengths in d, speeds in U, times in d/U, number densities in d^-2, diffusion coefficients in d U. In
-the random walk h(e) is the paper's fit 1.45 (1 - e) unless ``cooling_rate`` says otherwise, l its
-13.5 d, v0(0) its sqrt(2) U. At e = 1 every function is its own limit.
+Kim and Hayakawa, "Statistical Properties of Inelastic Lorentz Gas". Each printed formula is a
+function whose docstring gives its LaTeX label. The solvers use nothing of this: reports compare
+these curves with the kinetic equation. Also known as `kinetics.sonine`.
+
+Lengths in d, speeds in U, times in d/U, number densities in d^-2, diffusion coefficients in d U.
+Arguments are numbers or arrays that broadcast. They are not checked: outside its range a formula is
+NaN. In the random walk h(e) is the paper's fit 1.45 (1 - e) unless ``cooling_rate`` says otherwise,
+l its 13.5 d, v0(0) its sqrt(2) U. At e = 1 every function is its own limit.
 """
 
 from __future__ import annotations
