@@ -87,8 +87,7 @@ def cli(context: click.Context) -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit status, see above.
 
-    Without arguments it is the command line of this process, which then ends at once after a
-    signal: Python would wait for what still runs in other threads.
+    Without arguments it is the command line of this process, which ends at once after a signal.
     """
     own_process = arguments is None
     if sys.stdout is None:  # closed by the shell: the next file would take its place
@@ -168,7 +167,7 @@ def _ends_at_a_signal() -> Iterator[None]:
 
 
 def _raise(number: int, frame: Any) -> None:
-    """Raise, but not in the middle of an import: half a compiled module may crash. Try again."""
+    """Raise, but not in the middle of an import, which may crash half a compiled module."""
     while frame is not None and hasattr(signal, "setitimer"):
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             signal.signal(signal.SIGALRM, lambda _, later: _raise(number, later))

@@ -71,23 +71,14 @@ def cooling_rate(restitution: ArrayLike) -> FloatArray:
     return math.sqrt(math.pi) * (1 - e2) * bracket / 2
 
 
-def cooling_rate_fitted(
-    restitution: ArrayLike, factor: ArrayLike = FITTED_COOLING_FACTOR
-) -> FloatArray:
+def cooling_rate_fitted(restitution: ArrayLike) -> FloatArray:
     """h(e) = 1.45 (1 - e) (eq. hsimu)."""
-    return numbers(factor) * (1 - numbers(restitution))
+    return FITTED_COOLING_FACTOR * (1 - numbers(restitution))
 
 
-def stability(
-    restitution: ArrayLike, root: str = "stable", coefficient: ArrayLike | None = None
-) -> FloatArray:
-    """H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable.
-
-    ``coefficient`` is another a2, used instead of the printed root.
-    """
-    e = numbers(restitution)
-    used = a2(e, root) if coefficient is None else numbers(coefficient)
-    return 3 * used - (15 / 4 * e**2 + 1 / 8)
+def stability(restitution: ArrayLike, root: str = "stable") -> FloatArray:
+    """H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable."""
+    return 3 * a2(restitution, root) - (15 / 4 * numbers(restitution) ** 2 + 1 / 8)
 
 
 def vdf(c: ArrayLike, a2: ArrayLike) -> FloatArray:
@@ -198,9 +189,8 @@ def msd_sonine(
 
 
 # -- the position distribution (Section 3.3) -------------------------------------------------------
-# R = r/sqrt(<r^2>) is dimensionless and G a radial density: the integrals of the exact G and R^2 G
-# over R >= 0 are both 1. eta and gamma are the paper's fit parameters. At large R every form is 0
-# in double precision, and none overflows.
+# R = r/sqrt(<r^2>); the integrals of the exact G and R^2 G over R >= 0 are both 1. eta and gamma
+# are the paper's fit parameters. At large R every form is 0, and none overflows.
 
 TAIL_ETA = 0.25
 """eta of the paper's fit to the tail of G(R) (eq. gammatailg)."""

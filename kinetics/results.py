@@ -145,10 +145,9 @@ class Value:
 class Result(Value):
     """A value that becomes an `xarray.Dataset`, a data frame or a plot where one asks for it.
 
-    A subclass writes ``_dataset(only, **points)`` with :func:`dataset`. ``only`` names what is
-    needed; empty, that is what depends on the first coordinate alone, and single numbers; None is
-    everything; ``_on_demand`` are names that it may leave out. ``_points`` names the points that
-    may be given.
+    A subclass writes ``_dataset(only, **points)`` with :func:`dataset`: all of it, or what ``only``
+    names, and always what depends on the first coordinate alone, and single numbers. ``_on_demand``
+    are names that it may leave out, ``_points`` the points that may be given.
     """
 
     _points: tuple[str, ...] = ()
@@ -167,8 +166,8 @@ class Result(Value):
         """A pandas DataFrame: one row for each time (or other first coordinate) with all averages.
 
         With the ``name`` of a quantity that depends on more, such as "speed_density": one row for
-        each point. The attributes of the result, and the unit of each column, are in
-        ``frame.attrs``. ``points``: as of :meth:`to_xarray`. InputError for an unknown name.
+        each point. Units, and the attributes of the result, are in ``frame.attrs``. ``points``: as
+        of :meth:`to_xarray`. InputError for an unknown name.
         """
         import xarray
 
@@ -245,7 +244,7 @@ def dataset(
 ) -> xarray.Dataset:  # fmt: skip
     """The Dataset of a result, from what :func:`variable` made; unused coordinates are left out.
 
-    question : what was asked, a dataclass or a dictionary; it is the attribute `scene`, as JSON
+    question : what was asked; it is the attribute `scene`, as JSON
     attributes : status, message, tolerance_asked and tolerance_reached, where there are any
     """
     import xarray
@@ -329,8 +328,7 @@ def _is_wide(values: NDArray[Any]) -> bool:
 def load(path: str | os.PathLike[str]) -> Any:
     """The value that a file holds, of the class that was saved; see :meth:`Value.save`.
 
-    Raises InputError (a ValueError), one line: there is no such file, it is damaged, kinetics did
-    not save it, or it holds what this version does not know.
+    Raises InputError, one line: there is no such file, it is damaged, or kinetics did not save it.
     """
     import h5py
 
@@ -402,11 +400,9 @@ def _netcdf(made: xarray.Dataset) -> bytes:
     import h5netcdf
     from xarray.backends import H5NetCDFStore
 
-    encoding = {
-        name: {"_FillValue": None, **({"fletcher32": True} if one.size and one.ndim else {})}
-        for name, one in made.variables.items()
-        if one.dtype.kind in "biuf"
-    }
+    checked = {n: one.size > 0 and one.ndim > 0 for n, one in made.variables.items()}
+    numbers = [n for n, one in made.variables.items() if one.dtype.kind in "biuf"]
+    encoding = {n: {"_FillValue": None, "fletcher32": checked[n]} for n in numbers}
     image = io.BytesIO()
     # From this version of the format on the structure of a file is checksummed as well.
     with h5netcdf.File(image, "w", libver=("v110", "v110")) as file:

@@ -38,16 +38,14 @@ class Scene(Value):
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
-    times : in d/U, shape (n_times,), not falling, not negative; where collision_numbers are given
-        it may be left out, and is 0
+    times : in d/U, shape (n_times,), not falling, not negative; 0 where collision_numbers are given
     outputs : names out of the table of outputs in the reference
     harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
         space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
         x axis)
-    collision_numbers : N, whole numbers from 0, of the averages after N collisions that
-        ``Solution.by_collision`` gives, shape (n_collisions,)
+    collision_numbers : N, whole, of the averages after N collisions, ``Solution.by_collision``
     scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
         (placed independently) or "hard disks": the equation to the first order in the density, up
         to number_density * diameter^2 = 0.3, among smooth disks

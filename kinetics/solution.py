@@ -17,7 +17,6 @@ from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, described
-from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
@@ -241,21 +240,19 @@ class Solution(Result):
             raise InputError(f"outputs: {outputs[0]!r} was not asked for; name it in the scene")
         return self._answer
 
-    def _without_field(self) -> Answer:
+    def _without_field(self) -> Any:
         """The answer; InputError for a scene with a field or driven tracers: it has the outputs."""
         if self.scene.field:
             raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
         if self.scene.system is not None:
             raise InputError("outputs: of driven tracers there is no more than what was asked for")
-        found: Answer = self._answer
-        return found
+        return self._answer
 
     def _velocities(self) -> Any:
         return self._asked("speed_density", "velocity_density")
 
-    def _moved(self) -> Displacement:
-        found: Displacement = self._asked("position_density").displacement
-        return found
+    def _moved(self) -> Any:
+        return self._asked("position_density").displacement
 
     # -- moments ------------------------------------------------------------------------------
 
@@ -265,7 +262,7 @@ class Solution(Result):
 
     def harmonic(self, p: float, m: int) -> NDArray[Any]:
         """<v^p exp(-i m phi)>(t) in U^p, complex for m > 0, shape (n_times,)."""
-        return self._without_field().power(p, m)
+        return np.asarray(self._without_field().power(p, m))
 
     @property
     def by_collision(self) -> ByCollision:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,20 +46,14 @@ from kinetics.results import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
-if TYPE_CHECKING:
-    from kinetics.driven.scene import DrivenScene
-    from kinetics.field.scene import FieldScene
-
 _ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
 _SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _MOST_NODES = 48  # of a panel: still more only add rounding
 
 
-def answer_to(
-    scene: Scene, rtol: float, method: str | None, nodes: int | None
-) -> Answer | FieldScene | DrivenScene:
-    """The answer to a scene; the arguments are those of `kinetics.solve`."""
+def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Any:
+    """The answer to a scene, of any kind; the arguments are those of `kinetics.solve`."""
     if scene.system is not None:
         from kinetics.driven.scene import DrivenScene
 
@@ -130,8 +124,7 @@ class Answer(Value):
     def power(self, p: Any, m: Any) -> NDArray[Any]:
         """<v^p exp(-i m phi)> in U^p, shape (n_times,), complex for m > 0.
 
-        Raises InputError for p or m out of range, or where the moment does not exist; warns
-        (ToleranceWarning) where the error estimate exceeds rtol.
+        InputError where it does not exist; warns where the error estimate exceeds rtol.
         """
         p, m = moment_arguments(self.scene.law, self.scene.state, p, m)
         needed = [parts((1.0, speed_power(p, m)))]

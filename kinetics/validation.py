@@ -29,9 +29,6 @@ def refuse(name: str, value: Any, allowed: str) -> NoReturn:
     raise InputError(f"{name}: got {short(value)}; {allowed}")
 
 
-# -- single numbers and names ---------------------------------------------------------------------
-
-
 def real_number(
     name: str, value: Any, low: float = -math.inf, high: float = math.inf, allowed: str = ""
 ) -> float:
@@ -84,9 +81,6 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
     if not isinstance(value, str) or value not in known:
         refuse(name, value, f"it must be one of {', '.join(known)}")
     return value
-
-
-# -- arrays ---------------------------------------------------------------------------------------
 
 
 def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:

@@ -295,7 +295,7 @@ class CollisionLaw:
 
     @property
     def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p at large p: 1/(1-e^2) for smooth disks, twice it for spheres.
+        """b where E[s^p] tends to b/p at large p: (d-1)/(1-e^2) for smooth disks and spheres.
 
         0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
         """
@@ -350,7 +350,7 @@ class CollisionLaw:
     def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
         """1 - E[s^p cos(m chi)]: how fast the moment of v^p exp(i m phi) is lost, in v/l.
 
-        In space cos(m chi) is P_m(cos chi), and exp(i m phi) any spherical harmonic of degree m.
+        In space cos(m chi) is P_m(cos chi).
         """
         m = whole_number("m", m, -_HIGHEST_HARMONIC, _HIGHEST_HARMONIC)
         p_ = self._exponents(p)
@@ -412,10 +412,7 @@ class CollisionLaw:
         return replace(self, medium=None)
 
     def returns(self, m: int) -> tuple[float, float]:
-        """eps (-1)^m, and x = -ln e, of the bounces straight back; both are 0 where none comes.
-
-        K - 1 on harmonic m is replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
-        """
+        """eps (-1)^m, and x = -ln e, of the bounces straight back; both are 0 where none comes."""
         if self.medium is None or not self.restitution:
             return 0.0, 0.0
         return self.medium.returns(m) * (-1.0) ** m, self.largest_loss

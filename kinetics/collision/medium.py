@@ -132,19 +132,15 @@ class Medium:
         """What averages and these distributions lack, to follow a sentence; perhaps empty."""
         text = ""
         if self.density > TESTED_DENSITY:
-            text = (
-                f"; n = {self.density:g} is outside the range where the correction for the density "
-                f"was tested (up to {TESTED_DENSITY:g})"
-            )
+            tested = f"was tested (up to {TESTED_DENSITY:g})"
+            text = f"; n = {self.density:g} is outside the range where the correction {tested}"
         if of_speeds:
-            share = (_SLOW - self.restitution) * self.density
-            text += (
-                f"; the share of tracers slower than v is off by up to {share:.2g}, by slow ones, "
-                "of which the density may be negative"
-            )
+            share = f"by up to {(_SLOW - self.restitution) * self.density:.2g}, by slow ones"
+            text += f"; the share of tracers slower than v is off {share}, of which the density "
+            text += "may be negative"
         if of_displacements:
-            near = _NEAR * self.density
-            text += f"; the share of tracers nearer than r is off by up to {near:.2g}"
+            near = f"{_NEAR * self.density:.2g}"
+            text += f"; the share of tracers nearer than r is off by up to {near}"
         return text
 
 

@@ -84,9 +84,8 @@ def asymptotic_from(law: CollisionLaw) -> float:
     """X = ln T from which averages of a cooling tracer are asymptotic; inf at rough scatterers.
 
     Corrections fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)]. Smooth scatterers have
-    Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks with e = 0.03): what is left is
-    3e-17, and 6e-13 at worst. Where e < 0 tracers keep their direction for long: the largest z is
-    then that of m = 1, and real. Elsewhere z may be as close to 0 as one likes.
+    Re z <= -0.736 (disks with e = 0.03, m = 1): what is left is 6e-13 at worst. Where e < 0 tracers
+    keep their direction for long, and the largest z, of m = 1, is real.
     """
     e, slowest = law.effective_restitution, -1.0
     if law.tangential_restitution != 1.0:

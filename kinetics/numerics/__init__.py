@@ -1,12 +1,10 @@
-"""Numerical methods without physics.
+"""Numerical methods without physics; imports nothing of this project. Begin with `chebyshev.py`.
 
 - `chebyshev`: polynomials through Chebyshev points, on one interval and on many panels
 - `blocks`: equations of many blocks, each of which knows its neighbours
 - `gauss`: Gauss-Legendre quadrature
 - `log_grid`: equidistant nodes in the logarithm of the speed, and Fourier sums on them
 - `recurrence`: solutions of G(z+1) = r(z) G(z)
-
-Imports nothing of this project. Begin with `chebyshev.py`.
 """
 
 from collections.abc import Callable

@@ -97,9 +97,6 @@ class Chebyshev:
         return derivative_matrix(self.local, self.weights)
 
 
-# -- equal panels ---------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class PanelRule(Chebyshev):
     """Chebyshev collocation on each of many equal panels, of this width in x."""

@@ -1,11 +1,11 @@
 r"""The principal solution of G(z+1) = r(z) G(z): the one that grows least (Noerlund).
 
-Far to the right the logarithm of r is smooth, and the formula of Euler and Maclaurin gives
+Far to the right ln r is smooth, and by Euler and Maclaurin, with the Bernoulli numbers B_2j,
 
     ln G(b) - ln G(a) = integral of ln r from a to b - [ln r(b) - ln r(a)]/2
                         + sum over j of B_2j/(2j)! [(ln r)^(2j-1)(b) - (ln r)^(2j-1)(a)]
 
-with the Bernoulli numbers B_2j. From there the recurrence itself leads to any other z.
+From there the recurrence itself leads to any other z.
 """
 
 from __future__ import annotations

@@ -35,8 +35,6 @@ _LARGEST_RATIO = 1e4  # of two deviations
 _HIGHEST = 100.0  # standard deviations beyond which a Gaussian is zero, and v^2 may overflow
 _ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
 
-# -- formulas -------------------------------------------------------------------------------------
-
 
 @dataclass(frozen=True)
 class Gaussian(State):
@@ -119,9 +117,6 @@ class Rest(State):
         return None if m else LogMeasure(np.array([-np.inf]), np.ones(1))
 
 
-# -- particles ------------------------------------------------------------------------------------
-
-
 class Samples(State):
     """Particles of the same weight: a subclass gives their speeds, and angles to the x axis."""
 
@@ -184,9 +179,6 @@ class VelocitySamples(Samples):
             refuse("velocity", self.velocity, allowed)
         self.store(velocity=v)
         self._place(np.hypot(*v.T), np.arctan2(v[:, 1], v[:, 0]))
-
-
-# -- tables ---------------------------------------------------------------------------------------
 
 
 class Table(State):
@@ -270,9 +262,6 @@ class PolarGrid(Table):
         self._tabulate(v, found[:, : (f.shape[1] + 1) // 2], "values")
 
 
-# -- functions ------------------------------------------------------------------------------------
-
-
 class Functions(State):
     """A state whose f_m are functions of v; a subclass gives those that are not zero."""
 
@@ -336,9 +325,6 @@ class AngularHarmonics(Functions):
         if not whole or 0 not in orders or min(orders) < 0:
             refuse("terms", orders, "orders must be whole, m >= 0, and m = 0 is needed")
         self.store(terms=dict(self.terms), highest_harmonic=int(max(orders)))
-
-
-# -- directions -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

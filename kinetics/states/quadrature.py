@@ -40,11 +40,9 @@ NO_INTEGRAL = (
 
 @dataclass(frozen=True)
 class LogMeasure(Value):
-    """A distribution of speeds: weight w_k at ln v = x_k.
+    """A distribution of speeds: weight w_k at ln(v/U) = x_k, shape (n_points,) each.
 
-    x : ln(v/U), shape (n_points,)
-    weight : shape (n_points,); real and summing to 1 for a speed distribution, complex for an
-        angular harmonic of one
+    The weights are real and sum to 1 for a speed distribution; complex for a harmonic of one.
     """
 
     x: FloatArray
@@ -104,8 +102,8 @@ def table(
 def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> LogMeasure:
     """Points x of the given weights, (n,) each, many of them gathered on a fine grid.
 
-    Each is spread by local interpolation (12 points, spacing 1/16 or less): averages of v^power,
-    and of functions of ln v that are no steeper, stay the same to a tenth of rtol.
+    Averages of v^power, and of functions of ln v that are no steeper, stay the same to a tenth of
+    rtol.
     """
     width = _SAMPLE_WIDTH
     fine = (0.1 * rtol / _LEFT_OUT) ** (1.0 / width) / max(abs(power), 1.0)
