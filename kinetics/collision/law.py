@@ -341,10 +341,7 @@ class CollisionLaw:
         return _finite(p, mean)[()]
 
     def decay_rate(self, p: ArrayLike) -> Any:
-        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part).
-
-        Accurate relative to itself also where it vanishes (p -> 0, elastic bounces).
-        """
+        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part)."""
         return self.harmonic_decay_rate(p, 0)
 
     def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
