@@ -265,10 +265,7 @@ class CollisionLaw:
 
     @property
     def uniform_power(self) -> float | None:
-        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = d - 1; None for others.
-
-        Then lambda(z) = z/(z + q), and the scaling state is known in closed form.
-        """
+        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = d - 1; None for others."""
         if self.effective_restitution == 0.0 and self.tangential_restitution == 1.0:
             return self.dimension - 1.0
         return None
@@ -361,6 +358,10 @@ class CollisionLaw:
 
     def _lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
         """1 - E[s^z cos(m chi)] of one collision, shape of z."""
+        et = self.tangential_restitution
+        if m == 0 and self.effective_restitution == 0.0 and et:  # s = et y
+            above = self.dimension - 1.0
+            return np.asarray((z - above * np.expm1(z * math.log(et))) / (above + z))
         q = self.quadrature_for(_size(z), abs(m))
         lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
         if m == 0:
