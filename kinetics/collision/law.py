@@ -265,7 +265,7 @@ class CollisionLaw:
 
     @property
     def uniform_power(self) -> float | None:
-        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = d - 1; None for others."""
+        """q = d - 1 where s^q is uniform on [0, 1], at smooth scatterers with e = 0; else None."""
         if self.effective_restitution == 0.0 and self.tangential_restitution == 1.0:
             return self.dimension - 1.0
         return None
