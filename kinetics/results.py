@@ -122,8 +122,8 @@ class Value:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write this to a netCDF-4 file, whole or not at all; :func:`kinetics.load` reads it back.
 
-        Raises InputError where the file cannot be written, and for what a file cannot hold: an
-        initial state that is a Python function, or a class that is not of this package.
+        InputError where the file cannot be written, and for what it cannot hold: a Python function, or
+        a class that is not of this package.
         """
         record = json.dumps({"format": _FORMAT, "value": _plain(self, True)})
         made = self._dataset(only=())
@@ -360,7 +360,7 @@ def write_whole(contents: Mapping[Any, bytes]) -> None:
     """Write files, by their paths, all of them or none; InputError where one cannot be written.
 
     Each is written beside its target under a random name; when all are on the disk they get their
-    own. A symbolic link is followed: the file that it points to is replaced, and the link stays.
+    own. Symbolic links are followed.
     """
     parts: dict[str, str] = {}
     path: Any = ""
