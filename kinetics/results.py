@@ -122,8 +122,8 @@ class Value:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write this to a netCDF-4 file, whole or not at all; :func:`kinetics.load` reads it back.
 
-        InputError where the file cannot be written, and for what it cannot hold: a Python function, or
-        a class that is not of this package.
+        InputError where the file cannot be written, and for what it cannot hold: a Python function,
+        or a class that is not of this package.
         """
         record = json.dumps({"format": _FORMAT, "value": _plain(self, True)})
         made = self._dataset(only=())

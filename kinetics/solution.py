@@ -168,13 +168,13 @@ class Solution(Result):
         }
         axes = {"time": variable(("time",), self.times, "d/U", "time since the start", "t")}
         axes |= {c: variable((c,), list("xyz"[:d]), "1", "component") for c in COMPONENTS}
-        for name in self._on_demand:
-            if only is None or {name, "uncollided"} & set(only):
-                self._add(name, OUTPUTS[name].shape[1:], points, found, axes)
-        if "position_density" in self._on_demand and (
-            only is None or "scaled_position_density" in only
-        ):
-            self._add("scaled_position_density", ("n_R",), points, found, axes)
+        functions = {name: OUTPUTS[name].shape[1:] for name in self._on_demand}
+        if "position_density" in functions:
+            functions["scaled_position_density"] = ("n_R",)
+        for name, shape in functions.items():
+            both = {name, "uncollided"} if name == "speed_density" else {name}
+            if only is None or both & set(only):
+                self._add(name, shape, points, found, axes)
         return dataset(
             f"Solution of the inelastic Lorentz equation: {self.scene}",
             self.scene,
@@ -192,10 +192,8 @@ class Solution(Result):
         at = [self._points_on(axis.points, given) for axis in along]
         if name == "intermediate_scattering" and "direction" in given:
             at.append(given["direction"])
-        values, (unit, words, symbol) = (
-            getattr(self, name)(*at),
-            described(name, self.scene.dimension),
-        )
+        values = getattr(self, name)(*at)
+        unit, words, symbol = described(name, self.scene.dimension)
         for axis, x in zip(along, at, strict=False):
             axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
         dims = ("time", *(axis.name for axis in along))
@@ -287,9 +285,9 @@ class Solution(Result):
 
     @property
     def uncollided(self) -> FloatArray:
-        """Share of the tracers of a start of one speed that have not collided, (n_times,); or e = 1.
+        """Share of the tracers of a start of one speed that have not collided, (n_times,).
 
-        With a field, of any start of sharp velocities (rest, a Beam, samples).
+        All at e = 1. With a field, of any start of sharp velocities (rest, a Beam, samples).
         """
         return np.asarray(frozen(self._velocities().uncollided))
 
