@@ -270,6 +270,9 @@ class ScalingSolution(ScaledState):
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         return scaled_dataset(self, only, status="exact", message="closed form", **points)
 
+    def _figures(self) -> dict[str, str]:
+        return scaled_figures(self) | {"d<r^2>/d ln t / l^2": f"{self.diffusion_slope:.12g}"}
+
     def _log_a(self, p: float) -> float:
         """ln A(p), A(p) = kappa^p E[Y^p]."""
         return float(mellin.log_moment(self.law, np.array([p]))[0])
@@ -312,6 +315,15 @@ def scaled_dataset(
     }
     title = f"Scaled velocity distribution: {state.law.described}"
     return dataset(title, state, found, axes, **attributes)
+
+
+def scaled_figures(state: Any) -> dict[str, str]:
+    """What a notebook shows of a ScalingSolution or a ScaledVDF."""
+    return {
+        "law": state.law.described,
+        "cooling rate h": f"{state.cooling_rate:.12g}",
+        "a2": f"{state.a2:.12g}",
+    }
 
 
 def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:

@@ -19,7 +19,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import SolverStatus, judged
 from kinetics.numerics import FloatArray
 from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
-from kinetics.scaling.closed_form import ScaledState, from_rest, scaled_dataset
+from kinetics.scaling.closed_form import ScaledState, from_rest, scaled_dataset, scaled_figures
 from kinetics.validation import (
     check_rtol,
     not_negative,
@@ -161,6 +161,10 @@ class ScaledVDF(ScaledState):
             tolerance_asked=self.rtol,
             tolerance_reached=self.error_estimate,
         )
+
+    def _figures(self) -> dict[str, str]:
+        about = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}
+        return scaled_figures(self) | about
 
     def _to_storage(self) -> dict[str, Any]:
         return super()._to_storage() | {"cooling_rate": self.cooling_rate, "a2": self.a2}
