@@ -11,6 +11,7 @@ import sys
 import warnings
 from collections.abc import Iterator
 from importlib import import_module
+from threading import Timer
 from typing import Any
 
 import click
@@ -20,6 +21,7 @@ from kinetics.crosscheck.cli.options import UNITS
 BAD_INPUT = 2
 ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
 """Signals that end a command -> its exit status."""
+GRACE = 1.0  # seconds that it then has to remove what is half written and say what is saved
 COMMANDS = (
     "report", "solve", "simulate", "merge", "compare", "fit", "explore", "derive", "bench",
     "stress",
@@ -149,12 +151,9 @@ def _say(message: str) -> None:
         click.echo(f"lorentz: {' '.join(message.split())}", err=True)
 
 
-# -- Ctrl-C and SIGTERM ---------------------------------------------------------------------------
-
-
 @contextlib.contextmanager
 def _ends_at_a_signal() -> Iterator[None]:
-    """Meanwhile the first signal raises an exception here."""
+    """Meanwhile the first signal raises an exception here, and ends the process in time."""
     before = {number: signal.getsignal(number) for number in ENDED}
     for number, handler in before.items():
         if handler is not signal.SIG_IGN:
@@ -162,8 +161,13 @@ def _ends_at_a_signal() -> Iterator[None]:
     try:
         yield
     finally:
+        while _LATE:
+            _LATE.pop().cancel()
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+_LATE: list[Timer] = []  # what ends the process if the exception does not
 
 
 def _raise(number: int, frame: Any) -> None:
@@ -174,6 +178,9 @@ def _raise(number: int, frame: Any) -> None:
             signal.setitimer(signal.ITIMER_REAL, 0.02)
             return
         frame = frame.f_back
+    _LATE.append(Timer(GRACE, os._exit, [ENDED[number]]))
+    _LATE[-1].daemon = True
+    _LATE[-1].start()
     for one in ENDED:  # no second signal interrupts what the first has begun to clean up
         signal.signal(one, signal.SIG_IGN)
     raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(ENDED[number])

@@ -332,6 +332,7 @@ def load(path: str | os.PathLike[str]) -> Any:
     """
     import h5py
 
+    name = short(str(path), 300)
     try:
         if not os.path.isfile(path):
             raise InputError("there is no such file")
@@ -348,12 +349,10 @@ def load(path: str | os.PathLike[str]) -> Any:
             raise InputError(f"this version reads {_FORMAT!r}, not {short(found['format'])}")
         return _restored(found["value"])
     except InputError as error:
-        raise InputError(f"path: got {short(str(path), 300)}; {error}") from None
+        raise InputError(f"path: got {name}; {error}") from None
     except Exception as error:  # h5py raises errors of nearly any class
         what = "it is damaged, or no file that kinetics saved"
-        raise InputError(
-            f"path: got {short(str(path), 300)}; {what} ({type(error).__name__})"
-        ) from None
+        raise InputError(f"path: got {name}; {what} ({type(error).__name__})") from None
 
 
 def write_whole(contents: Mapping[Any, bytes]) -> None:
@@ -379,10 +378,8 @@ def write_whole(contents: Mapping[Any, bytes]) -> None:
         for beside, target in parts.items():
             os.replace(beside, target)
     except (OSError, TypeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(
-            f"path: got {short(str(path), 300)}; it cannot be written ({reason})"
-        ) from None
+        reason = f"it cannot be written ({getattr(error, 'strerror', None) or error})"
+        raise InputError(f"path: got {short(str(path), 300)}; {reason}") from None
     finally:
         for beside in parts:
             with contextlib.suppress(OSError):

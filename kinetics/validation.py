@@ -130,9 +130,8 @@ def not_negative_line(name: str, value: ArrayLike) -> Array:
 
 def speeds(value: ArrayLike, *, zero_allowed: bool = True) -> Array:
     """Speeds v in U, none negative, shape (n,)."""
-    if zero_allowed:
-        return finite_line("v", value, "speeds must be finite, and not negative", 0.0)
-    return finite_line("v", value, "speeds must be finite, and above 0 here", math.ulp(0.0))
+    low, words = (0.0, "not negative") if zero_allowed else (math.ulp(0.0), "above 0 here")
+    return finite_line("v", value, f"speeds must be finite, and {words}", low)
 
 
 def rising_from_zero(name: str, value: ArrayLike) -> Array:

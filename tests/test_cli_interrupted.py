@@ -28,6 +28,12 @@ BEGIN = "import sys, time\nimport particles\nfrom kinetics import cli\n\ndef sim
 END = "\nparticles.simulate = simulate\nsys.exit(cli.main())\n"
 
 
+BUSY = {
+    "code that swallows it": "    print('begun', flush=True)\n    while True:\n        try:\n"
+    "            time.sleep(60)\n        except BaseException:\n            pass",
+}
+
+
 def start(*arguments: str, code: str = "", **environment: str) -> "subprocess.Popen[str]":
     program = ["-c", code] if code else ["-m", "kinetics.cli"]
     return subprocess.Popen(
@@ -66,6 +72,15 @@ def test_while_tracers_are_followed_for_hours(number: signal.Signals) -> None:
     time.sleep(0.5)
     end(process, number, KEPT[:-1])  # it is said
     assert "a.h5" in os.listdir()
+
+
+@pytest.mark.parametrize("what", BUSY)
+def test_whatever_it_is_doing(what: str) -> None:
+    process = start("simulate", code=f"{BEGIN}{BUSY[what]}{END}")
+    assert process.stdout is not None
+    process.stdout.readline()
+    time.sleep(0.2)
+    end(process, signal.SIGINT)
 
 
 def test_an_import_is_not_broken_off_and_a_second_signal_changes_nothing() -> None:
