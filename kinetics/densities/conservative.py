@@ -7,9 +7,9 @@ matrix of non-negative off-diagonal entries, whose exponential is summed by unif
 non-negative terms only: no mass is ever below 0, the sum of the masses is kept to rounding, and the
 energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
 
-Near steps and infinities of f (:func:`kinetics.densities.harmonic.speed_fronts`) no nodes give f
-itself. What is kept to rtol is the distribution function: the share of the tracers that are slower
-than v, for every v. Its error is the difference of two spacings, times a stated factor.
+Near steps and infinities of f no nodes give f itself. What is kept to rtol is the distribution
+function: the share of the tracers that are slower than v, for every v. Its error is the difference
+of two spacings, times a stated factor.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the ax
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
+_NODES_OF_A_CELL = 16.0  # radians of s^z on one, so that losses lie a tenth of it apart
 # Of returns to the scatterer before: the deepest -ln s that is kept apart, and shares of bounces
 # that are rounding.
 _DEEPEST, _NO_SHARE = 40.0, 1e-17
@@ -86,7 +87,8 @@ def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
 
     In a medium that of its operator, in which shares may be negative.
     """
-    q, low = law.cells(spacing)
+    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
+    low = np.minimum((q.log_loss / spacing).astype(np.int64), math.ceil(_DEEPEST / spacing))
     kernel = _shared(q.log_loss, low, q.weight * q.harmonic(m), spacing)
     eps, loss = law.returns(m)
     return _with_returns(kernel, spacing, eps, loss) if eps else kernel
