@@ -22,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import common_loss
-from kinetics.densities.harmonic import HarmonicProblem, Profile, count_before_scaling, then_scaling
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
@@ -38,8 +37,9 @@ _COARSEST, _FINEST = 0.128, 0.0005
 # where the front lies badly between the nodes. Steps and kinks converge as h at least: 1.
 _SHARP, _ROUGH = 4.0, 2.0
 _MOST_WORK = 1e10  # products of masses with shares of bounces: a second or two
-_TRANSFORMED = 300  # products that a transform costs for each node
-_DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
+# Products of a convolution that cost less than its transforms; those of a node by transforms; and
+# what is rounding of these, over the largest.
+_DIRECTLY, _TRANSFORMED, _ROUNDING = 500_000, 300, 1e-15
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
 _DEPTH = 12.0
 _LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
@@ -48,9 +48,7 @@ _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the ax
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
-# Of returns to the scatterer before: the deepest -ln s that is kept apart, and shares of bounces
-# that are rounding.
-_DEEPEST, _NO_SHARE = 40.0, 1e-17
+_DEEPEST = 40.0  # -ln s of several returns to the scatterer before: more is one loss
 
 
 @dataclass(frozen=True)
@@ -109,15 +107,12 @@ def _with_returns(kernel: FloatArray, spacing: float, eps: float, loss: float) -
 
     moved = kernel.copy()  # K - 1
     moved[0] -= 1.0
-    low = np.array([int(loss / spacing)])
-    back = _shared(np.array([loss]), low, np.ones(1), spacing)
+    back = _shared(np.array([loss]), np.array([int(loss / spacing)]), np.ones(1), spacing)
     below = -eps * np.convolve(back, moved)
     below[0] += 1.0
     impulse = np.zeros(math.ceil(_DEEPEST / spacing) + kernel.size)
     impulse[0] = 1.0
     found = np.asarray(lfilter(moved, below, impulse))
-    left = np.cumsum(np.abs(found[::-1]))[::-1]
-    found = found[: max(kernel.size, int(np.count_nonzero(left > _NO_SHARE)))]
     # what is farther down comes to the last node: without it the sum is moved.sum()/below.sum()
     found[-1] += moved.sum() / below.sum() - found.sum()
     found[0] += 1.0
@@ -166,7 +161,6 @@ class _Axis:
     ) -> None:
         self.speed, self.kernel, self.mass, self.peak = speed, kernel, mass, peak
         self.first = 0  # nodes above it are empty
-        self._transformed: tuple[int, NDArray[Any]] | None = None  # the kernel, and its length
         self.total = float(np.abs(mass).sum())
         self.work = 0.0  # products so far
         # masses of harmonics m > 0 may have any sign
@@ -216,23 +210,16 @@ class _Axis:
 
     def _arriving(self, moving: NDArray[Any]) -> NDArray[Any]:
         """Bounces of the moving masses, past the end of the axis; by transforms where shorter."""
-        full = moving.size + self.kernel.size - 1
         self.work += moving.size * min(self.kernel.size, _TRANSFORMED)
-        if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):
+        if moving.size * self.kernel.size < _DIRECTLY:
             # what np.convolve does, without its checks
             return np.correlate(moving, self.kernel[::-1], "full")
-        if self._transformed is None or self._transformed[0] < full:
-            from scipy.fft import next_fast_len
+        from scipy.signal import fftconvolve
 
-            size = int(next_fast_len(full, real=True))
-            self._transformed = size, np.fft.rfft(self.kernel, size)
-        size, kernel = self._transformed
-        found = np.fft.irfft(np.fft.rfft(moving, size) * kernel, size)[:full]
-        most = np.full(full, float(np.abs(self.kernel).max()))
-        above = np.cumsum(np.abs(moving))
-        most[: moving.size] *= above
-        most[moving.size :] *= above[-1]
-        return np.clip(found, 0.0 if self.positive else -most, most)
+        found = np.asarray(fftconvolve(moving, self.kernel))
+        size = np.abs(found)
+        found[size < _ROUNDING * size.max()] = 0.0  # else the top of the axis never empties
+        return np.maximum(found, 0.0) if self.positive else found
 
 
 def solve_conservative(asked: HarmonicProblem) -> Profile:
@@ -240,29 +227,24 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
 
     Raises InputError where following the state would take too long, or its harmonic m is zero.
     """
-    law, state, m, times, rtol = asked.law, asked.state, asked.m, asked.times, asked.rtol
-    mean_free_path, start_rtol = asked.mean_free_path, min(rtol, _BEST_START)
-    start, speeds = state.harmonic(m, start_rtol), state.harmonic(0, start_rtol)
-    if start is None or speeds is None:
-        raise InputError(f"initial: harmonic {m} of this state is zero")
-    log_unit = 0.5 * speeds.log_second_moment()
-    shift = np.log(times / mean_free_path + math.exp(-log_unit))
-    early = times.size if m else count_before_scaling(asked, speeds, shift + log_unit)
+    law, state, times = asked.law, asked.state, asked.times
+    start = state.harmonic(asked.m, min(asked.rtol, _BEST_START))
+    if start is None:
+        raise InputError(f"initial: harmonic {asked.m} of this state is zero")
     if state.profile(0) is None and (law.has_atoms or law.returns(0)[0]):
         raise InputError(
             "initial: from sharp speeds, bounces that take single shares of the speed (samples, "
             "et = e, or straight back to the scatterer before, at a finite density) make delta "
             "peaks and no density; give a SpeedTable, or ask for averages"
         )
-    found, error = _refined(asked, start, times[:early] / mean_free_path)
+    found, error = _refined(asked, start, times / asked.mean_free_path)
     peak_speed, peak_weight = None, None
     if start.x.size == 1:
         peak_speed = math.exp(float(start.x[0]))
         with np.errstate(over="ignore", under="ignore"):
-            peak_weight = start.weight[0] * np.exp(-peak_speed * times / mean_free_path)
-    density, late_error = then_scaling(law, found, early, shift[early:], rtol)
-    nodes, error = found.x.size, max(error, late_error)
-    return Profile(density, times.size, "conservative", nodes, error, peak_speed, peak_weight)
+            peak_weight = start.weight[0] * np.exp(-peak_speed * times / asked.mean_free_path)
+    nodes = found.x.size
+    return Profile(found, times.size, "conservative", nodes, error, peak_speed, peak_weight)
 
 
 def _refined(
@@ -270,17 +252,11 @@ def _refined(
 ) -> tuple[NodeMasses, float]:
     """The masses at times in l/U, on nodes as close as rtol or the work takes, and their error."""
     top = float(start.x.max())
-    path = float(paths[-1]) if paths.size else 0.0
-    lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
+    lowest = min(float(start.x.min()), top, -math.log(max(float(paths[-1]), 1e-300))) - _DEPTH
     span = min(top - lowest, _LOWEST)
     spacing, finest = _COARSEST, _FINEST
     if asked.nodes:
         spacing, finest = 2.0 * span / asked.nodes, span / asked.nodes
-    common = common_loss(asked.law, math.pi / finest)
-    if common is not None:
-        # whole numbers of nodes in every bounce: no share of it is lost to neighbours
-        spacing = common / math.ceil(common / spacing)
-        finest = min(finest, 0.5 * spacing)
     safe = _SHARP if asked.state.profile(0) is None else _ROUGH
     found, error = _solve(asked, start, paths, span, spacing), math.inf
     while found is not None and error > asked.rtol and spacing > 1.01 * finest:
@@ -293,10 +269,10 @@ def _refined(
         held = np.ones(paths.size)
         if start.x.size == 1:
             held = np.maximum(-np.expm1(-math.exp(top) * paths), 1e-300)
-        error = safe * float(np.max(_apart(before, found) / held, initial=0.0))
+        error = safe * float(np.max(_apart(before, found) / held))
     if found is None or error == math.inf:
         raise InputError(
-            f"times: got up to {asked.times[paths.size - 1]:g} at {asked.law.described}; the "
+            f"times: got up to {asked.times[-1]:g} at {asked.law.described}; the "
             f"conservative method would need more than {_MOST_WORK:.0e} products, "
             "ask for earlier times, fewer nodes, or averages only"
         )

@@ -38,6 +38,7 @@ _DIFFERENCE = 0.2  # over the deviation, for derivatives of ln A that place line
 _LOWEST_LINE = 0.25
 _NEARLY_ELASTIC = 1e-8  # share of energy lost
 _MOST_SAMPLES = 2000  # of a line: never reached
+_OWN_FACTOR = 5.0  # e-folds
 
 
 def log_second_moment(law: CollisionLaw) -> float:
@@ -60,16 +61,15 @@ def _rho(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.where(zero, 0.0, np.log(ratio)))
 
 
-def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
-    """Taylor coefficients of rho at z (n,), up to order 11."""
-    orders = range(1, MOST_ORDERS)
-    p = law.uniform_power
-    if p:
+def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any], m: int = 0) -> list[NDArray[Any]]:
+    """Taylor coefficients of rho at z (n,), up to order 11; of `log_moment_on_line`, m > 0."""
+    p, orders = law.uniform_power, range(1, MOST_ORDERS)
+    if p and not m:
         return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
-    rate = law.decay_taylor(z, MOST_ORDERS)
+    rate, base = law.decay_taylor(z, MOST_ORDERS, m), z + float(m > 0)
     of_rate = taylor_of_log([c / rate[0] for c in rate])  # lambda < 0 for z < 0
-    rest = [-((-1.0 / z) ** n) / n - of_rate[n] for n in orders]
-    return [np.log(law.mean_log_loss * z / rate[0]), *rest]
+    rest = [-((-1.0 / base) ** n) / n - of_rate[n] for n in orders]
+    return [np.log(law.mean_log_loss * base / rate[0]), *rest]
 
 
 def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
@@ -93,25 +93,33 @@ def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
     return max(_START, math.ceil(_START - a))
 
 
-def _from(law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any]) -> NDArray[Any]:
+def _from(
+    law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any], m: int = 0
+) -> NDArray[Any]:
     """ln A at ``top`` (n,), from the integral of rho from n up to there, by Euler-Maclaurin."""
     known = _rho(law, np.arange(1.0, n)).sum()  # ln A(n)
     begin = _taylor_of_rho(law, np.array([float(n)]))
-    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top)))
+    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top, m)))
 
 
-def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) -> ComplexArray:
-    """ln A(a + i n step), n = 0 ... count - 1."""
+def log_moment_on_line(
+    law: CollisionLaw, a: float, step: float, count: int, m: int = 0
+) -> ComplexArray:
+    """ln A(a + i n step), n = 0 ... count - 1; with lambda_m/(z + 1) in place of lambda/z, m > 0.
+
+    For m > 0 up to a constant.
+    """
     z = a + 1j * step * np.arange(count)
     shift = _shift(law, a, step * count)
     node, weight = gauss_legendre(10)
     offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
     at = z[:, None] + offsets
-    rate = np.where(at == 0.0, 1.0, law.decay_rates(z, offsets))
-    rho = np.log(np.where(at == 0.0, 1.0, law.mean_log_loss * at / rate))
+    zero = (at == 0.0) & (m == 0)
+    rate = np.where(zero, 1.0, law.decay_rates(z, offsets, m))
+    rho = np.log(np.where(zero, 1.0, law.mean_log_loss * (at + float(m > 0)) / rate))
     path = np.full(count, complex(_integral(law, float(shift), a + shift)))
     path[1:] = path[0] + 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
-    return np.asarray(_from(law, shift, path, z + shift) - rho[:, :shift].sum(axis=1))
+    return np.asarray(_from(law, shift, path, z + shift, m) - rho[:, :shift].sum(axis=1))
 
 
 def _integral(law: CollisionLaw, low: float, high: float) -> float:
@@ -258,14 +266,9 @@ def _line(law: CollisionLaw, a: float, scale: float) -> Line:
     count = 1
     while np.max(np.abs(samples[-1][-4:])) >= math.exp(-_NEGLIGIBLE) and count <= _MOST_SAMPLES:
         block = max(32, count)
-        samples.append(np.exp(_log_moment_on_line(law, a, step, count + block)[count:] - log_a))
+        samples.append(np.exp(log_moment_on_line(law, a, step, count + block)[count:] - log_a))
         count += block
     return Line(a, mean, math.sqrt(variance), step, log_a, np.concatenate(samples))
-
-
-_REACHES = (14.0, 60.0, 300.0)  # wave numbers that are tried, over the deviation
-_STEPS = 32  # of each try
-_OWN_FACTOR = 5.0  # a density of x falls as e^-(e^x) high up: its own factor e^x is allowed for
 
 
 def small_deviation(law: CollisionLaw) -> float:
@@ -277,31 +280,13 @@ def small_deviation(law: CollisionLaw) -> float:
 def extent_of(law: CollisionLaw, depth: float) -> tuple[float, float]:
     """x above which the scaling state weighs e^-depth, and where its transform is that small.
 
-    The transform of its density is A(i k), A(z) = E[(kappa v t/l)^z]. The derivative of ln A is
-    nearly rho(z - 1/2), rho(z) = ln A(z + 1) - ln A(z) = ln(kappa z/lambda(z)), for Re z >= 1/2.
+    The transform of its density is A(i k). A density of x falls as e^-(e^x) high up: its own factor
+    e^x is allowed for.
     """
     deviation = small_deviation(law)
-    q, kappa = law.quadrature, law.mean_log_loss
-    # Chernoff's bound
-    p = np.geomspace(1e-3, 60.0, 120) / deviation
-    middle = 0.5 * (p + np.append(0.0, p[:-1])) - 0.5
-    middle = np.where(np.abs(middle) < 1e-6, 1e-6, middle)
-    decay = law.met_again(middle, -np.expm1(-np.multiply.outer(middle, q.log_loss)) @ q.weight, 0)
-    log_a = np.cumsum(np.log(kappa * middle / decay) * np.diff(p, prepend=0.0))
-    right = float(np.min((log_a + depth + _OWN_FACTOR) / p))
-    band = 0.0
-    for reach in _REACHES:
-        k = np.linspace(0.0, reach / deviation, _STEPS)
-        # ln A(i k) = ln A(1 + i k) - rho(i k), and up the line from there
-        z = np.stack([1j * k, 0.5 + 1j * k])
-        z[0, 0] = 1e-6
-        log_rho = np.log(kappa * z / law.decay_symbol(z.ravel()).reshape(z.shape))
-        turn = np.unwrap(log_rho[1].imag)
-        fall = np.append(0.0, np.cumsum(0.5 * (turn[1:] + turn[:-1]) * np.diff(k)))
-        fall += log_rho[0].real - log_rho[0, 0].real
-        if fall[-1] > depth:
-            i = int(np.nonzero(fall <= depth)[0][-1]) + 1  # before, A may vanish at single k
-            share = (depth - fall[i - 1]) / (fall[i] - fall[i - 1])
-            return right, float(k[i - 1] + share * (k[i] - k[i - 1]))
-        band = float(k[-1])
-    return right, band
+    p = np.geomspace(0.3, 60.0, 24) / deviation
+    right = float(np.min((log_moment(law, p) + depth + _OWN_FACTOR) / p))  # Chernoff's bound
+    step, count = 0.5 / deviation, 32
+    while (size := log_moment_on_line(law, 0.0, step, count).real)[-1] > -depth and count < 1000:
+        count *= 2
+    return right, step * float(np.count_nonzero(size > -depth))
