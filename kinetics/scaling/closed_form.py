@@ -52,10 +52,9 @@ class ScaledState(Result):
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        law = law_of(
-            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
-        )  # fmt: skip
-        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
+        restitutions = self.restitution, self.tangential_restitution
+        law = law_of(*restitutions, self.dimension, self.mass_ratio)
+        medium = self.scatterers, self.number_density, self.diameter, self.density_order
         return law_in_medium(law, *medium)
 
     def _power(self, p: Any) -> float:
@@ -70,21 +69,12 @@ class ScaledState(Result):
 class ScalingSolution(ScaledState):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 
-    Parameters
-    ----------
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
-    tangential_restitution : et in [0, 1]; 1 for smooth scatterers
-    dimension : 2 or 3
-    scatterers : "dilute", or at a finite density "overlapping" or "hard disks", as in a Scene
-    number_density, diameter : of those, per d^2 and in d; they count as number_density * diameter^2
-    density_order : as in a Scene
-    mass_ratio : of a scatterer, at rest, over the tracer; inf for fixed scatterers
+    tangential_restitution, dimension, scatterers, number_density, diameter, density_order,
+        mass_ratio : as in a Scene; the density counts as number_density * diameter^2
 
-    Lengths are in l, the mean path between collisions, which is ``law.mean_free_path``.
-
-    Raises
-    ------
-    InputError (a ValueError) : an argument out of range or not a number
+    Lengths are in l, the mean path between collisions, which is ``law.mean_free_path``. Raises
+    InputError (a ValueError) for an argument out of range or not a number.
 
     If bounces are elastic (e = et = 1), nothing cools and no scaling state is approached:
     ``cooling_rate`` is 0, ``a2`` and ``moment`` are the limits e -> 1 (all speeds are one: a2 is
@@ -122,11 +112,9 @@ class ScalingSolution(ScaledState):
     def collision_cumulants(self, n: int = 3) -> NDArray[Any]:
         """Limits of the first n <= 12 cumulants of the number N of collisions per ln t, shape (n,).
 
-        Mean, variance, third cumulant ... of N(t) at late times, over ln t, dimensionless:
-        1/kappa, Var(ln s)/kappa^3, ... They are the derivatives at u = 0 of theta(u),
-        E[s^theta] = exp(-u), since E[exp(u N)] grows as t^theta: :meth:`collision_power`.
-
-        Raises InputError for elastic bounces, where N grows as t, and at a finite density.
+        Mean, variance, third cumulant ... of N(t) at late times, over ln t: 1/kappa,
+        Var(ln s)/kappa^3, ... Raises InputError for elastic bounces, where N grows as t, and at a
+        finite density.
 
         >>> bool(abs(ScalingSolution(0.0).collision_cumulants() - 1).max() < 1e-14)
         True
@@ -137,10 +125,7 @@ class ScalingSolution(ScaledState):
     def path_cumulants(self, n: int = 3) -> NDArray[Any]:
         """The same of the length X of the path: its k-th cumulant per ln t, in l^k, shape (n,).
 
-        1/kappa, E[(ln s)^2]/kappa^3, ... Between collisions X is exponential, and E[exp(u X)] grows
-        as t^theta with E[s^theta] = 1 - u.
-
-        Raises InputError as :meth:`collision_cumulants`.
+        1/kappa, E[(ln s)^2]/kappa^3, ...; errors as :meth:`collision_cumulants`.
         """
         self._check_counted()
         return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), True)
@@ -148,12 +133,9 @@ class ScalingSolution(ScaledState):
     def collision_power(self, z: float) -> tuple[float, float]:
         """(theta, C) in E[z^N(t)] ~ C (v0 t/l)^theta at late times, from one speed v0, z > 0.
 
-        N is the number of collisions. phi(theta) = 1/z with phi(p) = E[s^p],
-        C = Gamma(-theta) Q/(-z phi'(theta)), Q the product over j >= 0 of
-        (1 - z phi(j))/(1 - z phi(j + 1 + theta)). From other speeds C is multiplied by
-        <v^theta>/v0^theta. z = 1/(1 + q) gives E[exp(-q X)], X the length of the path in l.
-        Both are dimensionless, theta right to 1e-14 and C to 1e-11 of themselves. Where all losses
-        -ln s are multiples of one number, C is the mean of an oscillation in ln t that goes on.
+        N is the number of collisions, 1/z = E[s^theta]; from other speeds C is multiplied by
+        <v^theta>/v0^theta. z = 1/(1 + q) gives E[exp(-q X)], X the length of the path in l. Where
+        all losses -ln s are multiples of one number, C is the mean of an oscillation in ln t.
 
         Raises InputError for elastic bounces, at a finite density, and for a z where theta is
         beyond +-1000 or, where some bounces lose nothing, there is none.
@@ -184,32 +166,14 @@ class ScalingSolution(ScaledState):
         """The power of c before the exponential tail, b - d; infinite if elastic.
 
         b is 1/(1-e^2) for smooth disks, 2/(1-e^2) for smooth spheres, 0 where every bounce loses
-        energy (e and et below 1). NaN where the tail is no power times an exponential: rough disks
-        with e = 1.
+        energy; NaN where the tail is no power times an exponential: rough disks with e = 1.
         """
         return self.law.tail_exponent - self.dimension
-
-    @cached_property
-    def log_tail_amplitude(self) -> float:
-        """ln A in F(c) ~ A c^tail_power exp(-tail_rate c), to 1e-10; InputError if there is none.
-
-        With b = tail_power + d, E[Y^p]/Gamma(p+b) tends to S A (h/2)^b, S the surface of the unit
-        circle or sphere, 2 pi or 4 pi.
-        """
-        self._check_inelastic()
-        b = self.law.tail_exponent
-        if not math.isfinite(b):
-            refuse("restitution", self.restitution, "this law has no power times an exponential")
-        log_y = mellin.log_growth_constant(self.law, b)
-        return log_y + b * math.log(self.tail_rate) - math.log(self.law.unit_surface)
 
     def moment(self, p: float) -> float:
         """<c^p> for real p, |p| <= 300, with <c^0> = <c^2> = 1.
 
-        Where bounces come as near to rest as one likes, p must be above ``law.lowest_power``: -1
-        for smooth disks with e = 0, -2 for spheres and for et = 0.
-
-        Raises InputError for other p, and where the moment overflows.
+        Raises InputError for p not above ``law.lowest_power``, and where the moment overflows.
         """
         p = self._power(p)
         if self.law.is_elastic:
@@ -221,10 +185,7 @@ class ScalingSolution(ScaledState):
         return math.exp(log_moment)
 
     def scaled_speed_moment(self, p: float) -> float:
-        """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`.
-
-        Raises InputError if bounces are elastic: v t has no limit.
-        """
+        """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`; not elastic."""
         p = self._power(p)
         if self.law.is_elastic:
             refuse("restitution", 1.0, "v t has no limit law in the elastic gas")
@@ -233,16 +194,13 @@ class ScalingSolution(ScaledState):
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), the scaled velocity distribution; same shape as c.
 
-        Normalised over all velocities: integral of 2 pi c F(c) dc = 1 in the plane, of
-        4 pi c^2 F(c) dc in space; and <c^2> = 1. Relative error below 1e-12 wherever F is not below
-        1e-280; near e = 1, where F is a ring of width sqrt(1 - e), what the rounding of c makes,
-        some 1e-16/sqrt(1 - e). F(0) is 0 (a hole) unless bounces come as near to rest as one
-        likes. For smooth scatterers with e = 0, F is infinite there: exp(-sqrt(2) c)/(sqrt(2) pi c)
-        for disks, 3 exp(-sqrt(6) c)/(2 pi c) for spheres.
+        Its integral over all velocities is 1, and <c^2> = 1. Relative error below 1e-12 wherever F
+        is not below 1e-280; near e = 1, where F is a ring of width sqrt(1 - e), what the rounding
+        of c makes, some 1e-16/sqrt(1 - e). F(0) is 0 (a hole) unless bounces come as near to rest
+        as one likes. For smooth scatterers with e = 0, F is infinite there: exp(-sqrt(2) c)/
+        (sqrt(2) pi c) for disks, 3 exp(-sqrt(6) c)/(2 pi c) for spheres.
 
-        Raises
-        ------
-        InputError : c negative or not finite; elastic bounces (F is the ring delta(c - 1)/(2 pi))
+        Raises InputError for c negative or not finite, and for elastic bounces.
         """
         c_ = not_negative("c", c)
         self._check_inelastic()

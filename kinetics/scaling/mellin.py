@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import ComplexArray, FloatArray
-from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
+from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
 from kinetics.numerics.threads import one_blas_thread
 
@@ -133,36 +133,6 @@ def _integral(law: CollisionLaw, low: float, high: float) -> float:
         edges.append(min(edges[-1] + unit, max(low, high)))
     nodes, weights = panels_between(np.array(edges), 24)
     return math.copysign(1.0, high - low) * float(_rho(law, nodes) @ weights)
-
-
-def log_growth_constant(law: CollisionLaw, b: float) -> float:
-    """ln of the limit of E[Y^p]/Gamma(p+b) for large p, b the law's tail exponent, to 1e-10.
-
-    E[Y^(p+1)]/Gamma(p+1+b) exceeds E[Y^p]/Gamma(p+b) by the factor (p/(p+b))/lambda(p): a sum of
-    its logarithm over the integers, by the Euler-Maclaurin formula from n on.
-    """
-
-    def excess(p: FloatArray) -> FloatArray:
-        return np.asarray(-np.log(law.decay_rate(p)) - np.log1p(b / p))
-
-    n = 24.0
-    head = float(excess(np.arange(1.0, n)).sum())
-    # the integral in u = n/p up to p = last, and beyond from three terms of the series in 1/p
-    last = 2000.0 * max(b, 1.0)
-    u, w = equal_panels(1.0 - n / last, 40, 0.25)
-    u = u + n / last
-    integral = float((excess(n / u) * n / u**2) @ w)
-    at = last * np.array([1.0, 1.5, 2.0])
-    terms = np.linalg.solve(at[:, None] ** -np.array([2.0, 3.0, 4.0]), excess(at))
-    integral += float(terms @ (last ** -np.array([1.0, 2.0, 3.0]) / np.array([1.0, 2.0, 3.0])))
-    # Taylor coefficients at n: of rho, less those of ln(p + b); far out they vanish
-    begin = [c[0] for c in _taylor_of_rho(law, np.array([n]))]
-    for order in range(1, len(begin)):
-        begin[order] += (-1.0 / (n + b)) ** order / order
-    begin[0] -= math.log(law.mean_log_loss * (n + b))
-    end = [np.zeros(())] * len(begin)
-    tail = float(log_growth(np.asarray(integral), begin, end))
-    return -math.log(law.mean_log_loss) - math.lgamma(1.0 + b) + head + tail
 
 
 # -- Mellin inversion through the saddle -----------------------------------------------------------
