@@ -1,14 +1,13 @@
 r"""Free flights completed by a time T: how many last longer than s, or are longer than x.
 
-A flight counts if a collision ends it at a time up to T; the first one begins at time 0. At time t
-those tracers end one that lasts longer than s which did not collide between t - s and t. So with
-the speed density f and lengths in l there are, for each tracer,
+A flight counts if a collision ends it at a time up to T; the first one begins at time 0. With the
+speed density f and lengths in l there are, for each tracer,
 
     N(s) = int dv v e^(-v s) F(v, T - s)   longer than s in time,  F(v, t) = int_0^t f(v, t') dt',
     L(x) = e^-x int dv v F(v, T - x/v)     longer than x in length,
 
-and N(0) = L(0) is the mean number of collisions. Lengths are exponential but for those which T cuts
-off. Among moving, or dense, scatterers this does not hold.
+and N(0) = L(0) is the mean number of collisions. Among moving, or dense, scatterers this does not
+hold.
 """
 
 from collections.abc import Callable
@@ -31,9 +30,9 @@ _PANELS = {True: 6, False: 60}
 class Flights:
     """Flights in units of l and U; times (n_times,) are those up to which they are completed.
 
-    speeds (n_v,), weight: for the speed v the quadrature weight. integral (n_nodes + 1, n_v): of F
-    in Chebyshev polynomials of ln(1 + t), which goes from -1 to 1 up to the last time. peak: the
-    speed of tracers of a start of one speed, of which share e^(-loss peak t) is left; 0: none.
+    speeds (n_v,). integral (n_nodes + 1, n_v): of F times the weights of the speeds, in Chebyshev
+    polynomials of ln(1 + t) from 0 to the last time. peak: the speed of tracers of a start of one
+    speed, 0 without; they are lost at the rate loss * peak.
     """
 
     times: FloatArray

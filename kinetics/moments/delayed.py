@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -41,7 +40,6 @@ _LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over
 _APART = 0.1  # of two rates about 1/b: exp(-0.9 y/b) - exp(-1.1 y/b) is nearly 0.2 (y/b) exp(-y/b)
 _MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
 _SLOWEST, _FASTEST = 0.02, 12.0  # rates per l, and per 2 n, between which they are
-_BY_VECTORS = 16  # nodes up to which eigenvectors lose no more than 1e-12
 _TERMS = 24  # of power series, up to where the fastest loops have fallen to 1/e
 _SHORTEST = 1e-3  # in l: near loops that are shorter are taken to be so long
 
@@ -87,15 +85,6 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
     return np.append(rate, far), weights
 
 
-@lru_cache(maxsize=16)
-def _slopes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
-    """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that."""
-    rule = PanelRule(nodes, width)
-    slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
-    value, vector = np.linalg.eig(slopes[:, 1:])
-    return slopes, value, vector, np.linalg.inv(vector)
-
-
 def _responses(
     rule: PanelRule, pull: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -104,16 +93,10 @@ def _responses(
     The weighted sums of R over modes, (n_panels, n_kinds, nodes - 1, nodes - 1), what is left of 1
     at the first node, and the last rows of R, (n_panels, n_modes, nodes - 1) each.
     """
-    slopes, value, vector, back = _slopes(rule.nodes, rule.width)
-    if rule.nodes > _BY_VECTORS:
-        one = np.eye(rule.nodes - 1)
-        every: Any = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * one)
-        summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
-        return summed, np.asarray(-every @ slopes[:, 0]), every[:, :, -1]
-    inverse = 1.0 / (value + pull[:, :, None])
-    decay = -((inverse * (back @ slopes[:, 0])) @ vector.T).real
-    summed = ((vector * (weights @ inverse)[:, :, None]) @ back).real
-    return summed, decay, ((inverse * vector[-1]) @ back).real
+    slopes = np.exp(-rule.width * rule.local)[1:, None] * rule.derivative[1:]
+    every = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * np.eye(rule.nodes - 1))
+    summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
+    return summed, -every @ slopes[:, 0], every[:, :, -1]
 
 
 class Loops:

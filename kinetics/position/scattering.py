@@ -198,19 +198,19 @@ class Sweep:
         self.start, self.top = start, top
         self._count, self._tolerance = count, tolerance
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
-        # collisions that lose more speed lead from every panel to where the series holds
-        near = q.log_loss <= count * rule.width
-        few, many = q.part(near), q.part(~near)
-        lost = np.stack(list(few.harmonic_losses(top)))
+        # collisions that lose very much lead to where a_0 is 1, but for (K T)^2, and all others 0
+        deep = 2.0 - 0.5 * math.log(tolerance)
+        most = count * rule.width + deep
+        lost = np.stack(list(q.harmonic_losses(top)))
         # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
         order = np.arange(1, top + 1)
         rise = np.log(2.0 * order) - math.log(float(wave_numbers.max())) - 1.0
         rise += math.log(_NEGLIGIBLE * tolerance) / order
         first = np.floor((np.append(-_DEEPEST, rise) - start) / rule.width)
         self._first = np.minimum(first, count).astype(int)
-        shifts = PanelShifts(rule, few.log_loss)
-        loss, gain = shifts.kernel(few.weight, 1.0 - lost, lost, count - self._first)
-        loss += many.weight.sum() * np.eye(rule.nodes)
+        reach = count - self._first + math.ceil(deep / rule.width)
+        shifts = PanelShifts(rule, np.minimum(q.log_loss, most))
+        loss, gain = shifts.kernel(q.weight, 1.0 - lost, lost, reach)
         if law.returns(0)[0]:
             eps = np.array([law.returns(m)[0] for m in range(top + 1)])
             if met_again(law) is not None:
@@ -225,17 +225,7 @@ class Sweep:
             self._loops.shares[0] = 0.0  # at once, in the kernel
         by_row = self._coupling[:, None, None]
         self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain
-        # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
-        self._far_ratio = math.exp(-count * rule.width)
         self._of_series = min(top, _TERMS)  # the last harmonic that begins with one of its powers
-        self._far = np.zeros((_TERMS + 1, self._of_series + 1))
-        if many.weight.size:
-            with np.errstate(under="ignore"):
-                # at most 1, as powers of T overflow
-                powers = (many.ratio / self._far_ratio) ** np.arange(_TERMS + 1)[:, None]
-            powers *= many.weight
-            for m, lost_far in enumerate(many.harmonic_losses(self._of_series)):
-                self._far[:, m] = powers @ (1.0 - lost_far) / self._coupling[m]
 
     def run(self, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -244,7 +234,6 @@ class Sweep:
         reach, recent = self._reach()
         series, total, returns = self._coefficients()
         few = self._of_series + 1  # harmonics
-        far = total * self._far[:, :, None]
         # all panels, those below the first by the series; high harmonics are 0 until they rise
         x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
         filled = _series_sum(total, np.exp(x.ravel())).reshape(reach, n, few, size)
@@ -260,9 +249,6 @@ class Sweep:
             rate = np.exp(self.start + j * self.rule.width + local)
             used = self._panel_harmonics(known, used, rate, tolerance, kept)
             drive = self._from_below(panels[: used + 1], j, reach)
-            if self._far.any():
-                come = _series_sum(far[:, : used + 1], self._far_ratio * rate)
-                drive[:few] += np.moveaxis(come, 1, 0)
             loss, come = self._loss[: used + 1], drive
             if returns:
                 loss, come = returns.begin(j, loss, drive)
