@@ -26,7 +26,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium

@@ -198,8 +198,8 @@ class Sweep:
         self.start, self.top = start, top
         self._count, self._tolerance = count, tolerance
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
-        # collisions that lose very much lead to where a_0 is 1, but for (K T)^2, and all others 0
-        deep = 2.0 - 0.5 * math.log(tolerance)
+        # collisions that lose very much lead to where a_0 is 1, but for K T, and all others 0
+        deep = 2.0 - math.log(tolerance)
         most = count * rule.width + deep
         lost = np.stack(list(q.harmonic_losses(top)))
         # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
