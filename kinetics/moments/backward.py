@@ -45,8 +45,7 @@ def panel_width(degree: float, fall: float = 0.0) -> float:
 def fall_of(law: CollisionLaw, degree: float) -> float:
     """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
 
-    There the tracers that have not collided weigh as much as those that have collided once. Across
-    a panel of width w that ends there <v^p> falls by e^(w T).
+    There those that have not collided weigh as much as those that have collided once.
     """
     if degree <= 0.0:
         return 0.0
@@ -112,8 +111,7 @@ def scale_of(y: Observable) -> Observable:
 def smaller_ends(values: FloatArray) -> FloatArray:
     """The size of the smaller end of each panel, (n_panels,), from values (n_panels, nodes).
 
-    Powers rise as e^(p X) over a panel: there the relative error is the largest. An observable that
-    changes sign there has no scale; a thousandth of its maximum stands for one.
+    Where an observable changes sign a thousandth of its maximum stands for it.
     """
     size = np.abs(values)
     ends = np.minimum(size[:, 0], size[:, -1])
@@ -135,11 +133,8 @@ def _kept(law: CollisionLaw, nodes: int, width: float, at_once: bool) -> tuple[d
 class BackwardEquation:
     """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
 
-    law : the collision law
-    highest : largest X that will be asked for
-    nodes : Chebyshev nodes of a panel
-    width : of a panel in X, see `panel_width`
-    harmonic : the largest m of all observables that will be asked for
+    highest, harmonic : the largest X, and the largest m, that will be asked for
+    nodes, width : Chebyshev nodes of a panel, and its width in X, see `panel_width`
     """
 
     law: CollisionLaw
@@ -253,10 +248,7 @@ class BackwardEquation:
         return scale[:, :, None] * slopes, rate * scale
 
     def series(self, y: Observable) -> FloatArray:
-        """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy.
-
-        Without the end, which adds nothing up to where the panels begin.
-        """
+        """Coefficients a_k of y = T^p sum_k a_k T^k, as far as they count below the panels."""
         if y not in self._series:
             drive, rates = self._series_of_sources(y)
             a = [1.0 if y.is_power else 0.0]
@@ -278,10 +270,7 @@ class BackwardEquation:
         return drive, law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
 
     def error_estimate(self, observable: Observable) -> float:
-        """What the Chebyshev coefficients of a panel leave out, relative to its smaller end.
-
-        For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
-        """
+        """What the Chebyshev coefficients of panels leave out, relative to their smaller ends."""
         if observable not in self._errors:
             last, before = self.rule.last_coefficients(self.solve(observable))
             # errors are at most 1.2 times the last coefficient, or a tenth of that times the one
@@ -295,9 +284,8 @@ class BackwardEquation:
     def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:
         """y at X = x, -inf allowed, and whether that is below the panels; each of its shape.
 
-        Below them it is y T^-(p + leading), by the power series, whose first ``leading`` terms must
-        vanish, because T^p alone may overflow. Above them y is on its asymptote, a polynomial in X,
-        or a power where speeds are kept.
+        Below them it is y T^-(p + leading), as T^p alone may overflow; the first ``leading`` terms
+        of the power series must vanish. Above them y is on its asymptote.
         """
         values = self.solve(y)
         low = x < self.start

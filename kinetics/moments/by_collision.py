@@ -39,10 +39,8 @@ class ByCollision(Value):
 
     Attributes
     ----------
-    law : the collision law
-    mean_free_path : l in d
-    state : the initial state
     collision_numbers : N, shape (n_collisions,)
+    law, mean_free_path, state : of the scene; lengths in d
     rtol : the relative accuracy of averages over the initial state; nothing else is approximate
     """
 
@@ -62,7 +60,8 @@ class ByCollision(Value):
         Raises InputError for p or m out of range, or where the moment does not exist or overflows.
         """
         p, m = moment_arguments(self.law, self.state, p, m)
-        return self._in_range(f"<v^{p:g}>", self._start(p, m) * self._kept(p, m))
+        gap = float(self.law.harmonic_decay_rate(p, m))
+        return self._in_range(f"<v^{p:g}>", self._start(p, m) * _power(gap, self.collision_numbers))
 
     @property
     def thermal_speed(self) -> FloatArray:
@@ -115,10 +114,6 @@ class ByCollision(Value):
         measure = self.state.harmonic(m, self.rtol, min(p, 0.0), max(p, 2.0))
         return 0.0j if measure is None else complex(measure.weight @ np.exp(p * measure.x))
 
-    def _kept(self, p: float, m: int) -> FloatArray:
-        """E[s^p cos(m chi)]^N."""
-        return _power(float(self.law.harmonic_decay_rate(p, m)), self.collision_numbers)
-
     @staticmethod
     def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
@@ -129,18 +124,16 @@ class ByCollision(Value):
 def _power(gap: float, n: FloatArray) -> FloatArray:
     """(1 - gap)^n, accurate for small gaps; shape of n."""
     with np.errstate(under="ignore", over="ignore"):
-        if gap < 1.0:
-            return np.asarray(np.exp(n * math.log1p(-gap)))
-        return np.asarray((1.0 - gap) ** n)
+        small = np.exp(n * math.log1p(-min(gap, 0.5)))
+        return np.asarray(small if gap < 0.5 else (1.0 - gap) ** n)
 
 
 def _sum_of_powers(n: FloatArray, gap: float) -> FloatArray:
     """1 + (1 - gap) + ... + (1 - gap)^(n-1), shape of n."""
     if gap == 0.0:
         return n
-    if gap < 1.0:
-        return np.asarray(-np.expm1(n * math.log1p(-gap)) / gap)
-    return np.asarray((1.0 - _power(gap, n)) / gap)
+    small = -np.expm1(n * math.log1p(-min(gap, 0.5)))
+    return np.asarray((small if gap < 0.5 else 1.0 - _power(gap, n)) / gap)
 
 
 def _pairs(n: FloatArray, gap: float) -> FloatArray:

@@ -44,14 +44,9 @@ _PIECE = 5000  # points at once, so that their interpolation weights stay in the
 class Averages:
     """Averages over an initial state, at given times.
 
-    law : the collision law
-    mean_free_path : l, in d
-    state : the initial state
-    times : in d/U, shape (n_times,)
-    rtol : relative accuracy
-    degree, lowest : largest and smallest power of the speed that will be asked for
-    nodes : of a panel of the backward equation; chosen from rtol and degree by default
-    harmonic : the largest angular harmonic that will be asked for
+    mean_free_path in d, times (n_times,) in d/U; degree, lowest, harmonic: largest and smallest
+    power of the speed and largest angular harmonic that will be asked for; nodes: of a panel of
+    the backward equation, by default from rtol and degree.
     """
 
     law: CollisionLaw
@@ -77,10 +72,7 @@ class Averages:
         return other
 
     def at(self, times: FloatArray) -> Averages:
-        """The same at other times, up to the last one: the equation is not solved again.
-
-        Its error estimate stays what it is: it is of all panels, that is of all times.
-        """
+        """The same at other times, up to the last one, with the error estimate of all times."""
         other = replace(self, times=times)
         other._measures.update(self._measures)
         if "equation" in self.__dict__:  # the cached property below
@@ -110,7 +102,8 @@ class Averages:
         if m not in self._measures:
             # where <v^p> falls by more than e^4 before a bounce, slow tracers that have not
             # collided make what is left of it: a share of the start, 1e-26 at least
-            share = math.exp(-min(self._fall, 60.0)) if self._fall > 4.0 else 1.0
+            fall = fall_of(self.law, self.degree)
+            share = math.exp(-min(fall, 60.0)) if fall > 4.0 else 1.0
             self._measures[m] = self.state.harmonic(
                 m, self.rtol * share, self.lowest, max(self.degree, 2.0)
             )
@@ -145,13 +138,9 @@ class Averages:
         return np.minimum(self.log_first, -log_stretch - math.log(self.law.mean_log_loss))
 
     @cached_property
-    def _fall(self) -> float:
-        return fall_of(self.law, self.degree)
-
-    @cached_property
     def width(self) -> float:
         """Width in X of the panels of the backward equation."""
-        return panel_width(max(abs(self.degree), abs(self.lowest)), self._fall)
+        return panel_width(max(abs(self.degree), abs(self.lowest)), fall_of(self.law, self.degree))
 
     @cached_property
     def equation(self) -> BackwardEquation:

@@ -36,16 +36,31 @@ _LEFT_OUT = 1e-12  # of all tracers, by these pieces, and beyond the last of the
 
 @dataclass(frozen=True)
 class Uncollided(Value):
-    """f(r/t) exp(-r/l)/t, f the density of the initial speeds; 0 for a start of sharp speeds.
+    """Tracers that have not collided, from a start with the density f of the speed: f(r/t)
+    exp(-r/l)/t; from sharp speeds they are on fronts, and the density is 0.
 
-    state : the initial state
-    mean_free_path : l, in d
-    times : in d/U, shape (n_times,)
+    mean_free_path in d, times (n_times,) in d/U
     """
 
     state: State
     mean_free_path: float
     times: FloatArray
+
+    @property
+    def fronts(self) -> tuple[FloatArray, FloatArray]:
+        """Radius in d, and share of all tracers, of each sharp speed, (n_times, n_speeds) each."""
+        speed, share = self.state.peaks or (np.zeros(0), np.zeros(0))
+        with np.errstate(over="ignore", under="ignore"):
+            radius = np.outer(self.times, speed)
+            return radius, share * np.exp(-radius / self.mean_free_path)
+
+    def fastest(self, rtol: float) -> float:
+        """The largest of sharp speeds; for densities, one that all but about rtol keep below."""
+        if self.state.peaks is not None:
+            return float(np.max(self.state.peaks[0]))
+        found = self.state.harmonic(0, rtol)
+        assert found is not None  # harmonic 0 is never zero
+        return float(np.exp(found.x.max()))
 
     def at(self, time: int, r: FloatArray) -> FloatArray:
         """Density in 1/d at radii r in d, shape (n_r,)."""
@@ -66,7 +81,7 @@ class Uncollided(Value):
             return np.zeros(r.shape)
         with np.errstate(over="ignore"):
             # the points of a density stop short of where it ends
-            far = 2.0 * t * fastest_speed(self.state, _LEFT_OUT)
+            far = 2.0 * t * self.fastest(_LEFT_OUT)
             far = min(far, _NONE_LEFT * self.mean_free_path)
             kinks = self.state.kinks * t
         near = np.clip(r, 0.0, far)
@@ -79,60 +94,45 @@ class Uncollided(Value):
         return np.asarray(sums[np.searchsorted(at[order], near)])
 
 
-def fronts(state: State, mean_free_path: float, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Where the uncollided of each delta peak of the speed are, and their share of all tracers.
-
-    Shape (n_times, n_speeds) each, radii in d; n_speeds = 0 for a start with a density.
-    """
-    speed, share = state.peaks or (np.zeros(0), np.zeros(0))
-    with np.errstate(over="ignore", under="ignore"):
-        radius = np.outer(times, speed)
-        return radius, share * np.exp(-radius / mean_free_path)
-
-
-def fastest_speed(state: State, rtol: float) -> float:
-    """The largest of sharp speeds; for densities, one that all but about rtol of the tracers keep
-    below.
-    """
-    if state.peaks is not None:
-        return float(np.max(state.peaks[0]))
-    found = state.harmonic(0, rtol)
-    assert found is not None  # harmonic 0 is never zero
-    return float(np.exp(found.x.max()))
-
-
 @dataclass(frozen=True)
 class Displacement(Value):
     """g(r, t) at the times of a scene. Numbers and arrays only; the methods compute from them.
 
-    mean_free_path : l, in d
-    times : in d/U, shape (n_times,)
+    uncollided : tracers that have not collided; it has l and the times
     root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     panels : F of the collided on intervals of k l
     tails : and beyond them, for each time; None where nothing is left
     cut : k l from which F is tapered, for each time; infinite where it ends by itself
-    uncollided : the density of those that have not collided, if the start has a speed density
-    front_radius, front_weight : where and how many they are if it has none, in d and as
-        shares of all tracers, shape (n_times, n_speeds); n_speeds = 0 for densities
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
     dimension : 2 or 3
     """
 
-    mean_free_path: float
-    times: FloatArray
+    uncollided: Uncollided
     root_mean_square: FloatArray
     panels: tuple[WavePanel, ...]
     tails: tuple[PowerTail | None, ...]
     cut: FloatArray
-    uncollided: Uncollided
-    front_radius: FloatArray
-    front_weight: FloatArray
     reach: FloatArray
     error_estimate: float
     systems: Mapping[int, int]
     dimension: int = 2
+
+    @property
+    def mean_free_path(self) -> float:
+        """l in d."""
+        return self.uncollided.mean_free_path
+
+    @property
+    def front_radius(self) -> FloatArray:
+        """Of the fronts of sharp speeds, in d, (n_times, n_speeds); n_speeds = 0 for densities."""
+        return self.uncollided.fronts[0]
+
+    @property
+    def front_weight(self) -> FloatArray:
+        """The share of all tracers that are there, (n_times, n_speeds)."""
+        return self.uncollided.fronts[1]
 
     @property
     def wave_numbers(self) -> int:
@@ -141,9 +141,8 @@ class Displacement(Value):
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
-        path, d = self.mean_free_path, self.dimension
-        near = np.minimum(r, self.reach[time])
-        collided = element(near / path, d) * (self._transform(time, r, 0) / path)
+        path, near = self.mean_free_path, np.minimum(r, self.reach[time])
+        collided = element(near / path, self.dimension) * (self._transform(time, r, 0) / path)
         return np.asarray(collided + self.uncollided.at(time, r))
 
     def within(self, time: int, r: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.position.density import Displacement, Uncollided, fastest_speed, fronts
+from kinetics.position.density import Displacement, Uncollided
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
@@ -82,32 +82,26 @@ def solve_displacement(
 
 def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> Displacement:
     """`solve_displacement` within the work of one tolerance."""
-    law, mean_free_path = system.law, system.mean_free_path
-    state, times = system.state, system.times
-    radius, weight = fronts(state, mean_free_path, times)
+    uncollided = Uncollided(system.state, system.mean_free_path, system.times)
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed
-        reach = np.minimum(times * fastest_speed(state, 0.1 * rtol), _FAR * root_mean_square)
-    width = root_mean_square / mean_free_path
+        reach = np.minimum(system.times * uncollided.fastest(0.1 * rtol), _FAR * root_mean_square)
+    width = root_mean_square / system.mean_free_path
     sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
     most = system.work + _MOST_WORK
     for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
         sweep.run((most - system.work) / left)
-    tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(times.size)]
+    tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(width.size)]
     return Displacement(
-        mean_free_path=mean_free_path,
-        times=times,
-        root_mean_square=root_mean_square,
+        uncollided,
+        root_mean_square,
         panels=tuple(panel for sweep in sweeps for panel in sweep.panels),
         tails=tuple(found[0] if found else None for found in tails),
         cut=np.minimum.reduce([sweep.cut() for sweep in sweeps]),
-        uncollided=Uncollided(state, mean_free_path, times),
-        front_radius=radius,
-        front_weight=weight,
         reach=reach,
         error_estimate=float(np.max([sweep.missed for sweep in sweeps])),
         systems=dict(system.systems),
-        dimension=law.dimension,
+        dimension=system.law.dimension,
     )
 
 
