@@ -38,10 +38,9 @@ _SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 6.0, 1.0, 1.6, 1.3
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-# From the end of one interval to that of the next: before its powers of 1/K are found, after that
-# at most, and for sharp speeds, where the best of many ends is taken.
-_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
-_FALL = 0.125  # what the powers of 1/K miss falls as K^-8 at least
+# From the end of one interval to that of the next: before its powers of 1/K are found, after that,
+# and for sharp speeds, where the best of many ends is taken.
+_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.5, 1.25
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
@@ -134,8 +133,6 @@ class _Sweep:
         self.sharp = any(system.flying(i) > _FEW * rtol for i in which)
         self.enough = rtol if self.sharp else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
-        # the least that was missed of each time, its tail then, and the number of panels
-        self._best: dict[int, tuple[float, PowerTail | None, int]] = {}
         self._first_power = self._slowest_fall()
         speeds = points_of(system.state, 0, 1.0, 1e-3)
         assert speeds is not None
@@ -177,22 +174,12 @@ class _Sweep:
             work, done = self.system.work - done, self.system.work
             if done - begin + step**2 * work > most_work:
                 break
-        # where more wave numbers left more of G(R) unknown, go back to those that left least; but
-        # beside a front all of them are better
-        for i, (missed, tail, count) in self._best.items():
-            if missed < self.missed[i] and not (self.sharp and missed > _TAPERED):
-                self.missed[i], self.tails[i] = missed, tail
-                later = [panel.without(i) for panel in self.panels[count:]]
-                self.panels[count:] = [panel for panel in later if panel.which.size]
 
     def _step(self) -> float:
         """From the end of one interval to that of the next."""
         if self.sharp:
             return _STEP_SHARP
-        if not all(self.tails[i] is not None for i in self.active):
-            return _STEP
-        more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
-        return min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
+        return _STEP_KNOWN if all(self.tails[i] is not None for i in self.active) else _STEP
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where G is hardly known, else infinite, (n_times,)."""
@@ -210,8 +197,6 @@ class _Sweep:
             share = max(1.0, self.width[i] * high)
             self._solved_error[i] = max(self._solved_error[i], error * share)
             self.missed[i] = left * share + self._solved_error[i]
-            if self.missed[i] < self._best.get(i, (math.inf,))[0]:
-                self._best[i] = float(self.missed[i]), self.tails[i], len(self.panels)
         self.active = self.active[self.missed[self.active] > self.enough]
 
     def _interval(

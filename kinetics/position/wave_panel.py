@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -45,11 +45,6 @@ class WavePanel(Value):
         """F at the wave numbers at one of the times; None where it is negligible."""
         place = np.nonzero(self.which == time)[0]
         return None if place.size == 0 else np.asarray(self.values[place[0]])
-
-    def without(self, time: int) -> WavePanel:
-        """The same for the other times."""
-        others = self.which != time
-        return replace(self, which=self.which[others], values=self.values[others])
 
     def at_zero(self, time: int) -> float | None:
         """F at K = 0 at one of the times, None if it has none there."""
