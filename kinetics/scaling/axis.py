@@ -10,7 +10,7 @@ width, from the top down, each panel is a small linear system for w over a guess
 ln w follows: the error is relative to w itself, over hundreds of orders of magnitude. What is
 assumed above the top is forgotten as F grows. The march begins not far above the moments, and once
 more at 1e-100 of the bulk if a question reaches beyond. Next to rest, where bounces lead there, g
-ends as a power of v t/l times a polynomial in it.
+ends as a power of v t/l.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.polynomial import polyfit, polyval
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
@@ -37,8 +36,7 @@ _WIDEST, _DEVIATIONS = 1.0, 5.0  # panels in x, and in deviations of g
 # In ln F, less ln rtol: how far the first march reaches, and what is assumed above its top is
 # forgotten. F or a moment from further out begins another one at DEEPEST.
 _SHALLOW, _FORGOTTEN = 15.0, 12.0
-_POWERS = 4  # of v t/l, that make g next to rest beside its own power
-_FORETOLD = 0.03  # of rtol, by which these may miss the next panel
+_AT_REST = 0.01  # of kappa rtol: v t/l below which g is its power where bounces lead to rest
 _NEGLIGIBLE = 40.0  # e^-40 = 4e-18: of the losses at a speed, what is left out
 _FOLDS = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
 _STEEPEST = 60.0  # g near e = 1, over its deviation: where it is e^-(60^2/2) of its peak
@@ -138,7 +136,6 @@ class SpeedAxis:
         # one panel of a guess: exp(-e^x/kappa) times a power of the speed, nearly. The next one is
         # polluted by it, and lies above all that is asked for as well
         self._depth = depth
-        self._rest: tuple[float, FloatArray] | None = None  # ln g at the bottom, and a polynomial
         self._norm: float | None = None
         start, log_g, power, bend = self._beginning()
         self._top = start + self._width
@@ -234,10 +231,9 @@ class SpeedAxis:
             if done or not self._extend():
                 break
         total = self._width * float(np.exp(size - largest).sum(axis=0) @ weight)
-        if self._rest is not None:
-            log_bottom, powers = self._rest
-            share = float(powers @ (1.0 / (p - self.law.lowest_power + np.arange(powers.size))))
-            total += math.exp(p * self._bottom + log_bottom - largest) * share
+        if self._is_power:
+            log_share = p * self._bottom + float(self._log_g_at_nodes[-1, 0]) - largest
+            total += math.exp(log_share) / (p - self.law.lowest_power)
         if not total > 0.0:
             self.unresolved = True
             return 0.0
@@ -257,7 +253,7 @@ class SpeedAxis:
                 break
         out = np.full(x.shape, -math.inf)
         inside = x < self._top - 2.0 * self._width
-        inside &= (x >= self._bottom) | (self._rest is not None)
+        inside &= (x >= self._bottom) | self._is_power
         out[inside] = self._log_g(x[inside])
         with np.errstate(invalid="ignore"):
             far = out - d * x < self._bulk - self._depth
@@ -292,37 +288,23 @@ class SpeedAxis:
         level = (self._top - np.maximum(x, self._bottom)) / self._width
         i = np.minimum(level.astype(int), len(self._panels) - 1)
         log_g = np.sum(self._rule.rows(i + 1.0 - level) * self._log_g_at_nodes[i], axis=1)
-        if self._rest is not None:
-            log_bottom, powers = self._rest
-            down = np.minimum(x - self._bottom, 0.0)
-            series = polyval(np.exp(down), powers)
-            below = log_bottom + np.log(series) - self.law.lowest_power * down
-            log_g = np.where(down < 0.0, below, log_g)
+        if self._is_power:
+            log_g -= self.law.lowest_power * np.minimum(x - self._bottom, 0.0)
         return np.asarray(log_g)
 
-    def _next_to_rest(self) -> None:
-        """Find g = e^(q x) times a polynomial of e^x below the bottom, where it is that by now."""
-        before, panel = self._log_g_at_nodes[-2:]
-        up, q = self._width * self._rule.local, self.law.lowest_power
-        # over g at the bottom, and its power of speed
-        scaled = np.exp(panel - panel[0] + q * up)
-        if self._bottom < math.log(0.01 * self.rtol * self.law.mean_log_loss):
-            self._rest = float(panel[0]), np.ones(1)
-        elif self._bottom < -self._width:
-            above = np.exp(before - panel[0] + q * (up + self._width))
-            foretold = polyval(np.exp(up), polyfit(np.exp(up + self._width), above, _POWERS))
-            if float(np.max(np.abs(foretold / scaled - 1.0))) < _FORETOLD * self.rtol:
-                self._rest = float(panel[0]), polyfit(np.exp(up), scaled, _POWERS)
+    @property
+    def _is_power(self) -> bool:
+        """Whether g is a power of v t/l below the bottom."""
+        limit = math.log(_AT_REST * self.rtol * self.law.mean_log_loss)
+        return self.law.reaches_rest and self._bottom < limit
 
     def _extend(self) -> bool:
         """One panel further down; False where that is not needed, or does not go."""
-        if self._rest is not None:
+        if self._is_power:
             return False
         if self._bottom < -_LARGEST or not self._add_panel():
             self.unresolved = True
             return False
-        if self.law.reaches_rest:
-            self._next_to_rest()
         return True
 
     # -- the march ----------------------------------------------------------------------------
