@@ -1,9 +1,7 @@
 """What a density solver gives: one harmonic of the velocity density at the output times.
 
-A :class:`Profile` holds numbers and arrays only, so that it can be compared, pickled and saved. Its
-``density`` has a method ``at(i, v)``, in 1/U for the i-th time and speeds v in U, shape (n_v,): a
-`spectral.GridDensity` or `conservative.NodeMasses`, which a :class:`ThenScaling` follows with the
-scaling state, or an :class:`ElasticDensity`.
+The ``density`` of a :class:`Profile` has a method ``at(i, v)``, in 1/U for the i-th time and speeds
+v in U, shape (n_v,): a `spectral.GridDensity`, `conservative.NodeMasses` or `ElasticDensity`.
 """
 
 from __future__ import annotations
@@ -23,13 +21,6 @@ from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
-
-_BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
-_FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
-_SURE = 4.0  # e-folds for the size of the slowest transient, which may be above 1
-# Wave numbers in ln v up to which a start is looked at: of smooth ones at most e^-50 is left there,
-# and of others the nodes of `conservative.py` see no more.
-_SMOOTH, _ROUGH = 64.0, 512.0
 
 
 @dataclass(frozen=True)

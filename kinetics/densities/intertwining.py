@@ -1,15 +1,12 @@
 r"""The equation without its collisions: any time at the cost of two Fourier transforms.
 
 With the Mellin transform f^(z) of a harmonic the inelastic Lorentz equation (paper, label
-``inelaslorentz2``) reads d f^(z)/dt = -lambda(z) f^(z+1)/l. With the gain G, the
-principal solution of G(z+1) = lambda(z) G(z), u^ = G f^ obeys d u^(z)/dt = -u^(z+1)/l, so that
-
-    u(v, t) = exp(-v t/l) u(v, 0) :
-
-tracers that are lost where they collide. In x = ln v the gain is a multiplication of the Fourier
-modes, z = -i k. For m = 0 it has a pole at z = 0, u tends to a constant at low speeds, and what
-is transformed is w = -du/dx, w(t) = exp(-v t/l) (w(0) + (v t/l) u(0)). With a tilt, where it is
-v^tilt times the density that is transformed, z = tilt - i k and there is no pole.
+``inelaslorentz2``) reads d f^(z)/dt = -lambda(z) f^(z+1)/l. With the gain G, G(z+1) = lambda(z)
+G(z), u^ = G f^ obeys d u^(z)/dt = -u^(z+1)/l, so that u(v, t) = exp(-v t/l) u(v, 0): tracers that
+are lost where they collide. In x = ln v the gain multiplies the Fourier modes, z = -i k.
+For m = 0 it has a pole at z = 0, u tends to a constant at low speeds, and what is transformed is
+w = -du/dx, w(t) = exp(-v t/l) (w(0) + (v t/l) u(0)). With a tilt, where v^tilt times the density is
+transformed, z = tilt - i k and there is no pole.
 
 Near e = 1 the gain falls steeply with k, and dividing by it raises the rounding. On the axis
 x - i angle the mode k > 0 of everything is larger by e^(k angle), which makes up for that.

@@ -1,9 +1,9 @@
 r"""The time-dependent equation, solved backwards: one smooth function of v t per observable.
 
-The mean of an observable at time t, seen as a function of the speed u at time 0, obeys the
-backward equation, the adjoint of the inelastic Lorentz equation (paper, label ``inelaslorentz2``).
-The equation has no scale of its own, so for an observable of degree p in the speed the mean is
-u^p times a function of T = u t/l alone. With y(X) = T^p (that function), X = ln T,
+The mean of an observable at time t, seen as a function of the speed u at time 0, obeys the adjoint
+of the inelastic Lorentz equation (paper, label ``inelaslorentz2``), which has no scale: for an
+observable of degree p in the speed it is u^p times a function of T = u t/l alone. With y(X) = T^p
+(that function), X = ln T,
 
     dy/dX = p y + e^X ( E[cos(m chi) y(X - xi)] - y + sources ),     xi = -ln s >= 0,
 
@@ -56,10 +56,8 @@ def fall_of(law: CollisionLaw, degree: float) -> float:
 class Observable:
     """One unknown of the backward equation.
 
-    degree : p, the power of the speed by which it scales
-    harmonic : m
-    constant : source that does not depend on X
-    sources : (factor, observable) pairs that drive it
+    degree, harmonic : p, the power of the speed by which it scales, and m
+    constant, sources : source that does not depend on X, and (factor, observable) pairs
     growth : late, it is a polynomial of this degree in ln T, 0 to 2; in T where speeds are kept
     """
 

@@ -2,21 +2,17 @@ r"""Averages at a finite density: a tracer comes back to a scatterer after a fli
 
 The operator of returns (:mod:`kinetics.collision.medium`) acts at once; a real return is a loop of
 some path y, half of it before the bounce straight back and half at e times the speed. In the clock
-T = u t/l it takes y c, c = (1 + 1/e)/2, at the speed that the loop begins with, and of the time
-left the tracer keeps e (T - y c). With K one collision, for an observable of degree 0,
+T = u t/l it takes y c, c = (1 + 1/e)/2, and of the time left the tracer keeps e (T - y c). With K
+one collision, for an observable of degree 0,
 
     dY/dT = (K - 1) U + sources,    U = Y + V,
     V(T) = (-1)^m int dy k(y) W(e (T - y c)),    W = (K - 1) U.
 
-Loops between near pairs of scatterers have k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on (one
-neighbour and back), 0.6 being the mean corridor that is known to be empty; what is flown of them is
-y - 2 n. The rest of eps, of loops of the size of l, is spread as exp(-0.9 y/b) - exp(-1.1 y/b),
-nearly y exp(-y/b). The integral of k is eps: the late <r^2> grows as with returns at once. b is
-fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at once: with a delay a_2 is some
-60 n per cent off, without it half of that at most.
-
-All of k is a sum of exponentials w exp(-s y), so that V is one of modes Z, V = (-1)^m sum w Z, with
-c dZ/dT = W(e T) - s Z. On panels in X = ln T collocation makes small matrices of that.
+Near pairs of scatterers have k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on, 0.6 being the mean
+corridor that is known to be empty. The rest of eps, of loops of the size of l, is spread as
+exp(-0.9 y/b) - exp(-1.1 y/b), b fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at
+once: with a delay a_2 is some 60 n per cent off, without it half of that at most. All of k is a sum
+of exponentials w exp(-s y), and V one of modes Z, with c dZ/dT = W(e T) - s Z.
 """
 
 from __future__ import annotations
@@ -87,10 +83,8 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
 def _responses(
     rule: PanelRule, pull: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes).
-
-    The weighted sums of R over modes, (n_panels, n_kinds, nodes - 1, nodes - 1), what is left of 1
-    at the first node, and the last rows of R, (n_panels, n_modes, nodes - 1) each.
+    """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes):
+    its weighted sums over modes, what is left of 1 at the first node, and its last rows.
     """
     slopes = np.exp(-rule.width * rule.local)[1:, None] * rule.derivative[1:]
     every: Any = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * np.eye(rule.nodes - 1))
@@ -105,13 +99,8 @@ class Loops:
     (f, z), and the modes where it ends are ``kept`` z + ``gained`` @ f; f itself is ``below`` @ W
     on the ``reach`` panels below + ``inside`` @ W on the panel.
 
-    medium : the scatterers, e > 0
-    rule : the collocation of a panel
-    start : X where the panels begin, not above `series_end`
-    count : how many panels there are, at most
-    harmonics : the m that are asked for
-
-    shares : factors of kinds of loops, (m, n_kinds)
+    start, count : X where the panels begin, not above `series_end`, and how many there are
+    shares : factors of kinds of loops, (m, n_kinds), for the harmonics m
     weights : of modes, (n_kinds, n_modes)
     come, kept, gained : of each panel, (n_panels, n_kinds, nodes, nodes + n_modes), (n_panels,
         n_modes), (n_panels, n_modes, nodes)
@@ -161,8 +150,7 @@ class Loops:
 class Returns:
     """Returns that take time: V, of which collisions act on U = Y + V, made of W = (K - 1) U.
 
-    loops : what they bring to the panels
-    lost, modes : power series of W and of the modes below all panels, both over T^degree, of the
+    lost, modes : power series of W and of the modes below all panels, over T^degree, of the
         harmonics that are not zero there: shapes (n_terms, m, n_k) and (n_terms, n_modes, m, n_k)
     """
 

@@ -1,9 +1,4 @@
-"""The time-dependent homogeneous equation (paper, label ``inelaslorentz2``).
-
-Averages of powers of the speed come from the backward equation (:mod:`kinetics.moments.backward`):
-one smooth function of v t for each, averaged over the initial state. The speed density itself comes
-from the forward equation in :mod:`kinetics.densities.spectral`.
-"""
+"""Averages over an initial state: one smooth function of v t for each observable (`backward`)."""
 
 from __future__ import annotations
 
@@ -162,11 +157,9 @@ class Averages:
     def average(
         self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
     ) -> NDArray[Any]:
-        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading.
+        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading, (n_times,).
 
-        Lengths in l; v_first is the root mean square of the initial speeds. m is the harmonic of y
-        by default. ``leading`` divides y by the power T^leading with which it begins. Shape
-        (n_times,).
+        Lengths in l; v_first is the root mean square of the initial speeds; m by default that of y.
         """
         found = self.measure(y.harmonic if m is None else m)
         if found is None:

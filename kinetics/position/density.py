@@ -1,16 +1,13 @@
 r"""The distribution of the displacement: g(r, t), and what the scaled G(R) is made of.
 
-With F(k, t), the average of exp(i k.r) over the start and the paths
-(:mod:`kinetics.position.intermediate_scattering`), in the plane and in space
+With F(k, t), the average of exp(i k.r) over the start and the paths, in the plane and in space
 
     g(r, t) = r integral of k J_0(k r) F(k, t) dk,
     g(r, t) = (2/pi) r^2 integral of k^2 sin(k r)/(k r) F(k, t) dk
 
-(paper, section on the position distribution). Tracers that have not collided are kept apart
-(:class:`Uncollided`). Only the others are transformed: their F falls in k,
-until powers of 1/k are left (:mod:`kinetics.position.tail`). Tracers of one sharp speed that have
-collided once or twice leave a front too, and their F falls slowly: before some ten mean free times
-G(R) is right to about 1e-2 beside it, and the error estimate says so.
+(paper, section on the position distribution). Tracers that have not collided are kept apart. Those
+of one sharp speed that have collided once or twice leave a front too: before some ten mean free
+times G(R) is right to about 1e-2 beside it, and the error estimate says so.
 """
 
 from __future__ import annotations
@@ -98,15 +95,11 @@ class Uncollided(Value):
 class Displacement(Value):
     """g(r, t) at the times of a scene. Numbers and arrays only; the methods compute from them.
 
-    uncollided : tracers that have not collided; it has l and the times
-    root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
-    panels : F of the collided on intervals of k l
-    tails : and beyond them, for each time; None where nothing is left
+    panels, tails : F of the collided on intervals of k l, and beyond for each time, None if nothing
     cut : k l from which F is tapered, for each time; infinite where it ends by itself
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
-    dimension : 2 or 3
     """
 
     uncollided: Uncollided

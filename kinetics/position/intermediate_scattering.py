@@ -63,12 +63,8 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
 
 @dataclass(frozen=True)
 class Scattering:
-    """Solves for F(k, t) of one system and start.
+    """Solves for F(k, t) of one system and start, as a scene has them; see `Scene.problem`.
 
-    law : the collision law
-    mean_free_path : l, in d
-    state : the initial state
-    times : in d/U, shape (n_times,)
     systems : how many systems of so many equations have been solved, by their size
     """
 

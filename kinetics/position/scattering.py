@@ -1,21 +1,18 @@
-r"""The intermediate scattering function of a tracer: <exp(i k.r)> from the backward equation.
+r"""<exp(i k.r)> of a tracer, from the backward equation.
 
 For a tracer that starts with speed v at angle theta to k, psi = <exp(i k.r(t))> is a function of
-theta and T = v t/l alone, for each K = k l. The inelastic Lorentz equation with its
-free-streaming term (paper, label ``inelaslorentz``) gives for it
+theta and T = v t/l alone, for each K = k l (the equation with its free-streaming term, paper, label
+``inelaslorentz``):
 
-    dpsi/dT = i K cos(theta) psi + E[psi(theta + chi, s T)] - psi,    psi = 1 at T = 0,
+    dpsi/dT = i K cos(theta) psi + E[psi(theta + chi, s T)] - psi,    psi = 1 at T = 0.
 
-and for the harmonics of psi = sum_m i^|m| a_|m| exp(i m theta), which stay real,
+The harmonics of psi = sum_m i^|m| a_|m| exp(i m theta) stay real,
 
-    da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0).
+    da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0),
 
-In space the harmonics are Legendre polynomials, and in the right units they obey nearly the same
-equations (:mod:`kinetics.position.directions`); a_m below is b_m there.
-
-On panels in X = ln T, as in :mod:`kinetics.moments.backward`, each panel is a block-tridiagonal
-system in m, solved for all wave numbers at once, with as many harmonics as count on that panel. a_0
-is the mean over the directions: all that an isotropic start, or a radial density, needs.
+in space, as Legendre polynomials, nearly so (:mod:`kinetics.position.directions`; a_m below is b_m
+there). On panels in X = ln T each panel is a block-tridiagonal system in m, solved for all wave
+numbers at once, with as many harmonics as count on that panel.
 """
 
 from __future__ import annotations
@@ -151,11 +148,7 @@ def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: flo
     late = _SOME + digits * (_LATE_FOR_DIGIT + largest)
     # free flights reach m = K T and no further
     early = _SOME + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
-    return _even(math.ceil(min(late, early)))
-
-
-def _even(m: int) -> int:
-    return m + m % 2
+    return 2 * math.ceil(0.5 * min(late, early))
 
 
 @dataclass
@@ -305,16 +298,13 @@ class Sweep:
     def _panel_harmonics(self, known: FloatArray, used: int, rate: FloatArray) -> int:
         """The last harmonic of a panel that begins with a_m = known (m, n_k): even."""
         size, tolerance, kept = np.abs(known).max(axis=1), self.tolerance, self.kept
-
-        def last_above(least: float) -> int:
-            return int(np.flatnonzero(size > least).max(initial=0))
-
         # what comes back to m = 0 is the square at most; those that are kept matter themselves
         rising = 0.1 * tolerance if kept else tolerance**_RISING
         flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
         more = _MORE + int(flights if kept else min(_MOST_MORE, flights))
-        needed = max(last_above(rising) + more, min(used, last_above(tolerance)))
-        return min(self.top, _even(needed))
+        first, last = (int(np.flatnonzero(size > x).max(initial=0)) for x in (rising, tolerance))
+        needed = max(first + more, min(used, last))
+        return min(self.top, needed + needed % 2)
 
     def _solve_panel(
         self, rate: FloatArray, drive: FloatArray, known: FloatArray, loss: FloatArray

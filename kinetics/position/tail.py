@@ -1,11 +1,8 @@
 """How F(k, t) ends: the powers of 1/k that the slowest tracers leave.
 
-Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the density of the
-displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. Where e = 0, collisions
-leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. Tracers that are
-thrown straight back, at a finite density or by a law of samples, or are nearly at rest after one
-flight, stay on a straight line through the origin: F falls as 1/k. The end of F is fitted by terms
-whose transforms are known, so that the transform needs no large k.
+Initial speeds near 0, of density ~ v^(d-1) in dimension d, leave k^-(d+1); where e = 0, collisions
+leave a density ~ v^(d-2), and k^-d. Tracers that are thrown straight back stay on a straight line
+through the origin: F falls as 1/k. The end of F is fitted by terms whose transforms are known.
 """
 
 from __future__ import annotations
@@ -37,11 +34,8 @@ class PowerTail(Value):
         (2/pi) integral of q sin(q x)/x (q^2 + 1)^(-nu - 3/2) dq
             = (x/2)^nu K_nu(x)/(sqrt(pi) Gamma(nu + 3/2)).
 
-    coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
-    dimension : 2 or 3
-    first : j_0: 1; 0 where collisions may stop tracers or throw them straight back; 1 - d where
-        many tracers stay on a straight line through the origin
+    first : j_0: 1; 0 where collisions may stop tracers; 1 - d where many are thrown straight back
     """
 
     coefficients: FloatArray
@@ -115,19 +109,13 @@ def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
 
 
 def fit_tail(
-    k: FloatArray,
-    f: FloatArray,
-    scale: float,
-    dimension: int,
-    first: int = 1,
+    k: FloatArray, f: FloatArray, scale: float, dimension: int, first: int = 1
 ) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
-    ``scale`` is where the powers begin, ``first`` which they are.
     Two sums are fitted, to the lower part of the range and to all of it. The error is the largest
     that the first one misses there, or that they differ by beyond, times K over the largest K: so
-    much more it changes G(R). It is infinite where there are too few points. Too few terms miss F,
-    too many continue its errors: as many are taken as leave least.
+    much more it changes G(R). As many terms are taken as leave least. scale, first : as above
     """
     highest = float(k.max())
     below = k < k.min() + _LOWER * (highest - k.min())

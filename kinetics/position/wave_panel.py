@@ -18,14 +18,11 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class WavePanel(Value):
-    """F on an interval of K = k l, at Chebyshev points of a variable.
+    """F on an interval of K = k l from low to high, at Chebyshev points of a variable.
 
-    From K = 0 on, F is an even polynomial: the points are those of the interval from -high to high,
-    of which half are solved for. Elsewhere F of a density of speeds falls as a power of 1/K, and
-    K^power F is a polynomial in 1/K; F of sharp speeds turns with K, and is a polynomial in K.
+    From K = 0 on F is an even polynomial, of which half of the points are solved for. Elsewhere F
+    of a density falls: K^power F is a polynomial in 1/K; that of sharp speeds one in K (power = 0).
 
-    low, high : the ends of the interval
-    power : with which F falls; 0 for a polynomial in K
     which : indices of the times at which F is not negligible, rising, shape (n_which,)
     values : shape (n_which, nodes), at `wave_numbers`
     """
@@ -63,10 +60,7 @@ class WavePanel(Value):
 
     @property
     def missed(self) -> float:
-        """What the polynomials leave out of F, by their last two coefficients, at the worst time.
-
-        In the middle of the interval where F falls as a power.
-        """
+        """What the polynomials leave out of F, by their last coefficients, at the worst time."""
         smooth = self.values * (self.wave_numbers / self.high) ** self.power
         if self.low == 0.0:
             smooth = np.concatenate([smooth[:, ::-1], smooth], axis=1)
