@@ -117,19 +117,15 @@ class Scattering:
         wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
         """
         waves, speeds, error = self._waves(wave_numbers, which, tolerance)
-        means = [
-            speeds.weight @ self._collided(waves, speeds.x + s) for s in self.log_stretch(which)
-        ]
+        means, dimension = [], self.law.dimension
+        for stretch in self.log_stretch(which):
+            x = speeds.x + stretch
+            left, near = waves(x), x < _FREE
+            path = np.exp(x[near])
+            free = mean_phase(np.outer(path, wave_numbers), dimension)
+            left[near] -= np.exp(-path)[:, None] * free
+            means.append(speeds.weight @ left)
         return np.array(means), error
-
-    def _collided(self, waves: Waves, x: FloatArray) -> FloatArray:
-        """The part of a_0 of those that have collided, at X = x: (n_x, n_k)."""
-        left = waves(x)
-        near = x < _FREE
-        path = np.exp(x[near])
-        free = mean_phase(np.outer(path, waves.wave_numbers), self.law.dimension)
-        left[near] -= np.exp(-path)[:, None] * free
-        return left
 
     def whole(
         self, wave_numbers: FloatArray, direction: float | None, tolerance: float

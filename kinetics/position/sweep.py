@@ -2,13 +2,12 @@
 
 How far to go, and how exactly, follows from what F does to G(R): F that is missing or wrong around
 the wave number k changes G(R) by about k sigma times as much, sigma = sqrt(<r^2>). There is a
-budget of work; within it the best result is kept, and what is left unknown is the error estimate.
+budget of work, and what is left unknown is the error estimate.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,10 +20,9 @@ from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
-# The work of all times at one tolerance, in squares of the sizes of the systems, 1 to 7 seconds.
-# Where it is not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to
-# ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
-_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 0.04, 8.0, 60.0
+# The work of all times, in squares of the sizes of the systems, 1 to 7 seconds; and the K, or K T
+# for densities, up to which F is solved at most.
+_MOST_WORK, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 _FEW = 0.01  # collided tracers below this share of rtol are left out
@@ -66,30 +64,14 @@ def solve_displacement(
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
     system = Scattering(law, mean_free_path, state, times)
-    asked = _attempt(system, root_mean_square, rtol)
-    if asked.error_estimate <= _ENOUGH * rtol:
-        return asked
-    # looser ones, up to the first that is missed: the same for all that ask for more than this one
-    count, tried = math.log10(_LOOSEST / rtol) - 1e-9, []
-    for aim in (*(_LOOSEST * 0.1 ** np.arange(count)), rtol):
-        tried.append(asked if aim == rtol else _attempt(system, root_mean_square, float(aim)))
-        if tried[-1].error_estimate > _ENOUGH * aim:
-            break
-    best = min(tried, key=lambda one: one.error_estimate)
-    return replace(best, systems=dict(system.systems))
-
-
-def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> Displacement:
-    """`solve_displacement` within the work of one tolerance."""
-    uncollided = Uncollided(system.state, system.mean_free_path, system.times)
+    uncollided = Uncollided(state, mean_free_path, times)
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed
-        reach = np.minimum(system.times * uncollided.fastest(0.1 * rtol), _FAR * root_mean_square)
-    width = root_mean_square / system.mean_free_path
+        reach = np.minimum(times * uncollided.fastest(0.1 * rtol), _FAR * root_mean_square)
+    width = root_mean_square / mean_free_path
     sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
-    most = system.work + _MOST_WORK
     for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
-        sweep.run((most - system.work) / left)
+        sweep.run((_MOST_WORK - system.work) / left)
     tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(width.size)]
     return Displacement(
         uncollided,
@@ -100,7 +82,7 @@ def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> D
         reach=reach,
         error_estimate=float(np.max([sweep.missed for sweep in sweeps])),
         systems=dict(system.systems),
-        dimension=system.law.dimension,
+        dimension=law.dimension,
     )
 
 
@@ -133,20 +115,17 @@ class _Sweep:
         self.sharp = any(system.flying(i) > _FEW * rtol for i in which)
         self.enough = rtol if self.sharp else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
-        self._first_power = self._slowest_fall()
+        # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
+        law, profile = system.law, system.state.profile(0)
+        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
+        self._first_power = 0 if 0.0 in law.disk_restitutions or slow else 1
+        if law.throws_back or (law.returns(0)[0] and not self.sharp):
+            self._first_power = 1 - law.dimension
         speeds = points_of(system.state, 0, 1.0, 1e-3)
         assert speeds is not None
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
             self._flights = system.times * typical  # T of a typical tracer
-
-    def _slowest_fall(self) -> int:
-        """j_0 of :class:`kinetics.position.tail.PowerTail`."""
-        law, profile = self.system.law, self.system.state.profile(0)
-        if law.throws_back or (law.returns(0)[0] and not self.sharp):
-            return 1 - law.dimension  # tracers that are thrown straight back cross the origin
-        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        return 0 if 0.0 in law.disk_restitutions or slow else 1
 
     def run(self, most_work: float) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
@@ -169,17 +148,12 @@ class _Sweep:
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            step = self._step()
+            known = all(self.tails[i] is not None for i in self.active)
+            step = _STEP_SHARP if self.sharp else _STEP_KNOWN if known else _STEP
             low, high = high, high * step
             work, done = self.system.work - done, self.system.work
             if done - begin + step**2 * work > most_work:
                 break
-
-    def _step(self) -> float:
-        """From the end of one interval to that of the next."""
-        if self.sharp:
-            return _STEP_SHARP
-        return _STEP_KNOWN if all(self.tails[i] is not None for i in self.active) else _STEP
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where G is hardly known, else infinite, (n_times,)."""

@@ -189,9 +189,13 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
     """Make lines from the bulk (x near 0) outwards, until both x are served or F is 0 there."""
     if not lines:
         lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law))))
-    while (end := lines[-1]).centre + _SERVED * end.deviation < highest and _something(law, end):
+
+    def something(line: Line) -> bool:  # Chernoff: ln g(x) <= ln A(a) - a x
+        return line.log_moment - (line.exponent + law.dimension) * line.centre > _NOTHING
+
+    while (end := lines[-1]).centre + _SERVED * end.deviation < highest and something(end):
         lines.append(_line(law, end.exponent + _APART / end.deviation, end.deviation))
-    while (end := lines[0]).centre - _SERVED * end.deviation > lowest and _something(law, end):
+    while (end := lines[0]).centre - _SERVED * end.deviation > lowest and something(end):
         step = _APART / end.deviation
         if law.largest_loss > _RARELY_LOST:
             step = min(step, _CLOSE)
@@ -199,11 +203,6 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
         if exponent == end.exponent:
             break
         lines.insert(0, _line(law, exponent, end.deviation))
-
-
-def _something(law: CollisionLaw, line: Line) -> bool:
-    """Whether F is above 0 at the centre of a line; Chernoff: ln g(x) <= ln A(a) - a x."""
-    return line.log_moment - (line.exponent + law.dimension) * line.centre > _NOTHING
 
 
 def _sum(line: Line, x: FloatArray) -> FloatArray:
