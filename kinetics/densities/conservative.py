@@ -121,15 +121,10 @@ def _start_masses(
 
 
 class _Axis:
-    """The masses as they move: node 0 is the fastest, so that bounces raise the index.
+    """The masses as they move: node 0 is the fastest, so that bounces raise the index."""
 
-    peak : whether node 0 holds tracers of one speed, apart from the others of that speed
-    """
-
-    def __init__(
-        self, speed: FloatArray, kernel: FloatArray, mass: NDArray[Any], peak: bool
-    ) -> None:
-        self.speed, self.kernel, self.mass, self.peak = speed, kernel, mass, peak
+    def __init__(self, speed: FloatArray, kernel: FloatArray, mass: NDArray[Any]) -> None:
+        self.speed, self.kernel, self.mass = speed, kernel, mass
         self.first = 0  # nodes above it are empty
         self.total = float(np.abs(mass).sum())
         self.work = 0.0  # products so far
@@ -153,7 +148,6 @@ class _Axis:
 
     def _uniformised(self, step: float, fastest: float) -> None:
         """exp(A step) as a Poisson average of powers of 1 + A/fastest."""
-        apart = 1 if self.peak and self.first == 0 else 0
         speed = self.speed[self.first :] / fastest
         current = self.mass[self.first :].copy()
         mean = fastest * step
@@ -163,12 +157,9 @@ class _Axis:
         while 1.0 - summed > 1e-16 and n < mean + 40.0 + 12.0 * math.sqrt(mean):
             moving = speed * current
             current -= moving
-            if apart:
-                moving[2] += moving[0]  # node 1 is the empty one above
-            arriving = self._arriving(moving[apart:])
-            room = current.size - apart
-            current[apart:] += arriving[:room]
-            current[-1] += arriving[room:].sum()  # the slowest node keeps what falls below
+            arriving = self._arriving(moving)
+            current += arriving[: current.size]
+            current[-1] += arriving[current.size :].sum()  # the slowest node keeps what falls below
             n += 1
             weight *= mean / n
             summed += weight
@@ -227,10 +218,9 @@ def _refined(
     if asked.nodes:
         spacing, finest = 2.0 * span / asked.nodes, span / asked.nodes
     safe = _SHARP if asked.state.profile(0) is None else _ROUGH
-    # of the tracers that the nodes hold: at first few have left a single speed
-    held = np.ones(paths.size)
-    if start.x.size == 1:
-        held = np.maximum(-np.expm1(-math.exp(top) * paths), 1e-300)
+    # of the tracers that have left a single speed, or a billionth of all
+    left = -np.expm1(-math.exp(top) * paths) if start.x.size == 1 else np.ones(paths.size)
+    held = np.maximum(left, 1e-9)
     found, error = _solve(asked, start, paths, span, spacing), math.inf
     while found is not None and error > asked.rtol and spacing > 1.01 * finest:
         before, spacing = found, 0.5 * spacing
@@ -254,22 +244,24 @@ def _solve(
     count = math.ceil(span / spacing) + 3
     # one empty node above the fastest tracers; a density may go on beyond its last Gauss point,
     # by less than that is from the one before
-    top, peak = float(start.x.max()), start.x.size == 1
+    top = float(start.x.max())
     if asked.state.profile(0) is not None:
         top += spacing + float(np.diff(np.sort(start.x)[-2:]).sum())
     x = top + spacing * np.arange(2 - count, 2, dtype=float)
     mass = _start_masses(asked.state, start, asked.m, x, spacing)
-    speed, moving = np.exp(x)[::-1], mass[::-1].copy()
-    if peak:
-        moving = np.concatenate([start.weight, np.zeros(count, dtype=mass.dtype)])
-        speed = np.concatenate([speed[1:2], speed])
-    axis = _Axis(speed, bounce_kernel(asked.law, spacing, asked.m), moving, peak)
+    kernel = bounce_kernel(asked.law, spacing, asked.m)
+    axis = _Axis(np.exp(x)[::-1], kernel, mass[::-1].copy())
     out = np.empty((paths.size, count), dtype=mass.dtype)
     for i, duration in enumerate(map(float, np.diff(paths, prepend=0.0))):
         axis.advance(duration)
         if axis.work > _MOST_WORK:
             return None
-        out[i] = axis.mass[-count:][::-1]
+        out[i] = axis.mass[::-1]
+    if start.x.size == 1:  # those that have not collided are known, and left out
+        with np.errstate(under="ignore"):
+            out[:, -2] -= start.weight[0] * np.exp(-math.exp(top) * paths)
+        if axis.positive:
+            out[:, -2] = np.maximum(out[:, -2], 0.0)  # what is below is rounding
     out.flags.writeable = False
     return NodeMasses(x, spacing, out)
 

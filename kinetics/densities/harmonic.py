@@ -55,10 +55,8 @@ class Profile(Value):
 
     In space it is P_m(cos theta) v^2 f integrated over all directions.
 
-    density : the harmonic without delta peaks
-    count : n_times
+    density : the harmonic without delta peaks, at ``count`` times
     method : "spectral", "conservative" or "exact"
-    nodes : of the speed axis
     error_estimate : of f relative to its maximum ("spectral"), or of its integral from 0 to v,
         the largest for any v ("conservative")
     peak_speed, peak_weight : tracers of a start of one speed that have not collided, speed in U
@@ -133,10 +131,9 @@ def elastic_profile(asked: HarmonicProblem) -> Profile:
     return Profile(density, times.size, "exact", 0, sys.float_info.epsilon, speed, weight)
 
 
-# One Cartesian component, by an integral over the other one, or in space over the speed.
-# Gauss panels in ln of the other component, in units of a typical speed. Below e^-20 of it, where
-# the density is constant, the other component is taken in one piece; above e^4.5 = 90 of it nothing
-# is left of an exponential tail. The error is 1e-8 of the maximum for smooth densities.
+# One Cartesian component, by an integral over the other one, or in space over the speed: panels in
+# ln of the other component, in units of a typical speed. Below e^-20 of it, where the density is
+# constant, the other component is taken in one piece. The error is 1e-8 for smooth densities.
 _LOWEST, _HIGHEST, _PANEL, _POINTS = -20.0, 4.5, 0.5, 10
 _FASTEST = 1e100  # in typical speeds: no tracer is as fast
 

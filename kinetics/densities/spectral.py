@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -222,15 +221,10 @@ def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profi
     error = max(float(wrong.max()), _FLOOR, _CUT * aim)
     if asked.nodes is not None:  # few nodes may agree, and say nothing of what is between
         error = max(error, _unresolved(_rows(g)))
-    density = GridDensity(
-        grid=grid,
-        values=g,
-        shift=down - problem.log_unit,
-        start=first,
-        end=high + grid.spacing,
-        resolved=max(_SHARE * aim, float(of_g.max())),
-        filled=lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None,
-    )
+    filled = lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None
+    resolved = max(_SHARE * aim, float(of_g.max()))
+    where = down - problem.log_unit, first, high + grid.spacing
+    density = GridDensity(grid, g, *where, resolved, filled)
     return Profile(density, tau.size, "spectral", grid.nodes, error)
 
 
@@ -261,18 +255,16 @@ def _choose_grid(problem: _Problem, narrow: LogGrid) -> tuple[LogGrid, float]:
     """The nodes and the angle of the axis, from nodes that resolve the start."""
     from scipy.fft import next_fast_len
 
-    given, rows, aim = problem.asked.nodes, problem.on(narrow), problem.aim
-    angle, raised = choose_angle(problem.gain, narrow, rows, narrow.spacing, aim)
-    left, right = _wide(problem, narrow, angle, raised)
-    if given is None:
-        spacing = narrow.spacing * _COARSE / _FINE
-        count = next_fast_len(math.ceil((right - left) / spacing / (2 * _FINE)))
-    else:
-        count = math.ceil(given / (2 * _FINE))
-        spacing = (right - left) / (2 * _FINE * count)
-        angle, raised = choose_angle(problem.gain, narrow, rows, spacing, aim)
+    given, rows, spacing = problem.asked.nodes, problem.on(narrow), narrow.spacing
+    for _ in range(1 if given is None else 2):
+        angle, raised = choose_angle(problem.gain, narrow, rows, spacing, problem.aim)
         left, right = _wide(problem, narrow, angle, raised)
-        spacing = (right - left) / (2 * _FINE * count)
+        if given is None:
+            spacing *= _COARSE / _FINE
+            count = next_fast_len(math.ceil((right - left) / spacing / (2 * _FINE)))
+        else:
+            count = math.ceil(given / (2 * _FINE))
+            spacing = (right - left) / (2 * _FINE * count)
     _check_work(problem, 2 * _FINE * count)
     # both ends at multiples of the nodes that two solutions have in common
     first = math.floor(left / (_FINE * spacing))
@@ -318,20 +310,10 @@ def _window(
     low = float(x[max(int(np.searchsorted(below, share)) - 1, 0)])
     last = int(np.searchsorted(below - below[-1], -share))
     high = float(x[min(last + 1, x.size - 1)])
-    scaled, band = _scaling_extent(law, depth)
+    scaled, band = extent_of(law, depth)
     # before that the ring of nearly elastic tracers is still as wide as the start
     if high + duration <= -math.log(law.mean_log_loss) - 1.0:
         band = _BAND_OF_START
     if law.least_ratio < _SMALL_RATIO:
         low = min(low, -depth)
     return low - 0.5, max(high, min(scaled, high + duration)) + 0.5, band
-
-
-# all harmonics of a scene ask for the same
-@lru_cache(maxsize=4)
-def _scaling_extent(law: CollisionLaw, depth: float) -> tuple[float, float]:
-    """ln(v t/l) above which the scaling state weighs e^-depth; the wave number at which its
-    transform is that small.
-    """
-    right, band = extent_of(law, depth)
-    return right - math.log(law.mean_log_loss), band

@@ -80,10 +80,7 @@ SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_
 
 
 def quartic_displacement(dimension: int) -> Observable:
-    """r^4, in the plane or in space: <exp(i k.r)> to the fourth order in k, by harmonics.
-
-    In space with P_m in place of cos(m chi), and <(k.r)^4> = k^4 <r^4>/5.
-    """
+    """r^4, in the plane or in space: <exp(i k.r)> to the fourth order in k, by harmonics."""
     factors = (0.25, -0.125, -0.5, -64.0) if dimension == 2 else (2.0 / 3.0, 1.0 / 6.0, 0.4, 40.0)
     second = Observable(harmonic=2, sources=((factors[0], DISPLACEMENT_ALONG_START),))
     third = Observable(
@@ -99,21 +96,6 @@ def speed_power(p: float, harmonic: int = 0) -> Observable:
 
 # d r^2/d ln t, driven by the velocity along the start
 MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
-
-
-def scale_of(y: Observable) -> Observable:
-    """The observable that errors are relative to: y, or m = 0 for a harmonic, which decays."""
-    return speed_power(y.degree) if y.harmonic and y.is_power else y
-
-
-def smaller_ends(values: FloatArray) -> FloatArray:
-    """The size of the smaller end of each panel, (n_panels,), from values (n_panels, nodes).
-
-    Where an observable changes sign a thousandth of its maximum stands for it.
-    """
-    size = np.abs(values)
-    ends = np.minimum(size[:, 0], size[:, -1])
-    return np.maximum(np.maximum(ends, 1e-3 * size.max(axis=1)), 1e-300)
 
 
 def power_series(degree: float, x: FloatArray, coefficients: FloatArray) -> FloatArray:
@@ -274,9 +256,16 @@ class BackwardEquation:
             # errors are at most 1.2 times the last coefficient, or a tenth of that times the one
             # before; the rest is for the initial state
             left_out = np.maximum(1.75 * last, 0.175 * before)
-            # errors of panels add up while an observable grows
-            error = np.sum(left_out / smaller_ends(self.solve(scale_of(observable))))
-            self._errors[observable] = float(error)
+            # relative to the smaller end of a panel, or a thousandth of its maximum where y changes
+            # sign; of a harmonic, which decays by itself, to m = 0; they add up while it grows
+            scale = (
+                speed_power(observable.degree)
+                if observable.harmonic and observable.is_power
+                else observable
+            )
+            size = np.abs(self.solve(scale))
+            ends = np.maximum(np.minimum(size[:, 0], size[:, -1]), 1e-3 * size.max(axis=1))
+            self._errors[observable] = float(np.sum(left_out / np.maximum(ends, 1e-300)))
         return self._errors[observable]
 
     def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:

@@ -254,9 +254,9 @@ def mean_velocity(averages: Averages) -> FloatArray:
 
 def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
     """The vector whose harmonic 1 is ``along``, (n_times,): (n_times, 2), in space (n_times, 3)."""
-    if averages.law.dimension == 2:
-        return np.stack([along.real, -along.imag], axis=-1)
-    return np.stack([along.real, 0.0 * along.real, 0.0 * along.real], axis=-1)
+    found = np.zeros((along.size, averages.law.dimension))
+    found[:, 0], found[:, 1] = along.real, -along.imag  # in space it is real
+    return found
 
 
 def velocity_tensor(averages: Averages) -> FloatArray:

@@ -19,16 +19,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.position.directions import element, radial_measure, radial_waves, surface
+from kinetics.numerics.gauss import panels_between
+from kinetics.position.directions import element, mean_phase, surface
 from kinetics.position.tail import PowerTail
 from kinetics.position.wave_panel import WavePanel
 from kinetics.results import Value
-from kinetics.states.quadrature import refined
 from kinetics.states.state import State
 
-_NONE_LEFT = 40.0  # flights of so many l without a collision: e^-40 of the tracers
-_PIECES = 40  # of the radii where there are tracers, halved where the density needs it
-_LEFT_OUT = 1e-12  # of all tracers, by these pieces, and beyond the last of them
+# Edges of the panels that shares are summed on, in sqrt(<r^2>), and points of each; and the step of
+# slopes, over r.
+_EDGES = np.concatenate([np.geomspace(1e-3, 0.1, 8), np.linspace(0.2, 6.0, 30), [7, 8, 10, 15, 50]])
+_SHARES, _STEP = 8, 1e-3
 
 
 @dataclass(frozen=True)
@@ -70,25 +71,6 @@ class Uncollided(Value):
             f = np.asarray(profile(np.where(left > 0.0, r / t, 0.0)).real)
             # a speed density is not negative: what is below zero is rounding
             return np.where(left > 0.0, np.maximum(f, 0.0) * left / t, 0.0)
-
-    def within(self, time: int, r: FloatArray) -> FloatArray:
-        """Share of all tracers that have not collided and are within r, shape of r (n_r,)."""
-        t = self.times[time]
-        if self.state.profile(0) is None or t == 0.0:
-            return np.zeros(r.shape)
-        with np.errstate(over="ignore"):
-            # the points of a density stop short of where it ends
-            far = 2.0 * t * self.fastest(_LEFT_OUT)
-            far = min(far, _NONE_LEFT * self.mean_free_path)
-            kinks = self.state.kinks * t
-        near = np.clip(r, 0.0, far)
-        inner = np.concatenate([kinks[kinks < far], near, far * np.linspace(0.0, 1.0, _PIECES + 1)])
-        edges = np.unique(inner)
-        ends = np.stack([edges[:-1], edges[1:]], axis=1)
-        at, share = refined(lambda x: self.at(time, x), ends, _LEFT_OUT)
-        order = np.argsort(at)
-        sums = np.concatenate([[0.0], np.cumsum(share[order])])
-        return np.asarray(sums[np.searchsorted(at[order], near)])
 
 
 @dataclass(frozen=True)
@@ -135,40 +117,46 @@ class Displacement(Value):
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
         path, near = self.mean_free_path, np.minimum(r, self.reach[time])
-        collided = element(near / path, self.dimension) * (self._transform(time, r, 0) / path)
+        collided = element(near / path, self.dimension) * (self._transform(time, r) / path)
         return np.asarray(collided + self.uncollided.at(time, r))
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
-        near = np.minimum(r, self.reach[time])  # the square of r may overflow
-        inside = element(near / self.mean_free_path, self.dimension)
-        inside = inside * self._transform(time, r, 1)
-        whole = next((f for panel in self.panels if (f := panel.at_zero(time)) is not None), 0.0)
+        near = np.minimum(r, self.reach[time])
+        with np.errstate(over="ignore"):
+            kinks = self.uncollided.state.kinks * self.uncollided.times[time]
+        inner = np.concatenate([[0.0], kinks, self.root_mean_square[time] * _EDGES])
+        edges = np.unique(np.append(near, inner[inner <= self.reach[time]]))
+        x, weight = panels_between(edges, _SHARES)
+        shares = (weight * self.density(time, x)).reshape(-1, _SHARES).sum(axis=1)
+        sums = np.append(0.0, np.cumsum(shares))
         front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
-        flying = front + self.uncollided.within(time, r)
-        return np.where(r <= self.reach[time], inside, whole) + flying
+        return np.asarray(sums[np.searchsorted(edges, near)] + front)
 
     def collided_in_place(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Density of the collided in the plane, or in space, and its slope, (n_r,) each.
 
         In 1/d^2 and 1/d^3 in the plane, in 1/d^3 and 1/d^4 in space.
         """
-        value, slope = self._transform(time, r, 0), -self._transform(time, r, 2)
+        step = _STEP * r
+        at = r + step * np.array([-2.0, -1.0, 1.0, 2.0, 0.0])[:, None]
+        values = self._transform(time, at.ravel()).reshape(at.shape)
         for _ in range(self.dimension):  # the power of l may overflow
-            value, slope = value / self.mean_free_path, slope / self.mean_free_path
-        value = value / surface(self.dimension)
-        slope = slope / self.mean_free_path / surface(self.dimension)
-        return value, slope
+            values = values / self.mean_free_path
+        values = values / surface(self.dimension)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = np.array([1.0, -8.0, 8.0, -1.0]) @ values[:4] / (12.0 * step)
+        return values[4], slope
 
-    def _transform(self, time: int, r: FloatArray, kind: int) -> FloatArray:
-        """Integral of F over K at r, of a kind of `radial_waves`; 0 out of reach."""
+    def _transform(self, time: int, r: FloatArray) -> FloatArray:
+        """The radial density of the collided over r^(d-1), l = 1; 0 out of reach."""
         out = np.zeros(r.shape)
         inside = r <= self.reach[time]
         rho = r[inside] / self.mean_free_path
         if rho.size == 0:
             return out
         tail = self.tails[time]
-        total = np.zeros(rho.shape) if tail is None else tail.transform(rho, kind)
+        total = np.zeros(rho.shape) if tail is None else tail.transform(rho)
         for panel in self.panels:
             f = panel.of(time)
             if f is None:
@@ -181,9 +169,8 @@ class Displacement(Value):
                 # tapered over a factor of two: a sharp end would leave oscillations everywhere
                 level = np.clip(k / self.cut[time] - 1.0, 0.0, 1.0)
                 values = values * np.cos(0.5 * math.pi * level) ** 2
-            measure = radial_measure(k, kind, self.dimension)
-            waves = radial_waves(np.outer(rho, k), kind, self.dimension)
-            total += waves @ (weight * values * measure)
+            factor = k if self.dimension == 2 else 2.0 / math.pi * k**2
+            total += mean_phase(np.outer(rho, k), self.dimension) @ (weight * values * factor)
         out[inside] = total
         return out
 

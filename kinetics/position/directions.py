@@ -79,27 +79,6 @@ def surface(dimension: int) -> float:
     return 2.0 * math.pi * (dimension - 1.0)
 
 
-def radial_waves(x: FloatArray, kind: int, dimension: int) -> FloatArray:
-    """Of x = K R: what stands beside F and `radial_measure` in an integral over K; shape of x.
-
-    kind 0 : for the radial density over R^(d-1), which over the surface of the unit circle, or
-        sphere, is the density in place; 1 : the share within R, over R^(d-1); 2 : minus the slope
-        of kind 0
-    """
-    if kind == 0:
-        return mean_phase(x, dimension)
-    from scipy.special import j1, spherical_jn
-
-    return np.asarray(j1(x) if dimension == 2 else spherical_jn(1, x))
-
-
-def radial_measure(k: FloatArray, kind: int, dimension: int) -> FloatArray:
-    """K, 1, K^2 in the plane and 2/pi times K^2, K, K^3 in space, for kinds 0, 1, 2; (n_k,)."""
-    if dimension == 2:
-        return np.asarray(k ** (1, 0, 2)[kind])
-    return np.asarray(2.0 / math.pi * k ** (2, 1, 3)[kind])
-
-
 # The equations of one panel, for each wave number K; in space each row is over its coupling:
 #     blocks_m a_m = right_m + K turn (a_(m-1) - a_(m+1)),    a_(-1) = -a_1.
 # Shapes: blocks (m, nodes, nodes), turn (nodes,), right and the solution (m, nodes, n_k),

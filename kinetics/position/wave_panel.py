@@ -43,14 +43,6 @@ class WavePanel(Value):
         place = np.nonzero(self.which == time)[0]
         return None if place.size == 0 else np.asarray(self.values[place[0]])
 
-    def at_zero(self, time: int) -> float | None:
-        """F at K = 0 at one of the times, None if it has none there."""
-        f = self.of(time)
-        if f is None or self.low > 0.0:
-            return None
-        middle = Chebyshev(2 * f.size).rows(np.array([0.5]))[0]
-        return float(middle @ np.concatenate([f[::-1], f]))
-
     def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gauss nodes and weights in K, shape (points,) each, and the polynomial f there."""
         node, weight = gauss_legendre(points)

@@ -1,12 +1,8 @@
 r"""The scaling solution in closed form: the moments, the cooling rate and the scaled VDF.
 
-Multiply the paper's scaled equation (label ``ifmu2``) by c^p and integrate: with Y = v t/l the
-scaling state obeys, for every complex z,
-
-    lambda(z) E[Y^(z+1)] = z E[Y^z],        E[Y] = 1/kappa.
-
-E[Y^n] is therefore a finite product, which gives the cooling rate and a2. The moments between the
-integers and F(c), by Mellin inversion, are in :mod:`kinetics.scaling.mellin`.
+Multiply the paper's scaled equation (label ``ifmu2``) by c^p and integrate: with Y = v t/l, for all
+complex z, lambda(z) E[Y^(z+1)] = z E[Y^z] and E[Y] = 1/kappa. E[Y^n] is a finite product. The other
+moments and F(c), by Mellin inversion, are in :mod:`kinetics.scaling.mellin`.
 """
 
 from __future__ import annotations
@@ -76,9 +72,8 @@ class ScalingSolution(ScaledState):
     Lengths are in l, the mean path between collisions, which is ``law.mean_free_path``. Raises
     InputError (a ValueError) for an argument out of range or not a number.
 
-    If bounces are elastic (e = et = 1), nothing cools and no scaling state is approached:
-    ``cooling_rate`` is 0, ``a2`` and ``moment`` are the limits e -> 1 (all speeds are one: a2 is
-    -1/2 in the plane, -2/5 in space), ``diffusion_slope`` is infinite, and :meth:`vdf` raises.
+    If bounces are elastic, nothing cools: ``cooling_rate`` is 0, ``a2`` and ``moment`` are the
+    limits e -> 1 (all speeds are one), ``diffusion_slope`` is infinite, and :meth:`vdf` raises.
 
     >>> exact = ScalingSolution(0.0)
     >>> bool(abs(exact.cooling_rate - 2**0.5) < 1e-15), bool(abs(exact.a2 - 2) < 1e-14)
@@ -110,14 +105,10 @@ class ScalingSolution(ScaledState):
         return 2.0 / (self.law.mean_log_loss * self.law.harmonic_decay_rate(0.0, 1))
 
     def collision_cumulants(self, n: int = 3) -> NDArray[Any]:
-        """Limits of the first n <= 12 cumulants of the number N of collisions per ln t, shape (n,).
+        """Limits of the first n <= 12 cumulants of the number of collisions over ln t, shape (n,).
 
-        Mean, variance, third cumulant ... of N(t) at late times, over ln t: 1/kappa,
-        Var(ln s)/kappa^3, ... Raises InputError for elastic bounces, where N grows as t, and at a
-        finite density.
-
-        >>> bool(abs(ScalingSolution(0.0).collision_cumulants() - 1).max() < 1e-14)
-        True
+        1/kappa, Var(ln s)/kappa^3, ... Raises InputError for elastic bounces, where they grow as
+        t, and at a finite density.
         """
         self._check_counted()
         return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), False)
@@ -139,10 +130,6 @@ class ScalingSolution(ScaledState):
 
         Raises InputError for elastic bounces, at a finite density, and for a z where theta is
         beyond +-1000 or, where some bounces lose nothing, there is none.
-
-        >>> theta, amplitude = ScalingSolution(0.0).collision_power(0.5)  # phi(p) = 1/(1 + p)
-        >>> round(theta, 12), round(amplitude, 12)
-        (-0.5, 0.564189583548)
         """
         self._check_counted()
         z = check_positive("z", z)
@@ -277,18 +264,15 @@ def scaled_dataset(
 
 def scaled_figures(state: Any) -> dict[str, str]:
     """What a notebook shows of a ScalingSolution or a ScaledVDF."""
-    return {
-        "law": state.law.described,
-        "cooling rate h": f"{state.cooling_rate:.12g}",
-        "a2": f"{state.a2:.12g}",
-    }
+    numbers = {"cooling rate h": f"{state.cooling_rate:.12g}", "a2": f"{state.a2:.12g}"}
+    return {"law": state.law.described} | numbers
 
 
 def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """The speeds at which F is asked for, shape (n,), and F(0) at all of them, as a beginning.
 
-    F is 0 at rest, but where bounces come as near to rest as one likes: F ~ c^(q - d), with -q the
-    lowest power of the law, is infinite, or (q = d) finite and asked for at a speed close by.
+    Where bounces come as near to rest as one likes F ~ c^(q - d), with -q the lowest power of the
+    law, is infinite at rest, or (q = d) finite and asked for at a speed close by; else it is 0.
     """
     if not law.reaches_rest:
         return c, np.zeros(c.shape)

@@ -10,6 +10,7 @@ itself in both tails.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -246,16 +247,16 @@ def small_deviation(law: CollisionLaw) -> float:
     return math.sqrt(float(q.weight @ q.log_loss**2) / (2.0 * law.mean_log_loss))
 
 
+@lru_cache(maxsize=4)  # all harmonics of a scene ask for the same
 def extent_of(law: CollisionLaw, depth: float) -> tuple[float, float]:
-    """x above which the scaling state weighs e^-depth, and where its transform is that small.
-
-    The transform of its density is A(i k). A density of x falls as e^-(e^x) high up: its own factor
-    e^x is allowed for.
+    """ln(v t/l) above which the scaling state weighs e^-depth; the wave number at which the
+    transform of its density, A(i k), is that small.
     """
     deviation = small_deviation(law)
     p = np.geomspace(0.3, 60.0, 24) / deviation
-    right = float(np.min((log_moment(law, p) + depth + _OWN_FACTOR) / p))  # Chernoff's bound
+    # Chernoff's bound; a density of x falls as e^-(e^x), and its own factor e^x is allowed for
+    right = float(np.min((log_moment(law, p) + depth + _OWN_FACTOR) / p))
     step, count = 0.5 / deviation, 32
     while (size := log_moment_on_line(law, 0.0, step, count).real)[-1] > -depth and count < 1000:
         count *= 2
-    return right, step * float(np.count_nonzero(size > -depth))
+    return right - math.log(law.mean_log_loss), step * float(np.count_nonzero(size > -depth))
