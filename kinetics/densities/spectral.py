@@ -177,7 +177,12 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
         narrow = _resolve(problem, *window)
         if narrow is None:
             break
-        found = _solve(problem, narrow, *window[:2])
+        try:
+            found = _solve(problem, narrow, *window[:2])
+        except InputError:  # too many nodes
+            if best is None:
+                raise
+            break
         if best is None or found.error_estimate < best.error_estimate:
             best = found
         if best.error_estimate <= rtol:
