@@ -53,10 +53,9 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) ->
 _KEPT = 5e-15  # of the largest mode of a state: a smaller one is rounding, and is not kept
 # Angles that are tried. Near pi/2 exp(-v t/l) falls as cos(angle): there they are closer.
 _ANGLES = (*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.54)
-# For the choice of the angle only: the rounding of f at the lowest speeds, and what is made of
-# modes folded onto those in use, each with a margin; with less than this share of rtol no larger
-# angle is taken.
-_ROUNDING, _FOLDED, _ENOUGH = 2e-14, 1e3, 0.005
+# For the choice of the angle only: the rounding of f at the lowest speeds, with a margin; with less
+# than this share of rtol no larger angle is taken.
+_ROUNDING, _ENOUGH = 2e-14, 0.005
 # Width in ln v over which a state on a turned axis is brought to zero at both ends of the window,
 # by an error function that stops at this argument; and its value there, with a margin for g over v.
 TAPER, _STEEPEST, _ENDS = 3.0, 4.0, 1e-4
@@ -83,7 +82,7 @@ def choose_angle(
     """The angle of the axis for a state on a grid, and ln of the largest 1/gain.
 
     The angle is the smallest that leaves next to nothing of rtol to rounding, or the best one: what
-    rounding and folded modes leave is guessed for the choice only.
+    rounding leaves is guessed for the choice only.
     gain_at : ln of the gain at wave numbers
     spacing : of the nodes that are to be used
     """
@@ -96,9 +95,6 @@ def choose_angle(
     height = gain_at(k).real + np.multiply.outer(angles, k)
     raised = -height.min(axis=1)
     lost = raised + (log_size + height).max(axis=1) + math.log(_ROUNDING)
-    # modes beyond the highest one fold onto those that are used
-    folded = raised - (math.pi - 2.0 * angles) * nyquist + math.log(_FOLDED)
-    lost[1:] = np.maximum(lost[1:], folded[1:])
     # the rounding of the highest modes that are kept fills the window up to its ends
     jump = height[:, log_size > -690.0].max(axis=1) + log_size.max()
     lost = np.maximum(lost, jump + math.log(_KEPT * _ENDS))

@@ -1,7 +1,7 @@
 r"""How many collisions a cooling tracer has had at late times, and how far it has flown.
 
 With phi(p) = E[s^p], from v = 1 and l = 1, d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)], and
-E[z^N(t)] = sum_k (-t)^k/k! c(k), c the principal solution of c(p+1) = (1 - z phi(p)) c(p), c(0) = 1.
+E[z^N(t)] = sum_k (-t)^k/k! c(k), c the principal solution of c(p+1) = (1 - z phi(p)) c(p), c(0) 1.
 This is the Mellin transform Gamma(p) c(-p), whose first pole on the right is at -p = theta,
 phi(theta) = 1/z: hence C t^theta, C = Gamma(-theta) c(1 + theta)/(-z phi'(theta)). E[exp(-q X)] of
 the path X is the same with z = 1/(1 + q).
