@@ -1,11 +1,10 @@
 r"""How long the speeds remember where they started, under a law that loses by steps.
 
-In the scaling state the density of x = ln(v t/l) stands still. What an initial state adds to it is
-a sum of terms e^(z tau), tau = ln t, over the zeros z of lambda(z) = 1 - E[s^z] with Re z < 0. If
-the loss -ln s may take any value from 0 on, as at smooth scatterers, all of them fall faster than
-1/t. If every loss is a multiple of one number L (et = e: L = -ln e; or samples of one ratio), then
-lambda vanishes at z = 2 pi i n/L: v t/l keeps oscillating in ln t, and the scaling state is never
-reached. Where the losses are nearly so (et close to e, a few samples), the oscillations die slowly.
+What an initial state adds to the scaling state is a sum of terms e^(z tau), tau = ln t, over the
+zeros z of lambda(z) = 1 - E[s^z] with Re z < 0. If the loss -ln s may take any value from 0 on, as
+at smooth scatterers, all of them fall faster than 1/t. If every loss is a multiple of one number L
+(et = e: L = -ln e; or samples of one ratio), then lambda vanishes at z = 2 pi i n/L: v t/l keeps
+oscillating in ln t for ever. Where the losses are nearly so, the oscillations die slowly.
 """
 
 from __future__ import annotations
@@ -31,14 +30,13 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     """The zeros z of lambda(z) with -1 < Re z <= 0 and 0 < -Im z < highest, by -Im z.
 
     None at smooth scatterers: only laws that have a least loss, that take single values of s, or
-    that are mixtures are looked at (tests/kinetics/collision/test_memory.py counts the zeros of
-    both kinds).
+    that are mixtures are looked at.
     """
-    smooth = law.least_loss == 0.0 and not law.has_atoms and len(law.loss_ends) == 2
+    smooth = law.least_loss == 0.0 and not law.has_atoms and len(law.bounces) == 1
     if law.is_elastic or smooth:
         return ()
     # bounces that lose nothing take a single value too, but leave no waves
-    steps = any(part.has_atoms and part.largest_loss > 0.0 for part in law._bounce.parts)
+    steps = any(part.has_atoms and part.losses[1] > 0.0 for _, part in law.bounces)
     if not steps:
         highest = min(highest, 64.0)  # faster waves fall faster than 1/t there
     q = law.quadrature_for(highest)
@@ -85,11 +83,9 @@ def _zero_near(weight: FloatArray, log_loss: FloatArray, z: complex) -> complex 
 def asymptotic_from(law: CollisionLaw) -> float:
     """X = ln T from which averages of a cooling tracer are asymptotic; inf at rough scatterers.
 
-    Corrections to the asymptotes fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)].
-    Smooth scatterers have Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks with
-    e = 0.03): what is left is 3e-17, and 6e-13 at worst. Where e < 0 tracers go on forwards, and
-    keep their direction for long: the largest z is then that of m = 1, and real. Elsewhere z may be
-    as close to 0 as one likes.
+    Corrections fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)]. Smooth scatterers have
+    Re z <= -0.736 (disks with e = 0.03, m = 1): what is left is 6e-13 at worst. Where e < 0 tracers
+    keep their direction for long, and the largest z, of m = 1, is real.
     """
     e, slowest = law.effective_restitution, -1.0
     if law.tangential_restitution != 1.0:

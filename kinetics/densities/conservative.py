@@ -6,9 +6,9 @@ Nodes lose mass at the rate v/l. The exponential of this linear system is summed
 from non-negative terms only: no mass is ever below 0, their sum is kept to rounding, and the energy
 obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
 
-Near steps and infinities of f (:func:`kinetics.densities.harmonic.speed_fronts`) no nodes give f
-itself. What is kept to rtol is the share of the tracers that are slower than v, for every v. Its
-error is the difference of two spacings, times a stated factor.
+Near steps and infinities of f no nodes give f itself. What is kept to rtol is the share of the
+tracers that are slower than v, for every v. Its error is the difference of two spacings, times a
+stated factor.
 """
 
 from __future__ import annotations
@@ -46,6 +46,8 @@ _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the ax
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
+# Radians of s^z on one cell, so that losses lie a tenth of it apart; and the deepest -ln s apart.
+_NODES_OF_A_CELL, _DEEPEST = 16.0, 40.0
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,8 @@ class NodeMasses(Value):
 
 def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
     """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q, low = law.cells(spacing)
+    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
+    low = np.minimum((q.log_loss / spacing).astype(np.int64), math.ceil(_DEEPEST / spacing))
     # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
     down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
     down, weight = np.clip(down, 0.0, 1.0), q.weight * q.harmonic(m)

@@ -19,7 +19,6 @@ from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
-from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 
@@ -78,20 +77,6 @@ class Profile(Value):
     def continuous(self, v: FloatArray) -> NDArray[Any]:
         """The same at all times, shape (n_times, n_v)."""
         return np.array([self.at(i, v) for i in range(self.count)])
-
-
-def speed_fronts(law: CollisionLaw, start: LogMeasure | None) -> FloatArray:
-    """Speeds in U, rising, at which f may step or be infinite, from a start of sharp speeds.
-
-    Those of the start and, of tracers that have collided once or twice, the ends of the range that
-    they come to. start : the sharp speeds, or None
-    """
-    if start is None or law.is_elastic:
-        return np.zeros(0)
-    ends = [-loss for loss in law.loss_ends]
-    moved = [0.0, *ends, *(a + b for a in ends for b in ends)]
-    found = np.exp(np.add.outer(np.unique(start.x), np.unique(moved)).ravel())
-    return np.unique(found[found > 0.0])
 
 
 @dataclass(frozen=True)

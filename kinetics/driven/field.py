@@ -16,12 +16,10 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.driven.generator import Resolution
 from kinetics.driven.steady import Steady, refined, velocity_dataset
 from kinetics.driven.system import System
-from kinetics.errors import ToleranceWarning
+from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning, judged
 from kinetics.field.steady import SteadyDensity, densities
-from kinetics.numerics import FloatArray
-from kinetics.numerics.threads import one_blas_thread
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Result, Value
-from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_positive,
     check_rtol,

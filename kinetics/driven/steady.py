@@ -15,14 +15,12 @@ from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.heated import Line, density, log_moment
 from kinetics.driven.system import System
-from kinetics.errors import InputError
+from kinetics.errors import InputError, PlanStep, SolverStatus, judged
 from kinetics.field.starts import angular
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.numerics.threads import one_blas_thread
 from kinetics.results import Result, dataset, variable
-from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
     finite_line,

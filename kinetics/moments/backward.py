@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
+from kinetics.numerics.chebyshev import PanelRule, PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 _TERMS = 40  # of that series: where T = e^-2 more add nothing

@@ -27,8 +27,8 @@ from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium
 from kinetics.moments.backward import START, BackwardEquation, Observable, power_series
 from kinetics.numerics import FloatArray
+from kinetics.numerics.chebyshev import PanelRule, PanelShifts
 from kinetics.numerics.gauss import equal_panels
-from kinetics.numerics.panels import PanelRule, PanelShifts
 
 _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
 _LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over

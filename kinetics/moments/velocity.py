@@ -23,7 +23,7 @@ from kinetics.moments.backward import (
 )
 from kinetics.moments.delayed import DelayedReturns, met_again
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import panel_rule
+from kinetics.numerics.chebyshev import panel_rule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 from kinetics.validation import real_number, whole_number

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.gauss import panels_between
-from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices

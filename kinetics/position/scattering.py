@@ -27,7 +27,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
+from kinetics.numerics.chebyshev import PanelRule, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less

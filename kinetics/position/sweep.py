@@ -12,8 +12,7 @@ import math
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import FloatArray
-from kinetics.numerics.threads import one_blas_thread
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.position.density import Displacement, Uncollided
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail

@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import ComplexArray, FloatArray
+from kinetics.numerics import ComplexArray, FloatArray, one_blas_thread
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
-from kinetics.numerics.threads import one_blas_thread
 
 # The Euler-Maclaurin formula is used where Re z >= _START, or as far from the zeros of lambda: with
 # 12 Taylor coefficients it leaves 2 * 12!/((2 pi)^14 16^13) = 1e-18.

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
+from kinetics.errors import SolverStatus, judged
 from kinetics.numerics import FloatArray
 from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
 from kinetics.scaling.closed_form import ScaledState, from_rest, scaled_dataset, scaled_figures
-from kinetics.status import SolverStatus, judged
 from kinetics.validation import check_rtol, not_negative, refuse, whole_number
 
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision

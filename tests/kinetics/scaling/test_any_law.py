@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinetics import CollisionLaw, InputError, ScalingSolution, solve_scaled
-from kinetics.status import SolverStatus
+from kinetics.errors import SolverStatus
 
 # e, et, dimension: s rising and falling with the impact parameter, one ratio for all bounces,
 # ratios down to 0
