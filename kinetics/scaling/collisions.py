@@ -104,6 +104,8 @@ def cumulants(law: CollisionLaw, n: int, of_path: bool) -> FloatArray:
 
 def _taylor_at_zero(law: CollisionLaw, orders: int) -> list[NDArray[Any]]:
     """Taylor coefficients of lambda at 0, from order 0 to orders - 1, each (1,)."""
+    if q := law.uniform_power:  # lambda = z/(z + q)
+        return [np.array([-((-1.0 / q) ** k) if k else 0.0]) for k in range(orders)]
     if not law.reaches_rest:
         return law.decay_taylor(np.zeros(1), orders)
     # high powers of ln s see bounces beyond all points: from a circle, which encloses no pole
