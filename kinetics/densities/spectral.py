@@ -41,8 +41,8 @@ _MORE = 1.4  # nodes of each try to resolve the start, over those of the last on
 # oscillates at low speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt,
 # and the last time is at so many e-folds. And what rounding allows to aim at.
 _AIMS, _LATEST, _LEAST_AIM = ((1.0, 0.0), (0.03, 0.25)), 40.0, 1e-14
-# The least error that is claimed: of f relative to its maximum, for the rounding that two solutions
-# may have in common (2e-13 was seen), and of what is aimed at, below which the low end is cut off.
+# The least error that is claimed: for the rounding that two solutions may have in common (2e-13 was
+# seen), and of what is aimed at, below which the low end is cut off.
 _FLOOR, _CUT = 5e-13, 0.1
 # Of the root mean square speed: above it a density keeps its accuracy relative to its maximum, and
 # below it the density of ln v does.

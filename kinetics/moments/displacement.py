@@ -7,6 +7,7 @@ profile in space is needed.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,10 +45,9 @@ def mean_square_displacement(averages: Averages) -> FloatArray:
 def kurtosis(averages: Averages) -> FloatArray:
     """<r^4>/<r^2>^2, shape (n_times,); at t = 0 its limit, <v^4>/<v^2>^2."""
     if averages.elastic:  # late it stands still, and fourth powers of v t/l overflow
-        log_last = _LATE - averages.log_first + math.log(averages.mean_free_path)
-        last = math.exp(min(log_last, _LARGEST))
-        if averages.times[-1] > last:
-            averages = averages.at(np.minimum(averages.times, last))
+        last = _LATE - averages.log_first + math.log(averages.mean_free_path)
+        if averages.times[-1] > (last := math.exp(min(last, _LARGEST))):
+            averages = replace(averages, times=np.minimum(averages.times, last))
     second = averages.average(SQUARED_DISPLACEMENT, leading=2)
     fourth = averages.average(quartic_displacement(averages.law.dimension), leading=4)
     return np.asarray(fourth / second**2)

@@ -66,14 +66,6 @@ class Averages:
         other._measures.update(self._measures)
         return other
 
-    def at(self, times: FloatArray) -> Averages:
-        """The same at other times, up to the last one, with the error estimate of all times."""
-        other = replace(self, times=times)
-        other._measures.update(self._measures)
-        if "equation" in self.__dict__:  # the cached property below
-            other.__dict__["equation"] = self.equation
-        return other
-
     @property
     def elastic(self) -> bool:
         """Speeds are kept, and their powers need not be solved."""

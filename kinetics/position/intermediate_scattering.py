@@ -36,8 +36,8 @@ _AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
     """Harmonic m of a start as points that resolve functions varying over ``spacing`` in ln v.
 
-    Peaks and samples are points already; densities get Gauss panels no wider than the spacing, with
-    an edge at each kink. None where the harmonic is zero.
+    Peaks and samples are points already; densities get Gauss panels, with an edge at each kink.
+    None where the harmonic is zero.
     """
     profile, harmonic = state.profile(0), state.profile(m)
     found = state.harmonic(0, rtol)
@@ -111,10 +111,7 @@ class Scattering:
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
     ) -> tuple[FloatArray, float]:
-        """F without the tracers that have not collided, (n_which, n_k), and its error, absolute.
-
-        wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
-        """
+        """F without the tracers that have not collided, (n_which, n_k), and its error, absolute."""
         waves, speeds, error = self._waves(wave_numbers, which, tolerance)
         means, dimension = [], self.law.dimension
         for stretch in self.log_stretch(which):
@@ -131,8 +128,7 @@ class Scattering:
     ) -> tuple[NDArray[Any], float]:
         """F (n_times, n_k), and its error; real where k has no direction or the start has none.
 
-        wave_numbers : K = k l, of similar size, shape (n_k,)
-        direction : angle of k to the x axis; None for the mean over the directions
+        direction : angle of k = K/l to the x axis; None for the mean over the directions
         """
         which = np.arange(self.times.size)
         most = self.state.highest_harmonic

@@ -61,7 +61,7 @@ class PowerTail(Value):
         return out * self.scale**d
 
 
-def origin_terms(q: FloatArray, count: int, dimension: int, first: int = 1) -> FloatArray:
+def origin_terms(q: FloatArray, count: int, dimension: int, first: int) -> FloatArray:
     """(q^2 + 1)^(-nu - d/2), nu = (first + j)/2, for j < count: q (n,) gives (n, count)."""
     return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + first + np.arange(count))))
 

@@ -49,9 +49,8 @@ _LARGEST = 2000.0  # ln of a moment that overflows anyhow
 # Errors of F and of moments over the last coefficients of ln w, at most: measured against the
 # closed form for 6 to 18 nodes, e from 0 to .99, rough disks and two ratios.
 _DENSITY, _MOMENT = 0.15, 1e-3
-# Below this floor no accuracy is promised. Rounding moves the axis by it, and F by that times its
-# steepness; ln <c^p> by p times as much. Ten times the largest that was found, 6.5 epsilon for e
-# from .9 to 1 - 1e-10, disks and spheres, OpenBLAS's kernels for SkylakeX, Haswell and Nehalem.
+# Below this floor no accuracy is promised: rounding moves the axis by it, and F by that times its
+# steepness. Ten times the largest that was found for e from .9 to 1 - 1e-10, on three processors.
 ROUNDING_FLOOR = 64 * float(np.finfo(float).eps)  # 1.4e-14
 
 
@@ -108,12 +107,8 @@ class _Losses:
 class SpeedAxis:
     """ln g(x), x = ln(kappa v t/l), as far down as it was asked for; up to its norm.
 
-    Every estimate is relative, and of all that was asked for so far.
-
-    law : the collision law; not elastic
-    rtol : relative accuracy of g and of its moments
-    nodes : of each panel, or None for as many as rtol takes
-    unresolved : whether nothing is known, because too few nodes were asked for
+    rtol : relative accuracy of g and of its moments; nodes : of each panel, or None for as many as
+    that takes; unresolved : whether nothing is known, because too few were asked for
     """
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:

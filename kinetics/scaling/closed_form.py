@@ -166,7 +166,8 @@ class ScalingSolution(ScaledState):
         if self.law.is_elastic:
             return 1.0
         # <c^p> = E[Y^p]/E[Y^2]^(p/2) and E[Y^p] = kappa^-p A(p): the powers of kappa cancel
-        log_moment = self._log_a(p) - 0.5 * p * mellin.log_second_moment(self.law)
+        log_moment = float(mellin.log_moment(self.law, np.array([p]))[0])
+        log_moment -= 0.5 * p * mellin.log_second_moment(self.law)
         if log_moment > _LARGEST_LOG:
             refuse("p", p, "<c^p> overflows double precision there")
         return math.exp(log_moment)
@@ -176,7 +177,8 @@ class ScalingSolution(ScaledState):
         p = self._power(p)
         if self.law.is_elastic:
             refuse("restitution", 1.0, "v t has no limit law in the elastic gas")
-        return math.exp(self._log_a(p) - p * math.log(self.law.mean_log_loss))
+        log_a = float(mellin.log_moment(self.law, np.array([p]))[0])
+        return math.exp(log_a - p * math.log(self.law.mean_log_loss))
 
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), the scaled velocity distribution; same shape as c.
@@ -190,7 +192,8 @@ class ScalingSolution(ScaledState):
         Raises InputError for c negative or not finite, and for elastic bounces.
         """
         c_ = not_negative("c", c)
-        self._check_inelastic()
+        if self.law.is_elastic:
+            refuse("restitution", self.restitution, "elastic bounces leave no scaled VDF")
         law, d = self.law, self.dimension
         q = law.uniform_power
         if q:
@@ -217,14 +220,6 @@ class ScalingSolution(ScaledState):
 
     def _figures(self) -> dict[str, str]:
         return scaled_figures(self) | {"d<r^2>/d ln t / l^2": f"{self.diffusion_slope:.12g}"}
-
-    def _log_a(self, p: float) -> float:
-        """ln A(p), A(p) = kappa^p E[Y^p]."""
-        return float(mellin.log_moment(self.law, np.array([p]))[0])
-
-    def _check_inelastic(self) -> None:
-        if self.law.is_elastic:
-            refuse("restitution", self.restitution, "elastic bounces leave no scaled VDF")
 
     def _check_counted(self) -> None:
         if self.law.is_elastic:

@@ -127,11 +127,10 @@ class ScaledVDF(ScaledState):
         return judged({"F(c)": self.error_estimate}, {"F(c)": self.rtol}, self.requested_nodes)
 
     def __repr__(self) -> str:
-        nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"
         return (
-            f"ScaledVDF({self.law.described}, rtol={self.rtol!r}{nodes}): "
-            f"h = {self.cooling_rate:.12g}, a2 = {self.a2:.12g}, "
-            f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
+            f"ScaledVDF({self.law.described}, rtol={self.rtol!r}): h = {self.cooling_rate:.12g}, "
+            f"a2 = {self.a2:.12g}, {self.status.name.lower()}, error estimate "
+            f"{self.error_estimate:.1e}"
         )
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
