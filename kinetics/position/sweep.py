@@ -37,7 +37,7 @@ _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 6.0, 1.0, 1.6, 1.3
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
 # From the end of one interval to that of the next: before its powers of 1/K are found, after that,
 # and for sharp speeds, where the best of many ends is taken.
-_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.5, 1.25
+_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
