@@ -122,13 +122,13 @@ class Value:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write this to a netCDF-4 file, whole or not at all; :func:`kinetics.load` reads it back.
 
-        Raises InputError where the file cannot be written, and for what a file cannot hold: an
-        initial state that is a Python function, or a class that is not of this package.
+        InputError where the file cannot be written, and for what it cannot hold: a Python function,
+        or a class that is not of this package.
         """
         record = json.dumps({"format": _FORMAT, "value": _plain(self, True)})
         made = self._dataset(only=())
         made[_RECORD] = "byte", np.frombuffer(record.encode(), np.uint8)
-        write_whole({_path(path): _netcdf(made)})
+        write_whole({path: _netcdf(made)})
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         return dataset(type(self).__name__, self, {}, {})
@@ -303,10 +303,10 @@ def _lines(one: xarray.DataArray) -> dict[str, Any]:
     free = _axes(one)
     if len(free) == 1:
         return {name.replace("_", " "): line for name, line in _components(one).items()}
-    first = one[free[0]]
-    symbol, units = first.attrs.get("symbol", first.name), first.attrs["units"].replace("1", "")
-    shown = np.linspace(0, first.size - 1, 8).round().astype(int)
-    return {f"{symbol} = {first.values[i]:.4g} {units}".strip(): one.values[i] for i in shown}
+    at, about = one[free[0]].values, one[free[0]].attrs
+    symbol, units = about.get("symbol", free[0]), about["units"].replace("1", "")
+    shown = np.linspace(0, at.size - 1, 8).round().astype(int)
+    return {f"{symbol} = {at[i]:.4g} {units}".strip(): one.values[i] for i in shown}
 
 
 def _label(one: xarray.DataArray) -> str:
@@ -332,11 +332,10 @@ def load(path: str | os.PathLike[str]) -> Any:
     """
     import h5py
 
-    name = _path(path)
     try:
-        if not os.path.isfile(name):
+        if not os.path.isfile(path):
             raise InputError("there is no such file")
-        with h5py.File(name, "r") as file:
+        with h5py.File(path, "r") as file:
             if not isinstance(file.get(_RECORD, getlink=True), h5py.HardLink):
                 raise ValueError("a link")
             record = file[_RECORD]
@@ -349,26 +348,27 @@ def load(path: str | os.PathLike[str]) -> Any:
             raise InputError(f"this version reads {_FORMAT!r}, not {short(found['format'])}")
         return _restored(found["value"])
     except InputError as error:
-        raise InputError(f"path: got {name!r}; {error}") from None
+        raise InputError(f"path: got {short(str(path), 300)}; {error}") from None
     except Exception as error:  # h5py raises errors of nearly any class
         what = "it is damaged, or no file that kinetics saved"
-        raise InputError(f"path: got {name!r}; {what} ({type(error).__name__})") from None
+        raise InputError(
+            f"path: got {short(str(path), 300)}; {what} ({type(error).__name__})"
+        ) from None
 
 
-def write_whole(contents: Mapping[str, bytes]) -> None:
+def write_whole(contents: Mapping[Any, bytes]) -> None:
     """Write files, by their paths, all of them or none; InputError where one cannot be written.
 
     Each is written beside its target under a random name; when all are on the disk they get their
-    own. A symbolic link is followed: the file that it points to is replaced, and the link stays.
+    own. Symbolic links are followed.
     """
     parts: dict[str, str] = {}
-    path = ""
+    path: Any = ""
     try:
         for path, content in contents.items():
-            target = os.path.realpath(path)
+            target = os.path.realpath(os.fsdecode(path))
             if os.path.exists(target) and not os.path.isfile(target):
-                what = "it is a folder, a device or a pipe, not a file"
-                raise InputError(f"path: got {path!r}; {what}")
+                raise OSError("it is a folder, a device or a pipe, not a file")
             folder, base = os.path.split(target)
             beside = os.path.join(folder, f".{base}.{secrets.token_hex(8)}.part")
             parts[beside] = target
@@ -378,21 +378,15 @@ def write_whole(contents: Mapping[str, bytes]) -> None:
                 os.fsync(file.fileno())
         for beside, target in parts.items():
             os.replace(beside, target)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"path: got {path!r}; it cannot be written ({reason})") from None
+    except (OSError, TypeError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"path: got {short(str(path), 300)}; it cannot be written ({reason})"
+        ) from None
     finally:
         for beside in parts:
             with contextlib.suppress(OSError):
                 os.unlink(beside)  # it is there only if something went wrong
-
-
-def _path(path: Any) -> str:
-    with contextlib.suppress(TypeError):
-        text = os.fsdecode(path)
-        if text and "\0" not in text:
-            return text
-    raise InputError(f"path: got {short(path)}; it must be the path of a file")
 
 
 def _netcdf(made: xarray.Dataset) -> bytes:

@@ -200,7 +200,6 @@ def _check_outputs(outputs: Any, table: Mapping[str, Any]) -> tuple[str, ...]:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
         if not isinstance(name, str) or name not in table:
-            without = " without a field" if table is OUTPUTS else " with a field or a drive"
-            elsewhere = isinstance(name, str) and name in {**OUTPUTS, **FIELD_OUTPUTS}
-            refuse("outputs", name, f"known{without if elsewhere else ''} are {known}")
+            kind = "without a field or drive" if table is OUTPUTS else "with a field or a drive"
+            refuse("outputs", name, f"known {kind} are {known}")
     return tuple(dict.fromkeys(names))

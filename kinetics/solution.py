@@ -168,13 +168,13 @@ class Solution(Result):
         }
         axes = {"time": variable(("time",), self.times, "d/U", "time since the start", "t")}
         axes |= {c: variable((c,), list("xyz"[:d]), "1", "component") for c in COMPONENTS}
-        for name in self._on_demand:
-            if only is None or {name, "uncollided"} & set(only):
-                self._add(name, OUTPUTS[name].shape[1:], points, found, axes)
-        if "position_density" in self._on_demand and (
-            only is None or "scaled_position_density" in only
-        ):
-            self._add("scaled_position_density", ("n_R",), points, found, axes)
+        functions = {name: OUTPUTS[name].shape[1:] for name in self._on_demand}
+        if "position_density" in functions:
+            functions["scaled_position_density"] = ("n_R",)
+        for name, shape in functions.items():
+            both = {name, "uncollided"} if name == "speed_density" else {name}
+            if only is None or both & set(only):
+                self._add(name, shape, points, found, axes)
         return dataset(
             f"Solution of the inelastic Lorentz equation: {self.scene}",
             self.scene,
@@ -192,10 +192,8 @@ class Solution(Result):
         at = [self._points_on(axis.points, given) for axis in along]
         if name == "intermediate_scattering" and "direction" in given:
             at.append(given["direction"])
-        values, (unit, words, symbol) = (
-            getattr(self, name)(*at),
-            described(name, self.scene.dimension),
-        )
+        values = getattr(self, name)(*at)
+        unit, words, symbol = described(name, self.scene.dimension)
         for axis, x in zip(along, at, strict=False):
             axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
         dims = ("time", *(axis.name for axis in along))
@@ -287,9 +285,9 @@ class Solution(Result):
 
     @property
     def uncollided(self) -> FloatArray:
-        """Share of the tracers of a start of one speed that have not collided, shape (n_times,).
+        """Share of the tracers of a start of one speed that have not collided, (n_times,).
 
-        At e = 1 all. With a field, of any start of sharp velocities (rest, a Beam, samples).
+        All at e = 1. With a field, of any start of sharp velocities (rest, a Beam, samples).
         """
         return np.asarray(frozen(self._velocities().uncollided))
 
@@ -304,8 +302,7 @@ class Solution(Result):
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
 
         With c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The error is 1e-8 of the
-        maximum, a percent near steps. With a field it is the component along it, of smooth starts
-        only.
+        maximum, a percent near steps. Not with a field, nor of driven tracers.
         """
         return np.asarray(self._velocities().component_density(finite_line("v_x", v_x)))
 
@@ -340,10 +337,9 @@ class Solution(Result):
         return np.array([found.density(i, r_) for i in range(self.times.size)])
 
     def scaled_position_density(self, scaled_radii: ArrayLike) -> FloatArray:
-        """G(R) = sqrt(<r^2>) g(r, t) at R = r/sqrt(<r^2>), shape (n_times, n_R).
+        """G(R) = sqrt(<r^2>) g(r, t) at R = r/sqrt(<r^2>), shape (n_times, n_R); NaN at t = 0.
 
         <r^2> is that of g itself: at a finite density :attr:`msd` knows that returns take time.
-        NaN at t = 0, where all tracers are at the origin.
         """
         found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
         out = np.full((self.times.size, x.size), np.nan)
@@ -353,9 +349,9 @@ class Solution(Result):
         return out
 
     def position_fraction(self, edges: ArrayLike) -> FloatArray:
-        """Share of all tracers with r between rising edges, in d: shape (n_times, n_edges - 1).
+        """Share of all tracers with r between rising edges, in d: (n_times, n_edges - 1).
 
-        For histograms: the ballistic front is in it, in (low, high].
+        The ballistic front is in it, in (low, high].
         """
         found, r = self._moved(), rising_from_zero("edges", edges)
         return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])

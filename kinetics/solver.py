@@ -304,6 +304,5 @@ def _with_enough_nodes(averages: Averages, needed: Sequence[tuple[Part, ...]]) -
 def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
     """The value; InputError where it is beyond the largest number of double precision."""
     if not np.all(np.isfinite(value)):
-        what = f"{name} overflows double precision there; ask for other times, speeds or powers"
-        raise InputError(f"times: {what}")
+        raise InputError(f"times: {name} overflows there; ask for other times, speeds or powers")
     return value

@@ -143,13 +143,11 @@ class DiskBounce:
 
     @property
     def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p: from y near 1 where et = 1, and near 0 where e = 1."""
+        """b where E[s^p] tends to b/p; NaN (not known) at rough scatterers with e = 1."""
         e, et = self.restitution, self.tangential_restitution
-        if et == 1.0:
-            return (self.dimension - 1.0) / ((1.0 - e) * (1.0 + e)) if e < 1.0 else math.inf
-        if e < 1.0:
-            return 0.0
-        return 2.0 / ((1.0 - et) * (1.0 + et)) if self.dimension == 3 else math.nan
+        if et == 1.0 and e < 1.0:
+            return (self.dimension - 1.0) / ((1.0 - e) * (1.0 + e))
+        return 0.0 if e < 1.0 else math.inf if et == 1.0 else math.nan
 
     @property
     def has_atoms(self) -> bool:

@@ -265,10 +265,7 @@ class CollisionLaw:
 
     @property
     def uniform_power(self) -> float | None:
-        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = d - 1; None for others.
-
-        Then lambda(z) = z/(z + q), and the scaling state is known in closed form.
-        """
+        """q = d - 1 where s^q is uniform on [0, 1], at smooth scatterers with e = 0; else None."""
         if self.effective_restitution == 0.0 and self.tangential_restitution == 1.0:
             return self.dimension - 1.0
         return None
@@ -341,10 +338,7 @@ class CollisionLaw:
         return _finite(p, mean)[()]
 
     def decay_rate(self, p: ArrayLike) -> Any:
-        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part).
-
-        Accurate relative to itself also where it vanishes (p -> 0, elastic bounces).
-        """
+        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part)."""
         return self.harmonic_decay_rate(p, 0)
 
     def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
@@ -364,6 +358,10 @@ class CollisionLaw:
 
     def _lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
         """1 - E[s^z cos(m chi)] of one collision, shape of z."""
+        et = self.tangential_restitution
+        if m == 0 and self.effective_restitution == 0.0 and et:  # s = et y
+            above = self.dimension - 1.0
+            return np.asarray((z - above * np.expm1(z * math.log(et))) / (above + z))
         q = self.quadrature_for(_size(z), abs(m))
         lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
         if m == 0:

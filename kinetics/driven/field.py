@@ -191,10 +191,6 @@ class FieldState(Result):
         points = {"speeds": _SPEEDS, "angles": _ANGLES} | points
         return velocity_dataset(self, title, about, _FIGURES, only, **points, units=units)
 
-    def _figures(self) -> dict[str, str]:
-        found = {name: f"{getattr(self, name):.12g} {unit}" for name, (unit, _) in _FIGURES.items()}
-        return found | {"status": f"{self.status.name.lower()}: {self.message}"}
-
     def __repr__(self) -> str:
         return (
             f"FieldState({self.law.described}, rtol={self.rtol:g}), speeds in sqrt(g l)\n"

@@ -275,10 +275,6 @@ class DrivenScene(FieldScene):
         d = self.law.dimension
         return one.axis.density(one.sums[i, :1], v, d)[0] * v ** (d - 1.0)
 
-    def component_density(self, v_x: FloatArray) -> FloatArray:
-        """Not available."""
-        raise InputError("velocity_component_density: it is not available for driven tracers")
-
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""
         d = self.law.dimension

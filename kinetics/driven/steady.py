@@ -329,10 +329,6 @@ class DrivenState(Result):
         points.setdefault("angles", np.array([0.0, 0.5, 1.0]) * np.pi if self.field else [0.0])
         return velocity_dataset(self, title, asked, _FIGURES, only, **points, units=("1", "1"))
 
-    def _figures(self) -> dict[str, str]:
-        found = {name: f"{getattr(self, name):.12g}" for name in _FIGURES}
-        return found | {"status": f"{self.status.name.lower()}: {self.message}"}
-
     def __repr__(self) -> str:
         asked = self._asked()
         shown = ", ".join(f"{k}={v!r}" for k, v in asked.items() if v not in (0.0, math.inf))

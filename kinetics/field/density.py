@@ -19,7 +19,6 @@ from functools import partial
 
 import numpy as np
 
-from kinetics.errors import InputError
 from kinetics.field import radau
 from kinetics.field.evolution import ALL, Evolution
 from kinetics.field.grid import SpeedPanels
@@ -124,7 +123,6 @@ class LastFlights:
 _Density = Callable[[FloatArray, FloatArray], FloatArray]
 _ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
 _CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
-_ACROSS = np.concatenate([[0.0], 2.0 ** np.arange(-6.0, 1.0)])  # of the highest speed
 _POINTS = 6  # in an interval of these
 _DIRECTIONS = 64  # of a start of one speed
 # velocities at which two solutions are compared, in units of the usual speed
@@ -165,21 +163,6 @@ class VelocityDensity:
             velocity = np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle))
             out += self._both(partial(one, time), *velocity) @ share
         return np.asarray(out * v ** (d - 1))
-
-    def by_component(self, i: int, along: FloatArray) -> FloatArray:
-        """The density of the velocity along the field at the i-th time.
-
-        Raises InputError for sharp starts: what has collided once is not smooth.
-        """
-        if self.is_sharp or self._evolution.start.velocities is not None:
-            raise InputError(
-                "velocity_component_density: in a field it is available for smooth starts that "
-                "are not slow against sqrt(field x mean free path)"
-            )
-        across, w = panels_between(self._evolution.panels.highest * _ACROSS, _POINTS)
-        share = 2.0 * w if self._dimension == 2 else 2.0 * math.pi * across * w
-        velocity = np.meshgrid(along, across, indexing="ij")
-        return np.asarray(self._both(partial(self.at, i), *velocity) @ share)
 
     def negative(self) -> float:
         """How far densities are below zero, over the largest of each time; 0 where they are not."""

@@ -225,10 +225,11 @@ class FieldScene:
         return np.array([one(i, v / self._speed) for i in range(self.times.size)]) / self._speed
 
     def component_density(self, v_x: FloatArray) -> FloatArray:
-        """Of the velocity along the field in 1/U at all times, shape (n_times, n)."""
-        assert self.densities is not None
-        one = self.densities.by_component
-        return np.array([one(i, v_x / self._speed) for i in range(self.times.size)]) / self._speed
+        """Not available."""
+        raise InputError(
+            "velocity_component_density: it is not available in a field, nor of driven tracers; "
+            "integrate velocity_density"
+        )
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""

@@ -60,7 +60,7 @@ scaled = words("solve", "--scaled", always=("e",), e=number, rtol=["1e-10", "1e-
 simulate = words(
     "simulate", always=("count", "media", "tracers", "max_collisions"), **system,
     count=["80", "100"], media=["1", "2"], tracers=["1", "2"], max_collisions=["1", "100"],
-    medium=["hard-disks", "poisson", "boltzmann-grad"], times=several(0.1, 9.0),
+    scatterers=["hard-disks", "overlapping", "dilute"], times=several(0.1, 9.0),
     positions=["places.csv", "data.csv", "binary.csv"], box_side=["10"], o=["run.h5", "a.h5md"],
     observables=["positions", "msd,positions", "finals"], workers=["1"],
 )  # fmt: skip

@@ -14,8 +14,6 @@ from typing import Any
 from docutils import nodes
 from docutils.parsers.rst import Directive
 
-_BLOCK = '<math display="block"'
-
 
 @cache
 def _check(label: str) -> Any:
@@ -49,8 +47,7 @@ def _shown(formula: Any) -> str:
     parts = (
         () if formula is None else formula.args if formula.func.__name__ == "Tuple" else [formula]
     )
-    elements = (mathml(part, "rev-lex").replace("<math", _BLOCK, 1) for part in parts)
-    return "".join(f'<div class="formula">{element}</div>' for element in elements)
+    return "".join(f'<div class="formula">{mathml(p, "rev-lex", "block")}</div>' for p in parts)
 
 
 def _symbols(formula: Any, known: set[str]) -> str:

@@ -54,17 +54,11 @@ def part_of(context: Any, option: Any, text: str | None) -> tuple[int, int] | No
 
 
 class Scatterers(Choice):
-    """A word for the scatterers, as a Scene has it, with hyphens too, or as version 0.2 had it."""
-
-    OLD = {  # noqa: RUF012
-        "overlapping": "poisson", "overlapping spheres": "poisson-spheres",
-        "dilute": "boltzmann-grad",
-    }  # fmt: skip
+    """A word for the scatterers, as a Scene has it; a space may be a hyphen."""
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The word, or click's complaint that names the option and the text."""
-        word = {old: new for new, old in self.OLD.items()}.get(value, value)
-        return super().convert(word.replace("-", " "), param, ctx)
+        return super().convert(value.replace("-", " "), param, ctx)
 
 
 class Output(click.Path):

@@ -1,6 +1,5 @@
 """The command `simulate`, which prints estimates with their errors; `merge`, of parts of a run."""
 
-import io
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -28,7 +27,6 @@ ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
 ARGUMENTS = ("media", "tracers", "max_collisions", "seed")
 MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "dilute")
 OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
-PICTURES = (".png", ".svg", ".pdf")
 
 
 # fmt: off
@@ -36,8 +34,7 @@ PICTURES = (".png", ".svg", ".pdf")
     epilog=options.example("lorentz simulate -e 0.7 --media 10 --times 1:1000:7 -o run.h5"),
     short_help="Follow particles from collision to collision.",
 )
-@option("--scatterers", "--medium", "scatterers", default="hard disks",
-        type=options.Scatterers(MEDIA),
+@option("--scatterers", default="hard disks", type=options.Scatterers(MEDIA),
         help="Disks or spheres that do not overlap, that may, or dilute: random free paths. A "
         "space may be a hyphen, hard-disks.")
 @options.restitution_option
@@ -69,9 +66,6 @@ PICTURES = (".png", ".svg", ".pdf")
 @option("-o", "--output", type=options.Output(""), metavar="HDF5",
         help="Save here, configuration by configuration; FILE.h5md: positions and velocities as "
         "H5MD, for other programs, written at the end.")
-@option("--picture", type=options.Output(*PICTURES), metavar="FILE",
-        help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
-        ".svg or .pdf.")
 @option("--part", callback=options.part_of, metavar="K/N",
         help="Only the K-th of N parts of the configurations; `lorentz merge` joins the parts.")
 @option("--resume", is_flag=True, help="Go on from --output if it is there.")
@@ -79,7 +73,7 @@ PICTURES = (".png", ".svg", ".pdf")
 @options.workers_option
 @options.json_option
 def simulate(
-    until: float | None, picture: Path | None, number_density: float, times: tuple[float, ...],
+    until: float | None, number_density: float, times: tuple[float, ...],
     observables: str, output: Path | None, as_json: bool, viscoelastic: float | None,
     **arguments: Any,
 ) -> None:
@@ -112,8 +106,6 @@ def simulate(
             medium, times=times or None, observables=names or None, output=output,
             progress=progress, **arguments,
         )  # fmt: skip
-    if picture is not None:
-        write_picture(run, picture)
     if h5md is not None:
         run.write_h5md(h5md)
     _show(run, as_json)
@@ -174,18 +166,6 @@ def make_medium(
     return made(number_density, count=count)
 
 
-def write_picture(run: Any, path: Path) -> None:
-    """Draw the paths of the first 8 tracers of the first configuration."""
-    from matplotlib.figure import Figure
-
-    from kinetics.crosscheck.files import write_together
-
-    figure, file = Figure(figsize=(6.4, 6.0), layout="constrained"), io.BytesIO()
-    run.plot_trajectories(min(8, run.tracers), ax=figure.subplots())
-    figure.savefig(file, format=path.suffix[1:].lower(), dpi=160, bbox_inches="tight")
-    write_together(path.parent, {path.name: file.getvalue()})
-
-
 @contextmanager
 def _saying_how_to_go_on(output: Path | None) -> Iterator[dict[str, int]]:
     """After Ctrl-C or SIGTERM, say what is saved, of `total`, and how the run goes on."""
@@ -215,8 +195,7 @@ def _document(run: Any) -> dict[str, Any]:
     plan, scatterers = run.plan, run.medium.scatterers
     initial = "rest" if plan.rest else "monoenergetic" if plan.monoenergetic else "gaussian"
     return {
-        "medium": options.Scatterers.OLD.get(scatterers, scatterers.replace(" ", "-")),
-        "scatterers": scatterers, **options.law_keys(run.restitution),
+        "medium": scatterers, "scatterers": scatterers, **options.law_keys(run.restitution),
         **{name: getattr(run, name) for name in law}, "dimension": run.medium.dimension,
         "initial": initial if plan.velocities is None else None,
         **{name: getattr(plan, name) for name in ARGUMENTS},

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import kinetics
 from kinetics import Scene, Solution, sonine
-from kinetics.collision import CollisionLaw, law_in_medium, law_of
+from kinetics.collision import CollisionLaw, law_of
 from kinetics.collision.medium import HIGHEST_DENSITY
 from kinetics.crosscheck.compare.statistics import errors as jackknife_error
 from kinetics.crosscheck.report.systems import Cooling, Driven, System
@@ -30,8 +30,6 @@ from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, s
 KINETIC = "kinetic equation"
 EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
 FREE = "Boltzmann-Grad"
-# what the theory of a finite density knows, each with what the one before it has
-PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
 AVERAGES = "thermal_speed a2 msd kurtosis"  # without a field, at each time
 OVER_TIME = tuple(AVERAGES.split())
 LATEST = 1e9  # last time in d/U of the equation alone
@@ -274,7 +272,7 @@ def _solved(law: Any, density: float, times: Array, outputs: str, rtol: float, *
 def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamespace:
     """The equation at the times of the particles and much later, in place, and among hard disks."""
     density, rtol = system.number_density, system.rtol
-    found = SimpleNamespace(exact=None, scaled=None, dense=None, dense_slope=None, levels={})
+    found = SimpleNamespace(exact=None, scaled=None, dense=None)
     if not law.is_elastic:  # the scaling state, in closed form and as solved
         found.exact = kinetics.ScalingSolution(**law.arguments)
         found.scaled = kinetics.solve_scaled(**law.arguments, rtol=rtol)
@@ -285,18 +283,8 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     found.position = _solved(law, density, last, place, system.position_rtol)
     if not system.is_papers_law or density > HIGHEST_DENSITY:
         return found
-    outputs, medium = "thermal_speed a2 msd", {"scatterers": "hard disks"}
-    found.dense = _solved(law, density, times, outputs, rtol, **medium)
-    if found.exact is not None:
-        ends = np.array([LATEST / 10, LATEST])
-        found.dense_slope = _slope(ends, _solved(law, density, ends, outputs, rtol, **medium).msd)
-    # <r^2> at the last time, in d^2, by what is known of hard disks
-    leading = law_in_medium(law, "hard disks", density, 1.0, "leading")
-    thinner = 0.5 / leading.mean_free_path(density, 1.0)
-    found.levels[PATH] = _solved(law, thinner, last, "msd", rtol).msd[-1]
-    for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
-        one = _solved(law, density, last, "msd", rtol, density_order=order, **medium)
-        found.levels[name] = one.msd[-1]
+    outputs = "thermal_speed a2 msd"
+    found.dense = _solved(law, density, times, outputs, rtol, scatterers="hard disks")
     return found
 
 

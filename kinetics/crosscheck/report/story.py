@@ -153,18 +153,12 @@ def _summary(case: runs.Case, system: Any) -> Iterable[Record]:
     yield percent("free path over dilute", hard["free_path"] / theory[runs.KINETIC]["free_path"])
     kinetic = theory[runs.KINETIC]["msd"][-1]
     yield percent(f"⟨r²⟩ of {name} at the end over dilute", hard["msd"] / kinetic)
-    before = kinetic
-    for level, msd in solved.levels.items():
-        yield percent(f"… the {level} makes", 1 + (msd - before) / kinetic)
-        before = msd
     if solved.dense is not None:
         yield percent("⟨r²⟩ at the end over corrected", hard["msd"] / solved.dense.msd[-1])
     if runs.FIT in theory and case.cools:
         walk, slope = (theory[runs.FIT][name] for name in ("msd", "msd_slope"))
         yield percent("⟨r²⟩ at the end over the paper’s walk", hard["msd"] / walk[-1])
         yield percent("late slope of the walk over dilute", slope / theory[runs.EXACT]["msd_slope"])
-        if solved.dense_slope is not None:
-            yield percent("late slope of the walk over hard disks", slope / solved.dense_slope)
     if case.cools:
         share = np.maximum.accumulate(solved.late.msd_slope / theory[runs.EXACT]["msd_slope"])
         time = np.exp(np.interp(SHARE, share, np.log(solved.late.times)))
