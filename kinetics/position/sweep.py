@@ -38,6 +38,7 @@ _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K 
 # From the end of one interval to that of the next: before its powers of 1/K are found, after that,
 # and for sharp speeds, where the best of many ends is taken.
 _STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
+_FALL = 0.125  # what the powers of 1/K miss falls as K^-8 at least
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
@@ -147,8 +148,10 @@ class _Sweep:
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            known = all(self.tails[i] is not None for i in self.active)
-            step = _STEP_SHARP if self.sharp else _STEP_KNOWN if known else _STEP
+            step = _STEP_SHARP if self.sharp else _STEP
+            if not self.sharp and all(self.tails[i] is not None for i in self.active):
+                more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
+                step = min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
             low, high = high, high * step
             work, done = self.system.work - done, self.system.work
             if done - begin + step**2 * work > most_work:
