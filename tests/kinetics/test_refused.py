@@ -156,7 +156,6 @@ RESULTS: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("c", lambda c: solve_scaled(0.5).vdf(c), [-1.0]),
     ("p", lambda e, p: ScalingSolution(e).moment(p), [(0.5, NAN), (0.0, -1.0), (0.1, 300.0)]),
     ("c", lambda c: ScalingSolution(0.5).vdf(c), [[0.1, INF]]),
-    ("restitution", lambda et: ScalingSolution(1.0, et).log_tail_amplitude, [0.5]),
     ("restitution", lambda n: ScalingSolution(1.0).path_cumulants(n), [2]),
     ("number_density", lambda s: ScalingSolution(0.7, scatterers=s).a2, ["overlapping"]),
     ("number_density", lambda s: solve_scaled(0.7, scatterers=s), ["overlapping"]),

@@ -184,5 +184,5 @@ def test_bounces_that_the_nodes_do_not_resolve_are_said_so() -> None:
 def test_no_false_alarm_before_the_first_collisions_and_in_the_scaling_state() -> None:
     table = SpeedTable([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])
     for start in (table, "monoenergetic"):
-        scene = Scene(0.999, initial=start, times=[0.0, 1e150], outputs=("speed_density",))
+        scene = Scene(0.9, initial=start, times=[0.0, 1e-12, 1e20], outputs=("speed_density",))
         assert solve(scene, 1e-3, method="conservative").status is SolverStatus.CONVERGED
