@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection, Mapping
-from dataclasses import astuple, dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -13,29 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.driven.generator import Resolution
-from kinetics.driven.steady import Steady, refined, velocity_dataset
+from kinetics.driven.steady import SteadyState, refined
 from kinetics.driven.system import System
-from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning, judged
+from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning
 from kinetics.field.steady import SteadyDensity, densities
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.results import Result, Value
-from kinetics.validation import (
-    check_positive,
-    check_rtol,
-    finite_line,
-    real_number,
-    refuse,
-    speeds,
-    whole_number,
-)
+from kinetics.results import Value
+from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
 
-_HIGHEST_POWER = 20.0
 _BEST_DENSITY, _WORST_DENSITY = 1e-6, 1e-2
 _DENSITY_RATIO = 300.0  # a resolution that is enough for averages leaves more of the density
 _LOOKED_AT = 60  # velocities of which the error of the density is found, and as many again
-_SPEEDS = np.linspace(0.0, 4.0, 161)[1:]
-_ANGLES = np.array([0.0, 0.5, 1.0]) * np.pi
 _FIGURES = {
     "drift": ("sqrt(g l)", "<v_x>, the percolation velocity"),
     "mean_square_speed": ("g l", "<v^2>"),
@@ -48,7 +36,7 @@ _FIGURES = {
 
 
 @dataclass(frozen=True)
-class FieldState(Result):
+class FieldState(SteadyState):
     """The steady state in a uniform field, in the limit of low density; made by `solve_field`.
 
     Lengths in the mean free path l, accelerations in that of the field, g: so speeds are in
@@ -88,6 +76,10 @@ class FieldState(Result):
     stats: Mapping[str, Any]
     _resolution: tuple[int, int, int, float] = field(repr=False)
     mass_ratio: float = math.inf
+    _about = _FIGURES
+    _asked = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
+    _units = "sqrt(g l)", "(g l)^(-d/2)"
+    __repr__ = SteadyState.__repr__
 
     @cached_property
     def law(self) -> CollisionLaw:
@@ -95,20 +87,14 @@ class FieldState(Result):
         et = self.tangential_restitution
         return law_of(self.restitution, et, self.dimension, self.mass_ratio)
 
-    # -- averages ---------------------------------------------------------------------------------
-
     def moment(self, p: float, m: int = 0) -> float:
         """<v^p cos(m phi)> in (g l)^(p/2), phi the angle to the field; in space <v^p P_m(cos phi)>.
 
         p is real, above -d and up to 20; above -d - 1 where m > 0 and no bounce stops the tracer.
         The error is about ``error_estimate`` for p from 0 to 4 and m up to 2. Raises InputError.
         """
-        m = whole_number("m", m, 0, self._fine.resolution.harmonics)
-        lowest = -float(self.dimension)
-        if m > 0 and math.isinf(self.law.lowest_power):
-            lowest -= 1.0
-        allowed = f"for m = {m} it must be above {lowest:g}, and at most {_HIGHEST_POWER:g}"
-        p = real_number("p", p, math.nextafter(lowest, 0.0), _HIGHEST_POWER, allowed)
+        stops = math.isfinite(self.law.lowest_power)
+        p, m = self._order(p, m, -self.dimension - float(m > 0 and not stops))
         if p >= 0.0:
             return self._fine.average(p, m)
         if m == 1 and p > -2.0:  # row 0 of the equation, for v^(p + 1), is exact
@@ -143,17 +129,15 @@ class FieldState(Result):
             warnings.warn(f"{text} close to the ray along the field", ToleranceWarning, 3)
         return found.reshape(v_.size, phi.size)
 
-    @cached_property
-    def _fine(self) -> Steady:
-        """Where it was not kept, as in a loaded or pickled state, it is solved again."""
-        return Steady(_system(self.law), Resolution(*self._resolution))
+    @property
+    def system(self) -> System:
+        """What drives the tracer."""
+        return System(self.law, self.dimension, field=1.0)
 
     @cached_property
     def _densities(self) -> tuple[SteadyDensity, SteadyDensity]:
         """A coarser solution for the density, and a finer one."""
         return densities(self.law, self.rtol, self._resolution[2])
-
-    # -- one's own units --------------------------------------------------------------------------
 
     def in_units(self, acceleration: float, diameter: float, number_density: float) -> FieldUnits:
         """The figures for a field g, grains and scatterers of diameter d, and their density.
@@ -176,28 +160,6 @@ class FieldState(Result):
             collision_rate=self.mean_speed / time,
             diffusion_parallel=self.diffusion_parallel * speed * path,
             diffusion_perpendicular=self.diffusion_perpendicular * speed * path,
-        )
-
-    # -- how it shows itself ----------------------------------------------------------------------
-
-    _points, _on_demand = ("speeds", "angles"), ("vdf",)
-
-    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        """Points: speeds in sqrt(g l), angles to the field in radians."""
-        asked = ("restitution", "tangential_restitution", "dimension")
-        about = {"law": self.law.described, **{name: getattr(self, name) for name in asked}}
-        title = f"Steady state in a uniform field: {self.law.described}; units l = g = 1"
-        units = "sqrt(g l)", "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"
-        points = {"speeds": _SPEEDS, "angles": _ANGLES} | points
-        return velocity_dataset(self, title, about, _FIGURES, only, **points, units=units)
-
-    def __repr__(self) -> str:
-        return (
-            f"FieldState({self.law.described}, rtol={self.rtol:g}), speeds in sqrt(g l)\n"
-            f"  drift = {self.drift:.12g}, <v^2> = {self.mean_square_speed:.12g}, "
-            f"<v_x^2> = {self.mean_square_along:.12g}, <v> = {self.mean_speed:.12g}\n"
-            f"  error estimate {self.error_estimate:.1e}, {self.status.name.lower()}: "
-            f"{self.message}"
         )
 
 
@@ -257,33 +219,8 @@ def solve_field(
     rtol = check_rtol(rtol)
     law = law_of(restitution, tangential_restitution, dimension, mass_ratio)
     if law.is_elastic:
-        allowed = (
-            "it must be below 1: elastic tracers keep the energy that the field gives them, and "
-            "reach no steady state"
-        )
+        allowed = "it must be below 1: elastic tracers keep their energy, and reach no steady state"
         refuse("restitution", restitution, allowed)
-    fine, error = refined(_system(law), rtol)
-    status, message = judged({"averages": error}, {"averages": rtol})
-    one, top = fine.resolution, fine.axis.top
-    figures: Any = np.insert(fine.figures[2:7], 1, fine.average(2.0, 0))
-    state = FieldState(
-        **law.arguments,
-        rtol=rtol,
-        **dict(zip(_FIGURES, figures.tolist(), strict=True)),
-        error_estimate=error,
-        status=status,
-        message=message,
-        plan=(
-            PlanStep("angular harmonics", True, f"0 to {one.harmonics}"),
-            PlanStep("speeds", True, f"{one.nodes} points up to {top:.3g} sqrt(g l)"),
-            PlanStep("dispersion", True, "the linear response to the velocity"),
-        ),
-        stats={"harmonics": one.harmonics, "nodes": one.nodes, "highest_speed": top},
-        _resolution=astuple(one),
-    )
-    state.__dict__["_fine"] = fine  # as if asked for
-    return state
-
-
-def _system(law: CollisionLaw) -> System:
-    return System(law, law.dimension, field=1.0)
+    fine, error = refined(System(law, law.dimension, field=1.0), rtol)
+    figures = np.insert(fine.figures[2:7], 1, fine.average(2.0, 0)).tolist()
+    return FieldState._of(fine, error, rtol, figures, **law.arguments)

@@ -1,4 +1,4 @@
-"""solve_steady and its answer: the steady state of a driven tracer."""
+"""The steady state of a driven tracer: its solution, and `solve_steady` with its answer."""
 
 from __future__ import annotations
 
@@ -6,15 +6,14 @@ import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
-from kinetics.driven.heated import Line, density, log_moment
-from kinetics.driven.system import System
+from kinetics.driven.system import DRIVES, System
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged
 from kinetics.field.starts import angular
 from kinetics.numerics import FloatArray, one_blas_thread
@@ -165,8 +164,76 @@ def refined(system: System, rtol: float) -> tuple[Steady, float]:
     return fine, error
 
 
+class SteadyState(Result):
+    """What the answers of `solve_steady` and `kinetics.solve_field` share."""
+
+    _points, _on_demand = ("speeds", "angles"), ("vdf",)
+    _about: ClassVar[Mapping[str, tuple[str, str]]]  # figures -> unit, and words
+    _asked: ClassVar[tuple[str, ...]]
+    _units: ClassVar[tuple[str, str]]  # of a speed, and of the density
+
+    @classmethod
+    def _of(cls: Any, fine: Steady, error: float, rtol: float, figures: Any, **asked: Any) -> Any:
+        """From a solution and its error."""
+        status, message = judged({"averages": error}, {"averages": rtol})
+        one, top = fine.resolution, fine.axis.top
+        plan = (
+            PlanStep("angular harmonics", True, f"0 to {one.harmonics}"),
+            PlanStep("speeds", True, f"{one.nodes} points up to {top:.3g}"),
+            PlanStep("dispersion", not fine.decay, "the linear response to the velocity"),
+        )
+        stats = {"harmonics": one.harmonics, "nodes": one.nodes, "highest_speed": top}
+        state = cls(
+            **asked, **dict(zip(cls._about, figures, strict=True)), rtol=rtol, error_estimate=error,
+            status=status, message=message, plan=plan, stats=stats, _resolution=astuple(one),
+        )  # fmt: skip
+        state.__dict__["_fine"] = fine  # as if asked for
+        return state
+
+    @cached_property
+    def _fine(self: Any) -> Steady:
+        """Where it was not kept, as in a loaded or pickled state, it is solved again."""
+        return Steady(self.system, Resolution(*self._resolution))
+
+    def _order(self, p: float, m: int, lowest: float) -> tuple[float, int]:
+        """The arguments of `moment`, checked."""
+        m = whole_number("m", m, 0, self._fine.resolution.harmonics)
+        allowed = f"for m = {m} it must be above {lowest:g}, and at most {_HIGHEST_POWER:g}"
+        return real_number("p", p, math.nextafter(lowest, 0.0), _HIGHEST_POWER, allowed), m
+
+    def _dataset(self: Any, only: Collection[str] | None = None, **points: Any) -> Any:
+        """Points: speeds, and angles to the field in radians."""
+        scale = math.sqrt(self._fine.average(2.0, 0))
+        v = finite_line("speeds", points.get("speeds", np.linspace(0.025, 4.0, 160) * scale))
+        some = np.array([0.0, 0.5, 1.0]) * np.pi if self.system.field else 0.0
+        phi = finite_line("angles", points.get("angles", some))
+        shown = {n: variable((), getattr(self, n), *about) for n, about in self._about.items()}
+        if only is None or "vdf" in only:
+            f, words = self.vdf(v, phi).T, "density of the velocity"
+            shown["vdf"] = variable(("angle", "v"), f, self._units[1], words, "f")
+        axes = {"v": variable(("v",), v, self._units[0], "speed")}
+        axes |= {"angle": variable(("angle",), phi, "rad", "angle to the field")}
+        return dataset(
+            repr(self).split("\n")[0],
+            {name: str(getattr(self, name)) for name in self._asked},
+            shown,
+            axes,
+            status=self.status.name.lower(),
+            message=self.message,
+            tolerance_asked=self.rtol,
+            tolerance_reached=self.error_estimate,
+        )
+
+    def __repr__(self: Any) -> str:
+        asked = {name: getattr(self, name) for name in self._asked}
+        given = {n: v for n, v in asked.items() if n == "restitution" or v not in (0.0, math.inf)}
+        shown = ", ".join(f"{n}={v!r}" for n, v in given.items())
+        figures = ", ".join(f"{name} = {getattr(self, name):.10g}" for name in self._about)
+        return f"{type(self).__name__}({shown}), unit of length l\n  {figures}\n  {self.message}"
+
+
 @dataclass(frozen=True)
-class DrivenState(Result):
+class DrivenState(SteadyState):
     """The steady state of a driven tracer, in the limit of low density; made by `solve_steady`.
 
     Lengths are in the mean free path l; the unit of speed is that of the arguments, and times are
@@ -217,6 +284,10 @@ class DrivenState(Result):
     stats: Mapping[str, Any]
     _resolution: tuple[int, int, int, float]
     mass_ratio: float = math.inf
+    _about = _FIGURES
+    _asked = (*DRIVES, "field", "restitution", "dimension", "mass_ratio")
+    _units = "1", "1"
+    __repr__ = SteadyState.__repr__
 
     @property
     def mean_square_speed(self) -> float:
@@ -232,51 +303,28 @@ class DrivenState(Result):
     @property
     def system(self) -> System:
         """What drives the tracer."""
-        law = self.restitution
-        names = ("dimension", "mass_ratio", "bath_speed", "heating", "drag", "field")
-        values = {name: getattr(self, name) for name in (*names, "capture_speed")}
-        return System.checked(law, values.pop("dimension"), values.pop("mass_ratio"), **values)
-
-    @cached_property
-    def _fine(self) -> Steady:
-        """Where it was not kept, as in a loaded or pickled state, it is solved again."""
-        return Steady(self.system, Resolution(*self._resolution))
+        return System.checked(**{name: getattr(self, name) for name in self._asked})
 
     def moment(self, p: float, m: int = 0) -> float:
         """<v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
 
-        p is real, above -d and up to 20. The error is about ``error_estimate`` for p from 0 to 4.
-        Raises InputError for p or m out of range.
+        p is real, above -d and up to 20. The error is about ``error_estimate`` for whole p from 0
+        to 4, and up to 1e-5 for others. Raises InputError for p or m out of range.
         """
-        m = whole_number("m", m, 0, self._fine.resolution.harmonics)
-        low = math.nextafter(-float(self.dimension), 0.0)
-        allowed = f"it must be above -{self.dimension}, and at most {_HIGHEST_POWER:g}"
-        p = real_number("p", p, low, _HIGHEST_POWER, allowed)
-        law, unit = self.system.law, self.heating ** (1.0 / 3.0)
-        if m == 0 and law is not None and self.system.only_heats:
-            return float(unit**p * np.exp(log_moment(law, np.array([p]))[0].real))
+        p, m = self._order(p, m, -float(self.dimension))
         return self._fine.average(p, m)
 
     def vdf(self, v: ArrayLike, angle: ArrayLike = 0.0) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle); its integral is 1.
 
-        v : speeds; angle : to the field, in radians. Raises InputError for others. If noise alone
-        drives, it is a closed form, to some 1e-12 of itself. Else its error is about 1e-5 of the
-        maximum, less for a smaller rtol, but in space 1e-2 for those nearly at rest, below a tenth
-        of the thermal speed; and in a field without noise or bath it is more in the direction of
-        the field.
+        v : speeds; angle : to the field, in radians. Raises InputError for others. The error is
+        about 1e-5 of the maximum, less for a smaller rtol, but in space 1e-2 for those nearly at
+        rest, below a tenth of the thermal speed; and in a field without noise or bath it is more in
+        the direction of the field.
         """
         v_, phi = speeds(v), finite_line("angle", angle)
-        d, law, unit = self.dimension, self.system.law, self.heating ** (1.0 / 3.0)
-        if law is not None and self.system.only_heats:
-            f = density(law, v_ / unit, self._lines) / unit**d
-            return np.repeat(f[:, None], phi.size, axis=1)
-        one = self._fine
+        one, d = self._fine, self.dimension
         return angular_sum(one.axis.density(one.sums, v_, d), phi, d)
-
-    @cached_property
-    def _lines(self) -> list[Line]:
-        return []
 
     def capture_from(self, speed: float = 0.0) -> tuple[float, float, float]:
         """Mean distance along the field, time and collisions until tracers of this speed stick.
@@ -313,28 +361,6 @@ class DrivenState(Result):
         out[: found[:n].size] = found[:n]
         return out
 
-    # -- how it shows itself ----------------------------------------------------------------------
-
-    _points, _on_demand = ("speeds", "angles"), ("vdf",)
-
-    def _asked(self) -> dict[str, Any]:
-        names = ("restitution", "dimension", "bath_speed", "mass_ratio", "heating", "drag", "field")
-        return {name: getattr(self, name) for name in (*names, "capture_speed")}
-
-    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        """Points: speeds, and angles to the field in radians."""
-        title = f"Steady state of a driven tracer: {self._asked()}; unit of length l"
-        asked = {name: str(value) for name, value in self._asked().items()}
-        points.setdefault("speeds", np.linspace(0.0, 4.0, 161) * self.thermal_speed)
-        points.setdefault("angles", np.array([0.0, 0.5, 1.0]) * np.pi if self.field else [0.0])
-        return velocity_dataset(self, title, asked, _FIGURES, only, **points, units=("1", "1"))
-
-    def __repr__(self) -> str:
-        asked = self._asked()
-        shown = ", ".join(f"{k}={v!r}" for k, v in asked.items() if v not in (0.0, math.inf))
-        figures = ", ".join(f"{name} = {getattr(self, name):.10g}" for name in _FIGURES)
-        return f"DrivenState({shown}), unit of length l\n  {figures}\n  {self.message}"
-
 
 def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
     """The density at angles, (n_v, n_angle), of harmonics (M + 1, n_v) as averages have them."""
@@ -342,39 +368,6 @@ def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
     tables = angular(np.cos(angle), np.sin(angle), max(len(f), 2), dimension, 1)[0][: len(f)]
     norms = np.where(m == 0, 1.0, 2.0) if dimension == 2 else 2.0 * m + 1.0
     return np.asarray(f.T @ (norms * tables) / (2.0 * math.pi * (dimension - 1.0)))
-
-
-def velocity_dataset(
-    state: Any,
-    title: str,
-    question: Any,
-    figures: Mapping[str, tuple[str, ...]],
-    only: Collection[str] | None,
-    speeds: ArrayLike,
-    angles: ArrayLike,
-    units: tuple[str, str],
-) -> Any:
-    """The dataset of a steady state: its figures, and its density at speeds and angles.
-
-    figures : name -> unit and words; units : of the speed, and of the density
-    """
-    v, phi = finite_line("speeds", speeds), finite_line("angles", angles)
-    found = {name: variable((), getattr(state, name), *about) for name, about in figures.items()}
-    if only is None or "vdf" in only:
-        words = "density of the velocity"
-        found["vdf"] = variable(("angle", "v"), state.vdf(v, phi).T, units[1], words, "f")
-    axes = {"v": variable(("v",), v, units[0], "speed")}
-    axes |= {"angle": variable(("angle",), phi, "rad", "angle to the field")}
-    return dataset(
-        title,
-        question,
-        found,
-        axes,
-        status=state.status.name.lower(),
-        message=state.message,
-        tolerance_asked=state.rtol,
-        tolerance_reached=state.error_estimate,
-    )
 
 
 @one_blas_thread
@@ -420,10 +413,10 @@ def solve_steady(
     (3.0, 'CONVERGED')
     """
     rtol = check_rtol(rtol)
-    drives = {"bath_speed": bath_speed, "heating": heating, "drag": drag, "field": field}
     system = System.checked(
-        restitution, dimension, mass_ratio, **drives, capture_speed=capture_speed
-    )
+        restitution, dimension, mass_ratio, bath_speed=bath_speed, heating=heating, drag=drag,
+        field=field, capture_speed=capture_speed,
+    )  # fmt: skip
     if not system.is_driven:
         raise InputError(
             "bath_speed: got 0; without bath_speed, heating or field tracers cool for ever, and "
@@ -433,27 +426,13 @@ def solve_steady(
         allowed = "collisions keep the energy, and drag is 0: no steady state is reached"
         refuse("restitution", restitution, allowed)
     fine, error = refined(system, rtol)
-    status, message = judged({"averages": error}, {"averages": rtol})
-    one = fine.resolution
-    plan = (
-        PlanStep("speeds", True, f"{one.nodes} points up to {fine.axis.top:.3g}"),
-        PlanStep("angular harmonics", True, f"0 to {one.harmonics}"),
-        PlanStep("dispersion", not system.capture_speed, "the linear response to the velocity"),
-    )
     sticks = bool(system.capture_speed)
-    state = DrivenState(
-        **{name: getattr(system, name) for name in ("restitution", "dimension", "mass_ratio")},
-        **{name: getattr(system, name) for name in (*drives, "capture_speed")},
-        rtol=rtol,
-        **dict(zip(_FIGURES, fine.figures.tolist(), strict=True)),
+    return DrivenState._of(
+        fine,
+        error,
+        rtol,
+        fine.figures.tolist(),
+        **{name: getattr(system, name) for name in DrivenState._asked},
         capture_time=1.0 / fine.decay if sticks else math.inf,
         capture_depth=fine.depth if sticks and field else math.inf,
-        error_estimate=error,
-        status=status,
-        message=message,
-        plan=plan,
-        stats={"nodes": one.nodes, "harmonics": one.harmonics, "highest_speed": fine.axis.top},
-        _resolution=astuple(one),
     )
-    state.__dict__["_fine"] = fine  # as if asked for
-    return state
