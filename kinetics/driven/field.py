@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.driven.steady import SteadyState, refined
+from kinetics.driven.steady import SteadyState, solved
 from kinetics.driven.system import System
 from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning
 from kinetics.field.steady import SteadyDensity, densities
@@ -221,6 +221,6 @@ def solve_field(
     if law.is_elastic:
         allowed = "it must be below 1: elastic tracers keep their energy, and reach no steady state"
         refuse("restitution", restitution, allowed)
-    fine, error = refined(System(law, law.dimension, field=1.0), rtol)
+    fine, error = solved(System(law, law.dimension, field=1.0), rtol)
     figures = np.insert(fine.figures[2:7], 1, fine.average(2.0, 0)).tolist()
     return FieldState._of(fine, error, rtol, figures, **law.arguments)

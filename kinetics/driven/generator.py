@@ -16,14 +16,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.system import System
+from kinetics.field.harmonics import down, up
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
@@ -206,45 +205,16 @@ class Generator:
         out[:, place, place] -= np.outer(gone @ q.weight, v)
         return np.asarray(out)
 
-    # -- coupling of harmonics, and products with components of the velocity ----------------------
-
-    def _up(self, m: int, family: int) -> float:
-        """The share of harmonic m + 1 in cos times harmonic m."""
-        if self.system.dimension == 2:
-            return 1.0 if m == 0 else 0.5
-        return (m - family + 1.0) / (2.0 * m + 1.0)
-
-    def _down(self, m: int, family: int) -> float:
-        """The share of harmonic m - 1 in cos times harmonic m."""
-        if m == family:
-            return 0.0
-        return 0.5 if self.system.dimension == 2 else (m + family) / (2.0 * m + 1.0)
-
     def raised(self, m: int, family: int) -> FloatArray:
         """What d/dv_x of harmonic m adds to harmonic m + 1."""
-        return np.asarray(self._up(m, family) * (self._slopes[m % 2] - m * self._inverse))
+        return np.asarray(
+            up(m, family, self.system.dimension) * (self._slopes[m % 2] - m * self._inverse)
+        )
 
     def lowered(self, m: int, family: int) -> FloatArray:
         """What d/dv_x of harmonic m adds to harmonic m - 1."""
         turn = (m + self.system.dimension - 2) * self._inverse
-        return np.asarray(self._down(m, family) * (self._slopes[m % 2] + turn))
-
-    def along(self, sums: NDArray[Any]) -> NDArray[Any]:
-        """A distribution (M + 1, nodes) of family 0 times v_x, in the same family."""
-        out, m = np.zeros_like(sums), range(self.harmonics + 1)
-        up = np.array([self._up(k, 0) for k in m])[:, None]
-        down = np.array([self._down(k, 0) for k in m])[:, None]
-        out[..., :-1, :] = up[:-1] * sums[..., 1:, :]
-        out[..., 1:, :] += down[1:] * sums[..., :-1, :]
-        return np.asarray(out * self.axis.speeds)
-
-    def across(self, sums: NDArray[Any]) -> NDArray[Any]:
-        """A distribution of family 0 times v_y, y across the field, in family 1."""
-        out, m = np.zeros_like(sums), np.arange(1.0, self.harmonics + 1.0)[:, None]
-        share = 0.5 * (np.ones_like(m) if self.system.dimension == 2 else m * (m + 1) / (2 * m + 1))
-        out[..., 1:, :] = share * sums[..., :-1, :]
-        out[..., 1:-1, :] -= share[:-1] * sums[..., 2:, :]
-        return np.asarray(out * self.axis.speeds)
+        return np.asarray(down(m, family, self.system.dimension) * (self._slopes[m % 2] + turn))
 
     def pulled(self, sums: FloatArray) -> FloatArray:
         """What a unit field adds to a distribution of family 0 per unit time."""

@@ -9,76 +9,37 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.steady import angular_sum
 from kinetics.driven.system import System
-from kinetics.errors import InputError, PlanStep
+from kinetics.errors import InputError
 from kinetics.field import radau
-from kinetics.field.evolution import ALL, INTEGRALS, SHORTEST_TIME, March
-from kinetics.field.scene import DENSITIES, MADE_OF, FieldScene
+from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
+from kinetics.field.scene import DENSITIES, FieldScene
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.numerics.blocks import BlockElimination
 from kinetics.states.state import State
 
 _MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
 _RANGE = 6.0  # of the highest speeds at times that are solved together
 _DECADES = 10.0  # the power of the axis where nothing drives: v^(1/10) is smooth on it
-_BEST_DENSITY = 1e-4
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
 _TAIL = 1e-3  # of the tolerance: the share of tracers above the top
 _TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 
 
-class _Equation:
-    """The distribution, and its first moments of the place, over one step after another.
+class _Equation(Equation):
+    """The averages of the polynomials of the axis over f, and over x f and y f.
 
-    Fields are f and x f of family 0 and y f of family 1; without a field, from an isotropic start,
-    y f is as x f. Each is the averages of the polynomials of the axis, (M + 1, nodes).
+    along_only : without a field, from an isotropic start, y f is as x f
     """
 
     def __init__(self, generator: Generator, along_only: bool) -> None:
-        self.generator, self.families = generator, 1
-        self.fields = [0, 0] if along_only else [0, 0, 1]
-        self._modes = radau.modes()
-        self._factors: tuple[float, list[dict[int, BlockElimination]]] = (0.0, [])
-
-    def averages(self, f: FloatArray) -> FloatArray:
-        """As `kinetics.field.forward.AVERAGES`, of (n, n_fields, M + 1, nodes)."""
-        one, last = self.generator, f.shape[1] - 1
-        v, none = one.axis.speeds, np.zeros(len(f))
-        along, across = f[:, 1, 1] @ v, f[:, last, 1] @ v
-        return np.stack(
-            [
-                *(f[:, 0, 1] @ v, none, f[:, 0, 0] @ v**2, f[:, 0, 2] @ v**2, none),
-                *(f[:, 0, 0] @ v**4, f[:, 0, 0] @ one.rate, along, across, none),
-                f[:, 0, 0].sum(axis=1),
-            ],
-            axis=1,
-        )
-
-    def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
-        """At all points of a step, (STAGES + 1, *f.shape)."""
-        one = self.generator
-        if h != self._factors[0]:
-            shifts = [1.0 / (h * value) for value, *_ in self._modes]
-            used = set(self.fields)
-            self._factors = h, [{k: one.elimination(k, z) for k in used} for z in shifts]
-        out = np.zeros((radau.STAGES + 1, *f.shape))
-        out[0] = f
-        for (value, share, _, stages), by_family in zip(self._modes, self._factors[1], strict=True):
-            found: NDArray[Any] = np.zeros(f.shape, dtype=complex)
-            for k, family in enumerate(self.fields):
-                right = share / (h * value) * f[k]
-                if k == 1:
-                    right = right + one.along(found[0])
-                elif k == 2:
-                    right = right + one.across(found[0])
-                found[k, family:] = by_family[family].solve(right[family:])
-            out[1:] += (stages[:, None, None, None] * found).real
-        return out
+        v, fields = generator.axis.speeds, [("f", 0), ("x", 0), ("y", 1)]
+        fields = fields[:2] if along_only else fields
+        super().__init__(fields, generator.system.dimension, v, np.ones(v.size), generator.rate)
+        self.elimination = generator.elimination  # type: ignore[method-assign]
 
 
 def _scale(system: System, time: float, top: float) -> float:
@@ -124,6 +85,13 @@ class _Evolution(March):
         self.sums = np.zeros((times.size, *begin.shape[1:]))
         self._run(equation, begin, fastest)
 
+    @property
+    def finer(self) -> Resolution | None:
+        """A finer resolution; None where there is none."""
+        more = self.resolution.finer()
+        enough = more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS
+        return more if enough and self.steps < _MOST_STEPS else None
+
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self._densities:
             inside = (self.times >= now) & (self.times <= now + h)
@@ -143,27 +111,22 @@ class DrivenScene(FieldScene):
 
     system: System = field(default_factory=lambda: System(1.0))
 
-    def __post_init__(self) -> None:
-        self._speed, self._time = 1.0, self.path
-        self._scaled = self.times / self.path
-        self.allowed = {"averages": self.rtol}
-        if {"speed_density", "velocity_density"} & set(self.outputs):
-            self.allowed[DENSITIES] = max(self.rtol, _BEST_DENSITY)
-        self._solve()
+    def _units(self) -> tuple[float, FloatArray]:
+        return 1.0, self.times / self.path
 
     @one_blas_thread
-    def _solve(self) -> None:
+    def _solved(self) -> tuple[list[Any], dict[str, float]]:
         """Times at which tracers are about as fast are solved together."""
-        self._parts: list[_Evolution] = []
-        self.errors = dict.fromkeys(self.allowed, 0.0)
-        end = self._scaled.size
+        parts: list[_Evolution] = []
+        worst, end = dict.fromkeys(self.allowed, 0.0), self._scaled.size
         while end > 0:
             far = self._top(end - 1) / _RANGE
             begin = bisect.bisect_left(range(end - 1), True, key=lambda i: self._top(i) >= far)
             part, errors = self._refined(self._scaled[begin:end])
-            self._parts.insert(0, part)
-            self.errors = {name: max(errors[name], x) for name, x in self.errors.items()}
+            parts.insert(0, part)
+            worst = {name: max(errors[name], x) for name, x in worst.items()}
             end = begin
+        return parts, worst
 
     def _top(self, i: int) -> float:
         return self.system.top(_TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)
@@ -174,73 +137,36 @@ class DrivenScene(FieldScene):
         scale = _scale(self.system, last, math.inf)
         span = math.asinh(self.system.top(_TAIL * self.rtol, last, 6.0) / scale)
         there = self.state.highest_harmonic
-        more = Resolution.first(self.system, self.rtol, span, max(2, 2 if there is None else there))
-        asked = frozenset({"v^2"}.union(*(MADE_OF.get(name, set()) for name in self.outputs)))
-        fixed = self.system, self.state, times
+        first = Resolution.first(
+            self.system, self.rtol, span, max(2, 2 if there is None else there)
+        )
         # without a field what has no direction forgets those of the start
         directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
         alike = not self.system.field and (there == 0 or not directed)
-        rest = asked, DENSITIES in self.allowed, alike
-        one = best = _Evolution(*fixed, more, *rest)
-        least, worst = dict.fromkeys(self.allowed, math.inf), math.inf
-        more = more.finer()
-        while (
-            worst > 1.0
-            and more.nodes <= _MOST_NODES
-            and more.harmonics <= _MOST_HARMONICS
-            and one.steps < _MOST_STEPS
-        ):
-            before, one = one, _Evolution(*fixed, more, *rest)
-            more = more.finer()
-            errors = {"averages": one.difference(before)}
-            if DENSITIES in self.allowed:
-                errors[DENSITIES] = self._apart(one, before)
-            missed = max(errors[part] / self.allowed[part] for part in errors)
-            if missed < worst:
-                best, least, worst = one, errors, missed
-        return best, least
+        rest = self._asked, DENSITIES in self.allowed, alike
 
-    def _apart(self, one: _Evolution, two: _Evolution) -> float:
-        """The largest difference of two densities of the speed, over their maximum."""
-        worst = 0.0
-        for i, square in enumerate(one.values[:, ALL.index("v^2")]):
-            v = math.sqrt(max(square, 0.0)) * _TRIED
-            pair = [self._speed_density(e, i, v) for e in (one, two)]
-            scale = max(float(np.abs(pair[0]).max()), 1e-300)
-            worst = max(worst, float(np.abs(pair[0] - pair[1]).max()) / scale)
-        return worst if math.isfinite(worst) else math.inf
+        def solve(resolution: Resolution) -> _Evolution:
+            return _Evolution(self.system, self.state, times, resolution, *rest)
 
-    @property
-    def plan(self) -> tuple[PlanStep, PlanStep]:
-        """What was solved, and how."""
-        one = self._parts[-1]
-        how = (
-            f"generator for {', '.join(self.outputs)}: harmonics 0 to {one.resolution.harmonics}, "
-            f"{one.axis.size} speeds up to {one.axis.highest:.3g} U, {one.steps} steps of "
-            f"time; a solution with fewer differs by {self.errors['averages']:.1e}"
-        )
-        asked = DENSITIES in self.errors
-        words = "from the averages of polynomials" if asked else "not asked for"
-        return PlanStep("averages", True, how), PlanStep(DENSITIES, asked, words)
+        return refined(solve, first, self._apart, self.allowed)
 
-    @property
-    def stats(self) -> dict[str, Any]:
-        """Numbers about the work."""
-        parts = self._parts
-        return {
-            "harmonics": max(one.resolution.harmonics for one in parts),
-            "nodes": max(one.axis.size for one in parts),
-            "steps": sum(one.steps for one in parts),
-        }
-
-    # -- averages ---------------------------------------------------------------------------------
+    def _apart(self, one: Any, two: Any) -> dict[str, float]:
+        """How far two solutions are apart; densities of the speed, over their maximum."""
+        errors = {"averages": one.difference(two)}
+        if DENSITIES in self.allowed:
+            worst = 0.0
+            for i, square in enumerate(one.values[:, ALL.index("v^2")]):
+                v = math.sqrt(max(square, 0.0)) * _TRIED
+                f, other = (self._speed_density(e, i, v) for e in (one, two))
+                apart = float(np.abs(f - other).max() / max(np.abs(f).max(), 1e-300))
+                worst = max(worst, apart if math.isfinite(apart) else math.inf)
+            errors[DENSITIES] = worst
+        return errors
 
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
         """If some stick: of the velocity over those that move, of the place over all."""
-        rows = np.vstack([one.values for one in self._parts])
-        found = dict(zip(ALL, rows.T, strict=True))
-        kept = {"1", *INTEGRALS}
+        found, kept = super()._of, {"1", *INTEGRALS}
         return {name: x if name in kept else x / found["1"] for name, x in found.items()}
 
     @property

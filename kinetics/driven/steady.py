@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import astuple, dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,7 +15,8 @@ from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.system import DRIVES, System
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged
-from kinetics.field.starts import angular
+from kinetics.field.harmonics import across, along, angular, norms
+from kinetics.field.march import refined
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
@@ -33,7 +34,6 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 _MOST_NODES, _MOST_HARMONICS = 150, 70
 _MOST_TURNS, _SETTLED = 400, 1e-13  # of the iteration for the slowest decay, when tracers stick
 _HIGHEST_POWER = 20.0
-_WORSE = 10.0  # by so much an error may be larger than one before, and finer ones are tried
 # Under noise the density next to rest has odd powers of v: errors fall as a power of the number of
 # speeds, and more is left than the difference of two solutions
 _SLOWLY = 3.0
@@ -65,15 +65,15 @@ class Steady:
         nothing = np.zeros((resolution.harmonics + 1, v.size))
         self.decay = 0.0
         if system.capture_speed:
-            along = one.elimination()
+            solver = one.elimination()
             start = nothing.copy()
             start[0] = v * np.exp(-v / v[v.size // 2])
-            self.sums, time = _slowest(along, start, lambda f: f)
+            self.sums, time = _slowest(solver, start, lambda f: f)
             self.decay = 1.0 / time
         else:
-            along = one.elimination(border=v * np.exp(-v / v[v.size // 2]))
-            self.sums = along.solve(nothing, 1.0)
-        self.along = along
+            solver = one.elimination(border=v * np.exp(-v / v[v.size // 2]))
+            self.sums = solver.solve(nothing, 1.0)
+        self.solver = solver
 
     def average(self, p: float, m: int) -> float:
         """<v^p Y_m>; p may be any number above -d."""
@@ -91,28 +91,28 @@ class Steady:
         """The values of _FIGURES, (8,)."""
         one, v, d = self.generator, self.axis.speeds, self.system.dimension
         drift, second, fourth = self.average(1, 1), self.average(2, 0), self.average(4, 0)
-        turned = self.average(2, 2) if one.harmonics > 1 else 0.0
+        cosine = self.average(2, 2) if one.harmonics > 1 else 0.0
         rate = float(one.rate @ self.sums[0])
         spread = [math.nan] * 3
         if not self.system.capture_speed:
-            along = self.along.solve(one.along(self.sums) - drift * self.sums)
-            across = one.elimination(1).solve(one.across(self.sums)[1:])
-            spread = [float(v @ along[1]), float(v @ across[0])]
+            moved = v * along(self.sums, 0, d) - drift * self.sums
+            turned = one.elimination(1).solve((v * across(self.sums, 0, d))[1:])
+            spread = [float(v @ self.solver.solve(moved)[1]), float(v @ turned[0])]
             if self.system.only_falls:  # speeds are in proportion to sqrt(g)
                 spread += [0.5 * drift / self.system.field]
             else:
-                spread += [float(v @ self.along.solve(one.pulled(self.sums))[1])]
+                spread += [float(v @ self.solver.solve(one.pulled(self.sums))[1])]
         excess = d * fourth / ((d + 2.0) * second**2) - 1.0
-        square = (second + (d - 1.0) * turned) / d
+        square = (second + (d - 1.0) * cosine) / d
         return np.array([math.sqrt(second), excess, drift, square, rate, *spread])
 
     @cached_property
     def depth(self) -> float:
         """Z, with which the share of tracers that get further down a field falls, exp(-x/Z)."""
-        start = self.sums.copy()
-        return _slowest(self.along, start, self.generator.along)[1]
+        v, d = self.axis.speeds, self.system.dimension
+        return _slowest(self.solver, self.sums, lambda f: v * along(f, 0, d))[1]
 
-    def error(self, coarse: Steady) -> float:
+    def apart(self, coarse: Steady) -> dict[str, float]:
         """The largest difference of the figures from a coarser solution's, relative to each.
 
         1 + a2 for a2; the drift relative to the thermal speed, unless a field alone drives.
@@ -129,7 +129,13 @@ class Steady:
         worst = float(np.max(apart))
         if self.system.heating and not self.system.bath_speed:
             worst *= _SLOWLY
-        return max(worst, _FLOOR) if math.isfinite(worst) else math.inf
+        return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
+
+    @property
+    def finer(self) -> Resolution | None:
+        """A finer resolution; None where there is none."""
+        more = self.resolution.finer()
+        return more if more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS else None
 
 
 def _slowest(
@@ -146,22 +152,14 @@ def _slowest(
     return f, math.nan
 
 
-def refined(system: System, rtol: float) -> tuple[Steady, float]:
+def solved(system: System, rtol: float) -> tuple[Steady, float]:
     """The first solution that differs from a coarser one by less than rtol, or the best; its error.
 
     It is solved with one BLAS thread if the caller says so.
     """
-    span = math.asinh(system.top(rtol) / system.scale)
-    last = fine = Steady(system, Resolution.first(system, rtol, span))
-    error, more = math.inf, fine.resolution.finer()
-    while error > rtol and more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS:
-        before, last = last, Steady(system, more)
-        more = more.finer()
-        if (found := last.error(before)) < error:
-            fine, error = last, found
-        elif found > _WORSE * error:  # rounding grows with the number of speeds
-            break
-    return fine, error
+    first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
+    fine, errors = refined(partial(Steady, system), first, Steady.apart, {"averages": rtol})
+    return fine, errors["averages"]
 
 
 class SteadyState(Result):
@@ -337,7 +335,7 @@ class DrivenState(SteadyState):
         one = self._fine
         start = np.zeros_like(one.sums)
         start[0] = one.axis.rows(np.array([speed]))[0]
-        spent = one.along.solve(start)
+        spent = one.solver.solve(start)
         depth = float(spent[1] @ one.axis.speeds)
         return depth, float(spent[0].sum()), float(spent[0] @ one.generator.rate)
 
@@ -364,10 +362,8 @@ class DrivenState(SteadyState):
 
 def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
     """The density at angles, (n_v, n_angle), of harmonics (M + 1, n_v) as averages have them."""
-    m = np.arange(len(f))[:, None]
     tables = angular(np.cos(angle), np.sin(angle), max(len(f), 2), dimension, 1)[0][: len(f)]
-    norms = np.where(m == 0, 1.0, 2.0) if dimension == 2 else 2.0 * m + 1.0
-    return np.asarray(f.T @ (norms * tables) / (2.0 * math.pi * (dimension - 1.0)))
+    return np.asarray(f.T @ (tables / norms(len(f), dimension)[0]))
 
 
 @one_blas_thread
@@ -425,7 +421,7 @@ def solve_steady(
     if not system.takes_energy:
         allowed = "collisions keep the energy, and drag is 0: no steady state is reached"
         refuse("restitution", restitution, allowed)
-    fine, error = refined(system, rtol)
+    fine, error = solved(system, rtol)
     sticks = bool(system.capture_speed)
     return DrivenState._of(
         fine,

@@ -20,9 +20,11 @@ from functools import partial
 import numpy as np
 
 from kinetics.field import radau
-from kinetics.field.evolution import ALL, Evolution
+from kinetics.field.forward import Evolution
 from kinetics.field.grid import SpeedPanels
-from kinetics.field.starts import Velocities, angular, free_way
+from kinetics.field.harmonics import angular
+from kinetics.field.march import ALL
+from kinetics.field.starts import Velocities, free_way
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.kinds import Beam
@@ -142,7 +144,7 @@ class VelocityDensity:
     def __init__(self, evolution: Evolution, state: State, unit: float) -> None:
         self._evolution, self._state, self._speed = evolution, state, 1.0 / unit
         self._dimension, self._families = evolution.law.dimension, evolution.equation.families
-        self._flights = LastFlights(evolution.panels, self._dimension, evolution.made)
+        self._flights = LastFlights(evolution.axis, self._dimension, evolution.made)
         profile = None if isinstance(state, Beam) else state.profile(0)
         self.is_sharp = state.peaks is not None or profile is None
 

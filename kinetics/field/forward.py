@@ -1,6 +1,6 @@
-"""The density over time in a field, with its first moments of the place, and averages over it.
+"""The density over time in a field, with its first moments of the place, for one initial state.
 
-The harmonics f_m obey the equation of `elimination`. With x f and y f, integrated over the place,
+The harmonics of f obey the equation of `elimination`. With x f and y f, integrated over the place,
 
     d_t (x f) = (field + collisions) (x f) + v_x f
 
@@ -12,26 +12,27 @@ functions are right, however rough the density is.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, field
+
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.field import radau
 from kinetics.field.elimination import Chain, Elimination
-from kinetics.field.grid import SpeedPanels, loss_matrices
+from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices, reached_speed
+from kinetics.field.harmonics import norms
+from kinetics.field.march import SHORTEST_TIME, SQUARES, Equation, March
+from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
+from kinetics.states.state import State
 
-AVERAGES = (
-    *("v_x", "v_y", "v^2", "v^2 cos 2", "v_x v_y", "v^4", "v"),
-    *("v_x x", "v_y y", "v_x y + v_y x", "1"),
-)
+_MOST_HARMONICS = 40  # seconds, and 200 MB of memory
 
 
-class ForwardEquation:
-    """Takes the density, and x f and y f, over one step of time after another.
+class ForwardEquation(Equation):
+    """Takes the sums of f, and of x f and y f, at the nodes of panels over steps of time.
 
-    law : the collision law
-    panels : the speed axis
     highest : M, odd; harmonics 0 ... M
     symmetric : whether f is symmetric about the field; else it has two families
     moving : whether x f and y f are solved
@@ -40,89 +41,89 @@ class ForwardEquation:
     def __init__(
         self, law: CollisionLaw, panels: SpeedPanels, highest: int, symmetric: bool, moving: bool
     ) -> None:
-        self.panels, self.highest = panels, highest
-        self.dimension = d = law.dimension
         self.families = 1 if symmetric else 2
-        self.fields = [("f", k) for k in range(self.families)]
+        fields = [("f", k) for k in range(self.families)]
         if moving:
-            self.fields += [("x", k) for k in range(self.families)]
-            self.fields += [("y", 1 - k) for k in range(self.families)]
+            fields += [("x", k) for k in range(self.families)]
+            fields += [("y", 1 - k) for k in range(self.families)]
+        self.volume = panels.speeds ** (law.dimension - 1.0) * panels.weights
+        super().__init__(fields, law.dimension, panels.speeds, self.volume, panels.speeds)
         self._loss = loss_matrices(panels, law, highest)
         self._lost = panels.speeds[:, None] * self._loss
-        self._chains = [Chain(panels, d, family) for family in (0, 1)]
-        self._modes = radau.modes()
-        self._factors: tuple[float, list[dict[int, Elimination]]] = (0.0, [])
-        m = np.arange(highest + 1.0)[:, None]
-        if d == 2:
-            norms = law.unit_surface * np.where(m == 0, [[1.0, 1.0]], 0.5)
-        else:
-            norms = law.unit_surface / (2.0 * m + 1.0) * np.hstack([m * 0.0 + 1.0, m * (m + 1.0)])
-            norms[0, 1] = 1.0  # harmonic 0 of the second family is 0
-        self._volume = norms.T[:, :, None] * panels.speeds ** (d - 1.0) * panels.weights
-        self._weights = [self._average(*one) for one in self._observed(1.0 / (d - 1.0))]
+        self._chains = [Chain(panels, law.dimension, family) for family in (0, 1)]
 
-    @staticmethod
-    def _observed(half: float) -> list[tuple[tuple[str, int, int, float, float], ...]]:
-        """Field, family, harmonic, power of v and a factor of each part of AVERAGES."""
-        return [
-            (("f", 0, 1, 1.0, 1.0),), (("f", 1, 1, 1.0, 1.0),), (("f", 0, 0, 2.0, 1.0),),
-            (("f", 0, 2, 2.0, 1.0),), (("f", 1, 2, 2.0, 0.5),), (("f", 0, 0, 4.0, 1.0),),
-            (("f", 0, 0, 1.0, 1.0),), (("x", 0, 1, 1.0, 1.0),), (("y", 1, 1, 1.0, half),),
-            (("y", 0, 1, 1.0, 1.0), ("x", 1, 1, 1.0, 1.0)), (("f", 0, 0, 0.0, 1.0),),
-        ]  # fmt: skip
-
-    def _average(self, *parts: tuple[str, int, int, float, float]) -> FloatArray:
-        """The weights (n_fields, M + 1, size) of an average."""
-        out = np.zeros((len(self.fields), *self._volume.shape[1:]))
-        for name, family, m, power, factor in parts:
-            if (name, family) in self.fields:
-                weight = factor * self._volume[family, m] * self.panels.speeds**power
-                out[self.fields.index((name, family)), m] = weight
-        return out
-
-    def averages(self, f: FloatArray) -> FloatArray:
-        """AVERAGES of densities (n, n_fields, M + 1, size), shape (n, n_averages)."""
-        return np.stack([np.tensordot(f, weight, axes=3) for weight in self._weights], axis=1)
-
-    def density(self, sums: FloatArray) -> FloatArray:
-        """Densities of which these are the sums `Start.projected`, (..., n_fields, M + 1, size)."""
-        family = [family for _, family in self.fields[: sums.shape[-3]]]
-        return np.asarray(sums / self._volume[family])
+    def elimination(self, family: int, shift: complex) -> Elimination:
+        """Solves (shift + field + collisions) F = source."""
+        return Elimination(self._chains[family], self._lost, shift)
 
     def gained(self, f: FloatArray) -> FloatArray:
-        """What densities (..., M + 1, size) gain by collisions per unit time."""
-        return np.asarray(self.panels.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f))
+        """What sums (..., M + 1, size) gain by collisions per unit time."""
+        return np.asarray(self.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f))
 
-    def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
-        """The densities (n_fields, M + 1, size) at all points of a step, (STAGES + 1, *f.shape).
 
-        source : at the stages, (STAGES, *f.shape); None for none
-        """
-        if h != self._factors[0]:
-            self._factors = h, [self._eliminations(1.0 / (h * value)) for value, *_ in self._modes]
-        out = np.zeros((radau.STAGES + 1, *f.shape))
-        out[0] = f
-        by_mode = zip(self._modes, self._factors[1], strict=True)
-        for (value, share, of_source, stages), eliminations in by_mode:
-            right = share / (h * value) * f
-            if source is not None:
-                right = right + np.tensordot(of_source, source, axes=1)
-            found: NDArray[np.complexfloating] = np.zeros(f.shape, dtype=complex)
-            for k, (name, family) in enumerate(self.fields):
-                if name == "x":
-                    moved = self._chains[family].along(found[family])
-                elif name == "y":
-                    moved = self._chains[1 - family].across(found[1 - family])
-                else:
-                    moved = np.zeros(1)
-                elimination = eliminations[family]
-                part = slice(family, elimination.highest + 1)
-                every = (right[k] + moved)[part] * self.panels.speeds
-                found[k, part] = elimination.solve(every)
-            out[1:] += (stages[:, None, None, None] * found).real
-        return out
+@dataclass
+class Evolution(March):
+    """One start over time, in units of sqrt(g l) and sqrt(l/g).
 
-    def _eliminations(self, shift: complex) -> dict[int, Elimination]:
-        used = {family for _, family in self.fields}
-        real = shift.real if abs(shift.imag) < 1e-12 * abs(shift) else shift
-        return {k: Elimination(self._chains[k], self._lost, real) for k in used}
+    law, start : the collision law, and the initial state
+    times, resolution, asked : as of a March; panels, harmonics and steps
+    state : of which the start is made, if its density is asked for point by point
+    made : beginning, length, and v times what collisions make at the points, of each step; if the
+        density is asked for
+    """
+
+    law: CollisionLaw
+    start: Start
+    times: FloatArray
+    resolution: Resolution
+    asked: frozenset[str]
+    state: State | None = None
+    made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        one, last = self.resolution, max(float(self.times[-1]), SHORTEST_TIME)
+        highest = math.hypot(self.start.highest, reached_speed(self.law, last, one.rtol))
+        # below 1/t, no tracer has collided by the time t
+        lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
+        self.axis = SpeedPanels.rising(highest, lowest, one.nodes)
+        symmetric = self.start.is_symmetric
+        moving = bool(self.asked & SQUARES)
+        self.equation = ForwardEquation(self.law, self.axis, one.harmonics, symmetric, moving)
+        self._run(self.equation, self._begin(), self.start.highest)
+
+    @property
+    def finer(self) -> Resolution | None:
+        """A finer resolution; None where there is none."""
+        more = self.resolution.finer()
+        return more if more.harmonics <= _MOST_HARMONICS else None
+
+    def _begin(self) -> FloatArray:
+        count, families = self.resolution.harmonics + 1, self.equation.families
+        f = np.zeros((len(self.equation.fields), count, self.axis.size))
+        if self.start.velocities is None:
+            sums = self.start.projected(self.axis, count, families)
+            if self.state is not None:
+                sums = self.start.smooth(self.state, self.axis, sums, self.resolution.rtol)
+            f[:families] = sums / self.equation.volume
+        return f
+
+    def _uncollided(self, times: FloatArray) -> FloatArray | float:
+        velocities = self.start.velocities
+        if velocities is None or not times.size:
+            return 0.0
+        return np.array([velocities.averages(float(t)) for t in times])
+
+    def _early(self, now: float, h: float) -> tuple[FloatArray, FloatArray] | None:
+        velocities, equation = self.start.velocities, self.equation
+        if velocities is None:
+            return None
+        count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
+        sums = velocities.projected(fine, self.axis, count, equation.fields)
+        early = radau.projected(sums / equation.volume)
+        return early, equation.gained(early[1:])
+
+    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
+        if self.state is not None:
+            families, of = self.equation.families, norms(stages.shape[2], self.law.dimension)
+            made = self.equation.gained(stages[:, :families] / of[:families])
+            self.made.append((now, h, made * self.axis.speeds))

@@ -12,17 +12,18 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
 from kinetics.field.density import VelocityDensity
-from kinetics.field.evolution import ALL, Evolution
+from kinetics.field.forward import Evolution
 from kinetics.field.grid import Resolution
+from kinetics.field.march import ALL, refined
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.states.kinds import Beam
 from kinetics.states.state import State
 
 DENSITIES = "densities"
-_BEST_DENSITY, _LEAST_NEGATIVE = 1e-4, 1e-5
-_MOST_HARMONICS = 40  # seconds, and 200 MB of memory
+_BEST_DENSITY = 1e-4
 _AT_REST = 0.1  # starts slower than this, times rtol and the first time, are at rest
-MADE_OF = {
+_MADE_OF = {
     "a2": {"v^4"},
     "collisions": {"collisions"},
     "msd": {"x^2", "y^2"},
@@ -57,51 +58,52 @@ class FieldScene:
     field: float
     outputs: tuple[str, ...]
     rtol: float
-    negative = 0.0  # by so much of its maximum a density is below zero
 
     def __post_init__(self) -> None:
-        self._speed, self._time = (
-            math.sqrt(self.field * self.path),
-            math.sqrt(self.path / self.field),
+        self._speed, self._scaled = self._units()
+        self.allowed = {"averages": self.rtol}
+        if set(self.outputs) & _FUNCTIONS:
+            self.allowed[DENSITIES] = max(self.rtol, _BEST_DENSITY)
+        self._asked = frozenset(
+            {"v^2"}.union(*(_MADE_OF.get(name, set()) for name in self.outputs))
         )
+        self._parts, self.errors = self._solved()
+
+    def _units(self) -> tuple[float, FloatArray]:
+        """The unit of speed of the solution in U, and the times in the mean free path over it."""
+        speed = math.sqrt(self.field * self.path)
         with np.errstate(over="ignore"):
-            self._scaled = self.times / self._time
-        if not (1e-100 < self._speed < 1e100 and self._scaled[-1] < 1e15):
+            scaled = self.times / math.sqrt(self.path / self.field)
+        if not (1e-100 < speed < 1e100 and scaled[-1] < 1e15):
             raise InputError(
                 f"field: got {short(self.field)}; sqrt(field x mean free path) and the times in "
                 "sqrt(mean free path/field) are out of range"
             )
-        self.allowed = {"averages": self.rtol}
-        if set(self.outputs) & _FUNCTIONS:
-            self.allowed[DENSITIES] = max(self.rtol, _BEST_DENSITY)
-        self._solve()
-        if self.densities is not None and self.densities.is_sharp:
-            self.negative = self.densities.negative()
-            self.errors[DENSITIES] = max(self.errors[DENSITIES], self.negative)
+        return speed, scaled
 
     @one_blas_thread
-    def _solve(self) -> None:
-        """Ever more finely resolved until two solutions agree."""
-        fine, worst = self._evolution(Resolution.over_time(self.rtol)), math.inf
-        while True:
-            coarse, fine = fine, self._evolution(fine.resolution.finer())
-            errors = {"averages": fine.difference(coarse)}
-            densities = None
-            if DENSITIES in self.allowed:
-                densities = VelocityDensity(fine, self.state, self._speed)
-                errors[DENSITIES] = densities.difference(
-                    VelocityDensity(coarse, self.state, self._speed)
-                )
-            missed = max(errors[part] / self.allowed[part] for part in errors)
-            if worst < math.inf and not missed < worst:
-                break
-            self.evolution, self.errors, self.densities, worst = fine, errors, densities, missed
-            # densities of sharp velocities have fronts, which finer solutions hardly mend
-            sharp = densities is not None and densities.is_sharp
-            if max(errors["averages"] / self.rtol, 0.0 if sharp else missed) <= 1.0:
-                break
-            if fine.resolution.finer().harmonics > _MOST_HARMONICS:
-                break
+    def _solved(self) -> tuple[list[Any], dict[str, float]]:
+        """Solutions up to one time after another, and the largest errors."""
+        allowed = dict(self.allowed)
+        profile = None if isinstance(self.state, Beam) else self.state.profile(0)
+        is_sharp = self.state.peaks is not None or profile is None
+        if is_sharp:  # densities have fronts, which finer solutions hardly mend
+            allowed.pop(DENSITIES, None)
+        first = Resolution.over_time(self.rtol)
+        found, errors = refined(self._evolution, first, self._apart, allowed)
+        if is_sharp and DENSITIES in self.allowed:
+            errors[DENSITIES] = max(errors[DENSITIES], self._densities(found).negative())
+        return [found], errors
+
+    def _densities(self, one: Evolution) -> VelocityDensity:
+        return VelocityDensity(one, self.state, self._speed)
+
+    def _apart(self, one: Any, two: Any) -> dict[str, float]:
+        """How far two solutions are apart."""
+        errors = {"averages": one.difference(two)}
+        if DENSITIES in self.allowed:
+            errors[DENSITIES] = self._densities(one).difference(self._densities(two))
+        return errors
 
     def _evolution(self, resolution: Resolution) -> Evolution:
         start = Start.of(
@@ -112,56 +114,45 @@ class FieldScene:
         small = math.sqrt(self.rtol) if isotropic else self.rtol
         if start.highest < _AT_REST * small * min(1.0, float(self._scaled[0])):
             start = Start.rest(self.law.dimension)
-        asked = frozenset({"v^2"}.union(*(MADE_OF.get(name, set()) for name in self.outputs)))
         state = self.state if DENSITIES in self.allowed else None
-        return Evolution(self.law, start, self._scaled, resolution, asked, state)
+        return Evolution(self.law, start, self._scaled, resolution, self._asked, state)
 
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status, and the message."""
-        status, message = judged(self.errors, self.allowed)
-        if self.negative > _LEAST_NEGATIVE:
-            message += f"; densities are negative, by up to {self.negative:.0e} of their maximum"
-        return status, message
+        return judged(self.errors, self.allowed)
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:
         """What was solved, and how."""
-        one, error = self.evolution, self.errors.get(DENSITIES)
-        velocities, start = one.start.velocities, "its harmonics"
-        if velocities is not None:
-            start = f"{velocities.along.size} velocities, in closed form until they collide"
+        one, asked = self._parts[-1], DENSITIES in self.errors
         how = (
-            f"forward equation for {', '.join(self.outputs)}: harmonics 0 to "
-            f"{one.resolution.harmonics}, {one.panels.size} speeds up to {one.panels.highest:.3g} "
-            f"sqrt(g l), {one.steps} steps of time, the start by {start}; a solution with fewer "
-            f"differs by {self.errors['averages']:.1e}"
+            f"{', '.join(self.outputs)}: harmonics 0 to {one.resolution.harmonics}, "
+            f"{one.axis.size} speeds up to {one.axis.highest * self._speed:.3g} U, {one.steps} "
+            f"steps of time; a solution with fewer differs by {self.errors['averages']:.1e}"
         )
-        density = "not asked for"
-        if error is not None:
-            density = "an integral over the last free flight, and what has not collided in closed "
-            density += f"form; the coarser solution differs by {error:.1e} of the maximum"
+        words = f"they differ by {self.errors[DENSITIES]:.1e} of the maximum" if asked else ""
         return (
-            PlanStep("averages in a field", True, how),
-            PlanStep(DENSITIES, error is not None, density),
+            PlanStep("averages", True, how),
+            PlanStep(DENSITIES, asked, words or "not asked for"),
         )
 
     @property
     def stats(self) -> dict[str, Any]:
         """Numbers about the work."""
-        panels = self.evolution.panels
+        parts = self._parts
         return {
-            "harmonics": self.evolution.resolution.harmonics,
-            "panels": len(panels.counts),
-            "nodes": panels.size,
-            "steps": self.evolution.steps,
+            "harmonics": max(one.resolution.harmonics for one in parts),
+            "nodes": max(one.axis.size for one in parts),
+            "steps": sum(one.steps for one in parts),
         }
 
     # -- averages ---------------------------------------------------------------------------------
 
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
-        return dict(zip(ALL, self.evolution.values.T, strict=True))
+        rows = np.vstack([one.values for one in self._parts])
+        return dict(zip(ALL, rows.T, strict=True))
 
     @property
     def typical_speed(self) -> FloatArray:
@@ -212,16 +203,18 @@ class FieldScene:
 
     # -- densities --------------------------------------------------------------------------------
 
+    @cached_property
+    def _density(self) -> VelocityDensity:
+        return self._densities(self._parts[0])
+
     @property
     def uncollided(self) -> FloatArray:
         """See `VelocityDensity`."""
-        assert self.densities is not None
-        return self.densities.uncollided
+        return self._density.uncollided
 
     def speed_density(self, v: FloatArray) -> FloatArray:
         """In 1/U at all times, shape (n_times, n_v)."""
-        assert self.densities is not None
-        one = self.densities.by_speed
+        one = self._density.by_speed
         return np.array([one(i, v / self._speed) for i in range(self.times.size)]) / self._speed
 
     def component_density(self, v_x: FloatArray) -> FloatArray:
@@ -233,10 +226,8 @@ class FieldScene:
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""
-        assert self.densities is not None
         along = np.outer(v / self._speed, np.cos(phi)).ravel()
         across = np.outer(v / self._speed, np.sin(phi)).ravel()
-        found = [self.densities.at(i, along, across) for i in range(self.times.size)]
-        return np.reshape(found, (self.times.size, v.size, phi.size)) / (
-            self._speed**self.law.dimension
-        )
+        found = [self._density.at(i, along, across) for i in range(self.times.size)]
+        shape = self.times.size, v.size, phi.size
+        return np.reshape(found, shape) / self._speed**self.law.dimension

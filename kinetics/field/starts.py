@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.field.grid import SpeedPanels
+from kinetics.field.harmonics import angular
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.kinds import Beam, Rest, VelocitySamples
@@ -38,30 +39,6 @@ def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
     straight = np.where(is_straight & (a < 0.0), 0.5 * (u * np.abs(u) - a * np.abs(a)), 0.0)
     bent = 0.5 * (time * last + a * gained + turned)
     return np.where(is_straight & (a < 0.0), straight, bent)
-
-
-def angular(
-    cosine: FloatArray, sine: FloatArray, count: int, dimension: int, families: int = 2
-) -> tuple[FloatArray, ...]:
-    """Harmonics m = 0 ... count - 1 at an angle, even and odd across the field, (count, n) each.
-
-    cos(m phi) and sin(m phi) in the plane, P_m(cos) and P_m^1(cos) in space; one family: the even.
-    """
-    zero, one = np.zeros(cosine.size), np.ones(cosine.size)
-    found = []
-    for odd, (first, second) in enumerate(((one, cosine), (zero, sine))[:families]):
-        table = np.empty((count, cosine.size))
-        table[0], table[1] = first, second
-        for m in range(2, count):
-            np.multiply(cosine, table[m - 1], out=table[m])
-            if dimension == 2:
-                table[m] *= 2.0
-                table[m] -= table[m - 2]
-            else:
-                table[m] *= (2 * m - 1) / (m - odd)
-                table[m] -= (m - 1 + odd) / (m - odd) * table[m - 2]
-        found.append(table)
-    return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -137,7 +114,8 @@ class Velocities:
             tables = [table.reshape(count, *a.shape).swapaxes(0, 1) for table in flat]
             rows = panels.interpolation(np.minimum(v, panels.highest).ravel())
             left = self.weight[part] * np.exp(-free_way(a, q, t))
-            share = {"f": left, "x": left * (a + 0.5 * t) * t, "y": left * q * t}
+            y = left * q * t / (self.dimension - 1.0)  # the mean over turns about the field
+            share = {"f": left, "x": left * (a + 0.5 * t) * t, "y": y}
             for k, (name, family) in enumerate(fields):
                 weighed = tables[family] * share[name][:, None]
                 out[:, k] += weighed @ rows.reshape(*a.shape, panels.size)

@@ -16,6 +16,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.field.density import LastFlights
 from kinetics.field.elimination import Chain, Elimination
 from kinetics.field.grid import Resolution, SpeedPanels, highest_speed, loss_matrices
+from kinetics.field.harmonics import norms
 from kinetics.numerics import FloatArray
 
 _LOWEST = 0.03  # of the first panel of laws whose bounces may nearly stop a tracer
@@ -37,18 +38,18 @@ class SteadyDensity:
         v, d = self.panels.speeds, law.dimension
         self._loss = loss_matrices(self.panels, law, one.harmonics)
         # a source anywhere, for the border: its factor comes out as 0
-        border = law.unit_surface * v ** (d - 1.0) * self.panels.weights, v**2 * np.exp(-v)
+        border = v ** (d - 1.0) * self.panels.weights, v**2 * np.exp(-v)
         solver = Elimination(Chain(self.panels, d), v[:, None] * self._loss, border=border)
-        self.harmonics = solver.solve(np.zeros((one.harmonics + 1, v.size)), 1.0)
+        self._sums = solver.solve(np.zeros((one.harmonics + 1, v.size)), 1.0)
+        self.harmonics = self._sums / norms(one.harmonics + 1, d)[0]
 
     def moment(self, p: float, m: int) -> float:
         """<v^p cos(m phi)>, for p > -d; for p > -d - 1 where m > 0 and f_m is 0 at rest."""
         v, d = self.panels.speeds, self.law.dimension
-        surface = self.law.unit_surface / (1.0 if m == 0 else 2.0 if d == 2 else 2.0 * m + 1.0)
-        f, first = self.harmonics[m], self.panels.parts[0]
+        f, first = self._sums[m], self.panels.parts[0]
         rest = slice(first.stop, None)
         above = (v[rest] ** (p + d - 1.0) * f[rest]) @ self.panels.weights[rest]
-        return float(surface * (above + self._first_panel(f[first], p + d - 1.0)))
+        return float(above + self._first_panel(f[first], p + d - 1.0))
 
     def _first_panel(self, f: FloatArray, power: float) -> float:
         """Integral of v^power f over the first panel, with f or f/v a polynomial there."""

@@ -34,7 +34,7 @@ class BlockElimination:
         coupled: bool = True,
         border: tuple[FloatArray, FloatArray] | None = None,
     ) -> None:
-        self._first, self._bordered = first, border is not None
+        self.first, self.last, self._bordered = first, last, border is not None
         self._factors: list[tuple[int, int, Any, Any, Any]] = []
         schur: Any = 0.0
         end, size = last + 1, 2 if coupled else 1
@@ -64,16 +64,16 @@ class BlockElimination:
         right = np.array(source, dtype=np.result_type(source, self._factors[0][2][0]))
         n, parts = right.shape[1], []
         for begin, end, factors, _, onto in self._factors:
-            given = right[begin - self._first : end - self._first].ravel()
-            if self._bordered and begin == self._first:
+            given = right[begin - self.first : end - self.first].ravel()
+            if self._bordered and begin == self.first:
                 given = np.append(given, last_row)
             parts.append(lu_solve(factors, given, check_finite=False))
             if onto is not None:
-                right[begin - self._first - 1] -= onto @ parts[-1][:n]
+                right[begin - self.first - 1] -= onto @ parts[-1][:n]
         solved = zip(self._factors[::-1], parts[::-1], strict=True)
         for (begin, end, _, response, _), found in solved:
-            k = begin - self._first
+            k = begin - self.first
             if response is not None:
                 found = found - response @ right[k - 1]
-            right[k : end - self._first] = found[: (end - begin) * n].reshape(-1, n)
+            right[k : end - self.first] = found[: (end - begin) * n].reshape(-1, n)
         return right

@@ -1,0 +1,214 @@
+"""Averages over time, for one initial state: steps of time, and how two resolutions bound errors.
+
+Distributions and their first moments of the place go from step to step by the rule of `radau`;
+steps grow as they become smooth. In a field (`forward`) and for driven tracers (`kinetics.driven`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.field import radau
+from kinetics.field.harmonics import across, along
+from kinetics.numerics import FloatArray
+from kinetics.numerics.blocks import BlockElimination
+
+AVERAGES = (
+    *("v_x", "v_y", "v^2", "v^2 cos 2", "v_x v_y", "v^4", "v"),
+    *("v_x x", "v_y y", "v_x y + v_y x", "1"),
+)
+INTEGRALS = {"x": (0, 1.0), "y": (1, 1.0), "collisions": (6, 1.0)}
+INTEGRALS |= {"x^2": (7, 2.0), "y^2": (8, 2.0), "x y": (9, 1.0)}
+"""What grows over time -> the average that it grows with, and a factor."""
+ALL = (*AVERAGES, *INTEGRALS)
+SQUARES = frozenset({"x^2", "y^2", "x y"})
+_SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
+_STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
+_SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
+SHORTEST_TIME = 1e-12
+_FIRST = 0.5  # of the first step, in free flights of the fastest
+_WORSE = 10.0  # by so much an error may be larger than one before, and finer ones are tried
+
+T = TypeVar("T")
+
+
+def refined(
+    solve: Callable[[Any], T],
+    first: Any,
+    apart: Callable[[T, T], dict[str, float]],
+    allowed: Mapping[str, float],
+) -> tuple[T, dict[str, float]]:
+    """The best of ever finer solutions, and its errors: how far the one before it is apart.
+
+    solve : from a resolution to a solution, whose ``finer`` is the next one, None at the end
+    apart : the errors by their names, of which those in ``allowed`` decide
+    """
+    best: Any = solve(first)
+    last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
+    while least > 1.0 and (more := last.finer) is not None:
+        before, last = last, solve(more)
+        found = apart(last, before)
+        worst = max(found[name] / most for name, most in allowed.items())
+        if worst < least:
+            best, errors, least = last, found, worst
+        elif worst > _WORSE * least:  # rounding grows
+            break
+    return best, errors
+
+
+class Equation:
+    """Takes distributions over one step of time after another.
+
+    fields : name and family of each: of f, and of x f and y f, of which f is the source. Without
+        y f of family 1 it is as x f
+    dimension, speeds : at which each has its sums (`harmonics`), (M + 1, size)
+    weights : of averages over the speed, (size,)
+    rate : of collisions, (size,)
+    """
+
+    def __init__(
+        self, fields: list[tuple[str, int]], dimension: int, speeds: FloatArray,
+        weights: FloatArray, rate: FloatArray,
+    ) -> None:  # fmt: skip
+        self.fields, self.dimension, self.speeds = fields, dimension, speeds
+        self._weights, self._rate, self._modes = weights, rate, radau.modes()
+        self._factors: tuple[float, list[dict[int, BlockElimination]]] = (0.0, [])
+
+    def averages(self, f: FloatArray) -> FloatArray:
+        """`AVERAGES` of distributions (n, n_fields, M + 1, size), shape (n, n_averages)."""
+        v, v2 = self.speeds, self.speeds**2
+
+        def mean(name: str, family: int, m: int, of: Any) -> Any:
+            there = (name, family) in self.fields
+            return f[:, self.fields.index((name, family)), m] @ (of * self._weights) if there else 0
+
+        moved, alike = mean("x", 0, 1, v), ("y", 1) not in self.fields
+        found = [
+            *(mean("f", 0, 1, v), mean("f", 1, 1, v), mean("f", 0, 0, v2), mean("f", 0, 2, v2)),
+            *(0.5 * mean("f", 1, 2, v2), mean("f", 0, 0, v2**2), mean("f", 0, 0, self._rate)),
+            *(moved, moved if alike else mean("y", 1, 1, v)),
+            *(mean("y", 0, 1, v) + mean("x", 1, 1, v), mean("f", 0, 0, 1.0)),
+        ]
+        return np.stack([one + np.zeros(len(f)) for one in found], axis=1)
+
+    def elimination(self, family: int, shift: complex) -> BlockElimination:
+        """Solves (shift + what changes a family) f = source."""
+        raise NotImplementedError
+
+    def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
+        """The fields (n_fields, M + 1, size) at all points of a step, (STAGES + 1, *f.shape).
+
+        source : at the stages, (STAGES, *f.shape); None for none
+        """
+        if h != self._factors[0]:
+            used, shifts = {k for _, k in self.fields}, [1.0 / (h * one[0]) for one in self._modes]
+            shifts = [z if abs(z.imag) > 1e-12 * abs(z) else z.real for z in shifts]
+            self._factors = h, [{k: self.elimination(k, z) for k in used} for z in shifts]
+        out = np.zeros((radau.STAGES + 1, *f.shape))
+        out[0] = f
+        by_mode = zip(self._modes, self._factors[1], strict=True)
+        for (value, share, of_source, stages), eliminations in by_mode:
+            right = share / (h * value) * f
+            if source is not None:
+                right = right + np.tensordot(of_source, source, axes=1)
+            found: NDArray[np.complexfloating] = np.zeros(f.shape, dtype=complex)
+            for k, (name, family) in enumerate(self.fields):
+                one = eliminations[family]
+                part = slice(one.first, one.last + 1)
+                every = right[k]
+                if name == "x":
+                    every = every + self.speeds * along(found[family], family, self.dimension)
+                elif name == "y":
+                    from_ = 1 - family
+                    every = every + self.speeds * across(found[from_], from_, self.dimension)
+                found[k, part] = one.solve(every[part])
+            out[1:] += (stages[:, None, None, None] * found).real
+        return out
+
+
+class March:
+    """One start over time, step after step.
+
+    times : rising, shape (n_times,)
+    resolution, axis : with the ``rtol`` of the steps; of speeds
+    asked : names of `ALL` that steps must resolve; others may be less accurate, or 0
+    values : `ALL`, shape (n_times, n_averages)
+    steps : their number
+    """
+
+    # then steps are taken as they are: another resolution says that this one fails
+    most_steps: ClassVar[int] = 300
+
+    times: FloatArray
+    resolution: Any
+    axis: Any
+    asked: frozenset[str]
+    values: FloatArray
+    steps: int
+
+    def _uncollided(self, times: FloatArray) -> FloatArray | float:
+        """What tracers in closed form add to the averages, (n, n_averages)."""
+        return 0.0
+
+    def _early(self, now: float, h: float) -> tuple[FloatArray, FloatArray] | None:
+        """Their distribution at the points of a step, and what they are a source of."""
+        return None
+
+    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
+        """What densities need of an accepted step that begins now and is h long."""
+
+    def _run(self, equation: Equation, f: FloatArray, fastest: float) -> None:
+        """From f on, up to the last time or beyond it; fastest : the highest speed in f."""
+        self.values, self.steps = np.zeros((self.times.size, len(ALL))), 0
+        now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
+        # at the first of the times averages may be small, as the fourth power of the time
+        h = min(_FIRST / (1.0 + fastest), *self.times[self.times > 0.0][:1], last)
+        totals, allowed = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
+        grows = [one for one, _ in INTEGRALS.values()]
+        factor = np.array([factor for _, factor in INTEGRALS.values()])
+        tried = 0
+        while now < last or tried == 0:
+            tried += 1
+            early, source = self._early(now, h) or (0.0, None)
+            stages = equation.step(f, h, source)
+            averages = equation.averages(stages)
+            total = averages + self._uncollided(now + h * radau.POINTS)
+            grown = totals + h * (radau.integral_rows(radau.POINTS) @ total[:, grows]) * factor
+            left = radau.roughness(averages)
+            left = np.append(left, h * radau.roughness(total)[grows] * factor)
+            rough = self._relative(left[None], np.hstack([total, grown])[-1:])
+            if rough > allowed and tried < self.most_steps and h > _SHORTEST * last:
+                h *= 0.5
+                continue
+            inside = (self.times >= now) & (self.times <= now + h)
+            local = (self.times[inside] - now) / h
+            found = radau.rows(local) @ averages + self._uncollided(self.times[inside])
+            made = totals + h * (radau.integral_rows(local) @ total[:, grows]) * factor
+            self.values[inside] = np.hstack([found, made])
+            self._keep(now, h, stages + early)
+            self.steps += 1
+            now, f, totals = now + h, stages[-1], grown[-1]
+            if rough * _SMOOTH < allowed or tried >= self.most_steps:
+                h *= 2.0
+
+    def _relative(self, missed: FloatArray, values: FloatArray) -> float:
+        """The largest of what values (n, n_averages) miss, relative to the scale of each."""
+        of = {name: np.abs(values[:, i]) for i, name in enumerate(ALL)}
+        speed, square = of["v^2"], of["x^2"] + of["y^2"]
+        scale = of | dict.fromkeys(("v_x", "v_y"), np.sqrt(speed))
+        scale |= dict.fromkeys(("v^2 cos 2", "v_x v_y"), speed)
+        scale |= dict.fromkeys(("x", "y"), np.sqrt(square)) | dict.fromkeys(SQUARES, square)
+        used = [ALL.index(name) for name in self.asked]
+        sizes = np.stack([scale[ALL[i]] for i in used], axis=1)
+        found = np.abs(missed[:, used])[sizes > 0.0] / sizes[sizes > 0.0]
+        worst = float(np.max(found, initial=0.0))
+        return worst if math.isfinite(worst) else math.inf
+
+    def difference(self, coarse: March) -> float:
+        """The largest difference from another solution, relative to the scale of each average."""
+        return self._relative(self.values - coarse.values, self.values)
