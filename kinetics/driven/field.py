@@ -16,7 +16,8 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.driven.steady import SteadyState, solved
 from kinetics.driven.system import System
 from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning
-from kinetics.field.steady import SteadyDensity, densities
+from kinetics.field.grid import Resolution
+from kinetics.field.steady import SteadyDensity
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Value
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
@@ -137,7 +138,8 @@ class FieldState(SteadyState):
     @cached_property
     def _densities(self) -> tuple[SteadyDensity, SteadyDensity]:
         """A coarser solution for the density, and a finer one."""
-        return densities(self.law, self.rtol, self._resolution[2])
+        first = Resolution.steady(self.rtol, self._resolution[2])
+        return SteadyDensity(self.law, first), SteadyDensity(self.law, first.finer())
 
     def in_units(self, acceleration: float, diameter: float, number_density: float) -> FieldUnits:
         """The figures for a field g, grains and scatterers of diameter d, and their density.

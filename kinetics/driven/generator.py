@@ -39,8 +39,6 @@ _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-1
 class Resolution:
     """How finely the velocity is resolved.
 
-    Parameters
-    ----------
     nodes : of the speed axis
     points : of the quadrature over the impact, in each of its two directions
     harmonics : M; harmonics 0 ... M are solved
@@ -54,10 +52,7 @@ class Resolution:
 
     @classmethod
     def first(cls, system: System, rtol: float, span: float, harmonics: int = 1) -> Resolution:
-        """One that most questions need not refine.
-
-        span : asinh of the highest speed over the scale of the axis
-        """
+        """One that is often enough; span : asinh of the highest speed over the axis' scale."""
         digits = -math.log10(max(rtol, 1e-12))
         if system.only_falls:
             assert system.law is not None
@@ -89,14 +84,7 @@ class Resolution:
 
 
 class Generator:
-    """The matrices of one system on one axis.
-
-    Parameters
-    ----------
-    system : what drives the tracer, in units of l
-    axis : of speeds
-    resolution : quadrature points and harmonics
-    """
+    """The matrices of one system, in units of l, on one axis of speeds."""
 
     def __init__(self, system: System, axis: SpeedAxis, resolution: Resolution) -> None:
         self.system, self.axis = system, axis
@@ -115,8 +103,6 @@ class Generator:
                 matrix -= lost * axis.faded[:, None] * inverse
         self._slopes = [axis.faded[:, None] * slope for slope in slopes]
         self._inverse = axis.faded[:, None] * inverse
-
-    # -- collisions -------------------------------------------------------------------------------
 
     def _impacts(self, v: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosine of the normal to the velocity, q, and the rate of each quadrature point."""

@@ -32,16 +32,8 @@ def checked_drives(**drives: Any) -> dict[str, float]:
 class System:
     """Scatterers and what acts on the tracer, in the mean free path and one unit of speed.
 
-    Parameters
-    ----------
-    restitution : e, or an ImpactRestitution; or a CollisionLaw, without bath_speed, capture_speed
-    dimension : 2 or 3
-    bath_speed : w, the standard deviation of each component of the scatterers' velocities
-    mass_ratio : of a scatterer over the tracer; inf for infinitely heavy ones
-    heating : D_v of white noise, <dv_i dv_j> = 2 D_v delta_ij dt
-    drag : gamma in dv/dt = -gamma v
-    field : the acceleration along x
-    capture_speed : v_c: impacts whose normal speed is below it stick
+    Its fields are the arguments of `kinetics.solve_steady`; the restitution may also be a
+    CollisionLaw, if there is no bath_speed or capture_speed.
     """
 
     restitution: float | ImpactRestitution | CollisionLaw
@@ -89,11 +81,6 @@ class System:
     def only_falls(self) -> bool:
         """Whether there are but a field and collisions that scale with the speed."""
         return self.law is not None and self.field > 0.0 and not (self.heating or self.drag)
-
-    @property
-    def only_heats(self) -> bool:
-        """Whether there are but noise and collisions that scale with the speed."""
-        return self.law is not None and self.heating > 0.0 and not (self.field or self.drag)
 
     @property
     def field_rules(self) -> bool:

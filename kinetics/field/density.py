@@ -14,8 +14,8 @@ G is smooth where f is not: on the ray along the field, on which tracers have co
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -122,7 +122,6 @@ class LastFlights:
         return np.where(inside, out / safe, 0.0)
 
 
-_Density = Callable[[FloatArray, FloatArray], FloatArray]
 _ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
 _CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
 _POINTS = 6  # in an interval of these
@@ -130,7 +129,7 @@ _DIRECTIONS = 64  # of a start of one speed
 # velocities at which two solutions are compared, in units of the usual speed
 _TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
 _LOOKED_AT = np.linspace(0.1, 2.5, 17)  # speeds at which a density may not be below zero
-_TRIED_ANGLES = np.array([0.05, 0.5, 1.3, 2.2, 3.0])
+_TRIED_ANGLES = np.array([0.05, -0.5, 1.3, -2.2, 3.0])  # on both sides of the field
 
 
 class VelocityDensity:
@@ -162,25 +161,34 @@ class VelocityDensity:
         for edges, one in ((_ANGLES, self._flights.density), (_CLOSE, self._smooth)):
             angle, w = panels_between(edges, _POINTS)
             share = 2.0 * w if d == 2 else 2.0 * math.pi * w * np.sin(angle)
-            velocity = np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle))
-            out += self._both(partial(one, time), *velocity) @ share
+            along, across = np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle))
+            sides = [across, -across][: self._families]
+            both = np.mean([one(time, along.ravel(), side.ravel()) for side in sides], axis=0)
+            out += both.reshape(along.shape) @ share
         return np.asarray(out * v ** (d - 1))
+
+    def _tried(self, speeds: FloatArray, angles: FloatArray) -> Iterator[tuple[Any, ...]]:
+        """For each time its index, speeds in units of the usual one, and velocities of these."""
+        for i, square in enumerate(self._evolution.values[:, ALL.index("v^2")]):
+            v = math.sqrt(abs(square)) * speeds
+            along, across = np.outer(np.cos(angles), v), np.outer(np.sin(angles), v)
+            yield i, v, along.ravel(), across.ravel()
 
     def negative(self) -> float:
         """How far densities are below zero, over the largest of each time; 0 where they are not."""
-        worst, usual = 0.0, np.sqrt(np.abs(self._evolution.values[:, ALL.index("v^2")]))
-        for i, scale in enumerate(usual):
-            v, angle = np.meshgrid(scale * _LOOKED_AT, [0.0, *_TRIED_ANGLES])
-            found = self.at(i, (v * np.cos(angle)).ravel(), (v * np.sin(angle)).ravel())
-            for f in (found, self.by_speed(i, scale * _LOOKED_AT)):
+        worst = 0.0
+        for i, v, along, across in self._tried(_LOOKED_AT, np.append(0.0, _TRIED_ANGLES)):
+            for f in (self.at(i, along, across), self.by_speed(i, v)):
                 worst = max(worst, float(-f.min() / max(f.max(), 1e-300)))
         return worst
 
-    def _both(self, density: _Density, along: FloatArray, across: FloatArray) -> FloatArray:
-        """The mean of both sides of the field, of the shape of the components."""
-        sides = (1.0, -1.0)[: self._families]
-        found = [density(along.ravel(), side * across.ravel()) for side in sides]
-        return np.reshape(np.mean(found, axis=0), along.shape)
+    def difference(self, other: VelocityDensity) -> float:
+        """The largest difference of two solutions relative to the largest density of each time."""
+        worst = 0.0
+        for i, _, along, across in self._tried(_TRIED_SPEEDS, _TRIED_ANGLES):
+            one, two = self.at(i, along, across), other.at(i, along, across)
+            worst = max(worst, float(np.max(np.abs(one - two)) / max(np.abs(one).max(), 1e-300)))
+        return worst if math.isfinite(worst) else math.inf
 
     @property
     def uncollided(self) -> FloatArray:
@@ -217,14 +225,3 @@ class VelocityDensity:
                 out += np.real(value) * even[m] - np.imag(value) * odd[m]
         out /= self._evolution.law.unit_surface * v ** (d - 1)
         return out * np.exp(-free_way(u, across, np.full(u.shape, time)))
-
-    def difference(self, other: VelocityDensity) -> float:
-        """The largest difference of two solutions relative to the largest density of each time."""
-        worst, usual = 0.0, np.sqrt(np.abs(self._evolution.values[:, ALL.index("v^2")]))
-        for i, scale in enumerate(usual):
-            v, angle = np.meshgrid(scale * _TRIED_SPEEDS, _TRIED_ANGLES)
-            angle[:, ::2] *= 1.0 if self._families == 1 else -1.0
-            where = (v * np.cos(angle)).ravel(), (v * np.sin(angle)).ravel()
-            one, two = self.at(i, *where), other.at(i, *where)
-            worst = max(worst, float(np.max(np.abs(one - two)) / max(np.abs(one).max(), 1e-300)))
-        return worst if math.isfinite(worst) else math.inf

@@ -101,9 +101,7 @@ class Evolution(March):
         count, families = self.resolution.harmonics + 1, self.equation.families
         f = np.zeros((len(self.equation.fields), count, self.axis.size))
         if self.start.velocities is None:
-            sums = self.start.projected(self.axis, count, families)
-            if self.state is not None:
-                sums = self.start.smooth(self.state, self.axis, sums, self.resolution.rtol)
+            sums = self.start.projected(self.axis, count, families, self.state)
             f[:families] = sums / self.equation.volume
         return f
 

@@ -175,34 +175,26 @@ class Start:
             return float(np.max(np.hypot(self.velocities.along, self.velocities.across)))
         return max(self.speed * float(np.exp(m.x.max())) for m in self.measures if m)
 
-    def projected(self, panels: SpeedPanels, count: int, families: int) -> FloatArray:
-        """Sums over the start of harmonics and polynomials, (families, count, size)."""
+    def projected(
+        self, panels: SpeedPanels, count: int, families: int, state: State | None
+    ) -> FloatArray:
+        """Sums over the start of harmonics and polynomials, (families, count, size).
+
+        state : whose profiles, where it has them, are integrated: right point by point as well
+        """
         out = np.zeros((families, count, panels.size))
         for m, measure in enumerate(self.measures[:count]):
+            profile = None if state is None or measure is None else state.profile(m)
             if measure is None:
                 continue
-            for part in np.array_split(np.arange(measure.x.size), max(1, measure.x.size // _PIECE)):
-                rows = panels.interpolation(self.speed * np.exp(measure.x[part]))
-                found = measure.weight[part] @ rows
+            if state is None or profile is None:
+                v, weight = self.speed * np.exp(measure.x), measure.weight
+            else:
+                edges = np.union1d(panels.edges, self.speed * np.asarray(state.kinks))
+                v, w = panels_between(edges[edges <= panels.highest], max(panels.counts) + 2)
+                weight = w / self.speed * profile(v / self.speed)
+            for part in np.array_split(np.arange(v.size), max(1, v.size // _PIECE)):
+                found = weight[part] @ panels.interpolation(v[part])
                 # the weights have the factor exp(-i m phi)
                 out[:, m] += np.array([found.real, -found.imag])[:families]
         return out
-
-    def smooth(
-        self, state: State, panels: SpeedPanels, sums: FloatArray, rtol: float
-    ) -> FloatArray:
-        """The same, right point by point as well; ``sums`` where averages then miss rtol."""
-        out = np.zeros(sums.shape)
-        edges = np.union1d(panels.edges, self.speed * np.asarray(state.kinks))
-        v, w = panels_between(edges[edges <= panels.highest], max(panels.counts) + 2)
-        rows = panels.interpolation(v)
-        for m, measure in enumerate(self.measures[: sums.shape[1]]):
-            profile = state.profile(m)
-            if measure is not None and profile is None:
-                return sums
-            if measure is not None and profile is not None:
-                found = (w / self.speed * profile(v / self.speed)) @ rows
-                out[:, m] = np.array([found.real, -found.imag])[: len(out)]
-        powers = panels.speeds[:, None] ** np.array([0.0, 2.0, 4.0])
-        agrees = np.allclose(out[0, 0] @ powers, sums[0, 0] @ powers, rtol=rtol)
-        return out if agrees else sums

@@ -72,11 +72,3 @@ class SteadyDensity:
         if math.isinf(self.law.largest_loss):  # the logarithm of the angle
             found[(across == 0.0) & (along >= 0.0)] = math.inf
         return found
-
-
-def densities(
-    law: CollisionLaw, rtol: float, harmonics: int
-) -> tuple[SteadyDensity, SteadyDensity]:
-    """A coarse and a finer solution; harmonics : as many as averages need."""
-    first = Resolution.steady(rtol, harmonics)
-    return SteadyDensity(law, first), SteadyDensity(law, first.finer())
