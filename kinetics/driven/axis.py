@@ -31,9 +31,7 @@ _FADING = 40.0  # the power of v/top with which what leads beyond the top is fad
 class SpeedAxis:
     """Chebyshev points of the first kind in x; or half of those from -1 to 1.
 
-    Parameters
-    ----------
-    top : the highest speed
+    highest : the highest speed
     scale : S, below which points are uniform in x^p
     size : their number
     power : p
@@ -41,21 +39,16 @@ class SpeedAxis:
     fading : whether what drives fades out towards the top; steady states in a field need no end
     """
 
-    top: float
+    highest: float
     scale: float
     size: int
     power: float = 1.0
     smooth: bool = False
     fading: bool = True
 
-    @property
-    def highest(self) -> float:
-        """The highest speed."""
-        return self.top
-
     @cached_property
     def _span(self) -> float:
-        return math.asinh(self.top / self.scale)
+        return math.asinh(self.highest / self.scale)
 
     @cached_property
     def _points(self) -> tuple[FloatArray, FloatArray]:
@@ -99,17 +92,17 @@ class SpeedAxis:
     @cached_property
     def faded(self) -> FloatArray:
         """1, and 0 at the top, smoothly, if ``fading``, (size,)."""
-        return 1.0 - (self.speeds / self.top) ** _FADING * self.fading
+        return 1.0 - (self.speeds / self.highest) ** _FADING * self.fading
 
     def local(self, v: FloatArray) -> FloatArray:
         """x of any speeds; those near the top and beyond it are folded under it, smoothly.
 
         Where p > 1 no collision makes a tracer faster, and none is folded.
         """
-        y = np.minimum(v / self.top, 8.0)
+        y = np.minimum(v / self.highest, 8.0)
         if self.power == 1.0:
             y = y * (1.0 + y**_FADING) ** (-1.0 / _FADING)
-        x = np.arcsinh(y * (self.top / self.scale)) / self._span
+        x = np.arcsinh(y * (self.highest / self.scale)) / self._span
         return np.clip(x if self.power == 1.0 else x ** (1.0 / self.power), 0.0, 1.0)
 
     def rows(self, v: FloatArray, parity: int = 0) -> FloatArray:
@@ -180,4 +173,4 @@ class SpeedAxis:
         for m, one in enumerate(sums):
             points, rows, asked = (table[m % 2][:, :half] for table in tables)
             out[m] = asked @ np.linalg.solve(rows.T @ (weight * rows), points.T @ one)
-        return np.where(v < self.top, out, 0.0)
+        return np.where(v < self.highest, out, 0.0)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +13,7 @@ from numpy.typing import ArrayLike
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.driven.steady import SteadyState, solved
 from kinetics.driven.system import System
-from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning
+from kinetics.errors import ToleranceWarning
 from kinetics.field.grid import Resolution
 from kinetics.field.steady import SteadyDensity
 from kinetics.numerics import FloatArray, one_blas_thread
@@ -48,35 +46,18 @@ class FieldState(SteadyState):
     ----------
     restitution, tangential_restitution, dimension, rtol, mass_ratio : what was asked for
     drift : <v_x>, the percolation velocity, in sqrt(g l)
-    mean_square_speed : <v^2> in g l
-    mean_square_along : <v_x^2> in g l
+    mean_square_speed, mean_square_along : <v^2> and <v_x^2> in g l
     mean_speed : <v> in sqrt(g l): the number of collisions in a time sqrt(l/g)
-    diffusion_parallel : half the growth rate of the variance along the field, in sqrt(g l^3)
-    diffusion_perpendicular : the same for one direction across the field
+    diffusion_parallel, diffusion_perpendicular : half the growth rate of the variance along the
+        field, and in one direction across it, in sqrt(g l^3)
     error_estimate : relative error of these figures
-    status : SolverStatus
-    message : the status in words: what misses its tolerance, by how much, and what to change
-    plan : harmonics and panels that were used, and why
-    stats : numbers about the work
+    status, message : SolverStatus, and in words what misses its tolerance and what to change
+    plan, stats : what was solved, and numbers about the work
     """
 
-    restitution: Any
     tangential_restitution: float | None
-    dimension: int
-    rtol: float
-    drift: float
     mean_square_speed: float
-    mean_square_along: float
     mean_speed: float
-    diffusion_parallel: float
-    diffusion_perpendicular: float
-    error_estimate: float
-    status: SolverStatus
-    message: str
-    plan: tuple[PlanStep, ...]
-    stats: Mapping[str, Any]
-    _resolution: tuple[int, int, int, float] = field(repr=False)
-    mass_ratio: float = math.inf
     _about = _FIGURES
     _asked = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
     _units = "sqrt(g l)", "(g l)^(-d/2)"

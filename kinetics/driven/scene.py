@@ -101,13 +101,7 @@ class _Evolution(March):
 
 @dataclass
 class DrivenScene(FieldScene):
-    """What a scene with driven tracers asks, and its answer; see FieldScene.
-
-    Parameters
-    ----------
-    law : of which the dimension is used; the other arguments are as for FieldScene
-    system : what drives the tracer, in units of l
-    """
+    """What a scene with driven tracers asks, and its answer; system : in units of l."""
 
     system: System = field(default_factory=lambda: System(1.0))
 

@@ -82,7 +82,10 @@ class Steady:
             return float(v**p @ sums)
         x, w = gauss_legendre(max(200, 4 * v.size))
         d, power = self.system.dimension, 12
-        speed, weight = self.axis.top * x**power, w * power * x ** (power - 1.0) * self.axis.top
+        speed, weight = (
+            self.axis.highest * x**power,
+            w * power * x ** (power - 1.0) * self.axis.highest,
+        )
         f = self.axis.density(self.sums[: m + 1], speed, d)[m]
         return float((weight * speed ** (p + d - 1.0)) @ f)
 
@@ -153,17 +156,30 @@ def _slowest(
 
 
 def solved(system: System, rtol: float) -> tuple[Steady, float]:
-    """The first solution that differs from a coarser one by less than rtol, or the best; its error.
-
-    It is solved with one BLAS thread if the caller says so.
-    """
+    """The first that differs from a coarser one by less than rtol, or the best; and its error."""
     first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
     fine, errors = refined(partial(Steady, system), first, Steady.apart, {"averages": rtol})
     return fine, errors["averages"]
 
 
+@dataclass(frozen=True)
 class SteadyState(Result):
     """What the answers of `solve_steady` and `kinetics.solve_field` share."""
+
+    restitution: Any
+    dimension: int
+    mass_ratio: float
+    rtol: float
+    drift: float
+    mean_square_along: float
+    diffusion_parallel: float
+    diffusion_perpendicular: float
+    error_estimate: float
+    status: SolverStatus
+    message: str
+    plan: tuple[PlanStep, ...]
+    stats: Mapping[str, Any]
+    _resolution: tuple[int, int, int, float]
 
     _points, _on_demand = ("speeds", "angles"), ("vdf",)
     _about: ClassVar[Mapping[str, tuple[str, str]]]  # figures -> unit, and words
@@ -174,7 +190,7 @@ class SteadyState(Result):
     def _of(cls: Any, fine: Steady, error: float, rtol: float, figures: Any, **asked: Any) -> Any:
         """From a solution and its error."""
         status, message = judged({"averages": error}, {"averages": rtol})
-        one, top = fine.resolution, fine.axis.top
+        one, top = fine.resolution, fine.axis.highest
         plan = (
             PlanStep("angular harmonics", True, f"0 to {one.harmonics}"),
             PlanStep("speeds", True, f"{one.nodes} points up to {top:.3g}"),
@@ -257,31 +273,17 @@ class DrivenState(SteadyState):
     plan, stats : what was solved, and numbers about the work
     """
 
-    restitution: Any
-    dimension: int
     bath_speed: float
     heating: float
     drag: float
     field: float
     capture_speed: float
-    rtol: float
     thermal_speed: float
     a2: float
-    drift: float
-    mean_square_along: float
     collision_rate: float
-    diffusion_parallel: float
-    diffusion_perpendicular: float
     mobility: float
     capture_time: float
     capture_depth: float
-    error_estimate: float
-    status: SolverStatus
-    message: str
-    plan: tuple[PlanStep, ...]
-    stats: Mapping[str, Any]
-    _resolution: tuple[int, int, int, float]
-    mass_ratio: float = math.inf
     _about = _FIGURES
     _asked = (*DRIVES, "field", "restitution", "dimension", "mass_ratio")
     _units = "1", "1"

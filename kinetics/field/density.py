@@ -133,12 +133,7 @@ _TRIED_ANGLES = np.array([0.05, -0.5, 1.3, -2.2, 3.0])  # on both sides of the f
 
 
 class VelocityDensity:
-    """The densities of one start at given times, in units of sqrt(g l) and sqrt(l/g).
-
-    evolution : one start over time
-    state : that start
-    unit : sqrt(g l) in U
-    """
+    """The densities of one start over time, in units of sqrt(g l), which is ``unit`` U."""
 
     def __init__(self, evolution: Evolution, state: State, unit: float) -> None:
         self._evolution, self._state, self._speed = evolution, state, 1.0 / unit

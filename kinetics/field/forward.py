@@ -65,8 +65,6 @@ class ForwardEquation(Equation):
 class Evolution(March):
     """One start over time, in units of sqrt(g l) and sqrt(l/g).
 
-    law, start : the collision law, and the initial state
-    times, resolution, asked : as of a March; panels, harmonics and steps
     state : of which the start is made, if its density is asked for point by point
     made : beginning, length, and v times what collisions make at the points, of each step; if the
         density is asked for

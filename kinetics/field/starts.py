@@ -43,12 +43,9 @@ def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Velocities:
-    """Velocities at the start, each with its share of the tracers.
+    """Components of the velocity in sqrt(g l), each with its share of the tracers, (n,).
 
-    along, across : components of the velocity in sqrt(g l), shape (n,)
-    weight : shape (n,), with the sum 1
     symmetric : whether each stands for all that differ by a turn, or a reflection, about the field
-    dimension : 2 or 3
     """
 
     along: FloatArray
