@@ -81,11 +81,8 @@ class Steady:
         if p >= 0.0 and (float(p).is_integer() or self.axis.power > 1.0):
             return float(v**p @ sums)
         x, w = gauss_legendre(max(200, 4 * v.size))
-        d, power = self.system.dimension, 12
-        speed, weight = (
-            self.axis.highest * x**power,
-            w * power * x ** (power - 1.0) * self.axis.highest,
-        )
+        top, d, power = self.axis.highest, self.system.dimension, 12
+        speed, weight = top * x**power, w * power * x ** (power - 1.0) * top
         f = self.axis.density(self.sums[: m + 1], speed, d)[m]
         return float((weight * speed ** (p + d - 1.0)) @ f)
 

@@ -1,14 +1,13 @@
 """Densities of the velocity over time in a field, for one initial state.
 
-f is the sum of the tracers that have not collided, in closed form, and of an integral over the last
-free flight of all others. Starts of sharp velocities leave out the first: their uncollided tracers
-have the velocities v0 + g t, and a share that is given. Tracers that leave a collision with the
-velocity w arrive at v after the time s with w = v - s along the field, if they do not collide
-before. So with G(w, t) the density that collisions make per unit time,
+f is the sum of the tracers that have not collided, in closed form (of sharp velocities only their
+share is given), and of an integral over the last free flight of all others. With G(w, t) the
+density that collisions make per unit time,
 
-    f(v, t) = f of those without a collision + integral over s of exp(-way) G(v - s, t - s).
+    f(v, t) = f of those without a collision + integral over s of exp(-way) G(v - s, t - s),
 
-G is smooth where f is not: on the ray along the field, on which tracers have come by rest.
+s along the field. G is smooth where f is not: on the ray along the field, on which tracers have
+come by rest.
 """
 
 from __future__ import annotations
@@ -39,7 +38,6 @@ _TOGETHER = 4000  # points of flights, so few that their harmonics stay in the c
 class LastFlights:
     """Integrates over what collisions make.
 
-    panels, dimension : on which the density is solved
     steps : beginning, length, and v times what collisions make at the points of each step of time,
         (n_points, families, M + 1, size); of a steady state one step with one point
     slowest : G varies on the scale of the speed; what varies below this one counts little

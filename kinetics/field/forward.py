@@ -1,13 +1,9 @@
 """The density over time in a field, with its first moments of the place, for one initial state.
 
-The harmonics of f obey the equation of `elimination`. With x f and y f, integrated over the place,
-
-    d_t (x f) = (field + collisions) (x f) + v_x f
-
-and the same for y, all averages of the velocity and the displacement up to second order follow.
-Of a start that is a few velocities, those that have not collided are in closed form (`starts`), and
-the equation is that of the others: what collides first is their source. So all averages over smooth
-functions are right, however rough the density is.
+With x f and y f, integrated over the place, d_t (x f) = (field + collisions) (x f) + v_x f and the
+same for y, all averages of the velocity and the displacement up to second order follow. Of a start
+that is a few velocities, those that have not collided are in closed form (`starts`), and are the
+source of the others: so averages over smooth functions are right, however rough the density is.
 """
 
 from __future__ import annotations

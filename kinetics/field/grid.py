@@ -1,14 +1,11 @@
 """The speed axis: Gauss-Legendre nodes on panels of any length, joined by one-sided values.
 
-Functions are polynomials on each panel, and need not be continuous from one to the next. The field
-makes a derivative of even harmonics act on odd ones, and the reverse. As tracers gain and lose
-speed, each panel needs values from both neighbours: the derivative of an even harmonic takes the
-value at the upper end of a panel from the panel above, that of an odd harmonic the value at the
-lower end from the panel below. Polynomials alone are regular at rest, where nothing is imposed.
-
-Integrals by parts with the volume v^(d-1) dv hold exactly for the sums over the nodes. Without
-collisions the integral of the square of a function is then conserved, as it is for tracers that
-fall freely, and no error grows over time.
+Functions are polynomials on each panel, and need not be continuous. Tracers gain and lose speed, so
+a panel needs values from both neighbours: the derivative of an even harmonic, which acts on odd
+ones, takes that at its upper end from the panel above; that of an odd one takes that at the lower
+end from the panel below. At rest nothing is imposed. Integrals by parts with the volume v^(d-1) dv
+hold exactly for the sums over the nodes: without collisions the integral of the square of a
+function is conserved, as it is for tracers that fall freely, and no error grows over time.
 """
 
 from __future__ import annotations
@@ -217,11 +214,10 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
     """What harmonics 0 ... highest of a density lose by collisions per unit time, less their gain.
 
     Shape (highest + 1, size, size). A tracer of speed v collides at the rate v, and leaves with
-    v s, s the speed ratio; of harmonic m cos(m chi) is kept, in space P_m(cos chi). The term is
-    projected on the polynomials of each panel, all integrals over the speed split where tracers
-    change to another panel. So mass and the balance of each power of the speed are kept, also of
-    densities that are not smooth. As bounces become elastic no digits are lost: only what changes
-    in a bounce is summed.
+    v s; of harmonic m cos(m chi) is kept, in space P_m(cos chi). Integrals over the speed are split
+    where tracers change to another panel, so mass and the balance of each power of the speed are
+    kept, also of densities that are not smooth. Only what changes in a bounce is summed: no digits
+    are lost as bounces become elastic.
     """
     q = law.quadrature_for(_RATE, highest // 2)  # polynomials hide what is finer
     gone = np.array([q.harmonic_loss(m) for m in range(highest + 1)])
