@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, field
 from functools import cached_property, partial
 from typing import Any, ClassVar
 
@@ -78,7 +78,7 @@ class Steady:
     def average(self, p: float, m: int) -> float:
         """<v^p Y_m>; p may be any number above -d."""
         sums, v = self.sums[m], self.axis.speeds
-        if p >= 0.0 and (float(p).is_integer() or self.axis.power > 1.0):
+        if p >= 0.0:
             return float(v**p @ sums)
         x, w = gauss_legendre(max(200, 4 * v.size))
         top, d, power = self.axis.highest, self.system.dimension, 12
@@ -165,7 +165,7 @@ class SteadyState(Result):
 
     restitution: Any
     dimension: int
-    mass_ratio: float
+    mass_ratio: float = field(default=math.inf, kw_only=True)
     rtol: float
     drift: float
     mean_square_along: float
@@ -306,7 +306,7 @@ class DrivenState(SteadyState):
         """<v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
 
         p is real, above -d and up to 20. The error is about ``error_estimate`` for whole p from 0
-        to 4, and up to 1e-5 for others. Raises InputError for p or m out of range.
+        to 4, and up to 1e-4 for others. Raises InputError for p or m out of range.
         """
         p, m = self._order(p, m, -float(self.dimension))
         return self._fine.average(p, m)

@@ -130,6 +130,11 @@ _LOOKED_AT = np.linspace(0.1, 2.5, 17)  # speeds at which a density may not be b
 _TRIED_ANGLES = np.array([0.05, -0.5, 1.3, -2.2, 3.0])  # on both sides of the field
 
 
+def is_sharp(state: State) -> bool:
+    """Whether tracers start with sharp velocities; densities leave out those that keep them."""
+    return isinstance(state, Beam) or state.peaks is not None or state.profile(0) is None
+
+
 class VelocityDensity:
     """The densities of one start over time, in units of sqrt(g l), which is ``unit`` U."""
 
@@ -137,8 +142,7 @@ class VelocityDensity:
         self._evolution, self._state, self._speed = evolution, state, 1.0 / unit
         self._dimension, self._families = evolution.law.dimension, evolution.equation.families
         self._flights = LastFlights(evolution.axis, self._dimension, evolution.made)
-        profile = None if isinstance(state, Beam) else state.profile(0)
-        self.is_sharp = state.peaks is not None or profile is None
+        self._is_sharp = is_sharp(state)
 
     def at(self, i: int, along: FloatArray, across: FloatArray) -> FloatArray:
         """f at the i-th time and velocities (n,), in sqrt(g l); without sharp velocities."""
@@ -188,7 +192,7 @@ class VelocityDensity:
         """Share of the tracers that keep a sharp velocity, (n_times,); 0 for smooth starts."""
         start, times = self._evolution.start, self._evolution.times
         velocities = start.velocities
-        if not self.is_sharp:
+        if not self._is_sharp:
             return np.zeros(times.shape)
         if velocities is None and self._state.highest_harmonic == 0:
             speeds = start.measures[0]
@@ -202,7 +206,7 @@ class VelocityDensity:
     def _smooth(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """The density of tracers of smooth starts without a collision, (n,)."""
         out = np.zeros(along.shape)
-        if self.is_sharp:
+        if self._is_sharp:
             return out
         u, d = along - time, self._dimension
         v = np.maximum(np.hypot(u, across), 1e-12 * self._speed)

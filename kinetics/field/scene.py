@@ -11,13 +11,12 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
-from kinetics.field.density import VelocityDensity
+from kinetics.field.density import VelocityDensity, is_sharp
 from kinetics.field.forward import Evolution
 from kinetics.field.grid import Resolution
 from kinetics.field.march import ALL, refined
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.states.kinds import Beam
 from kinetics.states.state import State
 
 DENSITIES = "densities"
@@ -64,9 +63,8 @@ class FieldScene:
         self.allowed = {"averages": self.rtol}
         if set(self.outputs) & _FUNCTIONS:
             self.allowed[DENSITIES] = max(self.rtol, _BEST_DENSITY)
-        self._asked = frozenset(
-            {"v^2"}.union(*(_MADE_OF.get(name, set()) for name in self.outputs))
-        )
+        made_of = [_MADE_OF.get(name, set()) for name in self.outputs]
+        self._asked = frozenset({"v^2"}.union(*made_of))
         self._parts, self.errors = self._solved()
 
     def _units(self) -> tuple[float, FloatArray]:
@@ -84,15 +82,14 @@ class FieldScene:
     @one_blas_thread
     def _solved(self) -> tuple[list[Any], dict[str, float]]:
         """Solutions up to one time after another, and the largest errors."""
-        allowed = dict(self.allowed)
-        profile = None if isinstance(self.state, Beam) else self.state.profile(0)
-        is_sharp = self.state.peaks is not None or profile is None
-        if is_sharp:  # densities have fronts, which finer solutions hardly mend
+        sharp, allowed = is_sharp(self.state), dict(self.allowed)
+        if sharp:  # densities have fronts, which finer solutions hardly mend
             allowed.pop(DENSITIES, None)
         first = Resolution.over_time(self.rtol)
         found, errors = refined(self._evolution, first, self._apart, allowed)
-        if is_sharp and DENSITIES in self.allowed:
-            errors[DENSITIES] = max(errors[DENSITIES], self._densities(found).negative())
+        if sharp and DENSITIES in self.allowed:
+            negative = self._densities(found).negative()
+            errors[DENSITIES] = max(errors.get(DENSITIES, math.inf), negative)
         return [found], errors
 
     def _densities(self, one: Evolution) -> VelocityDensity:
@@ -131,11 +128,9 @@ class FieldScene:
             f"{one.axis.size} speeds up to {one.axis.highest * self._speed:.3g} U, {one.steps} "
             f"steps of time; a solution with fewer differs by {self.errors['averages']:.1e}"
         )
-        words = f"they differ by {self.errors[DENSITIES]:.1e} of the maximum" if asked else ""
-        return (
-            PlanStep("averages", True, how),
-            PlanStep(DENSITIES, asked, words or "not asked for"),
-        )
+        words = "of the maximum they differ by {densities:.1e}" if asked else "not asked for"
+        density = PlanStep(DENSITIES, asked, words.format(**self.errors))
+        return PlanStep("averages", True, how), density
 
     @property
     def stats(self) -> dict[str, Any]:

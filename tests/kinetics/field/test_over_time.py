@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from marking import slow_but
 
-from kinetics import Beam, InputError, Scene, ToleranceWarning, VelocitySamples, solve, solve_field
+from kinetics import Beam, Scene, ToleranceWarning, VelocitySamples, solve, solve_field
 from kinetics.field.starts import free_way
 from kinetics.numerics.gauss import gauss_legendre
 
@@ -41,28 +40,12 @@ def test_from_rest() -> None:
     assert solution.msd == pytest.approx(total, rel=1e-12)
 
 
-@pytest.mark.parametrize(("dimension", "et"), slow_but([(3, 1.0)], [(2, 1.0), (3, 1.0), (2, 0.4)]))
-def test_the_energy_of_elastic_tracers_from_rest(dimension: int, et: float) -> None:
-    """<v^2> = 2 g <x> where no energy is lost; less where it is."""
-    asked = scene([0.2, 1.0, 4.0, 20.0], restitution=1.0, dimension=dimension,
-                  tangential_restitution=et)  # fmt: skip
-    found = solve(asked, rtol=1e-6)
-    ratio = found.thermal_speed**2 / (2.0 * 0.01 * found.mean_displacement[:, 0])
-    if et == 1.0:
-        assert ratio == pytest.approx(np.ones(4), rel=2e-6)
-    else:
-        assert np.all(ratio < 1.0)
-
-
-def test_very_lossy_rough_scatterers() -> None:
-    """Every bounce leaves the panel of the speed. Against 1e6 tracers: .5294(13), .6893(15)."""
-    asked = Scene(0.3, 0.5, field=1.0, times=[1.0, 20.0], tangential_restitution=0.3,
-                  outputs=("mean_velocity",))  # fmt: skip
-    found = solve(asked, rtol=1e-5)
-    assert found.status.name == "CONVERGED"
-    assert np.all(np.abs(found.mean_velocity[:, 0] - [0.5294, 0.6893]) < [0.004, 0.0045])
-    state = solve_field(0.3, 2, 0.3, rtol=1e-6)
-    assert found.mean_velocity[1, 0] == pytest.approx(state.drift, rel=1e-4)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_energy_of_elastic_tracers_from_rest(dimension: int) -> None:
+    """<v^2> = 2 g <x> where no energy is lost."""
+    found = solve(scene([0.2, 1.0, 4.0, 20.0], restitution=1.0, dimension=dimension), rtol=1e-6)
+    gained = 2.0 * 0.01 * found.mean_displacement[:, 0]
+    assert found.thermal_speed**2 == pytest.approx(gained, rel=2e-6)
 
 
 @pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 3), (0.4, 0.4, 2)])
@@ -76,9 +59,8 @@ def test_late_times_reach_the_steady_state(e: float, et: float, dimension: int) 
     square = math.sqrt(state.mean_square_speed) * speed
     assert found.thermal_speed[1] == pytest.approx(square, rel=1e-5)
     growth = np.diff(found.displacement_tensor, axis=0)[0] / np.diff(found.times)[0] / 2.0
-    unit = speed * path
-    assert growth[0, 0] == pytest.approx(state.diffusion_parallel * unit, rel=1e-3)
-    assert growth[1, 1] == pytest.approx(state.diffusion_perpendicular * unit, rel=1e-3)
+    assert growth[0, 0] == pytest.approx(state.diffusion_parallel * speed * path, rel=1e-3)
+    assert growth[1, 1] == pytest.approx(state.diffusion_perpendicular * speed * path, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -154,10 +136,6 @@ def test_early_times_are_free_fall() -> None:
     assert found.status.name == "CONVERGED"
     assert found.msd[0] == pytest.approx(PATH**2 * 0.003**4 / 4.0, rel=1e-4)
     assert found.a2[0] == pytest.approx(-0.5, abs=1e-4)
-    found = solve(scene([1e-3], 0.08, initial="gaussian"), rtol=1e-5)
-    t = found.times[0]
-    assert found.mean_velocity[0, 0] == pytest.approx(0.08 * t, rel=2e-3)
-    assert found.displacement_tensor[0, 1, 1] == pytest.approx(t * t, rel=2e-3)
 
 
 def test_a_start_close_to_rest_is_rest() -> None:
@@ -171,13 +149,6 @@ def test_a_miss_is_warned_of() -> None:
         found = solve(scene([3.0], outputs=("mean_velocity",)), rtol=1e-12)
     assert found.status.name == "TOLERANCE_NOT_REACHED"
     assert found.error_estimate > 1e-12
-
-
-def test_moments_at_will_are_refused_with_a_field() -> None:
-    solution = solve(scene([0.5]), rtol=1e-3)
-    for question in (lambda: solution.moment(2.0), lambda: solution.harmonic(1.0, 1)):
-        with pytest.raises(InputError, match="field"):
-            question()
 
 
 def test_the_free_way_in_a_field() -> None:
