@@ -25,8 +25,6 @@ _MOST_BREAKS = 40  # of a table: finer ones are integrated over as if they were 
 class ImpactRestitution(Value):
     """e as a function of the normal impact speed.
 
-    Attributes
-    ----------
     breaks : impact speeds at which it is not smooth, rising, shape (n,)
     is_singular : whether it varies as a fractional power of slow impacts
     """

@@ -21,14 +21,7 @@ from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.results import Result, dataset, variable
-from kinetics.validation import (
-    check_rtol,
-    finite_line,
-    real_number,
-    refuse,
-    speeds,
-    whole_number,
-)
+from kinetics.validation import check_rtol, finite_line, real_number, refuse, speeds, whole_number
 
 _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
 _MOST_NODES, _MOST_HARMONICS = 150, 70
@@ -306,7 +299,8 @@ class DrivenState(SteadyState):
         """<v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
 
         p is real, above -d and up to 20. The error is about ``error_estimate`` for whole p from 0
-        to 4, and up to 1e-4 for others. Raises InputError for p or m out of range.
+        to 4, up to 1e-4 for others of 0 or more, and below 0 as that of the density. Raises
+        InputError for p or m out of range.
         """
         p, m = self._order(p, m, -float(self.dimension))
         return self._fine.average(p, m)

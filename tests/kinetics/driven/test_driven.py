@@ -147,6 +147,14 @@ def test_the_mobility_in_a_field_is_the_slope_of_the_drift(drives: dict[str, flo
     assert slope == pytest.approx(state.mobility, rel=1e-4)
 
 
+@pytest.mark.parametrize("rtol", [1e-3, 1e-9])
+def test_broken_powers_in_a_field_with_drag(rtol: float) -> None:
+    """They were sums over the density: -12 and -13, where the tail counts."""
+    state = solve_steady(0.7, field=1.0, drag=1.0, rtol=rtol)
+    assert state.moment(3.5) == pytest.approx(0.332201935, rel=1e-6)
+    assert state.moment(0.5) == pytest.approx(0.78305464, rel=1e-4)
+
+
 def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
     scene = one_l(1.0, bath_speed=1.0, initial="rest", times=[0.1, 1.0, 20.0, 60.0],
                   outputs=("thermal_speed", "collisions"))  # fmt: skip

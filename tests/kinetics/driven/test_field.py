@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from kinetics import FieldState, InputError, ToleranceWarning, solve_field
 from kinetics.numerics.gauss import panels_between
@@ -16,20 +15,17 @@ COEFFICIENTS = ("diffusion_parallel", "diffusion_perpendicular")
 LAWS: list[dict[str, Any]] = [
     {"restitution": 0.0},
     {"restitution": 0.01},
-    {"restitution": 0.1},
     {"restitution": 0.3, "dimension": 3},
     {"restitution": 0.5},
     {"restitution": 0.9, "dimension": 3},
-    {"restitution": 0.99},
     {"restitution": 0.999},
     {"restitution": 0.5, "tangential_restitution": 0.8},
     {"restitution": 0.9, "tangential_restitution": 0.2, "dimension": 3},
     {"restitution": 0.7, "tangential_restitution": 0.7},
-    # each bounce leaves the panel of the speed
     {"restitution": 0.4, "tangential_restitution": 0.4},
     {"restitution": 0.0, "tangential_restitution": 0.5},
 ]
-SLOW = [LAWS[k] for k in (1, 2, 3, 5, 6, 8)]
+SLOW = [LAWS[k] for k in (1, 2, 4, 6)]
 
 
 @pytest.mark.parametrize(
@@ -54,12 +50,8 @@ def test_exact_relations(arguments: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("e", "dimension"),
-    [
-        (0.0, 2), (0.8, 2), (0.3, 3),
-        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0.3, 2), (0.0, 3), (0.8, 3))),
-    ],
-)  # fmt: skip
+    ("e", "dimension"), [(0.0, 2), (0.8, 2), (0.3, 3), pytest.param(0.0, 3, marks=pytest.mark.slow)]
+)
 def test_moment_hierarchy_of_higher_harmonics(dimension: int, e: float) -> None:
     """Row m of the equation, times v^p: it meets the harmonics m - 1, m and m + 1."""
     state = solve_field(e, dimension)
@@ -87,10 +79,6 @@ def test_nearly_elastic(dimension: int, drift: float, across: float, along: floa
     assert state.drift / quarter == pytest.approx(drift, rel=3e-8)
     assert state.diffusion_perpendicular * quarter == pytest.approx(across, rel=1e-6)
     assert state.diffusion_parallel * quarter == pytest.approx(along, rel=1e-5)
-    a = (2.0 / 9.0 if dimension == 2 else 3.0 / 16.0) * (1.0 - e) * (1.0 + e)
-    v = np.array([0.5, 1.0]) * a**-0.25
-    f = state.vdf(v, [math.pi / 2])[:, 0]
-    assert f[1] / f[0] == pytest.approx(math.exp(-a * v[1] ** 4 + a * v[0] ** 4), rel=1e-3)
 
 
 def test_tiny_restitution_is_like_none() -> None:
@@ -124,20 +112,19 @@ def test_what_is_not_reached_is_said() -> None:
     assert "raise rtol" in state.message
 
 
-def test_density() -> None:
-    """Integral 1, the drift, and no negative values; in the plane and in space."""
+@pytest.mark.parametrize("d", [2, 3])
+def test_density(d: int) -> None:
+    """Integral 1, the drift, and no negative values."""
     v, w = panels_between(np.array([0.0, 0.3, 1.0, 3.0, 8.4]), 8)
-    disks, spheres = solve_field(0.7), solve_field(0.7, 3)
+    state = solve_field(0.7, d)
     phi, share = panels_between(np.array([0.0, 0.2, 1.0, math.pi]), 8)
-    f = disks.vdf(v, phi)
+    share *= 2.0 if d == 2 else 2.0 * math.pi * np.sin(phi)
+    f = state.vdf(v, phi)
     assert f.shape == (32, 24)
     assert f.min() > -1e-9
-    assert 2.0 * (w * v) @ f @ share == pytest.approx(1.0, abs=1e-6)
-    assert 2.0 * (w * v * v) @ f @ (share * np.cos(phi)) == pytest.approx(disks.drift, abs=1e-6)
-    f, share = spheres.vdf(v, phi), 2.0 * math.pi * share * np.sin(phi)
-    assert (w * v**2) @ f @ share == pytest.approx(1.0, abs=1e-6)
-    assert (w * v**3) @ f @ (share * np.cos(phi)) == pytest.approx(spheres.drift, abs=1e-6)
-    assert np.all(disks.vdf([100.0], [0.0]) == 0.0)
+    assert (w * v ** (d - 1)) @ f @ share == pytest.approx(1.0, abs=1e-6)
+    assert (w * v**d) @ f @ (share * np.cos(phi)) == pytest.approx(state.drift, abs=1e-6)
+    assert np.all(state.vdf([100.0], [0.0]) == 0.0)
 
 
 def test_density_on_the_ray_along_the_field() -> None:
@@ -162,8 +149,6 @@ def test_density_where_bounces_stop_a_tracer() -> None:
         close = state.vdf([1.0], [1e-3, 1e-2, 1e-1])[0]
     assert np.all(np.diff(close) < 0.0)
     with pytest.warns(ToleranceWarning, match="vdf"):
-        assert state.plot("vdf", ax=Figure().subplots()).lines
-    with pytest.warns(ToleranceWarning, match="vdf"):
         solve_field(1e-12, rtol=1e-6).vdf([1.0], [0.0])
 
 
@@ -178,9 +163,8 @@ def test_in_units() -> None:
     assert found.diffusion_parallel == pytest.approx(coefficient, rel=1e-14)
     rate = state.mean_speed * math.sqrt(9.81 / path)
     assert found.collision_rate == pytest.approx(rate, rel=1e-14)
-    for bad in ((0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, math.nan), (1e300, 1e-300, 1.0)):
-        with pytest.raises(InputError):
-            state.in_units(*bad)
+    with pytest.raises(InputError):
+        state.in_units(1e300, 1e-300, 1.0)
 
 
 def test_moments_that_do_not_exist() -> None:
