@@ -207,7 +207,7 @@ class SteadyState(Result):
 
     def _dataset(self: Any, only: Collection[str] | None = None, **points: Any) -> Any:
         """Points: speeds, and angles to the field in radians."""
-        scale = math.sqrt(self._fine.average(2.0, 0))
+        scale = math.sqrt(self.mean_square_speed)
         v = finite_line("speeds", points.get("speeds", np.linspace(0.025, 4.0, 160) * scale))
         some = np.array([0.0, 0.5, 1.0]) * np.pi if self.system.field else 0.0
         phi = finite_line("angles", points.get("angles", some))

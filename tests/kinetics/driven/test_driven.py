@@ -63,17 +63,12 @@ def test_the_bath_makes_a_maxwellian(dimension, e, mass_ratio):
 
 @pytest.mark.parametrize(
     ("d", "e", "expected"),  # prototype; in space at e = 0 the constant of Pidduck
-    [
-        (2, 0.0, 0.57947574236624),
-        (2, 0.5, 0.86669808085762),
-        (3, 0.0, 1.018953784881 * 3.0 * math.sqrt(math.pi) / 8.0),
-        (3, 0.5, 0.99633365904575),
-    ],
-)
+    [(2, 0.0, 0.57947574236624), (2, 0.5, 0.86669808085762), (3, 0.5, 0.99633365904575),
+     (3, 0.0, 1.018953784881 * 3.0 * math.sqrt(math.pi) / 8.0)],
+)  # fmt: skip
 def test_diffusion_in_a_bath(d, e, expected):
-    assert solve_steady(e, d, bath_speed=1.0).diffusion_coefficient == pytest.approx(
-        expected, rel=1e-10
-    )
+    state = solve_steady(e, d, bath_speed=1.0)
+    assert state.diffusion_coefficient == pytest.approx(expected, rel=1e-10)
 
 
 def test_both_limits_of_diffusion_in_a_bath(dimension):

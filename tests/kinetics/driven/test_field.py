@@ -93,9 +93,7 @@ def nearly_exact(e: float) -> FieldState:
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize(
-    "e", [0.0, 0.6, *(pytest.param(e, marks=pytest.mark.slow) for e in (0.2, 0.95))]
-)
+@pytest.mark.parametrize("e", [0.0, 0.6, pytest.param(0.95, marks=pytest.mark.slow)])
 def test_rtol_is_met(e: float, rtol: float) -> None:
     exact, state = nearly_exact(e), solve_field(e, rtol=rtol)
     assert state.status.name == "CONVERGED"
