@@ -9,8 +9,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
 from .record import Derived, Status, defines, derives, result, row, zero
-from .scaling_state import largest_cooling_ratio
-from .values import cooling_rate_value
+from .scaling_state import cooling_rate_value, largest_cooling_ratio
 
 _F_SCALED = s.F(s.bc)
 

@@ -13,10 +13,10 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
-from .any_law import impact_density, speed_at_e_zero
+from ..premises import impact_density, over_impact
+from .any_law import speed_at_e_zero
 from .mass_ratio import effective_restitution
 from .record import Derived, derives, must, result, zero
-from .uniform_field import over_impact
 
 # -- a bath ---------------------------------------------------------------------------------------
 
@@ -79,7 +79,7 @@ def bath_rates(dimension: int) -> tuple[sp.Expr, sp.Expr]:
 
     The mean of (g.n) n over the normals of one collision is c g, and that of (g.n)^2 is c g^2.
     """
-    share = over_impact(dimension, 1 - s.y**2)  # c = E[cos^2 theta]
+    share = over_impact(1 - s.y**2, dimension)  # c = E[cos^2 theta]
     kick = 1 + s.effective
     along = kick * s.bath_pull(s.v) / s.v**2 * -share  # of <|g| g>, its part along v
     square = kick**2 * cubed_relative_speed(dimension) - 2 * kick * s.bath_pull(s.v)
@@ -94,7 +94,7 @@ def _moments() -> Derived:
         along, square = bath_rates(dimension)
         rows += [eq(s.collided(s.bv), s.bv * along), eq(s.collided(s.v**2), square)]
         still = {s.bath_rate(s.v): s.v, s.bath_pull(s.v): s.v**3, s.bath: 0}
-        loss = over_impact(dimension, (1 - s.effective**2) * (1 - s.y**2))
+        loss = over_impact((1 - s.effective**2) * (1 - s.y**2), dimension)
         zero(square.subs(still) + loss * s.v**3, "at rest the bath is not fixed scatterers")
     return result(
         sp.Tuple(*rows),

@@ -13,15 +13,14 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import eq
-from ..premises import mean_free_path
-from .any_law import impact_density, plane_average, velocity_after
+from ..premises import impact_density, mean_free_path, over_impact, velocity_after
 from .record import Derived, derives, must, result, row, zero
 
 
 @cache
 def straight_back() -> sp.Expr:
     """The density of the deflection at pi, per radian, from both sides."""
-    across, along = velocity_after(2).subs(s.et, 1)
+    across, along = velocity_after().subs(s.et, 1)
     missing = sp.atan(across / along)  # pi - chi, for contacts that are nearly head-on
     per_contact = impact_density(2) * sp.diff(sp.sin(s.theta), s.theta)
     turned = sp.simplify(sp.diff(missing, s.theta).subs(s.theta, 0))
@@ -84,7 +83,7 @@ def _return_slope() -> Derived:
     first, _ = return_symbols()
     cooling = first.subs({s.harm: 0, s.p: p}).subs(s.lamm, s.klog * p)
     must(sp.limit(cooling / p, p, 0) == s.klog, "returns change the mean log loss")
-    elastic = plane_average(2 * s.y**2 - 1)  # cos(chi) of an elastic bounce
+    elastic = over_impact(2 * s.y**2 - 1)  # cos(chi) of an elastic bounce
     return result(
         sp.Tuple(
             eq(s.coefA(s.e), slope_coefficient()),
@@ -117,7 +116,7 @@ def _enskog_path() -> Derived:
 
 @derives("beyond:two-disks")
 def _two_disks() -> Derived:
-    across, along = velocity_after(2).subs(s.et, 1)
+    across, along = velocity_after().subs(s.et, 1)
     in_y = (across / along).subs(s.theta, sp.asin(s.y))
     slope = sp.simplify(sp.diff(in_y, s.y).subs(s.y, 0))
     offset = sp.factor(slope * s.y * s.dist / s.d)

@@ -14,12 +14,11 @@ from ..premises import (
     gaussian_average,
     gaussian_moment,
     loss,
-    over_angle,
     speed_ratio_squared,
 )
 from .cooling import speed_equation_by_moment
 from .record import Derived, defines, derives, must, result, row, zero
-from .values import a2_value
+from .scaling_state import a2_value
 
 
 @cache
@@ -158,11 +157,13 @@ def tidy(expression: sp.Expr) -> sp.Expr:
 
 
 def _moment(order: int, symbol: sp.Symbol) -> tuple[Any, ...]:
-    loss_ = over_angle(1 - speed_ratio_squared() ** (order // 2))
     return (
         eq(symbol, tidy(collision_moment(order))),
         ("speed ratio of one collision, squared", speed_ratio_squared()),
-        (f"1 - s^{order} over the impact parameter, both halves", eq(sp.Symbol("I_y"), loss_)),
+        (
+            f"1 - s^{order} over the impact parameter, both halves",
+            eq(sp.Symbol("I_y"), 2 * loss(order)),
+        ),
         (f"<c^{order + 1}> over the Gaussian times 1 + a_2 S_2(c^2)", sonine_average(order + 1)),
     )
 

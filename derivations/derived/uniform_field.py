@@ -13,9 +13,10 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, eq
+from ..premises import over_impact, parallel_component, space_average, speed_ratio_squared
 from .any_dimension import COSINE, harmonic, share
-from .any_law import impact_density, one_collision
-from .record import Derived, derives, must, result, zero
+from .record import Derived, derives, must, result
+from .scaling_state import plane_average
 
 _COS = sp.cos(s.theta_z)
 _ROWS, _PARTS = (s.row0, s.row1, s.row2), (s.f0, s.f1, s.f2, s.f3)
@@ -116,50 +117,23 @@ def _exact() -> Derived:
     )
 
 
-def over_impact(dimension: int, weight: sp.Expr) -> sp.Expr:
-    """The average over a collision of a polynomial in y."""
-    low = -1 if dimension == 2 else 0
-    return sp.integrate(sp.expand(weight) * impact_density(dimension), (s.y, low, 1))
-
-
-@cache
-def _smooth(dimension: int) -> tuple[sp.Expr, sp.Expr]:
-    """(s^2, s cos(chi)) of smooth scatterers."""
-    square, along = one_collision(dimension)
-    return square.subs(s.et, 1), along.subs(s.et, 1)
-
-
-def _inverse_ratio(dimension: int) -> sp.Expr:
-    """E[1/s] of smooth scatterers."""
-    width = 1 - s.e**2
-    if dimension == 3:  # s^2 is uniform from e^2 to 1
-        return sp.factor(sp.integrate(2 * s.s / width / s.s, (s.s, s.e, 1)))
-    # y = e sinh(u)/b makes s = e cosh(u), b^2 = 1 - e^2
-    b, u = sp.sqrt(width), sp.Symbol("u", positive=True)
-    y = s.e * sp.sinh(u) / b
-    square = sp.expand(_smooth(2)[0].subs(s.y, y)) - s.e**2 * sp.cosh(u) ** 2
-    zero(square.rewrite(sp.exp), "s is not e cosh(u)")
-    integrand = sp.cancel(sp.diff(y, u) / (s.e * sp.cosh(u)))
-    return sp.integrate(integrand, (u, 0, sp.asinh(b / s.e)))
-
-
 @derives("beyond:field-closed")
 def _closed() -> Derived:
+    inverse = plane_average(1 / s.s), sp.factor(space_average(1 / s.s).subs(s.et, 1))  # E[1/s]
     rows = []
     for dimension in (2, 3):
-        rate = 1 - over_impact(dimension, _smooth(dimension)[1])
+        rate = over_impact(1 - parallel_component(), dimension)
         rows.append(eq(Avg(s.v**2 * _COS), sp.factor(1 / rate)))
-        rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
+        rows.append(eq(Avg(_COS / s.v**2), inverse[dimension - 2] - 1))
     return result(sp.Tuple(*rows))
 
 
 @cache
 def _near_elastic(dimension: int) -> tuple[sp.Expr, sp.Expr]:
     """(kappa, lambda_1(0)) to leading order in 1 - e^2."""
-    square, along = _smooth(dimension)
-    lost = sp.factor(over_impact(dimension, 1 - square) / 2)  # -ln s = (1 - s^2)/2 + ...
+    lost = over_impact(1 - speed_ratio_squared(), dimension) / 2  # -ln s = (1 - s^2)/2 + ...
     kappa = lost.subs(s.e, sp.sqrt(1 - s.deficit))
-    return sp.simplify(kappa), 1 - over_impact(dimension, along.subs(s.e, 1))
+    return sp.simplify(kappa), over_impact(1 - parallel_component(), dimension).subs(s.e, 1)
 
 
 @cache
