@@ -253,11 +253,6 @@ capture = _positive("v_c", "normal impact speed below which a tracer sticks")
 depth = _positive("Z_c", "distance along the field in which the share that moves falls by e")
 
 
-def meaning(name: str) -> str:
-    """What the symbol or function of this name stands for; KeyError if it is not in the table."""
-    return _MEANINGS[name]
-
-
 def table() -> tuple[tuple[str, str], ...]:
     """All symbols as (name, meaning), sorted by name."""
     return tuple(sorted(_MEANINGS.items()))

@@ -90,15 +90,12 @@ row(
 
 
 def _second_moment_rate() -> sp.Expr:
-    """dT/dt from the kinetic equation times m v^2/2: with v = v0 c, powers of v0 collect."""
-    return sp.cancel(_energy_rate() / (s.m * _V0**2 / 2)) * _T
+    """dT/dt from the kinetic equation times m v^2/2.
 
-
-def _energy_rate() -> sp.Expr:
-    """d<m v^2/2>/dt: every factor brings its power of v0, and the integral of c^2 I is -M_2."""
-    energy, rate = s.m / 2 * _V0**2, s.d * s.rho0 * _V0
-    density, volume = s.n / _V0**2, _V0**2
-    return energy * rate * density * volume / s.n * (-s.M2)
+    With v = v0 c every factor brings its power of v0, and the integral of c^2 I is -M_2.
+    """
+    rate, density, volume = s.d * s.rho0 * _V0, s.n / _V0**2, _V0**2
+    return rate * density * volume / s.n * (-s.M2) * _T
 
 
 def speed_equation_by_moment() -> sp.Expr:

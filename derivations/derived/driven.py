@@ -109,16 +109,13 @@ def _from_rest() -> Derived:
 
 @derives("beyond:bath-einstein")
 def _einstein() -> Derived:
-    v_z, solved = sp.Symbol("v_z", real=True), sp.Function("H")
+    v_z = sp.Symbol("v_z", real=True)
     steady = sp.exp(-(v_z**2) / (2 * s.hot**2))
     # f = steady (1 + g phi): the field adds -d steady/dv_z, and the balance makes L (phi steady)
-    # steady L phi, so that L phi = -v_z/tau^2, where L H = -v_z
+    # steady L phi: L phi = -driven, and phi is driven/v_z times H with L H = -v_z
     driven = sp.cancel(-sp.diff(steady, v_z) / steady)
-    response = sp.cancel(driven / v_z) * solved(v_z)
-    integral = Avg(v_z * solved(v_z))  # D, the time integral of <v_z(0) v_z(t)>
-    found = sp.cancel(v_z * response / (v_z * solved(v_z))) * integral
     return result(
-        eq(s.mobility, found.subs(integral, s.diffusivity)),
+        eq(s.mobility, sp.cancel(driven / v_z) * s.diffusivity),
         ("the field on the Maxwellian, -d f/dv_z over f", driven),
         "detailed balance: the response is H/tau^2, L H = -v_z, and D = <v_z H>",
         note="For every e* below 1. White noise and fixed scatterers are not in detailed balance: "
