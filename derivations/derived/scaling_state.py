@@ -116,7 +116,7 @@ def _moments() -> Derived:
     scaled = s.MY(s.p) * s.t ** (-s.p)
     loss_term = -s.lam(s.p) * s.MY(s.p + 1) * s.t ** (-(s.p + 1))
     (following,) = sp.solve(sp.diff(scaled, s.t) - loss_term, s.MY(s.p + 1))
-    # p -> 0: lambda(p)/p -> E[-ln s] there
+    # as p -> 0, lambda(p)/p tends to E[-ln s]
     first = sp.limit((1 - s.s**s.p) / s.p, s.p, 0).subs(-sp.log(s.s), s.klog)
     return result(
         sp.Tuple(eq(s.MY(1), 1 / first), eq(s.MY(s.p + 1), sp.simplify(following))),

@@ -76,7 +76,7 @@ def moment_row(dimension: int, m: int) -> sp.Expr:
 
 @derives("beyond:field-moments")
 def _moments() -> Derived:
-    zeroth = moment_row(2, 0)
+    (zeroth,) = {moment_row(dimension, 0) for dimension in (2, 3)}  # the same in both
     first = {dimension: moment_row(dimension, 1) for dimension in (2, 3)}
     return result(
         sp.Tuple(
@@ -91,6 +91,7 @@ def _moments() -> Derived:
 def _exact() -> Derived:
     speed, cos = moment_row(2, 0), _COS
     one = {Avg(sp.Integer(1)): sp.Integer(1)}
+    (first,) = {moment_row(dimension, 1).subs(s.p, 1).subs(one) for dimension in (2, 3)}
 
     def of_power(p: int) -> sp.Expr:
         return sp.powsimp(speed.subs(s.p, p)).subs(one)
@@ -99,14 +100,14 @@ def _exact() -> Derived:
     inverse = sp.cancel(of_power(-1) / Avg(cos / s.v**2))
     return result(
         sp.Tuple(
-            eq(Avg(s.v**2 * cos), 1 / s.lam1(1)),
+            eq(Avg(s.v**2 * cos), first / s.lam1(1)),
             eq(Avg(s.v * cos), s.lam(2) * Avg(s.v**3) / sp.cancel(of_power(2) / Avg(s.v * cos))),
             eq(Avg(s.v**4), of_power(3) / s.lam(3)),
             eq(Avg(cos), s.lam(1) * Avg(s.v**2) / sp.cancel(of_power(1) / Avg(cos))),
             eq(Avg(cos / s.v), s.klog * Avg(s.v)),
             eq(Avg(cos / s.v**2), (1 - Avg(1 / s.s)) / inverse),
         ),
-        "row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1",
+        "row 1 with p = 1, row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1",
         note="In the plane and in space, for every law. The last needs E[1/s] to exist.",
     )
 

@@ -322,29 +322,6 @@ def test_the_transform_of_near_pairs_in_numbers(rows) -> None:
     assert found == pytest.approx(2 * 0.7 / 1.7 * 0.04 * exact, rel=1e-7)
 
 
-def test_the_continued_fractions_meet_the_inverse_of_a_matrix(rows) -> None:
-    step, propagator = rows["beyond:loops"].derived
-    wave, rates = 1.7, [0.0, 1.3, 0.9, 1.1, 1.0, 1.05]
-    size = len(rates) - 1
-    order = np.arange(-size, size + 1)
-    stream = 0.5j * wave * (np.eye(2 * size + 1, k=1) + np.eye(2 * size + 1, k=-1))
-    exact = np.linalg.inv(np.diag([rates[abs(j)] for j in order]) + stream)
-
-    def fraction(further: range) -> float:
-        value = 0.0
-        for j in further:
-            at = {sy.lamj(sy.k): rates[abs(j)], sy.tail(sy.k + 1): value, sy.wave: wave}
-            value = float(step.rhs.subs(at))
-        return value
-
-    for m in (0, 1, 2):
-        up, down = fraction(range(size, m, -1)), fraction(range(-size, m))
-        at = {sy.lamm: rates[m], sy.wave: wave}
-        at |= {sy.tail(sy.harm + 1): up, sy.tail(sy.harm - 1): down}
-        found = float(propagator.rhs.subs(at))
-        assert found == pytest.approx(exact[size + m, size + m].real, rel=1e-12)
-
-
 @pytest.mark.parametrize(("dimension", "m"), [(d, m) for d in (2, 3) for m in (0, 1, 2)])
 def test_rows_of_the_field_against_a_function_of_the_vector(dimension: int, m: int) -> None:
     """f = v_z^3 + v^2 v_z has the harmonics 1 and 3; its derivative by v_z is 5 v_z^2 + v^2."""
