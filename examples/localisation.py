@@ -32,10 +32,17 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import minimize_scalar
 from scipy.special import k0
 
 from kinetics import Scene, Solution, solve
-from kinetics.paper import TAIL_ETA, fit_position, position_peak, position_tail
+from kinetics.paper import (
+    TAIL_ETA,
+    position_far_tail,
+    position_integral,
+    position_peak,
+    position_tail,
+)
 
 PAIRS = ((0.4, 3000.0), (0.6, 300.0), (0.7, 500.0), (0.9, 1000.0))  # of fig. inelasticposi, d/U
 RADII = np.linspace(0.0, 6.0, 601)  # R
@@ -43,6 +50,12 @@ TAIL_RADII = np.arange(1.0, 7.0)
 RESTITUTIONS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 KURTOSIS_TIMES = np.array([1e2, 1e3, 1e4, 1e6, 1e10, 1e30, 1e100, 1e200, 1e300])  # d/U
 LATE_TIMES = np.array([1e3, 1e6, 1e12, 1e30, 1e100, 1e300])
+FORMS = {
+    "tail": lambda r, eta: position_tail(r, eta, 1.0),
+    "far_tail": position_far_tail,
+    "peak": position_peak,
+    "integral": position_integral,
+}
 FITS = (("tail", 2.0, 4.0), ("tail", 3.0, 5.0), ("far_tail", 3.0, 5.0), ("peak", 0.0, 1.0),
         ("integral", 0.0, 5.0))  # fmt: skip
 
@@ -60,12 +73,28 @@ def largest(difference: np.ndarray) -> np.ndarray:
     return np.abs(difference).max(axis=-1)
 
 
+def fitted(g: np.ndarray, form: str, low: float, high: float) -> tuple[float, float, float]:
+    """eta, gamma (1 where the form has none) and the rms of ln(form/G) over low <= R <= high."""
+    used = slice(*np.searchsorted(RADII, [max(low, 1e-9), high + 1e-9]))
+
+    def logarithm(log_eta: float) -> np.ndarray:
+        return np.log(FORMS[form](RADII[used], np.exp(log_eta)) / g[used])
+
+    def spread(log_eta: float) -> float:
+        ratio = logarithm(log_eta)
+        return float(np.std(ratio) if "tail" in form else np.sqrt(np.mean(ratio**2)))
+
+    best = minimize_scalar(spread, bounds=np.log([0.02, 5.0]), method="bounded").x
+    gamma = np.exp(-np.mean(logarithm(best))) if "tail" in form else 1.0
+    return float(np.exp(best)), float(gamma), spread(best)
+
+
 # 1e-7: G(6) is about 1e-7. At the late times G is not asked for far out.
 AT_PAIRS = {e: displacement(e, [t], rtol=1e-7) for e, t in PAIRS}
 G = {e: found.scaled_position_density(RADII)[0] for e, found in AT_PAIRS.items()}
 TAILS = {e: [x[0] for x in found.position_tail(TAIL_RADII)] for e, found in AT_PAIRS.items()}
 FITTED = {
-    (e, form, low, high): fit_position(RADII, np.maximum(g, 0.0), form, (low, high))
+    (e, form, low, high): fitted(np.maximum(g, 0.0), form, low, high)
     for e, g in G.items()
     for form, low, high in FITS
 }
@@ -171,9 +200,9 @@ if __name__ == "__main__":
     for form, low, high in FITS:
         print(f"  {form}, {low:g} <= R <= {high:g}")
         for e, t in PAIRS:
-            fit = FITTED[e, form, low, high]
-            gamma = f"{fit.gamma:8.2f}" if "tail" in form else "       -"
-            print(f"    e = {e}, t = {t:4g}  {fit.eta:7.4f} {gamma}  {fit.residual:7.3f}")
+            eta, gamma, residual = FITTED[e, form, low, high]
+            factor = f"{gamma:8.2f}" if "tail" in form else "       -"
+            print(f"    e = {e}, t = {t:4g}  {eta:7.4f} {factor}  {residual:7.3f}")
     print("  paper: eta 0.25 and gamma 7.39 in the tail, eta 0.75 at the peak")
     if len(sys.argv) == 3 and sys.argv[1] == "--figure":
         draw(sys.argv[2])

@@ -7,10 +7,10 @@ Rooms, each of which imports only those before it: `numerics` (no physics), `col
 one bounce), `states` (initial states) and `scaling` (the scaled distribution), `moments`
 (averages), `densities` (of the velocity), `position` (of the displacement), `field` (the equation
 in a uniform field) and `driven` (baths, noise, drag, a restitution that depends on the speed). Then
-the modules of this folder: `outputs` and `scene` say what can be asked, `answer` solves it,
-`solution` is what `solver.solve` returns: begin reading there. `results` (values, datasets, plots
-and files), `status`, `errors` and `validation` serve all of them. `paper` (also `sonine`) holds the
-paper's approximations; `crosscheck` compares with particles and algebra.
+the modules of this folder: `outputs` and `scene` say what can be asked, `solver` answers it, and
+`solution` has `solve` and what it returns: begin reading there. `results` (values, datasets, plots
+and files), `errors` and `validation` serve all of them. `paper` (also `sonine`) holds the paper's
+approximations; `crosscheck` compares with particles and algebra.
 """
 
 from importlib import import_module
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from kinetics.driven.steady import DrivenState as DrivenState
     from kinetics.driven.steady import solve_steady as solve_steady
     from kinetics.errors import InputError as InputError
+    from kinetics.errors import SolverStatus as SolverStatus
     from kinetics.errors import ToleranceWarning as ToleranceWarning
     from kinetics.results import load as load
     from kinetics.scaling.closed_form import ScalingSolution as ScalingSolution
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from kinetics.scaling.scaled_vdf import solve_scaled as solve_scaled
     from kinetics.scene import Scene as Scene
     from kinetics.solution import Solution as Solution
-    from kinetics.solver import solve as solve
+    from kinetics.solution import solve as solve
     from kinetics.states.kinds import AngularHarmonics as AngularHarmonics
     from kinetics.states.kinds import Beam as Beam
     from kinetics.states.kinds import Gaussian as Gaussian
@@ -42,32 +43,29 @@ if TYPE_CHECKING:
     from kinetics.states.kinds import SpeedSamples as SpeedSamples
     from kinetics.states.kinds import SpeedTable as SpeedTable
     from kinetics.states.kinds import VelocitySamples as VelocitySamples
-    from kinetics.status import SolverStatus as SolverStatus
 
 _SHOWN = {
     "collision": "CollisionLaw",
     "driven.field": "FieldState solve_field",
     "driven.restitution": "Viscoelastic",
     "driven.steady": "DrivenState solve_steady",
-    "errors": "InputError ToleranceWarning",
+    "errors": "InputError SolverStatus ToleranceWarning",
     "results": "load",
     "scaling.closed_form": "ScalingSolution",
     "scaling.scaled_vdf": "ScaledVDF solve_scaled",
     "scene": "Scene",
-    "solution": "Solution",
-    "solver": "solve",
+    "solution": "Solution solve",
     "states.kinds": """AngularHarmonics Beam Gaussian Monoenergetic PolarGrid SpeedDensity
         SpeedSamples SpeedTable VelocitySamples""",
-    "status": "SolverStatus",
 }
 _HIDDEN = {
-    "collision.bounce": "DiskBounce MixedBounce SampledBounce",
+    "collision.bounce": "DiskBounce SampledBounce",
     "crosscheck": "Comparison",
     "driven.field": "FieldUnits",
+    "errors": "PlanStep",
     "driven.restitution": "RestitutionFunction TabulatedRestitution",
     "moments.by_collision": "ByCollision",
-    "states.kinds": "Maxwell Rest",
-    "status": "PlanStep",
+    "states.kinds": "Rest",
 }
 """Homes of the classes that are not shown: a file may hold any of them."""
 _HOME_OF = {

@@ -7,13 +7,11 @@ that cannot be written (one line on standard error); 130 after Ctrl-C and 143 af
 import contextlib
 import os
 import signal
-import socket
 import sys
-import time
 import warnings
 from collections.abc import Iterator
 from importlib import import_module
-from threading import Thread
+from threading import Timer
 from typing import Any
 
 import click
@@ -23,9 +21,7 @@ from kinetics.crosscheck.cli.options import UNITS
 BAD_INPUT = 2
 ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
 """Signals that end a command -> its exit status."""
-GRACE = 1.0
-"""Seconds that a command has after a signal to remove what is half written and say what is saved:
-half of the two within which it promises to end."""
+GRACE = 1.0  # seconds that it then has to remove what is half written and say what is saved
 COMMANDS = (
     "report", "solve", "simulate", "merge", "compare", "fit", "explore", "derive", "bench",
     "stress",
@@ -66,9 +62,7 @@ def other_owners() -> str:
     for name, others in ((name, {*owners.get(name, ())} - {"inelastic-lorentz"}) for name in names):
         if others:
             whose = ", ".join(sorted(others))
-            return (
-                f"the package {name!r} is also of {whose}; use a fresh environment (python -m venv)"
-            )
+            return f"the package {name!r} is also of {whose}; use a fresh environment"
     return ""
 
 
@@ -95,15 +89,14 @@ def cli(context: click.Context) -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit status, see above.
 
-    Without arguments it is the command line of this process, which then ends at once after a
-    signal: Python would wait for what still runs in other threads.
+    Without arguments it is the command line of this process, which ends at once after a signal.
     """
     own_process = arguments is None
     if sys.stdout is None:  # closed by the shell: the next file would take its place
         return _complain("standard output is closed; send it to a file, or to /dev/null")
     if hasattr(sys.stdout, "reconfigure"):  # a terminal that lacks a sign shows ? for it
         sys.stdout.reconfigure(errors="replace")
-    with _ends_in_time(), warnings.catch_warnings():
+    with _ends_at_a_signal(), warnings.catch_warnings():
         warnings.showwarning = lambda message, *_, **__: _say(f"warning: {message}")
         if own_process and not sys.warnoptions:
             warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, of single operations
@@ -158,62 +151,38 @@ def _say(message: str) -> None:
         click.echo(f"lorentz: {' '.join(message.split())}", err=True)
 
 
-# -- Ctrl-C and SIGTERM ---------------------------------------------------------------------------
-
-
 @contextlib.contextmanager
-def _ends_in_time() -> Iterator[None]:
-    """Meanwhile the first signal raises an exception here, and the process ends in time.
-
-    Python raises nothing while compiled code runs, and drops what is raised in a destructor. So the
-    system also tells a thread, which ends the process `GRACE` seconds later if it is still there.
-    """
+def _ends_at_a_signal() -> Iterator[None]:
+    """Meanwhile the first signal raises an exception here, and ends the process in time."""
     before = {number: signal.getsignal(number) for number in ENDED}
-    report_dropped = sys.unraisablehook
-    listening, telling = socket.socketpair()
-    telling.setblocking(False)
-    other = signal.set_wakeup_fd(telling.fileno(), warn_on_full_buffer=False)
-    Thread(target=_end_late, args=(listening,), daemon=True).start()
     for number, handler in before.items():
         if handler is not signal.SIG_IGN:
             signal.signal(number, _raise)
     try:
         yield
     finally:
-        signal.set_wakeup_fd(other)
-        telling.close()
-        sys.unraisablehook = report_dropped
+        while _LATE:
+            _LATE.pop().cancel()
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-def _end_late(listening: socket.socket) -> None:
-    """Wait for a signal, then for the other end to be closed; end the process if it is not."""
-    with listening:
-        while told := listening.recv(1):
-            if status := ENDED.get(told[0]):
-                end = time.monotonic() + GRACE
-                listening.settimeout(GRACE)
-                with contextlib.suppress(TimeoutError):
-                    while listening.recv(1):
-                        listening.settimeout(max(end - time.monotonic(), 1e-3))
-                    return
-                if sys.stderr is not None and sys.stderr.isatty():
-                    os.write(2, b"\x1b[?25h\n")  # show the cursor, which a bar has hidden
-                os._exit(status)
+_LATE: list[Timer] = []  # what ends the process if the exception does not
 
 
 def _raise(number: int, frame: Any) -> None:
-    """Raise, but not in the middle of an import: half a compiled module may crash. Try again."""
+    """Raise, but not in the middle of an import, which may crash half a compiled module."""
     while frame is not None and hasattr(signal, "setitimer"):
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             signal.signal(signal.SIGALRM, lambda _, later: _raise(number, later))
             signal.setitimer(signal.ITIMER_REAL, 0.02)
             return
         frame = frame.f_back
+    _LATE.append(Timer(GRACE, os._exit, [ENDED[number]]))
+    _LATE[-1].daemon = True
+    _LATE[-1].start()
     for one in ENDED:  # no second signal interrupts what the first has begun to clean up
         signal.signal(one, signal.SIG_IGN)
-    sys.unraisablehook = lambda dropped: None  # what is dropped from here on is this exception
     raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(ENDED[number])
 
 

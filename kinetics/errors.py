@@ -1,9 +1,14 @@
-"""The one exception for bad input and the one warning; checks are in `kinetics.validation`."""
+"""How things end: bad input, a missed tolerance, and the plan and status of a solve. No NumPy."""
 
 from __future__ import annotations
 
+import enum
 import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
+
+_LARGEST_RTOL = 0.1  # that can be asked for
 
 
 class InputError(ValueError):
@@ -11,7 +16,7 @@ class InputError(ValueError):
 
 
 class ToleranceWarning(UserWarning):
-    """A figure that carries no status of its own misses the relative tolerance asked for."""
+    """A figure misses the relative tolerance asked for."""
 
 
 def warn_missed(what: str, error: float, rtol: float) -> None:
@@ -29,3 +34,44 @@ def short(value: Any, limit: int = 60) -> str:
     except Exception:  # whole numbers of more than 4300 digits, and anything whose own repr fails
         return f"a {type(value).__name__} that has no short text"
     return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+@dataclass(frozen=True)
+class PlanStep:
+    """One part of the work: what, whether it was done, and why."""
+
+    part: str
+    solved: bool
+    reason: str
+
+
+class SolverStatus(enum.Enum):
+    """How a solve ended; the text of each says which argument to change, and in which direction."""
+
+    CONVERGED = "the error estimate meets rtol"
+    TOLERANCE_NOT_REACHED = (
+        "the error estimate exceeds rtol: raise rtol; where nodes was given, "
+        "give more nodes or leave it out"
+    )
+
+
+def judged(
+    errors: Mapping[str, float], allowed: Mapping[str, float], nodes: int | None = None
+) -> tuple[SolverStatus, str]:
+    """The status, and a sentence: which parts miss their tolerance, and what to change.
+
+    errors : part of the result -> its error estimate
+    allowed : part of the result -> the largest error estimate that counts as converged
+    nodes : the number of nodes that the user gave; None where the solver chose it
+    """
+    missed = [part for part, error in errors.items() if not error <= allowed[part]]
+    if not missed:
+        return SolverStatus.CONVERGED, SolverStatus.CONVERGED.value
+    found = ", ".join(f"{part}: {errors[part]:.1e} against {allowed[part]:.1e}" for part in missed)
+    needed = 1.1 * max(errors[part] for part in missed)
+    advice = [f"raise rtol to {needed:.1e}"] if needed <= _LARGEST_RTOL else []
+    if nodes is not None:
+        advice.append(f"give more nodes than {nodes}, or leave nodes out")
+    what_to_do = ", or ".join(advice) or "ask for other times or outputs"
+    message = f"the error estimate exceeds what was asked for ({found}): {what_to_do}"
+    return SolverStatus.TOLERANCE_NOT_REACHED, message

@@ -11,9 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from kinetics.moments import backward, displacement, velocity
+    from kinetics.moments import backward
     from kinetics.moments.backward import Observable
-    from kinetics.moments.velocity import Averages
 else:
 
     class _Later:
@@ -28,8 +27,6 @@ else:
             return value
 
     backward = _Later("kinetics.moments.backward")
-    displacement = _Later("kinetics.moments.displacement")
-    velocity = _Later("kinetics.moments.velocity")
 
 VELOCITY = "moments of the velocity"
 COLLISIONS = "collision number"
@@ -55,15 +52,13 @@ def parts(*pairs: tuple[float, Observable], start: int | None = None) -> tuple[P
 class Output(NamedTuple):
     """One row of the table.
 
-    Attributes
-    ----------
     name : in ``Scene.outputs``, and of the attribute or method of the Solution
     step : the step of the plan that makes it
     symbol, unit : for heads of columns; the unit is "1" for dimensionless quantities
     shape : of the array, n_times first; the arguments of the method, for those that are functions
     description : in words, with the paper's label
     made_of : the observables that must be solved in this dimension, see :class:`Part`
-    values : makes the array, or a tuple of arrays, one for each of ``names``
+    function : of `kinetics.moments`, makes the array, or a tuple, one for each of ``names``
     also : name, unit and symbol of a second array that comes with it
     in_space : the unit in three dimensions, where that is another one
     """
@@ -75,9 +70,18 @@ class Output(NamedTuple):
     shape: tuple[str, ...]
     description: str
     made_of: Callable[[int], tuple[Part, ...]] = lambda dimension: ()
-    values: Callable[[Averages], Any] | None = None
+    function: str = ""
     also: tuple[tuple[str, str, str], ...] = ()
     in_space: str = ""
+
+    @property
+    def values(self) -> Callable[..., Any] | None:
+        """The function of the averages; None for outputs that are functions of more."""
+        home, _, name = self.function.partition(".")
+        found: Callable[..., Any] | None = None
+        if name:
+            found = getattr(import_module(f"kinetics.moments.{home}"), name)
+        return found
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -87,7 +91,7 @@ class Output(NamedTuple):
     @property
     def is_number(self) -> bool:
         """Whether it is one number for each time."""
-        return self.values is not None and self.shape == ("n_times",)
+        return bool(self.function) and self.shape == _PER_TIME
 
     @property
     def head(self) -> str:
@@ -101,60 +105,54 @@ _ROWS = (
     Output(
         "thermal_speed", VELOCITY, "v0", "U", _PER_TIME,
         "sqrt(<v^2>) (paper, label v0defi)",
-        lambda d: parts((0.5, backward.speed_power(2.0))),
-        lambda averages: velocity.thermal_speed(averages),
+        lambda d: parts((0.5, backward.speed_power(2.0))), "velocity.thermal_speed",
     ),
     Output(
         "temperature", VELOCITY, "T", "m U^2", _PER_TIME,
         "<v^2>/d, d the dimension (paper, label thermo)",
-        lambda d: parts((1.0, backward.speed_power(2.0))),
-        lambda averages: velocity.temperature(averages),
+        lambda d: parts((1.0, backward.speed_power(2.0))), "velocity.temperature",
     ),
     Output(
         "a2", VELOCITY, "a2", "1", _PER_TIME,
         "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5); in space 3 <v^4>/(5 <v^2>^2) - 1",
         lambda d: parts((2.0, backward.speed_power(2.0)), (1.0, backward.speed_power(4.0))),
-        lambda averages: velocity.a2(averages),
+        "velocity.a2",
     ),
     Output(
         "collisions", COLLISIONS, "collisions", "1", _PER_TIME,
         "mean number of collisions per tracer since t = 0",
-        lambda d: parts((1.0, backward.MEAN_COLLISIONS)),
-        lambda averages: velocity.collisions(averages),
+        lambda d: parts((1.0, backward.MEAN_COLLISIONS)), "velocity.collisions",
     ),
     Output(
         "msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
         "mean square displacement (paper, label msd)",
         lambda d: parts((1.0, backward.SQUARED_DISPLACEMENT)),
-        lambda averages: displacement.mean_square_displacement(averages),
+        "displacement.mean_square_displacement",
     ),
     Output(
         "kurtosis", DISPLACEMENT, "<r^4>/<r^2>^2", "1", _PER_TIME,
         "<r^4>/<r^2>^2: 2 for a Gaussian in the plane, 5/3 in space",
         lambda d: parts(
             (2.0, backward.SQUARED_DISPLACEMENT), (1.0, backward.quartic_displacement(d))
-        ),
-        lambda averages: displacement.kurtosis(averages),
+        ), "displacement.kurtosis",
     ),
     Output(
         "velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
         "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), against which it may be small",
         # over all initial velocities: v(0) itself takes the direction out
         lambda d: parts((1.0, backward.speed_power(1.0, 1)), start=0),
-        lambda averages: displacement.velocity_autocorrelation(averages),
+        "displacement.velocity_autocorrelation",
     ),
     Output(
         "diffusion_coefficient", DISPLACEMENT, "D", "d U", _PER_TIME,
         "D = (1/4) d<r^2>/dt (1/6 in space); and msd_slope = d<r^2>/d ln t, in d^2",
-        lambda d: parts((1.0, backward.MSD_SLOPE)),
-        lambda averages: displacement.diffusion_coefficient(averages),
+        lambda d: parts((1.0, backward.MSD_SLOPE)), "displacement.diffusion_coefficient",
         also=(("msd_slope", "d^2", "d<r^2>/d ln t"),),
     ),
     Output(
         "mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "d"),
         "(<x>, <y>), in space (<x>, <y>, <z>)",
-        lambda d: parts((1.0, backward.DISPLACEMENT_ALONG_START)),
-        lambda averages: displacement.mean_displacement(averages),
+        lambda d: parts((1.0, backward.DISPLACEMENT_ALONG_START)), "displacement.mean_displacement",
     ),
     Output(
         "position_density", POSITION, "g", "1/d", ("n_times", "n_r"),
@@ -168,14 +166,13 @@ _ROWS = (
     Output(
         "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "d"),
         "(<v_x>, <v_y>), in space (<v_x>, <v_y>, <v_z>)",
-        lambda d: parts((1.0, backward.speed_power(1.0, 1))),
-        lambda averages: velocity.mean_velocity(averages),
+        lambda d: parts((1.0, backward.speed_power(1.0, 1))), "velocity.mean_velocity",
     ),
     Output(
         "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "d", "d"),
         "<v_i v_j>",
         lambda d: parts((1.0, backward.speed_power(2.0)), (1.0, backward.speed_power(2.0, 2))),
-        lambda averages: velocity.velocity_tensor(averages),
+        "velocity.velocity_tensor",
     ),
     Output(
         "speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),
@@ -192,23 +189,20 @@ _ROWS = (
     ),
 )  # fmt: skip
 
-_NOT_IN_FIELD = {
-    "kurtosis", "velocity_autocorrelation", "diffusion_coefficient", "position_density",
-    "intermediate_scattering",
-}  # fmt: skip
-_NOT_DRIVEN = _NOT_IN_FIELD - {"diffusion_coefficient"}
-_IN_FIELD_ONLY = {"displacement_tensor"}
-
 # what a row is made of is the same tuple each time
 _CACHED = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
-FIELD_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_IN_FIELD}
-"""Name -> row for scenes with a field, which `kinetics.field` solves."""
+_FREE_ONLY = {
+    "kurtosis", "velocity_autocorrelation", "position_density", "intermediate_scattering"
+}  # fmt: skip
 
-DRIVEN_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _NOT_DRIVEN}
+OUTPUTS = {name: row for name, row in _CACHED.items() if name != "displacement_tensor"}
+"""Name -> row, in the order in which outputs are listed."""
+
+DRIVEN_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _FREE_ONLY}
 """Name -> row for scenes with driven tracers, which `kinetics.driven` solves."""
 
-OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _IN_FIELD_ONLY}
-"""Name -> row, in the order in which outputs are listed."""
+FIELD_OUTPUTS = {n: row for n, row in DRIVEN_OUTPUTS.items() if n != "diffusion_coefficient"}
+"""Name -> row for scenes with a field, which `kinetics.field` solves."""
 
 
 class Axis(NamedTuple):

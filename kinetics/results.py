@@ -1,8 +1,7 @@
 """What results are: values with read-only arrays, of which datasets, plots and files are made.
 
-A file is netCDF-4: the averages, for any program, and the variable `record`, from which
-:func:`load` builds the value again: JSON of its arguments and figures, where ``{"variable": name}``
-stands for a variable. What `load` reads is checksummed by HDF5, nothing is executed, and only
+A file is netCDF-4: the averages, for any program, and the variable `record`, the JSON from which
+:func:`load` builds the value again. It is checksummed by HDF5, nothing in it is executed, and only
 classes that `kinetics` names are built; what was solved on demand is solved again. xarray, pandas,
 h5py and matplotlib are imported at first use.
 """
@@ -21,7 +20,6 @@ import sys
 from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cached_property
-from html import escape
 from itertools import product
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
@@ -38,7 +36,7 @@ if TYPE_CHECKING:
 
 COMPONENTS = ("component", "component2")
 """Dimensions of vectors and tensors, which come last; their coordinates are x, y and z."""
-_FORMAT, _RECORD = "inelastic-lorentz kinetics 2", "record"
+_FORMAT, _RECORD = "inelastic-lorentz kinetics 3", "record"
 
 
 def frozen(value: Any) -> Any:
@@ -76,12 +74,11 @@ def _brief(value: Any) -> str:
     for one in fields(value):
         part = getattr(value, one.name)
         empty = isinstance(part, np.ndarray | tuple) and len(part) == 0
-        if empty or not one.repr or _contents(part) == _contents(one.default):
-            continue
-        shown[one.name] = getattr(part, "__qualname__", repr(part))
-        if isinstance(part, np.ndarray):
-            size, ends = " x ".join(map(str, part.shape)), f"{part.min():.6g} to {part.max():.6g}"
-            shown[one.name] = f"<{size} numbers, {ends}>"
+        if not (empty or not one.repr or _contents(part) == _contents(one.default)):
+            shown[one.name] = getattr(part, "__qualname__", repr(part))
+            if isinstance(part, np.ndarray):
+                size, low, high = " x ".join(map(str, part.shape)), part.min(), part.max()
+                shown[one.name] = f"<{size} numbers, {low:.6g} to {high:.6g}>"
     return f"{type(value).__name__}({', '.join(f'{n}={part}' for n, part in shown.items())})"
 
 
@@ -125,25 +122,16 @@ class Value:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write this to a netCDF-4 file, whole or not at all; :func:`kinetics.load` reads it back.
 
-        Where the path is a symbolic link, the file that it points to is replaced. Raises InputError
-        where the file cannot be written, and for what a file cannot hold: an initial state that is
-        a Python function, or a class that is not of this package.
+        InputError where the file cannot be written, and for what it cannot hold: a Python function,
+        or a class that is not of this package.
         """
         record = json.dumps({"format": _FORMAT, "value": _plain(self, True)})
         made = self._dataset(only=())
         made[_RECORD] = "byte", np.frombuffer(record.encode(), np.uint8)
-        write_whole({_path(path): _netcdf(made)})
+        write_whole({path: _netcdf(made)})
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         return dataset(type(self).__name__, self, {}, {})
-
-    def _figures(self) -> Mapping[str, str]:
-        """What a notebook shows, name -> text."""
-        return {}
-
-    def _repr_html_(self) -> str:
-        figures = (f"<tr><td>{escape(a)}<td>{escape(b)}" for a, b in self._figures().items())
-        return f"<p>{escape(repr(self).splitlines()[0])}</p><table>{''.join(figures)}</table>"
 
     def _to_storage(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self) if f.init}  # type: ignore[arg-type]
@@ -157,10 +145,9 @@ class Value:
 class Result(Value):
     """A value that becomes an `xarray.Dataset`, a data frame or a plot where one asks for it.
 
-    A subclass writes ``_dataset(only, **points)`` with :func:`dataset`. ``only`` names what is
-    needed; empty, that is what depends on the first coordinate alone, and single numbers; None is
-    everything; ``_on_demand`` are names that it may leave out. ``_points`` names the points that
-    may be given.
+    A subclass writes ``_dataset(only, **points)`` with :func:`dataset`: all of it, or what ``only``
+    names, and always what depends on the first coordinate alone, and single numbers. ``_on_demand``
+    are names that it may leave out, ``_points`` the points that may be given.
     """
 
     _points: tuple[str, ...] = ()
@@ -170,8 +157,8 @@ class Result(Value):
         """An xarray Dataset of everything, whose attributes say units, status and accuracy.
 
         ``points`` are where functions are evaluated: for a Solution speeds, angles, radii,
-        scaled_radii, wave_numbers and direction; for others see there. Complex quantities are split
-        into ``_real`` and ``_imag``, so that ``to_netcdf`` takes them. InputError for other points.
+        scaled_radii, wave_numbers and direction. Complex quantities are split into ``_real`` and
+        ``_imag``, so that ``to_netcdf`` takes them. InputError for other points.
         """
         return self._made(None, points)
 
@@ -179,8 +166,8 @@ class Result(Value):
         """A pandas DataFrame: one row for each time (or other first coordinate) with all averages.
 
         With the ``name`` of a quantity that depends on more, such as "speed_density": one row for
-        each point. The attributes of the result, and the unit of each column, are in
-        ``frame.attrs``. ``points``: as of :meth:`to_xarray`. InputError for an unknown name.
+        each point. Units, and the attributes of the result, are in ``frame.attrs``. ``points``: as
+        of :meth:`to_xarray`. InputError for an unknown name.
         """
         import xarray
 
@@ -202,69 +189,30 @@ class Result(Value):
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one quantity by its name, on ``ax`` or on new axes; returns the matplotlib axes.
 
-        Averages are drawn over time, densities at up to eight of the times. Axes are labelled with
-        units. ``points``: as of :meth:`to_xarray`. Without a name everything is drawn, see
-        :meth:`plot_all`. Raises InputError for a name that is not there.
+        Averages are drawn over time, densities at up to eight of the times; without a name
+        everything is drawn. ``points``: as of :meth:`to_xarray`. InputError for an unknown name.
         """
         if name is not None:
-            return self._draw(name, self._named(name, points), ax)
+            return _draw(name, self._named(name, points), ax)
         if ax is not None:
             raise InputError("ax: got axes without a name; name what to draw on them")
         return self.plot_all(**points)
 
     def plot_all(self, **points: Any) -> NDArray[Any]:
-        """Draw everything, each quantity in axes of its own in one new figure; an array of axes.
-
-        <r^2> is drawn over ln t where that is nearly straight. ``points``: as of :meth:`to_xarray`.
-        """
+        """Draw each quantity in axes of its own in one new figure; returns an array of axes."""
         from matplotlib import pyplot
 
         groups: dict[str, list[xarray.DataArray]] = {}
         for one in self._made(None, points).data_vars.values():
-            empty = one.name == "uncollided" and not one.values.any()  # of most starts
-            if 1 <= len(_axes(one)) <= 2 and "front" not in one.dims and not empty:
+            if 1 <= len(_axes(one)) <= 2 and one.values.any():  # not what is zero
                 base = str(one.name).removesuffix("_real").removesuffix("_imag")
                 groups.setdefault(base, []).append(one)
-        width = min(3, max(1, len(groups)))
-        rows = max(1, -(-len(groups) // width))
-        figure, grid = pyplot.subplots(
-            rows, width, squeeze=False, figsize=(4.2 * width, 3.2 * rows), layout="constrained"
-        )
-        for place, (base, parts) in zip(grid.flat, groups.items(), strict=False):
-            self._draw(base, parts, place)
-            if base == "msd" and _is_logarithmic(parts[0]["time"].values, parts[0].values):
-                place.set_yscale("linear")
-        for place in grid.flat[len(groups) :]:
-            figure.delaxes(place)
-        return grid.flat[: len(groups)]
-
-    def _draw(self, name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
-        """Draw a quantity, or its real and imaginary part."""
-        free, several = _axes(parts[0]), len(parts) > 1 or parts[0].ndim > 1
-        several &= parts[0].shape[0] > 1 or free[0] != "angle"  # one angle: F is isotropic
-        if not 1 <= len(free) <= 2:
-            raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
-        if ax is None:
-            from matplotlib import pyplot
-
-            _, ax = pyplot.subplots(layout="constrained")
-        along = parts[0][free[-1]]
-        for part, style in zip(parts, ("-", "--"), strict=False):
-            ax.set_prop_cycle(None)  # imaginary parts are broken lines of the same colours
-            for label, line in _lines(part).items():
-                ax.plot(along, line, style, label=label if several else None)
-        if several:
-            ax.legend()
-        ax.set(xlabel=_label(along), ylabel=_label(parts[0]))
-        x, y = along.values, parts[0].values
-        if _is_wide(x[x > 0.0] if along.name == "time" else x):  # 0 is then left out
-            ax.set_xscale("log")
-        top = y.max(where=np.isfinite(y), initial=0.0)
-        if name.endswith(("density", "vdf")) and top > 0.0:
-            ax.set(yscale="log", ylim=(1e-7 * top, 3.0 * top))  # tails are of interest
-        elif len(parts) == 1 and _is_wide(y):
-            ax.set_yscale("log")
-        return ax
+        columns = min(3, len(groups))
+        rows = math.ceil(len(groups) / columns)
+        figure = pyplot.figure(figsize=(4.2 * columns, 3.2 * rows), layout="constrained")
+        for k, (name, parts) in enumerate(groups.items()):
+            _draw(name, parts, figure.add_subplot(rows, columns, k + 1))
+        return np.array(figure.axes)
 
     def _made(self, only: Collection[str] | None, points: Mapping[str, Any]) -> xarray.Dataset:
         for name in points:
@@ -296,7 +244,7 @@ def dataset(
 ) -> xarray.Dataset:  # fmt: skip
     """The Dataset of a result, from what :func:`variable` made; unused coordinates are left out.
 
-    question : what was asked, a dataclass or a dictionary; it is the attribute `scene`, as JSON
+    question : what was asked; it is the attribute `scene`, as JSON
     attributes : status, message, tolerance_asked and tolerance_reached, where there are any
     """
     import xarray
@@ -322,15 +270,43 @@ def _components(one: xarray.DataArray) -> dict[str, xarray.DataArray]:
     return {f"{one.name}_{''.join(at.values())}": one.sel(at, drop=True) for at in places}
 
 
+def _draw(name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
+    """Draw a quantity, or its real and imaginary part; wide ranges on logarithmic axes."""
+    free = _axes(parts[0])
+    if not 1 <= len(free) <= 2:
+        raise InputError(f"name: got {name!r}; plot draws what depends on one or two of {free}")
+    if ax is None:
+        from matplotlib import pyplot
+
+        _, ax = pyplot.subplots(layout="constrained")
+    along = parts[0][free[-1]]
+    for part, style in zip(parts, ("-", "--"), strict=False):
+        ax.set_prop_cycle(None)  # imaginary parts are broken lines of the same colours
+        for label, line in _lines(part).items():
+            ax.plot(along, line, style, label=label)
+    if len(ax.lines) > 1 or (len(free) == 2 and free[0] != "angle"):
+        ax.legend()
+    ax.set(xlabel=_label(along), ylabel=_label(parts[0]))
+    x, y = along.values, parts[0].values
+    if _is_wide(x[x > 0.0] if along.name == "time" else x):  # 0 is then left out
+        ax.set_xscale("log")
+    top = y.max(where=np.isfinite(y), initial=0.0)
+    if name.endswith(("density", "vdf")) and top > 0.0:
+        ax.set(yscale="log", ylim=(1e-7 * top, 3.0 * top))  # tails are of interest
+    elif len(parts) == 1 and _is_wide(y):
+        ax.set_yscale("log")
+    return ax
+
+
 def _lines(one: xarray.DataArray) -> dict[str, Any]:
     """Label -> line: the components of what depends on the time; of other things some times."""
     free = _axes(one)
     if len(free) == 1:
         return {name.replace("_", " "): line for name, line in _components(one).items()}
-    first = one[free[0]]
-    symbol, units = first.attrs.get("symbol", first.name), first.attrs["units"].replace("1", "")
-    shown = np.linspace(0, first.size - 1, 8).round().astype(int)
-    return {f"{symbol} = {first.values[i]:.4g} {units}".strip(): one.values[i] for i in shown}
+    at, about = one[free[0]].values, one[free[0]].attrs
+    symbol, units = about.get("symbol", free[0]), about["units"].replace("1", "")
+    shown = np.linspace(0, at.size - 1, 8).round().astype(int)
+    return {f"{symbol} = {at[i]:.4g} {units}".strip(): one.values[i] for i in shown}
 
 
 def _label(one: xarray.DataArray) -> str:
@@ -340,58 +316,58 @@ def _label(one: xarray.DataArray) -> str:
     return text.translate({60: "⟨", 62: "⟩"}).replace("^2", "²").replace("^3", "³")
 
 
-def _is_logarithmic(t: NDArray[Any], y: NDArray[Any]) -> bool:
-    """Whether y grows more slowly than t^0.75 over the later half of the times."""
-    middle = t.size // 2
-    if t.size < 3 or not (t[middle] > 0.0 and 0.0 < y[middle] <= y[-1]):
-        return False
-    return bool(np.log(y[-1] / y[middle]) < 0.75 * np.log(t[-1] / t[middle]))
-
-
 def _is_wide(values: NDArray[Any]) -> bool:
     """Whether numbers are positive and span 1.5 decades: their axis is logarithmic then."""
     x = values[np.isfinite(values)]
     return bool(x.size > 1 and 0.0 < 30.0 * x.min() < x.max())
 
 
+# -- files ----------------------------------------------------------------------------------------
+
+
 def load(path: str | os.PathLike[str]) -> Any:
     """The value that a file holds, of the class that was saved; see :meth:`Value.save`.
 
-    Raises InputError (a ValueError), one line: there is no such file, it is damaged, kinetics did
-    not save it, or it holds what this version does not know.
+    Raises InputError, one line: there is no such file, it is damaged, or kinetics did not save it.
     """
     import h5py
 
-    name, foreign = _path(path), "it is damaged, or no file that kinetics saved"
+    name = short(str(path), 300)
     try:
-        if not os.path.isfile(name):
+        if not os.path.isfile(path):
             raise InputError("there is no such file")
-        with h5py.File(name, "r") as file:
-            record = json.loads(_stored(file, _RECORD).tobytes())
-            if record["format"] != _FORMAT:
-                raise InputError(f"this version reads {_FORMAT!r}, not {short(record['format'])}")
-            return _restored(record["value"], file)
+        with h5py.File(path, "r") as file:
+            if not isinstance(file.get(_RECORD, getlink=True), h5py.HardLink):
+                raise ValueError("a link")
+            record = file[_RECORD]
+            # nothing of another file, and no more memory than is stored
+            beyond = record.is_virtual or record.external
+            if beyond or record.id.get_storage_size() < record.nbytes:
+                raise ValueError("not stored here")
+            found = json.loads(record[()].tobytes())
+        if found["format"] != _FORMAT:
+            raise InputError(f"this version reads {_FORMAT!r}, not {short(found['format'])}")
+        return _restored(found["value"])
     except InputError as error:
-        raise InputError(f"path: got {name!r}; {error}") from None
+        raise InputError(f"path: got {name}; {error}") from None
     except Exception as error:  # h5py raises errors of nearly any class
-        raise InputError(f"path: got {name!r}; {foreign} ({type(error).__name__})") from None
+        what = "it is damaged, or no file that kinetics saved"
+        raise InputError(f"path: got {name}; {what} ({type(error).__name__})") from None
 
 
-def write_whole(contents: Mapping[str, bytes]) -> None:
-    """Write files, by their paths, all of them or none.
+def write_whole(contents: Mapping[Any, bytes]) -> None:
+    """Write files, by their paths, all of them or none; InputError where one cannot be written.
 
     Each is written beside its target under a random name; when all are on the disk they get their
-    own. A symbolic link is followed: the file that it points to is replaced, and the link stays.
-    Raises InputError where one cannot be written; what was there before is left as it was.
+    own. Symbolic links are followed.
     """
     parts: dict[str, str] = {}
-    path = ""
+    path: Any = ""
     try:
         for path, content in contents.items():
-            target = os.path.realpath(path)
+            target = os.path.realpath(os.fsdecode(path))
             if os.path.exists(target) and not os.path.isfile(target):
-                what = "it is a folder, a device or a pipe, not a file"
-                raise InputError(f"path: got {path!r}; {what}")
+                raise OSError("it is a folder, a device or a pipe, not a file")
             folder, base = os.path.split(target)
             beside = os.path.join(folder, f".{base}.{secrets.token_hex(8)}.part")
             parts[beside] = target
@@ -401,25 +377,13 @@ def write_whole(contents: Mapping[str, bytes]) -> None:
                 os.fsync(file.fileno())
         for beside, target in parts.items():
             os.replace(beside, target)
-        for folder in {os.path.dirname(t) for t in parts.values()} if os.name == "posix" else ():
-            descriptor = os.open(folder, os.O_RDONLY)  # the new names are safe with their folder
-            os.fsync(descriptor)
-            os.close(descriptor)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"path: got {path!r}; it cannot be written ({reason})") from None
+    except (OSError, TypeError, ValueError) as error:
+        reason = f"it cannot be written ({getattr(error, 'strerror', None) or error})"
+        raise InputError(f"path: got {short(str(path), 300)}; {reason}") from None
     finally:
         for beside in parts:
             with contextlib.suppress(OSError):
                 os.unlink(beside)  # it is there only if something went wrong
-
-
-def _path(path: Any) -> str:
-    with contextlib.suppress(TypeError):
-        text = os.fsdecode(path)
-        if text and "\0" not in text:
-            return text
-    raise InputError(f"path: got {short(path)}; it must be the path of a file")
 
 
 def _netcdf(made: xarray.Dataset) -> bytes:
@@ -427,28 +391,14 @@ def _netcdf(made: xarray.Dataset) -> bytes:
     import h5netcdf
     from xarray.backends import H5NetCDFStore
 
-    encoding = {
-        name: {"_FillValue": None, **({"fletcher32": True} if one.size and one.ndim else {})}
-        for name, one in made.variables.items()
-        if one.dtype.kind in "biuf"
-    }
+    checked = {n: one.size > 0 and one.ndim > 0 for n, one in made.variables.items()}
+    numbers = [n for n, one in made.variables.items() if one.dtype.kind in "biuf"]
+    encoding = {n: {"_FillValue": None, "fletcher32": checked[n]} for n in numbers}
     image = io.BytesIO()
     # From this version of the format on the structure of a file is checksummed as well.
     with h5netcdf.File(image, "w", libver=("v110", "v110")) as file:
         made.dump_to_store(H5NetCDFStore(file), encoding=encoding)
     return image.getvalue()
-
-
-def _stored(file: Any, name: str) -> NDArray[Any]:
-    """An array of a file; ValueError for data of another file, or larger than what is stored."""
-    import h5py
-
-    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        raise ValueError(name)
-    found = file[name]
-    if found.is_virtual or found.external or found.id.get_storage_size() < found.nbytes:
-        raise ValueError(name)
-    return np.asarray(found[()])
 
 
 def _public(name: Any) -> Any:
@@ -488,17 +438,15 @@ def _plain(value: Any, whole: bool) -> Any:
     return {"class": cls.__name__} | {name: _plain(part, whole) for name, part in parts.items()}
 
 
-def _restored(plain: Any, file: Any) -> Any:
+def _restored(plain: Any) -> Any:
     """What `_plain` was given."""
     if isinstance(plain, list):
-        return tuple(_restored(item, file) for item in plain)
+        return tuple(_restored(item) for item in plain)
     if not isinstance(plain, dict):
         return plain
     if "array" in plain:
         return np.asarray(plain["array"])
-    if "variable" in plain:
-        return _stored(file, plain["variable"])
-    parts = {name: _restored(item, file) for name, item in plain.items()}
+    parts = {name: _restored(item) for name, item in plain.items()}
     if "class" not in parts:
         return parts
     cls = _public(name := parts.pop("class"))

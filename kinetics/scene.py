@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.driven.restitution import impact_restitution
 from kinetics.driven.system import DRIVES, System, checked_drives
 from kinetics.numerics import FloatArray
-from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, described
+from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 from kinetics.results import Value
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
@@ -39,16 +38,14 @@ class Scene(Value):
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
-    times : in d/U, shape (n_times,), not falling, not negative; where collision_numbers are given
-        it may be left out, and is 0
+    times : in d/U, shape (n_times,), not falling, not negative; 0 where collision_numbers are given
     outputs : names out of the table of outputs in the reference
     harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
         space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
         x axis)
-    collision_numbers : N, whole numbers from 0, of the averages after N collisions that
-        ``Solution.by_collision`` gives, shape (n_collisions,)
+    collision_numbers : N, whole, of the averages after N collisions, ``Solution.by_collision``
     scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
         (placed independently) or "hard disks": the equation to the first order in the density, up
         to number_density * diameter^2 = 0.3, among smooth disks
@@ -69,13 +66,9 @@ class Scene(Value):
     `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the
     outputs are fewer; in a field, and for outputs with a direction, starts are symmetric about x.
 
-    Raises
-    ------
-    InputError (a ValueError) : one line that names the argument, its value and what is allowed
-
-    A scene whose initial state is a Python function can neither be saved to a file nor, if the
-    function is a lambda, be pickled: give the density as a SpeedTable where that is needed. Two
-    scenes are equal if their systems, initial states, times and outputs are.
+    Raises InputError (a ValueError), one line that names the argument, its value and what is
+    allowed. A scene whose initial state is a Python function cannot be saved to a file: give the
+    density as a SpeedTable where that is needed.
     """
 
     restitution: Any
@@ -128,8 +121,7 @@ class Scene(Value):
                 name = "scatterers" if at_a_density else "tangential_restitution"
                 allowed = "driven tracers are solved among smooth dilute scatterers only"
                 refuse(name, getattr(self, name), allowed)
-            names = ("restitution", *DRIVES)
-            arguments |= {name: getattr(system, name) for name in names}
+            arguments |= {name: getattr(system, name) for name in ("restitution", *DRIVES)}
         table = DRIVEN_OUTPUTS if system else FIELD_OUTPUTS if field else OUTPUTS
         gains = field > 0.0 or (system is not None and system.is_driven)
         self.store(
@@ -155,40 +147,35 @@ class Scene(Value):
 
         Raises InputError where the restitution depends on the impact speed: there is none.
         """
-        if impact_restitution(self.restitution) is not None:
+        if self._varies:
             refuse("restitution", self.restitution, "a CollisionLaw needs a number")
         return self._any_law
 
+    @property
+    def _varies(self) -> bool:
+        """Whether the restitution depends on the impact speed."""
+        return impact_restitution(self.restitution) is not None
+
     @cached_property
     def system(self) -> System | None:
-        """What drives the tracer, or makes its restitution depend on the speed; None for neither.
-
-        In U and d.
-        """
-        varies = impact_restitution(self.restitution) is not None
+        """What drives the tracer, or makes its restitution vary, in U and d; None for neither."""
         drives = checked_drives(**{name: getattr(self, name) for name in (*DRIVES, "field")})
-        if not varies and not any(drives[name] for name in DRIVES):
+        if not self._varies and not any(drives[name] for name in DRIVES):
             return None
         return System.checked(self.restitution, self.dimension, self.mass_ratio, **drives)
 
     @cached_property
     def _any_law(self) -> CollisionLaw:
         """The law; where the restitution depends on the impact speed one of the same geometry."""
-        varies = impact_restitution(self.restitution) is not None
-        e = 1.0 if varies else self.restitution
+        e = 1.0 if self._varies else self.restitution
         law = law_of(e, self.tangential_restitution, self.dimension, self.mass_ratio)
-        system = (self.scatterers, self.number_density, self.diameter)
-        return law_in_medium(law, *system, self.density_order)
+        medium = self.scatterers, self.number_density, self.diameter, self.density_order
+        return law_in_medium(law, *medium)
 
     @property
     def problem(self) -> tuple[CollisionLaw, float, State, FloatArray]:
         """What every solver needs: law, mean free path in d, initial state, times in d/U."""
         return self._any_law, self.mean_free_path, self.state, np.asarray(self.times)
-
-    def _figures(self) -> dict[str, str]:
-        """The outputs, with their units in brackets, and what they are."""
-        rows = {name: described(name, self.dimension) for name in self.outputs}
-        return {f"{name} [{unit}]": words for name, (unit, words, _) in rows.items()}
 
 
 def _start(initial: Any, dimension: int, with_field: bool) -> State:
@@ -205,20 +192,14 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
 
 
 def _check_outputs(outputs: Any, table: Mapping[str, Any]) -> tuple[str, ...]:
-    """The names without repetitions; InputError, with the nearest name, for an unknown one."""
+    """The names without repetitions; InputError for an unknown one."""
     several = isinstance(outputs, Iterable) and not isinstance(outputs, str)
     names = list(outputs) if several else [outputs]
     known = ", ".join(table)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if not isinstance(name, str):
-            refuse("outputs", name, f"known are {known}")
-        if name not in table:
-            near = difflib.get_close_matches(name, table, n=1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            if name in OUTPUTS or name in FIELD_OUTPUTS:
-                without = "without a field" if table is OUTPUTS else "with a field or a drive"
-                hint = f"not available {without}; "
-            refuse("outputs", name, f"{hint}known are {known}")
-    return tuple(str(name) for name in dict.fromkeys(names))
+        if not isinstance(name, str) or name not in table:
+            kind = "without a field or drive" if table is OUTPUTS else "with a field or a drive"
+            refuse("outputs", name, f"known {kind} are {known}")
+    return tuple(dict.fromkeys(names))

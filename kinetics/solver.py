@@ -1,68 +1,308 @@
-"""solve(scene): solves the parts that the outputs of a scene need, and no other.
+"""What answers a scene: the parts that its outputs need and no other, their errors, and the plan.
 
-Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, how its parts are
-solved in `kinetics.answer`.
+Without a field or a drive it is an :class:`Answer`; else :class:`kinetics.field.scene.FieldScene`
+or :class:`kinetics.driven.scene.DrivenScene`, which have `values`, `errors`, `verdict`, `plan`,
+`stats`, `typical_speed` and the densities of the velocity under the same names.
 """
 
 from __future__ import annotations
 
-import warnings
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
-from kinetics.answer import answer_to
-from kinetics.errors import ToleranceWarning
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.densities import harmonic
+from kinetics.densities.harmonic import (
+    HarmonicProblem,
+    Profile,
+    angular_function,
+    component_densities,
+)
+from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
+from kinetics.moments.backward import speed_power
+from kinetics.moments.displacement import root_mean_square
+from kinetics.moments.velocity import Averages, moment_arguments
+from kinetics.numerics import FloatArray
+from kinetics.outputs import (
+    COLLISIONS,
+    DENSITIES,
+    DISPLACEMENT,
+    OUTPUTS,
+    POSITION,
+    SCATTERING,
+    VELOCITY,
+    Output,
+    Part,
+    parts,
+)
+from kinetics.position.density import Displacement
+from kinetics.position.sweep import solve_displacement
+from kinetics.results import Value
 from kinetics.scene import Scene
-from kinetics.solution import Solution
-from kinetics.status import SolverStatus
-from kinetics.validation import check_rtol, one_of, refuse, whole_number
+from kinetics.validation import refuse
 
-METHODS = ("spectral", "conservative")
+_ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
+_SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
+_BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
+_MOST_NODES = 48  # of a panel: still more only add rounding
 
 
-def solve(
-    scene: Scene, rtol: float | None = None, method: str | None = None, nodes: int | None = None
-) -> Solution:
-    """Solve the inelastic Lorentz equation for what the scene asks.
+def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Any:
+    """The answer to a scene, of any kind; the arguments are those of `kinetics.solve`."""
+    if scene.system is not None:
+        from kinetics.driven.scene import DrivenScene
 
-    Parameters
-    ----------
-    scene : system, initial state, times and outputs
-    rtol : relative accuracy of every average (of 1 + a2 for a2; of <v^p> for its harmonics; of
-        v_rms(0) v_rms(t), v_rms = sqrt(<v^2>), for velocity_autocorrelation), and of the densities
-        relative to their maximum, for speeds above 1e-2 of the thermal one; below it
-        is the density of ln v that keeps it. 1e-14 to 0.1. The scaled position density G(R) is
-        solved to max(rtol, 1e-8), absolute. By default 1e-10; 1e-8 for driven tracers, 1e-6 with a
-        field, and densities of both are solved to max(rtol, 1e-4)
-    method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
-        positivity exact, second order, for rough ones), or None for the solver's choice. Averages
-        need no density, and are the same for either.
-    nodes : of the speed axis of the densities, 8 to 8192, for convergence studies
+        system = scene.system.scaled(scene.mean_free_path)
+        return DrivenScene(*scene.problem, scene.field, scene.outputs, rtol, system)
+    if scene.field:
+        from kinetics.field.scene import FieldScene
 
-    Returns
-    -------
-    Solution : frozen; arrays with time as the first axis, under the names of the outputs
+        return FieldScene(*scene.problem, scene.field, scene.outputs, rtol)
+    return Answer(scene, rtol, method, nodes)
 
-    Warns
-    -----
-    ToleranceWarning : the status is not CONVERGED
 
-    Raises
-    ------
-    InputError (a ValueError) : an argument out of range, a density that is negative, not
-        normalised or without second moment, or a method that cannot do the scene
+@dataclass(frozen=True)
+class Answer(Value):
+    """The answer to a scene without a field; each part is solved when it is asked for.
 
-    >>> from kinetics import Scene
-    >>> solution = solve(Scene(restitution=0.7, times=[0.0, 1e3, 1e6]))
-    >>> bool(abs(solution.thermal_speed[0] - 2**0.5) < 1e-10)
-    True
+    scene, rtol, method, nodes : as `kinetics.solve` takes them
     """
-    if not isinstance(scene, Scene):
-        refuse("scene", scene, "it must be a Scene")
-    if rtol is None:
-        rtol = 1e-6 if scene.field else 1e-8 if scene.system else 1e-10
-    rtol = check_rtol(rtol)
-    method = None if method is None else one_of("method", method, METHODS)
-    nodes = None if nodes is None else whole_number("nodes", nodes, 8, 8192)
-    solution = Solution.of(answer_to(scene, rtol, method, nodes), scene, rtol, method, nodes)
-    if solution.status is not SolverStatus.CONVERGED:
-        warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
-    return solution
+
+    scene: Scene
+    rtol: float
+    method: str | None
+    nodes: int | None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: part for name, part in vars(self).items() if name != "averages"}
+
+    @property
+    def _rows(self) -> list[Output]:
+        return [OUTPUTS[name] for name in sorted(self.scene.outputs)]
+
+    @property
+    def _needed(self) -> list[tuple[Part, ...]]:
+        return [row.made_of(self.scene.dimension) for row in self._rows]
+
+    @property
+    def _powers(self) -> list[tuple[float, int]]:
+        """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
+        rows = [row for row in self._rows if row.step == VELOCITY]
+        moments = {y for row in rows for _, y, _ in row.made_of(self.scene.dimension)}
+        return sorted((y.degree, y.harmonic) for y in moments)
+
+    # -- averages ---------------------------------------------------------------------------------
+
+    @cached_property
+    def averages(self) -> Averages:
+        """The averages over the tracers, with enough nodes for the outputs."""
+        degree = max([2.0, *(p for p, _ in self._powers)])
+        return _with_enough_nodes(Averages(*self.scene.problem, self.rtol, degree), self._needed)
+
+    @property
+    def values(self) -> dict[str, FloatArray]:
+        """Every output that is an array, in the order of the table; InputError on overflow."""
+        found: dict[str, FloatArray] = {}
+        for row in OUTPUTS.values():
+            if row.name in self.scene.outputs and row.values is not None:
+                with np.errstate(over="ignore", invalid="ignore"):
+                    made = row.values(self.averages)
+                arrays = made if isinstance(made, tuple) else (made,)
+                found |= {n: _in_range(n, a) for n, a in zip(row.names, arrays, strict=True)}
+        return found
+
+    @property
+    def typical_speed(self) -> FloatArray:
+        """Of the order of the thermal speed, in U, shape (n_times,)."""
+        return np.asarray(np.exp(self.averages.log_reference))
+
+    def power(self, p: Any, m: Any) -> NDArray[Any]:
+        """<v^p exp(-i m phi)> in U^p, shape (n_times,), complex for m > 0.
+
+        InputError where it does not exist; warns where the error estimate exceeds rtol.
+        """
+        p, m = moment_arguments(self.scene.law, self.scene.state, p, m)
+        needed = [parts((1.0, speed_power(p, m)))]
+        averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
+        averages = _with_enough_nodes(averages, needed)
+        error = _error_of(averages, needed)
+        if error > self.rtol * _SLACK:
+            warn_missed(f"<v^{p:g}>", error, self.rtol)
+        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+            found = averages.power(p, m) * np.exp(p * averages.log_reference)
+        return _in_range(f"<v^{p:g}>", found)
+
+    # -- densities of the velocity ----------------------------------------------------------------
+
+    @cached_property
+    def profiles(self) -> Mapping[int, Profile]:
+        """The harmonics of the velocity distribution that the outputs need."""
+        if not any(row.step == DENSITIES for row in self._rows):
+            return {}
+        highest = 0
+        if "velocity_density" in self.scene.outputs:
+            there = self.scene.state.highest_harmonic
+            highest = self.scene.harmonics if there is None else min(there, self.scene.harmonics)
+        found = {m: self._profile(m) for m in range(highest + 1)}
+        return {m: profile for m, profile in found.items() if profile is not None}
+
+    def _profile(self, m: int) -> Profile | None:
+        """Harmonic m by the method asked for, or the best; None where the start makes it zero."""
+        law, path, state, times = self.scene.problem
+        if state.harmonic(m, self.rtol) is None:
+            return None
+        asked = HarmonicProblem(law, path, state, m, times, self.rtol, self.nodes)
+        if law.is_elastic:
+            return harmonic.elastic_profile(asked)
+        if self.method != "conservative" and (state.smooth or self.method == "spectral"):
+            from kinetics.densities.spectral import solve_spectral
+
+            profile = solve_spectral(asked)
+            if profile is not None:
+                return profile
+            if self.method == "spectral":
+                allowed = "this initial state is too rough for it, use 'conservative'"
+                refuse("method", self.method, allowed)
+        from kinetics.densities.conservative import solve_conservative
+
+        return solve_conservative(asked)
+
+    @property
+    def uncollided(self) -> FloatArray:
+        """Share of tracers in the delta peak of a start of one speed, shape (n_times,)."""
+        peak = self.profiles[0].peak_weight
+        return np.zeros(self.averages.times.shape) if peak is None else np.asarray(peak.real)
+
+    def speed_density(self, v: FloatArray) -> FloatArray:
+        """In 1/U at all times, shape (n_times, n_v)."""
+        return np.asarray(self.profiles[0].continuous(v).real)
+
+    def component_density(self, v_x: FloatArray) -> FloatArray:
+        """Of one component of the velocity in 1/U at all times, shape (n_times, n)."""
+        speed, d = self.typical_speed, self.scene.dimension
+        return component_densities(self.profiles[0], np.abs(v_x), speed, d)
+
+    def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
+        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
+        law = self.scene.law
+        out = np.zeros((self.averages.times.size, v.size, phi.size))
+        for m, profile in self.profiles.items():
+            turn = angular_function(m, phi, law.dimension)
+            out += (profile.continuous(v)[:, :, None] * turn).real
+        return out / (law.unit_surface * v[:, None] ** (law.dimension - 1))
+
+    # -- the displacement -------------------------------------------------------------------------
+
+    @cached_property
+    def displacement(self) -> Displacement | None:
+        """The distribution of the displacement, if an output needs it."""
+        if not any(row.step == POSITION for row in self._rows):
+            return None
+        # the same for every rtol, as the wave numbers depend on it
+        own = replace(self.averages, rtol=min(self.rtol, _BEST_DENSITY), nodes=None)
+        root = _in_range("msd", root_mean_square(own))
+        rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
+        return solve_displacement(*self.scene.problem, root, rtol)
+
+    # -- how it was done --------------------------------------------------------------------------
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Part of the result -> its error estimate."""
+        found = {"averages": _error_of(self.averages, self._needed)}
+        if self.profiles:
+            found[DENSITIES] = max(one.error_estimate for one in self.profiles.values())
+        if self.displacement is not None:
+            found[POSITION] = self.displacement.error_estimate
+        return found
+
+    @property
+    def verdict(self) -> tuple[SolverStatus, str]:
+        """The status and the message, which also says where the theory is not to be trusted."""
+        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol * _SLACK)
+        allowed[POSITION] = max(self.rtol, _BEST_DENSITY)
+        status, message = judged(self.errors, allowed, self.nodes if self.profiles else None)
+        if (medium := self.averages.law.medium) is not None:
+            message += medium.limits(bool(self.profiles), self.displacement is not None)
+        return status, message
+
+    @property
+    def plan(self) -> tuple[PlanStep, ...]:
+        """What was solved, what was skipped, and why."""
+        averages, profiles, flights = self.averages, self.profiles, self.displacement
+        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in self._powers)
+        moving = [row for row in self._rows if row.step == DISPLACEMENT]
+        chain = {y for row in moving for _, y, _ in row.made_of(self.scene.dimension)}
+        harmonics = sorted({m for _, m in self._powers} | set(profiles))
+        isotropic = averages.state.highest_harmonic == 0
+        enough = "the start is isotropic" if isotropic else "no output needs more"
+        methods = sorted({one.method for one in profiles.values()})
+        kept = "elastic: speeds are kept, harmonics relax at their own rates"
+        reasons = {
+            VELOCITY: kept if averages.elastic else f"backward equation for {moments}",
+            "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
+            COLLISIONS: "asked for",
+            DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
+            POSITION: f"{flights.wave_numbers if flights else 0} wave numbers",
+            SCATTERING: "solved for the wave numbers that are asked for",
+            "angular harmonics": f"m = {harmonics}: {enough}",
+            DENSITIES: f"{len(profiles)} harmonics, {', '.join(methods)}",
+        }
+        asked = {"initial state", *(row.step for row in self._rows)}
+        asked |= {"angular harmonics"} if harmonics else set()
+        steps = [
+            PlanStep(part, part in asked and why != kept, why if part in asked else "not asked for")
+            for part, why in reasons.items()
+        ]
+        medium = averages.law.medium
+        again = [PlanStep("scatterers met again", True, medium.level)] if medium else []
+        return (*again, *steps)
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """Numbers about the work: points of the initial state, panels, nodes, wave numbers."""
+        averages, flights = self.averages, self.displacement
+        stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
+        if not averages.elastic:
+            stats["panels"] = averages.equation.count
+            stats["nodes_per_panel"] = averages.equation.nodes
+        stats |= {f"density_nodes_m{m}": one.nodes for m, one in self.profiles.items()}
+        if flights is not None:
+            stats["wave_numbers"] = flights.wave_numbers
+            stats["position_density_error"] = flights.error_estimate
+            # how many systems of so many equations were solved for F(k)
+            stats["systems"] = {str(size): count for size, count in flights.systems.items()}
+        return stats
+
+
+def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:
+    """The largest relative error estimate of the outputs that are made of these parts."""
+    found = [_ROUNDING]
+    for made in needed:
+        # a part that the initial state makes zero has no error
+        there = [part for part in made if averages.measure(part.start) is not None]
+        found.append(sum(part.factor * averages.error_estimate(part.observable) for part in there))
+    return max(found)
+
+
+def _with_enough_nodes(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> Averages:
+    """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
+    for _ in range(4):
+        missing = _error_of(averages, needed) / averages.rtol
+        if not 1.0 < missing < math.inf:
+            break
+        nodes = averages.equation.nodes + 1 + math.ceil(math.log10(missing))
+        averages = averages.with_nodes(min(nodes, _MOST_NODES))
+    return averages
+
+
+def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
+    """The value; InputError where it is beyond the largest number of double precision."""
+    if not np.all(np.isfinite(value)):
+        raise InputError(f"times: {name} overflows there; ask for other times, speeds or powers")
+    return value

@@ -8,7 +8,6 @@ from __future__ import annotations
 import contextlib
 import math
 import sys
-import warnings
 from collections.abc import Iterable
 from numbers import Real
 from typing import Any, NoReturn
@@ -28,9 +27,6 @@ _LINE = "it must be a finite, 1-dimensional array of numbers"
 def refuse(name: str, value: Any, allowed: str) -> NoReturn:
     """Raise InputError for the argument of this name and value."""
     raise InputError(f"{name}: got {short(value)}; {allowed}")
-
-
-# -- single numbers and names ---------------------------------------------------------------------
 
 
 def real_number(
@@ -87,24 +83,14 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
     return value
 
 
-# -- arrays ---------------------------------------------------------------------------------------
-
-
 def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:
-    """Numbers of any shape, float or complex, of these kinds of dtypes; NaN is let in.
-
-    Masked values are not, and neither is what NumPy warns that it would lose a part of.
-    """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            array = np.asarray(value)
-            if array.dtype.kind in kinds and not np.ma.is_masked(value):
-                array = array.astype(complex if array.dtype.kind == "c" else float)
-                array.flags.writeable = False
-                return array
-    except (Warning, OverflowError, TypeError, ValueError):
-        pass
+    """Numbers of any shape, float or complex, of these kinds of dtypes; NaN is let in."""
+    with contextlib.suppress(OverflowError, TypeError, ValueError):
+        array = np.asarray(value)
+        if array.dtype.kind in kinds and not np.ma.is_masked(value):
+            array = array.astype(complex if array.dtype.kind == "c" else float)
+            array.flags.writeable = False
+            return array
     refuse(name, value, allowed)
 
 
@@ -144,33 +130,25 @@ def not_negative_line(name: str, value: ArrayLike) -> Array:
 
 def speeds(value: ArrayLike, *, zero_allowed: bool = True) -> Array:
     """Speeds v in U, none negative, shape (n,)."""
-    if zero_allowed:
-        return finite_line("v", value, "speeds must be finite, and not negative", 0.0)
-    return finite_line("v", value, "speeds must be finite, and above 0 here", math.ulp(0.0))
+    low, words = (0.0, "not negative") if zero_allowed else (math.ulp(0.0), "above 0 here")
+    return finite_line("v", value, f"speeds must be finite, and {words}", low)
 
 
-# -- initial states -------------------------------------------------------------------------------
-
-
-def rising_speeds(speed: ArrayLike) -> Array:
-    """At least two speeds that rise, the first of them 0 or more, shape (n,)."""
+def rising_from_zero(name: str, value: ArrayLike) -> Array:
+    """At least two numbers that rise, the first of them 0 or more, shape (n,)."""
     allowed = "it must be a line of numbers that rise, from 0 or more, 2 at least"
-    v = finite_array("speed", speed, allowed, 0.0)
-    if v.size < 2 or np.any(np.diff(v) <= 0.0):
-        refuse("speed", speed, allowed)
-    return v
+    array = finite_array(name, value, allowed, 0.0)
+    if array.size < 2 or np.any(np.diff(array) <= 0.0):
+        refuse(name, value, allowed)
+    return array
 
 
 def normalised(density: NDArray[Any], total: float, name: str = "density") -> float:
-    """The integral of a density over the velocities, if it is 1 within 1e-6.
-
-    Raises InputError for another one, and for a density that is negative anywhere.
-    """
+    """The integral of a density over the velocities, if it is 1 to 1e-6 and none is negative."""
     if density.size and float(density.min()) < 0.0:
         raise InputError(f"{name}: got a value of {density.min():.3g}; it must not be negative")
     if not abs(total - 1.0) < 1e-6:
-        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 0.5 else ""
-        raise InputError(
-            f"{name}: its integral over the velocities is {total:.6g}; it must be 1{narrow}"
-        )
+        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 1.0 else ""
+        what = f"its integral over the velocities is {total:.6g}; it must be 1{narrow}"
+        raise InputError(f"{name}: {what}")
     return total

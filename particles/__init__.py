@@ -1,12 +1,11 @@
 """Event-driven simulation: tracers among fixed scatterers, followed from collision to collision.
 
 Imports nothing else of the project. Begin reading with `simulate`. Files, each of which imports
-only those before it: `checks`, `outputs`, `results` (values, datasets, plots), `media` (what may be
-asked for), `impact` (a restitution of the impact speed), `compiled`, `events` (one collision; the
-collision law stands there alone), `streams` (random numbers), `search`, `cells` and `placement`
-(where the scatterers stand), `kernel` (the event loops), `configuration` (one configuration and its
-tracers), `arguments` (what is refused), `estimators`, `field`, `ensemble` (the result), `files`,
-`paths` (of a few tracers, and their picture), `simulate`.
+only those before it: `checks`, `outputs`, `results` (values, datasets, plots), `media`, `impact` (a
+restitution of the impact speed), `compiled`, `events` (one collision; the collision law stands
+there alone), `streams` (random numbers), `search`, `cells` and `placement` (where the scatterers
+stand), `kernel` (the event loops), `configuration` (one configuration and its tracers), `arguments`
+(what is refused), `estimators`, `ensemble` (the result), `files`, `paths` (a picture), `simulate`.
 """
 
 from importlib import import_module

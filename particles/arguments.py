@@ -4,42 +4,32 @@ import os
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
-from math import inf
+from math import inf, prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from particles.cells import box_bytes
-from particles.checks import check_number, check_whole, real_array, refuse, short
-from particles.configuration import Plan, speeds
+from particles.checks import check_number, check_whole, is_whole, real_array, refuse, short
+from particles.configuration import Plan, layout, speeds
 from particles.impact import check_restitution, compiled
-from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, OF_FLIGHTS, TOTALS
-from particles.media import (
-    MEDIA,
-    BoltzmannGrad,
-    HardDisks,
-    Medium,
-    Poisson,
-    Positions,
-    dilute_mean_path,
-)
+from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, Random, dilute_mean_path
 from particles.outputs import DRIVES, OBSERVABLES
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
-IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field may be in
 # With a field: of field times mean free path, in U^2, so that the fourth power of the speed is a
 # number; and of field times diameter, in U^2.
 FIELDS = (1e-100, 1e100)
 DEEPEST = 1e100  # in d
 STRONGEST = 1e30  # of what drives tracers, in its unit: fourth powers of speeds are numbers
 LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
+UNLESS_SMOOTH, AMONG = "unless tangential_restitution is 1", "among scatterers in a field"
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
-_NUMBER = 8  # bytes
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
 # the contents of that file.
-_COPIES = 3
+COPIES = 3
 
 
 def make_plan(
@@ -66,22 +56,32 @@ def make_plan(
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         refuse("media", media, f"it must be {medium.sets}, the sets of positions given")
     field = _check_field(field, medium)
-    mass_ratio = _check_mass_ratio(mass_ratio, medium, tangential)
+    allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
+    mass_ratio = check_number("mass_ratio", mass_ratio, LEAST_MASS_RATIO, inf, allowed)
     drives = zip(DRIVES, (bath_speed, heating, drag, capture_speed), strict=True)
-    driven = {name: _check_drive(name, value, medium) for name, value in drives}
-    if bath_speed and tangential != 1.0:
-        refuse("bath_speed", bath_speed, "it must be 0 unless tangential_restitution is 1")
-    if capture_speed and (bath_speed or mass_ratio < inf):
-        refuse("capture_speed", capture_speed, "it must be 0 unless scatterers are fixed")
-    among = field and not isinstance(medium, BoltzmannGrad)
-    if among and not isinstance(restitution, float):
-        refuse("restitution", restitution, "it must be a number among scatterers in a field")
-    if among and capture_speed:
-        refuse("capture_speed", capture_speed, "it must be 0 among scatterers in a field")
-    if drag and times is None and not (field or bath_speed or heating):
-        refuse("times", times, "drag alone stops a tracer; give output times")
-    seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
-    most = whole["max_collisions"]
+    allowed = f"it must be a number from 0 to {STRONGEST:g}"
+    driven = {name: check_number(name, value, 0.0, STRONGEST, allowed) for name, value in drives}
+    kind, dilute = type(medium).__name__, isinstance(medium, BoltzmannGrad)
+    rough, moved, among = tangential != 1.0, mass_ratio < inf, field and not dilute
+    for name, value, forbidden, allowed in (
+        ("mass_ratio", mass_ratio, moved and not dilute, f"it must be inf for {kind}"),
+        ("mass_ratio", mass_ratio, moved and rough, f"it must be inf {UNLESS_SMOOTH}"),
+        ("bath_speed", bath_speed, bath_speed and not dilute, f"it must be 0 for {kind}"),
+        ("heating", heating, heating and not dilute, f"it must be 0 for {kind}"),
+        ("drag", drag, drag and not dilute, f"it must be 0 for {kind}"),
+        ("bath_speed", bath_speed, bath_speed and rough, f"it must be 0 {UNLESS_SMOOTH}"),
+        ("capture_speed", capture_speed, capture_speed and (bath_speed or moved),
+         "it must be 0 unless scatterers are fixed"),
+        ("capture_speed", capture_speed, capture_speed and among, f"it must be 0 {AMONG}"),
+        ("restitution", restitution, among and not isinstance(restitution, float),
+         f"it must be a number {AMONG}"),
+        ("times", times, drag and times is None and not (field or bath_speed or heating),
+         "drag alone stops a tracer; give output times"),
+    ):  # fmt: skip
+        if forbidden:
+            refuse(name, value, allowed)
+    seed, most = check_whole("seed", whole["seed"], 0, 2**64 - 1), whole["max_collisions"]
+    may_rest = max(abs(field), bath_speed, heating) > 0.0
     if most is None and times is None:
         refuse("times", times, "give output times, or max_collisions, or both")
     return Plan(
@@ -89,11 +89,7 @@ def make_plan(
         restitution=restitution,
         tangential_restitution=tangential,
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
-        velocities=_check_initial(
-            initial,
-            (media, tracers, medium.dimension),
-            may_rest=max(abs(field), bath_speed, heating) > 0.0,
-        ),
+        velocities=_check_initial(initial, (media, tracers, medium.dimension), may_rest),
         times=_check_times(times),
         media=media,
         tracers=tracers,
@@ -114,13 +110,12 @@ def _check_part(part: Any, media: int) -> tuple[int, int] | None:
     if part is None:
         return None
     allowed = f"it must be two whole numbers (k, n), the k-th of n parts, 1 <= k <= n <= {media}"
-    two = isinstance(part, (tuple, list)) and len(part) == 2
-    if not two or any(isinstance(x, bool) or not isinstance(x, (int, np.integer)) for x in part):
+    if not isinstance(part, (tuple, list)) or len(part) != 2:
         refuse("part", part, allowed)
-    k, n = map(int, part)
+    k, n = (x if is_whole(x) else 0 for x in part)
     if not 1 <= k <= n <= media:
         refuse("part", part, allowed)
-    return (k, n) if n > 1 else None
+    return (int(k), int(n)) if n > 1 else None
 
 
 def check_workers(workers: int | None) -> int:
@@ -155,29 +150,9 @@ def _check_field(field: Any, medium: Medium) -> float:
     if not all(FIELDS[0] <= square <= FIELDS[1] for square in squares):
         allowed = f"times the mean free path, and times d, must be 0 or {FIELDS[0]:g} to "
         refuse("field", field, f"{allowed}{FIELDS[1]:g} U^2 in size")
-    if not isinstance(medium, IN_FIELD):
-        names = ", ".join(kind.__name__ for kind in IN_FIELD)
-        refuse("field", field, f"it is not there for {type(medium).__name__}, only for {names}")
+    if isinstance(medium, Random) and medium.dimension == 3:
+        refuse("field", field, f"it must be 0 for {type(medium).__name__}; disks may be in a field")
     return value
-
-
-def _check_mass_ratio(mass_ratio: Any, medium: Medium, tangential: float) -> float:
-    allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
-    value = check_number("mass_ratio", mass_ratio, LEAST_MASS_RATIO, inf, allowed)
-    if value < inf and not isinstance(medium, BoltzmannGrad):
-        name = type(medium).__name__
-        refuse("mass_ratio", mass_ratio, f"it must be inf for {name}, which has fixed scatterers")
-    if value < inf and tangential != 1.0:
-        refuse("mass_ratio", mass_ratio, "it must be inf unless tangential_restitution is 1")
-    return value
-
-
-def _check_drive(name: str, value: Any, medium: Medium) -> float:
-    allowed = f"it must be a number from 0 to {STRONGEST:g}"
-    number = check_number(name, value, 0.0, STRONGEST, allowed)
-    if number and name != "capture_speed" and not isinstance(medium, BoltzmannGrad):
-        refuse(name, value, f"it must be 0 for {type(medium).__name__}; it needs BoltzmannGrad")
-    return number
 
 
 def _check_depth(depth: Any, field: float) -> float | None:
@@ -195,42 +170,35 @@ def _check_initial(
 ) -> np.ndarray | None:  # fmt: skip
     """Return velocities that are given, or None; shape: media, tracers, dimension."""
     if isinstance(initial, str):
-        if initial == "rest" and not may_rest:
-            allowed = "it needs a field; without one only a bath or heating moves a tracer"
-            refuse("initial", initial, allowed)
-        if initial not in ("gaussian", "monoenergetic", "rest"):
+        if initial not in ("gaussian", "monoenergetic") and not (initial == "rest" and may_rest):
             names = "'gaussian', 'monoenergetic', 'rest' (in a field, a bath or heated)"
             refuse("initial", initial, f"it must be {names} or velocities")
         return None
     velocities = real_array("initial", initial, "it must be a name or an array of real velocities")
-    media, tracers, d = shape
-    if velocities.shape not in ((tracers, d), (media, tracers, d)):
-        raise ValueError(
-            f"initial: got the shape {velocities.shape}; it must be (tracers, {d}) = "
-            f"({tracers}, {d}) or (media, tracers, {d}) = ({media}, {tracers}, {d})"
-        )
+    if velocities.shape not in (shape, shape[1:]):
+        allowed = f"its shape must be (tracers, dimension) = {shape[1:]}, or with media {shape}"
+        refuse("initial", velocities, allowed)
     with np.errstate(over="ignore"):
         sizes = speeds(velocities)
     good = (sizes >= SMALLEST_SPEED) & (sizes <= 1.0 / SMALLEST_SPEED)
     if may_rest:
         good |= sizes == 0.0
     if not good.all():
-        raise ValueError(
-            f"initial: got the velocity {velocities[~good][0]}; its size must be from "
-            f"{SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
-        )
+        allowed = f"its size must be from {SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
+        refuse("initial", velocities[~good][0], allowed)
     return velocities
 
 
 def _check_observables(observables: Iterable[str] | None, field: float) -> frozenset[str]:
     if observables is None:
         return frozenset()
+    allowed = f"it must be names out of {', '.join(OBSERVABLES)}"
     try:
         names = frozenset([observables] if isinstance(observables, str) else observables)
     except TypeError:
-        refuse("observables", observables, f"it must be names out of {', '.join(OBSERVABLES)}")
+        refuse("observables", observables, allowed)
     for name in sorted(names - set(OBSERVABLES), key=short):
-        refuse("observables", name, f"it must be names out of {', '.join(OBSERVABLES)}")
+        refuse("observables", name, allowed)
     if field and (name := "velocity_component_histogram") in names:
         refuse("observables", name, "it is of |v_x|, without the sign, in a field; use velocities")
     return names
@@ -238,39 +206,30 @@ def _check_observables(observables: Iterable[str] | None, field: float) -> froze
 
 def require_memory(plan: Plan, workers: int) -> None:
     """Raise ValueError, with the estimate, for a run that needs more memory than there is."""
-    available, needed = machine_memory(), estimate(plan, workers)
-    total = sum(needed.values())
+    available, needed = machine_memory() / 1e9, estimate(plan, workers)
+    total = sum(needed.values()) / 1e9
     if total > available:
         name = max(needed, key=lambda name: needed[name])
         value = getattr(plan.medium if name == "count" else plan, name)
-        what = f"the run needs about {total / 1e9:.2g} GB of memory, this machine has "
-        what += f"{available / 1e9:.2g} GB"
+        what = f"the run needs about {total:.2g} GB of memory, this machine has {available:.2g} GB"
         refuse(name, sorted(value) if name == "observables" else value, what)
 
 
 def estimate(plan: Plan, workers: int) -> dict[str, int]:
     """Return the bytes that a run needs at least, by the argument that they depend on most."""
-    medium, times, bins = plan.medium, plan.times.size, plan.grids()[:, 2].astype(int)
-    counts = sum(
-        int(bins[k]) * (1 if name in OF_FLIGHTS else times)
-        for k, name in enumerate(HISTOGRAMS)
-        if name in plan.observables
-    )
-    dimension = medium.dimension
-    each = times * dimension * len(plan.observables & {"positions", "velocities"})
-    each += FINALS[dimension] * ("finals" in plan.observables) + (plan.depth is not None)
-    columns = MOMENTS + (FIELD_SUMS[dimension] if plan.field else 0)
-    media = len(plan.configurations)
-    threads = min(workers, media)
-    box = 0
+    medium, media = plan.medium, len(plan.configurations)
+    threads, box = min(workers, media), 0
     if not isinstance(medium, BoltzmannGrad):
-        box = box_bytes(medium.box_side / medium.diameter, medium.count, dimension)
-    return {
-        "count": threads * box,
-        "media": _NUMBER * media * (times * columns + TOTALS),
-        "times": _NUMBER * counts * (threads + 2 * _COPIES),
-        "observables": _NUMBER * media * plan.tracers * each * _COPIES,
-    }
+        box = box_bytes(medium.box_side / medium.diameter, medium.count, medium.dimension)
+    found = {"count": threads * box, "media": 0, "times": 0, "observables": 0}
+    for name, (shape, _) in layout(plan, media, media * plan.tracers).items():
+        if name.startswith("histograms/"):
+            found["times"] += (threads + 2 * COPIES) * 8 * prod(shape)
+        elif name.startswith("raw/"):
+            found["observables"] += COPIES * 8 * prod(shape)
+        elif name != "traps":  # of which there are few
+            found["media"] += 8 * prod(shape)
+    return found
 
 
 def machine_memory() -> float:

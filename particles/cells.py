@@ -1,12 +1,9 @@
 """The index of the scatterers: cells of a periodic box, in the plane squares, in space cubes.
 
-A cell lists every scatterer that a tracer in it can touch, so a tracer needs to look at no other
-one. Positions are kept relative to the centre of the cell, so they have all their digits far from
-the origin too. A cell has SLOTS places in one array; if it lists more scatterers, the others are in
-a linked list, called its chain.
-
-The dimension is the number of axes of `Cells.shape`, which the compiler knows: code for the other
-dimension leaves no trace in a kernel.
+A cell lists every scatterer that a tracer in it can touch, relative to the cell's centre, so that
+places have all their digits far from the origin too. It has SLOTS places in one array; the others
+are in a linked list, its chain. The dimension is the number of axes of `Cells.shape`, which the
+compiler knows: code for the other dimension leaves no trace in a kernel.
 """
 
 from math import floor, pi, sqrt
@@ -189,7 +186,7 @@ def next_listed(
 ) -> tuple[float, float, float, int, int]:  # fmt: skip
     """Return (centre of the next scatterer of a cell, next slot, next node).
 
-    Begin with slot 0 and node `cells.head[cell]`; all are done at slot SLOTS and a negative node.
+    From slot 0 and node `cells.head[cell]` on until slot SLOTS and a negative node.
     """
     z = 0.0
     if slot < SLOTS:

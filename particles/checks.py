@@ -24,6 +24,11 @@ def refuse(name: str, value: Any, allowed: str) -> NoReturn:
     raise ValueError(f"{name}: got {short(value)}; {allowed}") from None
 
 
+def is_real(value: Any) -> bool:
+    """Tell whether this is a real number, of Python or NumPy, and no boolean."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
 def check_positive(name: str, value: Any) -> float:
     """Return a positive finite number as a float."""
     allowed = "it must be a finite number above 0"
@@ -31,9 +36,9 @@ def check_positive(name: str, value: Any) -> float:
 
 
 def check_number(name: str, value: Any, low: float, high: float, allowed: str) -> float:
-    """Return a number from low to high as a float: any real number but a boolean, no text."""
+    """Return a number from low to high as a float."""
     number = math.nan
-    if isinstance(value, Real) and not isinstance(value, bool):
+    if is_real(value):
         with contextlib.suppress(OverflowError):
             number = float(value)
     if not low <= number <= high:
@@ -41,10 +46,14 @@ def check_number(name: str, value: Any, low: float, high: float, allowed: str) -
     return number
 
 
+def is_whole(value: Any) -> bool:
+    """Tell whether this is a whole number, of Python or NumPy, and no boolean."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
 def check_whole(name: str, value: Any, low: int, high: int) -> int:
     """Return a whole number from low to high as an int."""
-    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not whole or not low <= value <= high:
+    if not is_whole(value) or not low <= value <= high:
         refuse(name, value, f"it must be a whole number from {low} to {high}")
     return int(value)
 
@@ -56,7 +65,8 @@ def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
     """
     try:
         array = np.array(value)
-        if array.dtype.kind not in "biufO" or np.ma.is_masked(value):
+        numbers = array.dtype.kind in "iuf" or all(map(is_real, array.flat))
+        if not numbers or np.ma.is_masked(value):
             raise TypeError
         with np.errstate(over="ignore"):
             return array.astype(np.float64)

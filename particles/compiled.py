@@ -1,9 +1,8 @@
 """How functions are compiled: `inlined` into kernels, `called` by them, or a `kernel` kept on disk.
 
-numba keeps compiled code in `__pycache__`, or where NUMBA_CACHE_DIR says, and compiles a function
-anew when its own file has changed. It does not see a change to a function of another file that has
-been inlined. Here the contents of every file that a kernel may be made of are part of the key that
-compiled code is found by, so no file ever has to be deleted by hand.
+numba compiles a function anew when its own file has changed, but does not see a change to one of
+another file that has been inlined. Here the contents of every file that a kernel may be made of are
+part of the key that compiled code is found by.
 """
 
 import warnings

@@ -5,13 +5,14 @@ What a configuration leaves is a dictionary of arrays, by the names that they ha
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import reduce
 from math import ceil, inf, log2, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from particles.checks import short
 from particles.impact import Law, compiled
 from particles.kernel.columns import (
     FIELD_SUMS,
@@ -24,6 +25,7 @@ from particles.kernel.columns import (
     TRAPS,
 )
 from particles.media import BoltzmannGrad, Medium, Positions, dilute_mean_path
+from particles.outputs import DRIVES
 from particles.results import Value
 
 if TYPE_CHECKING:
@@ -45,13 +47,10 @@ Arrays = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Plan(Value):
-    """What is to be run, checked.
+    """What is to be run, the arguments of `simulate` checked, in U and the user's unit of length.
 
     velocities (media or none, tracers, dimension), or None to draw them. rest: all tracers begin at
-    rest. field: acceleration along x in U^2 over the user's unit of length. depth: x in that unit
-    whose first passage is recorded. mass_ratio: of a scatterer over a tracer. bath_speed, heating,
-    drag, capture_speed: those of `simulate`, in units of U and of the user's unit of length.
-    part: (k, n) for the k-th of n parts of the configurations, None for all.
+    rest. part: None for all configurations.
     """
 
     medium: Medium
@@ -98,11 +97,11 @@ class Plan(Value):
 
     @property
     def law(self) -> tuple[float, float]:
-        """By what a collision multiplies the two components of the tracer's velocity, (e, et).
+        """By what a collision multiplies the components of the tracer's velocity, (e, et).
 
-        The one across the normal by et. Along it the impulse turns the velocity relative to the
-        scatterer round, times the restitution; of the change M/(m + M) is the tracer's, so e may
-        be negative: the tracer then follows the scatterer. Where it varies, e of slow impacts.
+        Along the normal the impulse turns the velocity relative to the scatterer round, times the
+        restitution; of the change M/(m + M) is the tracer's, so e may be negative: the tracer then
+        follows the scatterer. Where it varies, e of slow impacts.
         """
         return float(self.table()[1][0]), self.tangential_restitution
 
@@ -112,6 +111,21 @@ class Plan(Value):
         if self.mass_ratio < inf:
             e = (1.0 + e) * (self.mass_ratio / (1.0 + self.mass_ratio)) - 1.0
         return lowest, e
+
+    def told(self) -> dict[str, Any]:
+        """Return the arguments of `simulate` that are of interest, without arrays."""
+        names = ["medium", "restitution", "tangential_restitution", "field", "media", "tracers"]
+        names += ["max_collisions", "seed", *(("mass_ratio",) if self.mass_ratio < inf else ())]
+        names += [name for name in (*DRIVES, "part") if getattr(self, name)]
+        return {name: getattr(self, name) for name in names}
+
+    def unlike(self, other: "Plan") -> str:
+        """Say in what another plan is another run's; empty if it is not."""
+        for f in fields(self):
+            ours, theirs = getattr(self, f.name), getattr(other, f.name)
+            if not np.array_equal(ours, theirs):
+                return f"another run, with {f.name} = {short(theirs)}, not {short(ours)}"
+        return ""
 
     def scales(self) -> np.ndarray:
         """Return the powers of 2 that velocities are multiplied by in sums, (n_times,).
@@ -127,10 +141,9 @@ class Plan(Value):
     def grids(self) -> np.ndarray:
         """Return log2 of the first edge, bins per octave and bins of each histogram, (5, 3).
 
-        Speeds from 2**-20 of 1 / (last time) to 2**6 times the fastest start; distances and paths
-        from 2**-12 d up to what the fastest start can fly, 2**40 d at most; flight times from those
-        of the shortest path up to the last time, 2**60 d/U at most. The speeds that a
-        field, a bath and noise can give are added to that of the start, 2**40 U at most each.
+        Speeds from 2**-20 of 1 / (last time) to 4 times what start, field, bath and noise can give;
+        distances and paths from 2**-12 d up to what the fastest can fly; flight times from those of
+        the shortest path up to the last time.
         """
         fastest = 4.0
         if self.velocities is not None:
@@ -156,42 +169,44 @@ def speeds(velocities: np.ndarray) -> np.ndarray:
     return reduce(np.hypot, np.moveaxis(velocities, -1, 0))
 
 
-def nothing(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray]:
-    """Return the arrays of so many configurations in which nothing has happened.
+def layout(plan: Plan, media: int, n: int) -> dict[str, tuple[tuple[int, ...], Any]]:
+    """Return (shape, what it holds at first) of each array that so many configurations leave.
 
     n: tracers for whose raw data there is room. Of `histograms/<name>/sums` only the counts are
     there yet, (n_times, bins + 2).
     """
-    n_times, dimension = plan.times.size, plan.medium.dimension
-    bins = plan.grids()[:, 2].astype(int)
+    n_times, d = plan.times.size, plan.medium.dimension
     flat = isinstance(plan.medium, BoltzmannGrad) and not plan.capture_speed
-    traps = TRAPS[2 if flat else dimension]
-    arrays = {
-        "moments": np.zeros((media, n_times, MOMENTS)),
-        "path_sums": np.zeros((media, TOTALS)),
-        "statuses": np.zeros(STATUSES, np.int64),
-        "traps": np.empty((n, 1 + traps)),
-        "raw/positions": np.full((n_times, n, dimension), np.nan),
-        "raw/velocities": np.full((n_times, n, dimension), np.nan),
-        "raw/finals": np.full((n, FINALS[dimension]), np.nan),
+    arrays: dict[str, tuple[tuple[int, ...], Any]] = {
+        "moments": ((media, n_times, MOMENTS), 0.0),
+        "path_sums": ((media, TOTALS), 0.0),
+        "statuses": ((STATUSES,), 0),
+        "traps": ((n, 1 + TRAPS[2 if flat else d]), np.nan),
+        "raw/positions": ((n_times, n, d), np.nan),
+        "raw/velocities": ((n_times, n, d), np.nan),
+        "raw/finals": ((n, FINALS[d]), np.nan),
     }
     arrays = {k: v for k, v in arrays.items() if k[:4] != "raw/" or k[4:] in plan.observables}
     if plan.field:
-        arrays["field_sums"] = np.zeros((media, n_times, FIELD_SUMS[dimension]))
+        arrays["field_sums"] = (media, n_times, FIELD_SUMS[d]), 0.0
     if plan.depth is not None:
-        arrays["raw/passages"] = np.full(n, np.inf)
-    for k, name in enumerate(HISTOGRAMS):
+        arrays["raw/passages"] = (n,), np.inf
+    for name, bins in zip(HISTOGRAMS, plan.grids()[:, 2], strict=True):
         if name in plan.observables:
             rows = 1 if name in OF_FLIGHTS else n_times
-            arrays[f"histograms/{name}/sums"] = np.zeros((rows, bins[k] + 2), np.int64)
+            arrays[f"histograms/{name}/sums"] = (rows, int(bins) + 2), 0
     return arrays
 
 
-class Totals:
-    """What configurations 0, 1, ... have left, joined in this order.
+def nothing(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray]:
+    """Return the arrays of `layout` of configurations in which nothing has happened."""
+    return {name: np.full(*shape) for name, shape in layout(plan, media, n).items()}
 
-    arrays: those of the first `done`, to go on from. A signal may interrupt `add` anywhere:
-    `_state` alone says what has been added.
+
+class Totals:
+    """What configurations 0, 1, ... have left, joined; arrays: of the first `done`, to go on from.
+
+    A signal may interrupt `add` anywhere: `_state` alone says what has been added.
     """
 
     def __init__(self, plan: Plan, arrays: Arrays | None = None, done: int = 0) -> None:
@@ -223,11 +238,6 @@ class Totals:
 def _join(name: str, pieces: list[np.ndarray]) -> np.ndarray:
     """Join arrays of configurations, or of tracers of one."""
     return np.concatenate(pieces, axis=1 if name in ("raw/positions", "raw/velocities") else 0)
-
-
-def run_configurations(plan: Plan, start: int, stop: int) -> list[Arrays]:
-    """Run configurations start to stop - 1, one after another."""
-    return [run_configuration(plan, c) for c in range(start, stop)]
 
 
 def run_configuration(plan: Plan, configuration: int) -> Arrays:
@@ -262,12 +272,9 @@ def _with_squares(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 def _follow_block(
     plan: Plan, configuration: int, cells: "Cells | None", first: int, sums: Arrays
 ) -> Arrays:
-    """Follow at most BLOCK tracers from number `first` on, adding to the sums of `nothing`.
-
-    Return what is kept of each tracer: `traps` and raw data.
-    """
+    """Follow at most BLOCK tracers from number `first` on, adding to the sums; return the rest."""
     from particles.events import Varying
-    from particles.kernel import driven, follow, follow_falling, lane, records
+    from particles.kernel import driven, follow, lane, records
 
     medium, n = plan.medium, min(BLOCK, plan.tracers - first)
     unit, mean_path = medium.diameter, dilute_mean_path(medium)
@@ -285,35 +292,26 @@ def _follow_block(
         start_places(plan, configuration, cells, first, n),
     )  # fmt: skip
     kept = nothing(plan, 0, n)
-    none, no_counts = np.empty((0, 0)), np.zeros((0, 0), np.int64)
-    speeds, components, distances, paths, durations = (
-        sums.get(f"histograms/{name}/sums", no_counts) for name in HISTOGRAMS
-    )
+    counts = [sums.get(f"histograms/{name}/sums") for name in HISTOGRAMS]
     record = records.Records(
         times=plan.times / unit,
         scales=plan.scales(),
         moments=sums["moments"][0],
         totals=sums["path_sums"][0],
         statuses=sums["statuses"],
-        field_sums=sums["field_sums"][0] if plan.field else none,
+        field_sums=sums["field_sums"][0] if plan.field else np.empty((0, 0)),
         grids=np.ascontiguousarray(plan.grids()[:, :2]),
-        speeds=speeds,
-        components=components,
-        distances=distances,
-        paths=paths,
-        durations=durations,
+        counts=tuple(np.zeros((0, 0), np.int64) if one is None else one for one in counts),
         positions=kept.get("raw/positions", np.empty((0, 0, 0))),
         velocities=kept.get("raw/velocities", np.empty((0, 0, 0))),
-        finals=kept.get("raw/finals", none),
+        finals=kept.get("raw/finals", np.empty((0, 0))),
         passages=kept.get("raw/passages", np.empty(0)),
         depth=(plan.depth or 0.0) / unit,
+        traps=kept["traps"][:, 1:].copy(),
         queue=np.empty(records.QUEUE, records.OUTPUT),
-        queued=np.zeros(1, np.int64),
+        filled=np.zeros(2, np.int64),
     )
-    field, limit = plan.field * unit, ESCAPE_PATHS * mean_path
-    kind = lane.DRIVEN_LANE if plan.driven else lane.FALLING_LANE if field else lane.LANE
-    lanes = np.empty(lane.LANES, kind)
-    traps, caught, varying = kept["traps"][:, 1:].copy(), 0, None
+    field, lanes, varying = plan.field * unit, np.empty(lane.LANES, lane.LANE), None
     if plan.driven or plan.varies:
         lowest, values = plan.table()
         endless = 1.0 if plan.capture_speed else float(values[0])
@@ -323,30 +321,28 @@ def _follow_block(
         scale = (mean_path * mean_path / heating) ** (1.0 / 3.0) if heating else inf
         step = STEP * min(scale, 1.0 / drag if drag else inf)
         drive = driven.Drive(mean_path, field, plan.bath_speed, heating, drag, step)
-        caught = driven.follow_driven(start, drive, varying, traps, lanes, record)
-    elif field:
-        limits = field, mean_path, limit
-        caught = follow_falling.follow_falling(start, cells, limits, traps, lanes, record)
+        driven.follow_driven(start, drive, varying, lanes, record)
     else:
-        caught = follow.follow(start, cells, varying, mean_path, limit, traps, lanes, record)
-    kept["traps"] = np.insert(traps[:caught], 0, configuration, axis=1)
+        limit = ESCAPE_PATHS * mean_path
+        follow.follow(start, cells, varying, field or None, mean_path, limit, lanes, record)
+    traps = record.traps[: record.filled[records.CAUGHT]]
+    kept["traps"] = np.insert(traps, 0, configuration, axis=1)
     return {name: kept[name] for name in kept if name == "traps" or name.startswith("raw/")}
 
 
 def start_places(
     plan: Plan, configuration: int, cells: "Cells | None", first: int, n: int
 ) -> np.ndarray:
-    """Return the free places where n tracers from number `first` on start, (n, 4).
+    """Return where n tracers from number `first` on start, (n, 4), as `placement.free_places`.
 
-    (0, 4) where all tracers start at the centre: those that move, those without scatterers, and
-    those among `Positions` for which the user gave another start. Columns: placement.free_places.
+    (0, 4) where all start at the centre: those that move, those without scatterers, and those among
+    `Positions` for which the user gave another start.
     """
     from particles.kernel.lane import AT_THE_CENTRE
     from particles.placement import free_places
 
     medium = plan.medium
-    if isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2:
-        return AT_THE_CENTRE
-    if cells is None or not plan.rest:
+    given = isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2
+    if cells is None or given or not plan.rest:
         return AT_THE_CENTRE
     return np.asarray(free_places(cells, np.uint64(plan.seed), configuration, first, n))

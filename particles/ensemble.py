@@ -1,33 +1,27 @@
 """Ensemble: the frozen result of a simulation, and the sums it is made from."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf
 from operator import attrgetter
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.checks import check_path, refuse, short
-from particles.configuration import Plan, Totals
+from particles.checks import check_path, refuse
+from particles.configuration import PER_OCTAVE, Plan, Totals
 from particles.estimators import Estimate, Histogram, jackknife, share
-from particles.field import FieldEstimates
-from particles.kernel.columns import (
-    ALL_COLLISIONS,
-    CAUGHT,
-    COLLISIONS,
-    CORRELATION,
-    HISTOGRAMS,
-    R2,
-    R4,
-    SAMPLES,
-    SPEED2,
-    SPEED4,
-    TRAVELLED,
+from particles.kernel.columns import ALL_COLLISIONS, CAUGHT, HISTOGRAMS, SAMPLES, TRAVELLED
+from particles.outputs import (
+    ESTIMATES,
+    IN_FIELD,
+    OF_A_DEPTH,
+    RAW,
+    SCALARS,
+    VARIABLES,
+    Sums,
 )
-from particles.outputs import DRIVES, IN_FIELD, OF_A_DEPTH, RAW, SCALARS
 from particles.results import Result, Value, frozen
 
 if TYPE_CHECKING:
@@ -42,15 +36,14 @@ class Statuses(Value):
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
     trapped: caught in a corner between scatterers, where infinitely many collisions follow within
-    1e-9 d or so (events.is_collapsing; kernel.pockets between spheres), or at rest after a head-on
-    collision at e = 0. In a field (kernel.sliding) at rest in a corner of two disks that opens
-    against the field; with a tangential restitution below 1, where it would slide along a disk; and
-    at rest on the very top of a disk. escaped: flew 1e6 mean free paths without a collision.
-    captured: struck a scatterer with a normal velocity below capture_speed, and stick to it.
+    1e-9 d or so, or at rest after a head-on collision at e = 0. In a field at rest in a corner of
+    two disks that opens against the field; with a tangential restitution below 1, where it would
+    slide along a disk; and at rest on the very top of a disk. escaped: flew 1e6 mean free paths
+    without a collision. captured: struck a scatterer with a normal velocity below capture_speed.
     trap_times (trapped + captured,) in d/U: when it was declared. With tangential restitution 1 the
     collisions end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
-    trap_places (.., dimension) relative to the tracer's start, in d; trap_tracers
-    (.., 2): configuration and tracer. With a capture_speed bounces that never end do not occur.
+    trap_places (.., dimension) from the tracer's start, in d; trap_tracers (.., 2): configuration
+    and tracer.
     """
 
     finished: int
@@ -62,36 +55,19 @@ class Statuses(Value):
     trap_tracers: np.ndarray = field(repr=False)
     captured: int = 0
 
-    @property
-    def note(self) -> str:
-        """What to change, if tracers are missing from the late estimates; else an empty string."""
-        notes = []
-        if self.collision_cap and self.finished:
-            notes.append(
-                f"{self.collision_cap} tracers made max_collisions collisions before the last "
-                f"time: raise max_collisions or end `times` earlier"
-            )
-        if self.escaped:
-            notes.append(
-                f"{self.escaped} tracers met nothing in 1e6 mean free paths: the scatterers leave "
-                f"straight corridors free; move them, or end `times` before the escape"
-            )
-        return "; ".join(notes)
-
 
 def _of_plan(name: str, words: str) -> Any:
     return property(lambda ensemble: attrgetter(name)(ensemble.plan), doc=words)
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(FieldEstimates, Result):
+class Ensemble(Result):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
     estimate at that time: what is left is biased towards slow tracers. `samples` says how many
-    entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
-    caught, as do captured ones (`trapped` says how many, at each time). Some, such as
-    `drift`, are there in a field only.
+    entered, `missing` how many did not. Trapped and captured tracers stay in, at rest (`trapped`
+    says how many, at each time). Some estimates, such as `drift`, are there in a field only.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
     names that they have in a file.
@@ -102,9 +78,7 @@ class Ensemble(FieldEstimates, Result):
 
     medium = _of_plan("medium", "The medium asked for.")
     restitution = _of_plan("restitution", "The coefficient of restitution, or its law.")
-    tangential_restitution = _of_plan(
-        "tangential_restitution", "What a collision leaves of the tangential velocity, a fraction."
-    )
+    tangential_restitution = _of_plan("tangential_restitution", "The factor of what is across.")
     mass_ratio = _of_plan("mass_ratio", "Mass of a scatterer over that of the tracer; often inf.")
     bath_speed = _of_plan("bath_speed", "Of a component of a scatterer's velocity, in U.")
     heating = _of_plan("heating", "D of the noise <dv_i dv_j> = 2 D delta_ij dt, in U^3/d.")
@@ -121,28 +95,9 @@ class Ensemble(FieldEstimates, Result):
         return len(self.plan.configurations)
 
     def __repr__(self) -> str:
-        e, times = self.restitution, "no output times"
-        law = f"restitution {e:g}" if isinstance(e, float) else f"restitution {e}"
-        if self.tangential_restitution != 1.0:
-            law += f", tangential restitution {self.tangential_restitution:g}"
-        if self.mass_ratio < inf:
-            law += f", mass ratio {self.mass_ratio:g}"
-        if self.field:
-            law += f", field {self.field:g} U^2/d"
-        for name in (n for n in DRIVES if getattr(self, n)):
-            law += f", {name.replace('_', ' ')} {getattr(self, name):g} {DRIVES[name]}"
-        if n := self.times.size:
-            times = f"{n} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
-        note = self.statuses.note
-        return (
-            f"Ensemble: {self.media} configurations of {self.medium!r}\n"
-            f"  {law}, {self.tracers} tracers in each configuration\n  {times}\n"
-            f"  {self.statuses!r}{': ' * bool(note)}{note}\n  outputs: {', '.join(self.outputs)}"
-        )
-
-    def __dir__(self) -> list[str]:
-        absent = {*HISTOGRAMS, *RAW, *IN_FIELD, *OF_A_DEPTH, "passage_times"} - {*self.outputs}
-        return sorted(set(super().__dir__()) - absent)
+        told = ", ".join(f"{name}={value!r}" for name, value in self.plan.told().items())
+        about = f"{self.statuses!r}\n  outputs: {', '.join(self.outputs)}"
+        return f"Ensemble({told}, {self.times.size} times)\n  {about}"
 
     @property
     def outputs(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -160,18 +115,10 @@ class Ensemble(FieldEstimates, Result):
     @cached_property
     def statuses(self) -> Statuses:
         """How the tracers ended."""
-        traps = self.arrays["traps"]
-        finished, cap, trapped, escaped, captured = (int(n) for n in self.arrays["statuses"])
-        return Statuses(
-            finished,
-            cap,
-            trapped,
-            escaped,
-            trap_times=traps[:, 2] * self._unit,
-            trap_places=traps[:, 3:] * self._unit,
-            trap_tracers=traps[:, :2].astype(np.int64),
-            captured=captured,
-        )
+        traps, unit = self.arrays["traps"], self._unit
+        finished, cap, trapped, escaped, captured = self.arrays["statuses"].tolist()
+        when, where, which = traps[:, 2] * unit, traps[:, 3:] * unit, traps[:, :2].astype(np.int64)
+        return Statuses(finished, cap, trapped, escaped, when, where, which, captured)
 
     @property
     def collision_total(self) -> int:
@@ -194,77 +141,27 @@ class Ensemble(FieldEstimates, Result):
         return frozen(self.moments[:, :, CAUGHT].sum(axis=0).astype(np.int64))
 
     @cached_property
-    def thermal_speed(self) -> Estimate:
-        """sqrt(<v^2>) in U, (n_times,): the paper's v0(t), eq. v0defi."""
-        sums = jackknife(self.moments, lambda m: np.sqrt(m[:, SPEED2] / m[:, SAMPLES]))
-        return sums.divided(self._scales)
-
-    @cached_property
-    def a2(self) -> Estimate:
-        """<v^4> / (k <v^2>^2) - 1, (n_times,): 0 for a Gaussian, k = 2, or 5/3 in space."""
-        d = self.medium.dimension
-        gaussian = (d + 2) / d
-        return jackknife(
-            self.moments,
-            lambda m: m[:, SPEED4] * m[:, SAMPLES] / (gaussian * m[:, SPEED2] ** 2) - 1.0,
-        )
-
-    @cached_property
-    def msd(self) -> Estimate:
-        """Mean square displacement <r^2> in d^2, (n_times,)."""
-        return jackknife(self.moments, lambda m: m[:, R2] / m[:, SAMPLES]).divided(self._unit**-2)
-
-    @cached_property
-    def kurtosis(self) -> Estimate:
-        """<r^4> / <r^2>^2, (n_times,): 2 for a Gaussian, 5/3 in space. NaN at time 0."""
-        return jackknife(self.moments, lambda m: m[:, R4] * m[:, SAMPLES] / m[:, R2] ** 2)
-
-    @cached_property
-    def collisions(self) -> Estimate:
-        """Mean number of collisions per tracer up to each time, (n_times,)."""
-        return jackknife(self.moments, lambda m: m[:, COLLISIONS] / m[:, SAMPLES])
-
-    @cached_property
-    def velocity_autocorrelation(self) -> Estimate:
-        """<v(t).v(0)> in U^2, (n_times,)."""
-        sums = jackknife(self.moments, lambda m: m[:, CORRELATION] / m[:, SAMPLES])
-        return sums.divided(self._scales)
-
-    @cached_property
     def mean_free_path(self) -> Estimate:
         """Path travelled per collision, all tracers from start to end, in d. A scalar."""
-        return jackknife(
-            self.arrays["path_sums"],
-            lambda s: s[TRAVELLED] / s[ALL_COLLISIONS] * self._unit,
-        )
+        sums = self.arrays["path_sums"]
+        return jackknife(sums, lambda s: s[TRAVELLED] / s[ALL_COLLISIONS] * self._unit)
 
     @property
-    def speed_histogram(self) -> Histogram:
-        """Distribution of |v| in U; 16 bins per octave."""
-        return self._histogram("speed_histogram")
+    def passage_times(self) -> np.ndarray:
+        """When each tracer first had x = depth, in d/U, (media * tracers,); inf if it never had."""
+        if "raw/passages" not in self.arrays:
+            raise AttributeError("passages were not asked for: simulate(field=..., depth=...)")
+        return frozen(self.arrays["raw/passages"] * self._unit)
 
-    @property
-    def velocity_component_histogram(self) -> Histogram:
-        """Distribution of |v_x| in U (the distribution of v_x is even); 16 bins per octave."""
-        return self._histogram("velocity_component_histogram")
+    @cached_property
+    def passed(self) -> Estimate:
+        """Share of the tracers that have reached the depth by each time, (n_times,)."""
+        return self._over_tracers(self.passage_times[:, None] <= self.times)
 
-    @property
-    def displacement_histogram(self) -> Histogram:
-        """Distribution of |r| in d: the paper's g(r, t); 16 bins per octave."""
-        return self._histogram("displacement_histogram")
-
-    @property
-    def free_path_histogram(self) -> Histogram:
-        """Distribution of the completed flights' length in d, over the whole run (n_times = 1).
-
-        A flight counts if a collision ends it up to the last time; the first begins at time 0.
-        """
-        return self._histogram("free_path_histogram")
-
-    @property
-    def free_time_histogram(self) -> Histogram:
-        """Distribution of the duration in d/U of the flights of `free_path_histogram`."""
-        return self._histogram("free_time_histogram")
+    @cached_property
+    def mean_passage_time(self) -> Estimate:
+        """Mean of `passage_times`, a scalar; infinite if one of the tracers never had x = depth."""
+        return self._over_tracers(self.passage_times)
 
     @property
     def positions(self) -> np.ndarray:
@@ -278,10 +175,7 @@ class Ensemble(FieldEstimates, Result):
 
     @property
     def finals(self) -> np.ndarray:
-        """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions.
-
-        In three dimensions (media * tracers, 6), with z in the last column.
-        """
+        """End of each tracer, (.., 5): ln v, ln t, x, y, number of collisions; in space z, too."""
         d = self._unit
         finals = self._get("finals", "raw/finals")
         scale, shift = np.array([1, 1, d, d, 1, d]), np.array([0, np.log(d), 0, 0, 0, 0])
@@ -291,15 +185,14 @@ class Ensemble(FieldEstimates, Result):
     def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        which: configuration (0), until (the last time), collisions (300). Raises
-        ValueError for one out of range.
+        which: configuration (0), until (the last time), collisions (300).
         """
         from particles.paths import trajectories
 
         return trajectories(self.plan, tracers, **which)
 
     def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
-        """Draw paths of the first tracers among the scatterers, coloured by speed; return the axes.
+        """Draw such paths among the scatterers, coloured by speed; return the axes.
 
         which: as of `trajectories`, ax (axes to draw on) and colour_bar (True).
         """
@@ -308,38 +201,26 @@ class Ensemble(FieldEstimates, Result):
         return plot_trajectories(self.plan, tracers, **which)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything to an HDF5 file, replacing it if it exists.
+        """Write everything to an HDF5 file, whole; one that exists, or a link's, is replaced.
 
-        Written beside its target and renamed; where the path is a symbolic link, the file that it
-        points to is replaced. Raises ValueError if it cannot be written.
+        Raises ValueError if it cannot be written.
         """
         from particles.files import write
 
         write(path, self.plan, self.arrays, self.media)
 
     def write_h5md(self, path: str | PathLike[str]) -> None:
-        """Write positions and velocities as H5MD 1.1, for other programs.
-
-        An existing file is replaced. Raises ValueError for a run without positions or velocities,
-        and where the file cannot be written.
-        """
+        """Write positions and velocities, which must be kept, as H5MD 1.1 for other programs."""
         from particles.files import write_h5md
 
         if missing := {"positions", "velocities"} - {*self.outputs}:
-            name = min(missing)
-            raise ValueError(
-                f"H5MD needs positions and velocities, and {name} were not asked for: "
-                f"simulate(observables=[{name!r}, ...])"
-            )
+            raise ValueError(f"H5MD needs {min(missing)}: simulate(observables=[...])")
         positions = self.positions / self._unit
         write_h5md(check_path("path", path), self.plan, positions, self.velocities)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> "Ensemble":
-        """Read a finished run from a file.
-
-        Raises ValueError for a file that is not one, is damaged or holds an unfinished run.
-        """
+        """Read a finished run from a file; ValueError for a damaged or an unfinished one."""
         from particles.files import read
 
         plan, arrays, done = read(path)
@@ -355,7 +236,6 @@ class Ensemble(FieldEstimates, Result):
         """Return the whole run from all its parts, to the same bits as if it had been run at once.
 
         parts: of `simulate(..., part=(k, n))`, or their files, in any order; n may differ.
-        Raises ValueError if a part is missing or there twice, or if parts are of different runs.
         """
         if isinstance(parts, (str, bytes, PathLike, Ensemble)):
             refuse("parts", parts, "it must be a sequence of ensembles or of their files")
@@ -367,11 +247,8 @@ class Ensemble(FieldEstimates, Result):
         totals = Totals(plan)
         for run, name in named:
             own, done = run.plan.configurations, totals.configurations
-            for f in fields(plan):
-                ours, theirs = getattr(plan, f.name), getattr(run.plan, f.name)
-                if f.name != "part" and not np.array_equal(ours, theirs):
-                    what = f"is of another run, with {f.name} = {short(theirs)}, not {short(ours)}"
-                    raise ValueError(f"parts: {run.plan.part or 'the whole'}{name} {what}")
+            if other := plan.unlike(replace(run.plan, part=None)):
+                raise ValueError(f"parts: {run.plan.part or 'the whole'}{name} is of {other}")
             if own.start < done:
                 raise ValueError(f"parts: configuration {own.start} is there twice{name}")
             if own.start > done:
@@ -385,14 +262,29 @@ class Ensemble(FieldEstimates, Result):
     def _unit(self) -> float:
         return self.medium.diameter
 
-    @cached_property
-    def _scales(self) -> np.ndarray:
-        return self.plan.scales()
-
     def _get(self, name: str, key: str) -> np.ndarray:
         if key not in self.arrays:
             raise AttributeError(f"{name} was not asked for: simulate(observables=[{name!r}, ...])")
         return self.arrays[key]
+
+    def _over_tracers(self, each: np.ndarray) -> Estimate:
+        """Return the mean of what each tracer has, (media * tracers, ...)."""
+        sums = each.reshape(self.media, self.tracers, *each.shape[1:]).sum(axis=1)
+        numbers = np.full(sums.shape, self.tracers)
+        return jackknife(np.stack((sums, numbers), axis=1), lambda total: total[0] / total[1])
+
+    def _average(self, name: str) -> Estimate:
+        unit, _, of, scaled = ESTIMATES[name]
+        sums = self.moments
+        if self.field:
+            sums = np.concatenate([sums, self.arrays["field_sums"]], axis=2)
+        elif name in IN_FIELD and name != "trapped_fraction":
+            raise AttributeError(f"{name} is there in a field only: simulate(field=...)")
+        assert of is not None
+        d = self.medium.dimension
+        found = jackknife(sums, lambda total: of(Sums(total, d)))
+        # after the jackknife: squares of late speeds are too small for a number
+        return found.divided(self.plan.scales() if scaled else self._unit ** -_LENGTHS[unit])
 
     def _histogram(self, name: str) -> Histogram:
         counts, squares, cross = self._get(name, f"histograms/{name}/sums")
@@ -401,9 +293,30 @@ class Ensemble(FieldEstimates, Result):
         edges = 2.0 ** (low + np.arange(int(bins) + 1) / per_octave)
         if name not in HISTOGRAMS[:2]:
             edges = edges * self._unit
-        everything = share(counts, squares, cross, samples, self.media)
-        p, error = everything.value, everything.error
-        return Histogram(edges, Estimate(p[:, 1:-1], error[:, 1:-1]), p[:, 0], p[:, -1])
+        found = share(counts, squares, cross, samples, self.media)
+        inside = Estimate(found.value[:, 1:-1], found.error[:, 1:-1])
+        return Histogram(edges, inside, found.value[:, 0], found.value[:, -1])
+
+
+_LENGTHS = {"1": 0, "U": 0, "U^2": 0, "d": 1, "d^2": 2}
+
+
+def _attach(name: str, make: Callable[[Ensemble, str], Any], words: str) -> None:
+    def attribute(ensemble: Ensemble) -> Any:
+        return make(ensemble, name)
+
+    attribute.__doc__ = words
+    made = cached_property(attribute)
+    made.__set_name__(Ensemble, name)
+    setattr(Ensemble, name, made)
+
+
+for _name, _one in ESTIMATES.items():
+    if _one.of is not None:
+        _attach(_name, Ensemble._average, f"Estimate of {_one.words}; unit {_one.unit}.")
+for _name, (_, _unit, _words) in VARIABLES.items():
+    _words = f"Histogram of the {_words} in {_unit}; {PER_OCTAVE} bins per octave."
+    _attach(_name, Ensemble._histogram, _words)
 
 
 def load(path: str | PathLike[str]) -> Ensemble:

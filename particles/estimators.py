@@ -1,9 +1,8 @@
 """Estimates with standard errors, from sums kept per configuration.
 
-Tracers of one configuration share their scatterers and are not independent; configurations are.
-So every error is the spread over configurations: the delete-one jackknife for functions of sums,
-and the ratio estimator's variance for histograms (Cochran, Sampling Techniques, chapters 6 and 9).
-With one configuration the spread is unknown, so the error is infinite.
+Tracers of one configuration share their scatterers and are not independent; configurations are. So
+every error is the spread over configurations: the delete-one jackknife, and the ratio estimator's
+variance for histograms (Cochran, Sampling Techniques, chapters 6 and 9). It is infinite with one.
 """
 
 import math
@@ -64,8 +63,7 @@ class Histogram(Value):
     @property
     def density(self) -> Estimate:
         """Probability per unit of the variable, (n_times, n_bins)."""
-        width = np.diff(self.edges)
-        return self.probability.divided(width)
+        return self.probability.divided(np.diff(self.edges))
 
 
 def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) -> Estimate:
@@ -74,20 +72,13 @@ def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) ->
     sums (n_configurations, ...); function maps a sum over configurations to an array.
     """
     with np.errstate(all="ignore"):
-        total = sums.sum(axis=0)
+        total, n = sums.sum(axis=0), len(sums)
         value = np.asarray(function(total), dtype=float)
-        n = len(sums)
         if n < 2:
             return Estimate(value, np.full(value.shape, np.inf))
-        mean = np.zeros(value.shape)
-        square = np.zeros(value.shape)
         # Deviations from the value: no cancellation in the squares.
-        for part in sums:
-            deviation = np.asarray(function(total - part), dtype=float) - value
-            mean += deviation
-            square += deviation * deviation
-        variance = (n - 1) / n * np.maximum(square - mean * mean / n, 0.0)
-        error = np.sqrt(variance)
+        deviations = np.array([function(total - part) for part in sums]) - value
+        error = np.sqrt((n - 1) * deviations.var(axis=0))
     return Estimate(value, np.where(np.isnan(error), np.inf, error))
 
 
@@ -96,9 +87,8 @@ def share(
 ) -> Estimate:
     """Return counts / samples with its error over n configurations.
 
-    counts, squares, cross (n_times, n_bins): sums over configurations of the count c in a bin, of
-    c^2 and of c m, where m is the configuration's number of samples; samples (2, n_times): sums of
-    m and of m^2.
+    counts, squares, cross (n_times, n_bins): sums over them of the count c in a bin, of c^2 and of
+    c m, m the number of samples; samples (2, n_times): sums of m and of m^2.
     """
     with np.errstate(all="ignore"):
         total = samples[0][:, None]

@@ -1,9 +1,8 @@
 """One event of a tracer: where it strikes next, how it moves there, how it leaves.
 
-Lengths are in d, so the centre of the tracer meets a scatterer on a circle of radius 1.
-The path of a tracer among fixed scatterers does not depend on its speed; so a tracer is a place,
-a unit direction and, apart from them, an inverse speed. This is the rescaling of the paper's
-section 2 with the speed kept.
+Lengths are in d, so the centre of the tracer meets a scatterer on a circle of radius 1. The path
+among fixed scatterers does not depend on the speed; so a tracer is a place, a unit direction and,
+apart from them, an inverse speed: the rescaling of the paper's section 2 with the speed kept.
 """
 
 from math import asin, atan2, copysign, frexp, pi, sqrt
@@ -63,8 +62,8 @@ def law_at(varying: Varying | None, law: tuple[float, float], speed: float) -> t
 def contact(dx: float, dy: float, ux: float, uy: float) -> tuple[float, float]:
     """Return (path to contact, impact parameter) with a scatterer at (dx, dy) from the tracer.
 
-    The path is NEVER where the unit direction (ux, uy) misses it. It may be negative by rounding
-    for a tracer that touches two scatterers at once. The impact parameter is signed, in d.
+    The path is NEVER where the unit direction (ux, uy) misses it, and may be negative by rounding
+    for a tracer that touches two scatterers. The impact parameter is signed.
     """
     along = dx * ux + dy * uy
     impact = dx * uy - dy * ux
@@ -76,11 +75,7 @@ def contact(dx: float, dy: float, ux: float, uy: float) -> tuple[float, float]:
 
 @njit(inline="always", error_model="numpy")
 def contact_in_space(dx: float, dy: float, dz: float, ux: float, uy: float, uz: float) -> float:
-    """Return the path to contact with a scatterer at (dx, dy, dz) from the tracer, in space.
-
-    NEVER where the unit direction (ux, uy, uz) misses it. The impact parameter is the size of what
-    is left of (dx, dy, dz) without its component along the direction.
-    """
+    """Return the path to contact with a scatterer at (dx, dy, dz) from the tracer, or NEVER."""
     along = dx * ux + dy * uy + dz * uz
     px, py, pz = dx - along * ux, dy - along * uy, dz - along * uz
     square = 1.0 - (px * px + py * py + pz * pz)
@@ -149,15 +144,39 @@ def bounce(
 ) -> tuple[float, float, float]:
     """Return (new velocity, its normal component) after a collision in the plane.
 
-    (nx, ny): the unit normal towards the tracer. law: restitution e and tangential restitution et.
-    The component along the normal is multiplied by -e and the one across it by et. In this form
-    normal components far smaller than the speed keep their digits. A component that is not towards
-    the scatterer, by rounding, is taken for 0.
+    (nx, ny): the unit normal towards the tracer. law: (e, et). In this form normal components far
+    smaller than the speed keep their digits. One that is not towards the scatterer counts as 0.
     """
     restitution, tangential = law
     approach = -min(vx * nx + vy * ny, 0.0)
     change = (tangential + restitution) * approach
     return tangential * vx + change * nx, tangential * vy + change * ny, restitution * approach
+
+
+@njit(inline="always", error_model="numpy")
+def turned(
+    direction: tuple[float, float, float], along: float, a: float, b: float
+) -> tuple[float, float, float]:
+    """Return along u + a p + b r, where p and r are two unit vectors across the direction u.
+
+    They depend on u alone (Duff et al., J. Computer Graphics Techniques 6, 1, 2017).
+    """
+    ux, uy, uz = direction
+    sign = copysign(1.0, uz)
+    tilt = -1.0 / (sign + uz)
+    mixed = ux * uy * tilt
+    return (
+        along * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed,
+        along * uy + a * sign * mixed + b * (sign + uy * uy * tilt),
+        along * uz - a * sign * ux - b * uy,
+    )
+
+
+@njit(inline="always", error_model="numpy")
+def _unit(vx: float, vy: float, vz: float) -> tuple[float, float, float]:
+    """Return a unit vector exact to rounding of one that nearly is: one Newton step on the norm."""
+    per = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
+    return vx * per, vy * per, vz * per
 
 
 @njit(inline="always", error_model="numpy")
@@ -169,32 +188,20 @@ def scatter_in_space(
 ) -> tuple[tuple[float, float, float], float]:
     """Return (new unit direction, speed ratio) after a collision in three dimensions.
 
-    impact (a, b): the impact parameter as a vector y = a p + b r in the plane across the direction
-    u; p and r are two unit vectors of that plane, which depend on u alone (Duff et al., J. Computer
-    Graphics Techniques 6, 1, 2017). With the normal s = -(q u + y), q = sqrt(1 - y^2), the new
-    velocity is (-e + (e + et) y^2) u - (e + et) q y. A head-on collision at e = 0 has ratio 0 and
-    keeps u.
+    impact (a, b): the impact parameter as a vector y = a p + b r (`turned`). With the normal
+    s = -(q u + y), q = sqrt(1 - y^2), the new velocity is (-e + (e + et) y^2) u - (e + et) q y. A
+    head-on collision at e = 0 has ratio 0 and keeps u.
     """
-    (ux, uy, uz), (a, b) = direction, impact
+    a, b = impact
     y2 = a * a + b * b
     square = 1.0 - y2
     along, ratio = _rebound(y2, 1.0, square, restitution, tangential)
     if ratio == 0.0:
         return direction, 0.0
     scale = 1.0 / ratio
-    along *= scale
     across = -(tangential + restitution) * sqrt(square) * scale
-    a *= across
-    b *= across
-    sign = copysign(1.0, uz)
-    tilt = -1.0 / (sign + uz)
-    mixed = ux * uy * tilt
-    vx = along * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed
-    vy = along * uy + a * sign * mixed + b * (sign + uy * uy * tilt)
-    vz = along * uz - a * sign * ux - b * uy
-    # As in the plane: one Newton step on the norm.
-    unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
-    return (vx * unit, vy * unit, vz * unit), ratio
+    vx, vy, vz = turned(direction, along * scale, a * across, b * across)
+    return _unit(vx, vy, vz), ratio
 
 
 @njit(inline="always", error_model="numpy")
@@ -224,9 +231,7 @@ def bounce_in_space(
     kept *= scale
     across = -(tangential + restitution) * depth * scale
     vx, vy, vz = kept * ux + across * px, kept * uy + across * py, kept * uz + across * pz
-    # As in the plane: one Newton step on the norm.
-    unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
-    return normal, (vx * unit, vy * unit, vz * unit), ratio
+    return normal, _unit(vx, vy, vz), ratio
 
 
 @njit(error_model="numpy")
@@ -239,14 +244,11 @@ def is_collapsing(
 ) -> bool:
     """Tell whether a tracer between two straight walls collides infinitely often from now on.
 
-    before and left: unit normals, towards the tracer, of the wall before and of the one that it
-    leaves with this unit direction. The walls enclose the angle theta; alpha is the angle of the
-    direction with the wall left, from the side of the corner. From one collision to the next,
-    tan(alpha') = r tan(alpha + theta) with r = e/et, and the distance from the corner is multiplied
-    by sin(alpha)/sin(alpha + theta). For r < 1 there are fixed points if
-    sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta) (1 + r)/(1 - r); below
-    the upper one, which repels, alpha goes to the lower one, and path and speed shrink
-    geometrically for ever. For r >= 1 the distance grows in the end.
+    before, left: unit normals of the wall before and of the one that it leaves with this unit
+    direction. The walls enclose the angle theta; alpha is that of the direction with the wall left.
+    From one collision to the next tan(alpha') = r tan(alpha + theta), r = e/et. For r < 1 there are
+    fixed points if sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta)
+    (1 + r)/(1 - r); below the upper one path and speed shrink geometrically for ever.
     """
     (ax, ay), (bx, by), (ux, uy) = before, left, direction
     if restitution >= tangential:

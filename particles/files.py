@@ -1,16 +1,14 @@
 """Runs in HDF5 files, while they go on and when they have ended; and as H5MD for other programs.
 
 Attributes of a file: `format`, and `done` (the first so many configurations are in it). Lengths are
-in the diameter d, times in d/U:
+in the diameter d, times in d/U; columns in `kernel.columns`:
 
-    plan (n,)                       the arguments, JSON as bytes; `part` only in a part of a run
-    moments (done, n_times, 8)      sums over tracers: 1, (s v)^2, (s v)^4, r^2, r^4, collisions,
-                                    s v(t).v(0), trapped; s = 2^round(log2(max(t, 1)))
+    plan (n,)                       the arguments, JSON as bytes
+    moments (done, n_times, 8)      sums over tracers; velocities times s = 2^round(log2(max(t, 1)))
     path_sums (done, 2)             path and collisions
-    field_sums (done, n_times, 10)  in a field, whose s is 1, sums over tracers: v_x, v_y, v_x^2,
-                                    v_x v_y, v_y^2, and the same of the place; in space (.., 18)
+    field_sums (done, n_times, ..)  in a field, whose s is 1
     statuses (5,)                   finished, collision cap, trapped, escaped, captured
-    traps (n, 5)                    configuration, tracer, time, x, y (and z): trapped or captured
+    traps (n, ..)                   configuration, tracer, time, place: trapped or captured
     histograms/<name>/sums (3, n_times, bins + 2)   sums over configurations of the counts c,
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
@@ -37,13 +35,11 @@ import numpy as np
 from particles.checks import check_path, short
 from particles.configuration import Arrays, Plan, Totals
 from particles.impact import Tabulated, Viscoelastic
-from particles.kernel.columns import STATUSES
 from particles.media import MEDIA
 from particles.outputs import DRIVES
 from particles.results import package_version
 
-FORMAT = "inelastic-lorentz particles 7"
-EARLIER = "inelastic-lorentz particles 6"  # without what drives tracers, and (4,) statuses
+FORMAT = "inelastic-lorentz particles 8"
 SHARE = 0.02  # of the time between two writings of the whole file that one of them may take
 
 
@@ -59,31 +55,23 @@ def write(path: Any, plan: Plan, arrays: Arrays, done: int) -> None:
 
 
 def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
-    """Return (plan, arrays, configurations done) from a file, which is only read.
-
-    Raises ValueError, one line, for a file that is missing, damaged, or not one of ours.
-    """
-    name = check_path("path", path)
-    if not os.path.isfile(name):
-        raise ValueError(f"{name}: no such file")
-    arrays: dict[str, np.ndarray] = {}
-
-    def collect(key: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset):
-            arrays[key] = item[()]
-
+    """Return (plan, arrays, configurations done) from a file; ValueError if it cannot be used."""
+    path = check_path("path", path)
+    if not os.path.isfile(path):
+        raise ValueError(f"{path}: no such file")
+    names: list[str] = []
     try:
-        with h5py.File(name, "r") as file:
+        with h5py.File(path, "r") as file:
             found, done = file.attrs["format"].decode(), int(file.attrs["done"])
-            if found in (FORMAT, EARLIER):
-                file.visititems(collect)
-                arrays["statuses"] = np.resize([*arrays["statuses"], 0], STATUSES)
+            if found == FORMAT:
+                file.visit(names.append)
+                arrays = {n: file[n][()] for n in names if isinstance(file[n], h5py.Dataset)}
                 plan = _understood(arrays.pop("plan").tobytes())
     except Exception as error:  # of nearly any class; h5py's own words are long
         what = "is damaged, or no saved simulation"
-        raise ValueError(f"{name}: {what} ({type(error).__name__})") from None
-    if found not in (FORMAT, EARLIER):
-        raise ValueError(f"{name}: holds {short(found)}; this version reads {FORMAT!r}")
+        raise ValueError(f"{path}: {what} ({type(error).__name__})") from None
+    if found != FORMAT:
+        raise ValueError(f"{path}: holds {short(found)}; this version reads {FORMAT!r}")
     return plan, arrays, done
 
 
@@ -95,14 +83,10 @@ def _text(plan: Plan) -> bytes:
             return sorted(value)
         if isinstance(value, np.ndarray):
             return value.tolist()
-        return {"kind": type(value).__name__} | {
-            f.name: getattr(value, f.name) for f in fields(value) if f.init
-        }
+        own = {f.name: getattr(value, f.name) for f in fields(value) if f.init}
+        return {"kind": type(value).__name__} | own
 
-    found = {f.name: getattr(plan, f.name) for f in fields(plan)}
-    if plan.part is None:  # a whole run has the file that it had before there were parts
-        del found["part"]
-    return json.dumps(found, default=plain).encode()
+    return json.dumps(vars(plan), default=plain).encode()
 
 
 def _understood(text: bytes) -> Plan:
@@ -119,7 +103,7 @@ def _understood(text: bytes) -> Plan:
         "times": np.array(found["times"], float),
         "velocities": None if given is None else np.array(given, float),
         "observables": frozenset(found["observables"]),
-        "part": tuple(found["part"]) if "part" in found else None,
+        "part": found["part"] and tuple(found["part"]),
     })  # fmt: skip
 
 
@@ -131,11 +115,7 @@ class Saver:
         self._next = 0.0
 
     def begin(self, resume: bool) -> Totals:
-        """Return the totals to go on from, and make sure that the run can be saved.
-
-        Raises ValueError for a run that exists (without resume), is damaged or is another one, or
-        if it cannot be written. What is refused is left as it was.
-        """
+        """Return the totals to go on from, and make sure that the run can be saved."""
         if not os.path.isfile(self.path):
             totals = Totals(self.plan)
             self.write(totals)
@@ -144,30 +124,22 @@ class Saver:
         if not resume:
             raise ValueError(f"{where}; it exists, resume=True (--resume) would go on from it")
         found, arrays, done = read(self.path)
-        for f in fields(self.plan):
-            ours, theirs = (getattr(plan, f.name) for plan in (self.plan, found))
-            if not np.array_equal(ours, theirs):
-                what = f"it holds another run, with {f.name} = {short(theirs)}, not {short(ours)}"
-                raise ValueError(f"{where}; {what}")
+        if other := self.plan.unlike(found):
+            raise ValueError(f"{where}; it holds {other}")
         return Totals(self.plan, arrays, done)
 
-    def write(self, totals: Totals) -> None:
-        """Save everything."""
-        began = time.monotonic()
-        write(self.path, self.plan, totals.arrays(), totals.configurations)
-        self._next = time.monotonic() + (time.monotonic() - began) / SHARE
-
-    def write_if_due(self, totals: Totals) -> None:
-        """Save everything, if the last time was long enough ago."""
-        if time.monotonic() >= self._next:
-            self.write(totals)
+    def write(self, totals: Totals, at_once: bool = True) -> None:
+        """Save everything, at once or if the last time was long enough ago."""
+        if at_once or time.monotonic() >= self._next:
+            began = time.monotonic()
+            write(self.path, self.plan, totals.arrays(), totals.configurations)
+            self._next = time.monotonic() + (time.monotonic() - began) / SHARE
 
 
 def write_whole(path: str, contents: bytes) -> None:
-    """Write a file beside its target, rename it, and wait for the disk.
+    """Write a file beside its target, or what a link points to, rename it, and wait for the disk.
 
-    A symbolic link is followed: the file that it points to is replaced. Raises ValueError if it
-    cannot be written; what was there before is left as it was.
+    Raises ValueError if it cannot be written; what was there before is left as it was.
     """
     if os.path.exists(path) and not os.path.isfile(path):
         raise ValueError(f"{path}: is a folder, a device or a pipe, not a file")
@@ -192,12 +164,11 @@ def write_whole(path: str, contents: bytes) -> None:
 
 
 def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndarray) -> None:
-    """Write a run as H5MD 1.1: positions and velocities over time, which other programs read.
+    """Write a run as H5MD 1.1: positions and velocities (n_times, n, dimension), in d and U.
 
-    P. de Buyl, P. H. Colberg and F. Hoefling, Comput. Phys. Commun. 185, 1546 (2014). Lengths are
-    in the diameter d, speeds in U, times in d/U. Positions are displacements from each tracer's
-    start, in no box; NaN where a tracer has ended. `medium` (n,) is the configuration of each
-    tracer. positions, velocities (n_times, n, dimension).
+    P. de Buyl, P. H. Colberg and F. Hoefling, Comput. Phys. Commun. 185, 1546 (2014). Positions are
+    displacements from each tracer's start, in no box; NaN where a tracer has ended. `medium` (n,)
+    is the configuration of each tracer.
     """
     unit, dimension = plan.medium.diameter, plan.medium.dimension
     first, count = plan.configurations.start, len(plan.configurations) * plan.tracers

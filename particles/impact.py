@@ -1,9 +1,8 @@
 """A restitution that depends on the impact speed: laws, and the one form that kernels read.
 
-The impact speed is the size of the normal component of the relative velocity, in U. A law becomes a
-table of e with PER_OCTAVE nodes in each octave of the speed, straight between two of them and
-constant outside. With h = 1/PER_OCTAVE it is off by h^2 |v^2 e''(v)|/8 at most where e is smooth,
-below 2e-7 for Viscoelastic. A jump or a kink of e is smeared over one piece, 0.4 % of the speed.
+The impact speed is the size of the normal component of the relative velocity, in U. A law becomes
+a table of e with PER_OCTAVE nodes in each octave of the speed, straight between them and constant
+outside: off by 2e-7 at most for Viscoelastic; jumps are smeared over 0.4 % of the speed.
 """
 
 from dataclasses import dataclass

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass, field
 from math import cbrt, pi, sqrt
 from os import PathLike
-from typing import Any, ClassVar, Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -27,13 +27,8 @@ LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 def _require_density(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
     if not in_diameters >= LEAST_DENSITY:
-        least = f"at least {LEAST_DENSITY:g} per d^{dimension}; below use BoltzmannGrad, the limit"
+        least = f"{LEAST_DENSITY:g} per d^{dimension} or more; below use BoltzmannGrad, the limit"
         refuse(name, value, f"in units of d it is {in_diameters:.3g}, it must be {least}")
-
-
-def _fraction(of_one: float, words: str) -> Any:
-    """Return the property: their share of space. of_one: that of one scatterer in d^dimension."""
-    return property(lambda m: of_one * m.number_density * m.diameter**m.dimension, doc=words)
 
 
 class Random:
@@ -46,13 +41,12 @@ class Random:
     dimension: ClassVar[int]
     overlapping: ClassVar[bool]
     largest: ClassVar[float] = LARGEST_RSA_DENSITY  # density in d^-2, or d^-3
-    equilibrate: int = 0
 
     def __post_init__(self) -> None:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        check_whole("count", self.count, 1, LARGEST_COUNT)
-        check_whole("equilibrate", self.equilibrate, 0, 2**31)
+        count = check_whole("count", self.count, 1, LARGEST_COUNT)
+        vars(self).update(number_density=density, diameter=d, count=count)
         in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
         if in_diameters > self.largest:
@@ -69,36 +63,37 @@ class Random:
         volume = self.count / self.number_density
         return sqrt(volume) if self.dimension == 2 else cbrt(volume)
 
+    @property
+    def share_of_space(self) -> float:
+        """Area, or volume, of the scatterers over that of space, overlaps counted twice."""
+        of_one = pi / 4 if self.dimension == 2 else pi / 6
+        return of_one * self.number_density * self.diameter**self.dimension
+
 
 @dataclass(frozen=True)
 class HardDisks(Random):
     """Disks that do not overlap, placed by random sequential addition (paper, section 2).
 
-    number_density: disks per unit area. count: their number in the periodic square box, of side
-    sqrt(count / number_density). diameter d of a disk and of the tracer, in the unit of length
-    that density, times and results share. equilibrate: sweeps of Monte Carlo moves (Metropolis, one
-    attempt per disk each) after the placement. A tracer that is never farther from its start than
+    number_density: disks per unit area, 1e-10 to 0.65 d^-2. count: their number in the periodic
+    square box, whose side is at least 4 d. diameter d of a disk and of the tracer, in the unit of
+    length that density, times and results share. A tracer that is never farther from its start than
     half the side of the box has the same path as in an unbounded plane.
 
     No disk lies within d of the box's centre, where tracers start. It is kept free while the disks
     are placed, so that slightly fewer stand beside it than beside a place that is found free
-    afterwards: within 1.25 d of it 1.6 % fewer at 0.04 d^-2, 15 % at 0.2 d^-2. After `equilibrate`
-    there is no difference.
+    afterwards: within 1.25 d of it 1.6 % fewer at 0.04 d^-2, 15 % at 0.2 d^-2.
 
     In a field along x the disks nearer than 2 d to each other leave corners for a tracer's centre;
     one that opens against the field is a trap, in which inelastic tracers come to rest.
-    ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
-    lower than 1e-10 d^-2 or higher than 0.65 d^-2.
     """
 
     number_density: float
     count: int = 40_000
     diameter: float = 1.0
-    equilibrate: int = 0
     scatterers, dimension = "hard disks", 2
     overlapping = False
 
-    area_fraction = _fraction(pi / 4, "Area of the disks per unit area.")
+    area_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
@@ -117,40 +112,31 @@ class Poisson(Random):
     overlapping = True
     largest = float("inf")
 
-    area_fraction = _fraction(pi / 4, "Their area per unit area, overlaps counted twice.")
+    area_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
 class HardSpheres(Random):
     """Spheres in three dimensions that do not overlap, placed by random sequential addition.
 
-    number_density: spheres per unit volume. diameter d of a sphere and of the tracer, in the unit
-    of length that density, times and results share. count: their number in the periodic cubic box,
-    of side (count / number_density)^(1/3). equilibrate: sweeps of Monte Carlo moves (Metropolis,
-    one attempt per sphere each) after the placement.
-
-    No sphere lies within d of the box's centre, where tracers start; beside it slightly fewer stand
-    than beside a place found free afterwards, unless equilibrated, as HardDisks says of disks.
-    ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
-    lower than 1e-10 d^-3 or higher than 0.65 d^-3.
+    Arguments as of HardDisks, per unit volume, in a cubic box; so is what it says of the places
+    beside the start.
     """
 
     number_density: float
     diameter: float = 1.0
     count: int = 40_000
-    equilibrate: int = 0
     scatterers, dimension = "hard spheres", 3
     overlapping = False
 
-    volume_fraction = _fraction(pi / 6, "Volume of the spheres per unit volume.")
+    volume_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
 class PoissonSpheres(Random):
     """Spheres in three dimensions, placed without regard to one another; they may overlap.
 
-    Arguments as of HardSpheres; the density is 1 d^-3 at most. None of the spheres lies within d of
-    the start.
+    Arguments as of HardDisks; at most 1 d^-3. None lies within d of the start.
     """
 
     number_density: float
@@ -160,7 +146,7 @@ class PoissonSpheres(Random):
     overlapping = True
     largest = LARGEST_POISSON_SPHERES
 
-    volume_fraction = _fraction(pi / 6, "Their volume per unit volume, overlaps counted twice.")
+    volume_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
@@ -168,12 +154,9 @@ class BoltzmannGrad:
     """No scatterers: exponential free paths, and impact parameters as a dilute gas has them.
 
     The particle method of the kinetic equation itself (paper, eq. inelaslorentz2): the limit of
-    number_density -> 0 at a given mean free path, without recollisions.
-
-    dimension 2: disks, number_density per unit area, free paths of mean 1/(2 d rho0), the impact
-    parameter uniform. dimension 3: spheres, number_density per unit volume, mean 1/(pi d^2 rho0),
-    the impact parameter uniform in the disk across the velocity. ValueError where dimension is
-    another number or a number is not positive and finite.
+    number_density -> 0 at a given mean free path, without recollisions. dimension 2: disks, free
+    paths of mean 1/(2 d rho0), the impact parameter uniform. dimension 3: spheres, mean
+    1/(pi d^2 rho0), the impact parameter uniform in the disk across the velocity.
     """
 
     number_density: float
@@ -182,11 +165,12 @@ class BoltzmannGrad:
     scatterers: ClassVar[str] = "dilute"
 
     def __post_init__(self) -> None:
-        if type(self.dimension) is not int or self.dimension not in (2, 3):
-            refuse("dimension", self.dimension, "it must be 2 or 3")
+        dimension = check_whole("dimension", self.dimension, 2, 3)
+        density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        in_diameters = check_positive("number_density", self.number_density) * d * d
-        if self.dimension == 3:
+        vars(self).update(number_density=density, diameter=d, dimension=dimension)
+        in_diameters = density * d * d
+        if dimension == 3:
             in_diameters *= d
         if not 0.0 < in_diameters < float("inf") or 0.5 / in_diameters == float("inf"):
             allowed = f"in units of d it is {in_diameters:.3g}, it must be above 0 and finite"
@@ -198,11 +182,10 @@ class Positions(Value):
     """Scatterers where the user says, in a periodic square box; they may overlap.
 
     positions (count, 2), the same in every configuration, or (media, count, 2), one set for each.
-    box_side: side of the box, in the unit of the positions; coordinates are taken modulo it.
-    start: where tracers start, the box's centre if not given. ValueError if a scatterer covers it
-    (is nearer than the diameter), if a position is not finite, or if the box is smaller than 4 d or
-    holds fewer than 1e-10 scatterers per d^2. Where the start is the box's centre, only the first
-    tracer of a run from rest begins there, the others at random free places (`simulate`).
+    box_side: side of the box, 4 d or more, in the unit of the positions; coordinates are taken
+    modulo it. start: where tracers start, the box's centre if not given; no scatterer may be nearer
+    than d. Where it is the box's centre, only the first tracer of a run from rest begins there, the
+    others at random free places (`simulate`).
 
     With one set for all configurations, these differ only in their tracers, and errors are those
     of the mean over tracers in this one medium.
@@ -232,59 +215,47 @@ class Positions(Value):
             allowed = f"it must be two finite numbers, at most {FARTHEST:g} boxes away"
             refuse("start", self.start, allowed)
 
-        def require(good: Any, allowed: str) -> None:
+        offset = array - origin  # from the start to the nearest image
+        with np.errstate(invalid="ignore"):
+            offset -= box * np.round(offset / box)
+        near = (abs(array) <= FARTHEST * box).all(axis=-1)
+        free = np.hypot(offset[..., 0], offset[..., 1]) >= d
+        for good, allowed in (
+            (near, f"it must be finite, at most {FARTHEST:g} boxes away"),
+            (free, f"it covers the start {tuple(origin.tolist())}; it must be {d:g} away or more"),
+        ):
             if len(bad := np.argwhere(~good)):
                 refuse(f"positions[{bad[0][-1]}]", array[tuple(bad[0])].tolist(), allowed)
-
-        require(
-            (abs(array) <= FARTHEST * box).all(axis=-1),
-            f"it must be finite, at most {FARTHEST:g} boxes away: there a place has digits left",
-        )
-        # Relative to the start, in (-box/2, box/2): the nearest image.
-        offset = array - origin
-        offset -= box * np.round(offset / box)
-        require(
-            np.hypot(offset[..., 0], offset[..., 1]) >= d,
-            f"it covers the start ({origin[0]:g}, {origin[1]:g}), which must be at least "
-            f"{self.diameter:g} away",
-        )
         density = array.shape[-2] / (box * box)
         _require_density("box_side", self.box_side, density * d * d)
-        object.__setattr__(self, "positions", array)
-        object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
-        object.__setattr__(self, "number_density", density)
+        start = tuple(origin.tolist())
+        vars(self).update(positions=array, box_side=box, diameter=d, start=start)
+        vars(self).update(number_density=density)
         super().__post_init__()
 
     def __repr__(self) -> str:
         shape = " x ".join(str(n) for n in self.positions.shape)
-        return (
-            f"Positions(<{shape} numbers>, box_side={self.box_side!r}, "
-            f"diameter={self.diameter!r}, start={self.start!r})"
-        )
+        rest = f"diameter={self.diameter!r}, start={self.start!r}"
+        return f"Positions(<{shape} numbers>, box_side={self.box_side!r}, {rest})"
 
     @classmethod
     def from_csv(
         cls, path: str | PathLike[str], box_side: float, diameter: float = 1.0,
         start: tuple[float, float] | None = None,
     ) -> "Positions":  # fmt: skip
-        """Read positions from a CSV file of two columns, x and y; one header line may precede.
-
-        Raises ValueError, naming the row, for one that does not hold two numbers, and for a file
-        that cannot be read, is not text or holds no positions.
-        """
+        """Read positions from a CSV file of two columns, x and y; one header line may precede."""
         name = check_path("path", path)
         if os.path.exists(name) and not os.path.isfile(name):
             raise ValueError(f"{name}: is a folder, a device or a pipe; it must be a file")
         try:
             with open(name, encoding="utf-8-sig") as file:
-                lines = [line for line in file.read().splitlines() if line.strip()]
-            has_header = bool(lines) and not any(c in "0123456789" for c in lines[0].split(",")[0])
-            if not lines[has_header:]:
+                lines = [line for line in file if line.strip()]
+            if lines and not any(c in "0123456789" for c in lines[0].split(",")[0]):
+                del lines[0]
+            if not lines:
                 raise ValueError("holds no positions")
-            rows = np.loadtxt(lines[has_header:], delimiter=",", quotechar='"', ndmin=2)
-        except OSError as error:
-            raise ValueError(f"{name}: cannot be read ({error.strerror})") from None
-        except ValueError as error:  # of loadtxt, with the row, and of what is no text in UTF-8
+            rows = np.loadtxt(lines, delimiter=",", quotechar='"', ndmin=2)
+        except (OSError, ValueError) as error:  # of loadtxt with the row; what is no text in UTF-8
             raise ValueError(f"{name}: must be two columns of numbers ({error})") from None
         return cls(rows, box_side, diameter, start)
 

@@ -1,32 +1,120 @@
-"""The names of what a run can give, with their units: one table for results, files and commands."""
+"""What a run can give: names, units, and how each average follows from sums over tracers."""
 
-from particles.kernel.columns import HISTOGRAMS
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from particles.kernel.columns import (
+    CAUGHT,
+    COLLISIONS,
+    CORRELATION,
+    HISTOGRAMS,
+    MOMENTS,
+    R2,
+    R4,
+    SAMPLES,
+    SPEED2,
+    SPEED4,
+)
+
+VELOCITY, PLACE = range(2)
+
+
+class Sums:
+    """Sums over tracers at each time, (n_times, columns): of `moments`, then of `field_sums`."""
+
+    def __init__(self, array: np.ndarray, dimension: int) -> None:
+        self.array, self.dimension = array, dimension
+
+    def __getitem__(self, column: int) -> np.ndarray:
+        return self.array[:, column]
+
+    def mean(self, column: int) -> np.ndarray:
+        """Return the average over the tracers, (n_times,)."""
+        return np.asarray(self[column] / self[SAMPLES])
+
+    def vector(self, which: int) -> np.ndarray:
+        """Return the average of the VELOCITY or the PLACE, (n_times, dimension)."""
+        return self._means(which)[:, : self.dimension]
+
+    def tensor(self, which: int) -> np.ndarray:
+        """Return the average of its products, (n_times, dimension, dimension)."""
+        d, means = self.dimension, self._means(which)
+        products = np.empty((len(means), d, d))
+        i, j = np.triu_indices(d)
+        products[:, i, j] = products[:, j, i] = means[:, d:]
+        return products
+
+    def covariance(self) -> np.ndarray:
+        """Return that of the displacement, (n_times, dimension, dimension)."""
+        mean = self.vector(PLACE)
+        return self.tensor(PLACE) - mean[:, :, None] * mean[:, None, :]
+
+    def _means(self, which: int) -> np.ndarray:
+        return np.split(self.array[:, MOMENTS:], 2, axis=1)[which] / self[SAMPLES][:, None]
+
+
+def _a2(s: Sums) -> np.ndarray:
+    gaussian = (s.dimension + 2) / s.dimension
+    return np.asarray(s[SPEED4] * s[SAMPLES] / (gaussian * s[SPEED2] ** 2) - 1.0)
+
+
+def _across(s: Sums) -> np.ndarray:
+    trace = np.trace(s.covariance()[:, 1:, 1:], axis1=1, axis2=2)
+    return np.asarray(trace / (s.dimension - 1))
+
+
+class Average(NamedTuple):
+    """An estimate: unit, words, and its value as a function of the sums, None of other sums.
+
+    scaled: it is still times the power of 2 that velocities are multiplied by in sums.
+    """
+
+    unit: str
+    words: str
+    of: Callable[[Sums], np.ndarray] | None = None
+    scaled: bool = False
+
 
 SCALARS = {
-    "thermal_speed": ("U", "sqrt(<v^2>)"),
-    "a2": ("1", "<v^4>/(k <v^2>^2) - 1, k = 2 in the plane and 5/3 in space"),
-    "msd": ("d^2", "mean square displacement"),
-    "kurtosis": ("1", "<r^4>/<r^2>^2"),
-    "collisions": ("1", "mean number of collisions per tracer"),
-    "velocity_autocorrelation": ("U^2", "<v(t).v(0)>"),
-    "mean_free_path": ("d", "path per collision"),
+    "thermal_speed": Average("U", "sqrt(<v^2>)", lambda s: np.sqrt(s.mean(SPEED2)), scaled=True),
+    "a2": Average("1", "<v^4>/(k <v^2>^2) - 1, k = 2 in the plane and 5/3 in space", _a2),
+    "msd": Average("d^2", "mean square displacement", lambda s: s.mean(R2)),
+    "kurtosis": Average("1", "<r^4>/<r^2>^2", lambda s: s[R4] * s[SAMPLES] / s[R2] ** 2),
+    "collisions": Average(
+        "1", "mean number of collisions per tracer", lambda s: s.mean(COLLISIONS)
+    ),
+    "velocity_autocorrelation": Average(
+        "U^2", "<v(t).v(0)>", lambda s: s.mean(CORRELATION), scaled=True
+    ),
+    "mean_free_path": Average("d", "path per collision"),
 }
-"""Estimates of every run: name -> unit, and what it is in words."""
+"""Estimates of every run; those but the last are (n_times, ...), NaN where nothing was sampled."""
 IN_FIELD = {
-    "drift": ("U", "<v_x>"),
-    "drift_of_moving": ("U", "<v_x> of the tracers that are not trapped"),
-    "trapped_fraction": ("1", "share of the tracers that are trapped or captured"),
-    "mean_velocity": ("U", "<v>"),
-    "velocity_tensor": ("U^2", "<v_i v_j>"),
-    "mean_displacement": ("d", "<r>"),
-    "dispersion": ("d^2", "covariance of the displacement"),
-    "dispersion_parallel": ("d^2", "variance of the displacement along the field"),
-    "dispersion_perpendicular": ("d^2", "variance across the field, of one direction"),
-}
-"""Estimates of a run in a field."""
+    "drift": Average("U", "<v_x>", lambda s: s[MOMENTS] / s[SAMPLES]),
+    "drift_of_moving": Average(
+        "U", "<v_x> of the tracers that are not trapped",
+        lambda s: s[MOMENTS] / (s[SAMPLES] - s[CAUGHT]),
+    ),
+    "trapped_fraction": Average(
+        "1", "share of the tracers that are trapped or captured", lambda s: s.mean(CAUGHT)
+    ),
+    "mean_velocity": Average("U", "<v>", lambda s: s.vector(VELOCITY)),
+    "velocity_tensor": Average("U^2", "<v_i v_j>", lambda s: s.tensor(VELOCITY)),
+    "mean_displacement": Average("d", "<r>", lambda s: s.vector(PLACE)),
+    "dispersion": Average("d^2", "covariance of the displacement", Sums.covariance),
+    "dispersion_parallel": Average(
+        "d^2", "variance of the displacement along the field", lambda s: s.covariance()[:, 0, 0]
+    ),
+    "dispersion_perpendicular": Average(
+        "d^2", "variance across the field, of one direction", _across
+    ),
+}  # fmt: skip
+"""Estimates of a run in a field; `trapped_fraction` also where tracers stick."""
 OF_A_DEPTH = {
-    "passed": ("1", "share of the tracers that have reached the depth"),
-    "mean_passage_time": ("d/U", "mean time of the first passage of the depth"),
+    "passed": Average("1", "share of the tracers that have reached the depth"),
+    "mean_passage_time": Average("d/U", "mean time of the first passage of the depth"),
 }
 """Estimates of a run in a field with a depth, which has `passage_times` too."""
 DRIVES = {"bath_speed": "U", "heating": "U^3/d", "drag": "U/d", "capture_speed": "U"}

@@ -1,10 +1,9 @@
 """The paths of a few tracers of a run among the scatterers, and a picture of them.
 
-A run keeps sums, not paths. A path is found again by following the same tracers, among the same
-scatterers and with the same random numbers, up to 1, 2, 3 ... collisions: each such run ends at the
-place of a collision, to the same bits as the run itself. In a field, where paths are curved, the
-places at many times are taken instead, as with noise and drag: driven in these ways, a tracer whose
-outputs are at other times has another path of the same kind.
+A run keeps sums, not paths. A path is found again by following the same tracers up to 1, 2, 3 ...
+collisions: each such run ends at the place of a collision, to the same bits as the run itself.
+Where paths are curved, in a field and with noise and drag, the places at many times are taken
+instead; with noise a tracer whose outputs are at other times has another path of the same kind.
 """
 
 from dataclasses import dataclass, replace
@@ -14,16 +13,9 @@ import numpy as np
 
 from particles.checks import check_positive, check_whole, refuse
 from particles.configuration import Plan, follow_tracers, start_places
-from particles.kernel.columns import (
-    COLLISION_CAP,
-    FINAL_COLLISIONS,
-    FINAL_X,
-    FINAL_Y,
-    FINAL_Z,
-    LN_SPEED,
-    LN_TIME,
-)
-from particles.placement import build, scatterers
+from particles.kernel import columns
+from particles.media import BoltzmannGrad
+from particles.placement import build, placed
 from particles.results import Value
 
 if TYPE_CHECKING:
@@ -44,8 +36,7 @@ class Trajectory(Value):
     """The path of one tracer: straight from each place to the next, or nearly so in a field.
 
     times (n,) in d/U: of the start, of each collision and of the end. places (n, dimension) in d,
-    from the start, or, of tracers that begin at rest among disks, from the start of the first one.
-    speeds (n - 1,) in U: between two places.
+    from the start of the first tracer. speeds (n - 1,) in U: between two places.
     """
 
     times: np.ndarray
@@ -60,12 +51,10 @@ def trajectories(
     until: float | None = None,
     collisions: int = 300,
 ) -> list[Trajectory]:
-    """Return the paths of the first tracers of one configuration of a run.
+    """Return the paths of the first so many tracers of one configuration of a run.
 
-    tracers: how many. until: the time in d/U at which they end, that of the run's last output if
-    None. collisions: where they end at the latest, 1000 at most (not in a field).
-
-    Raises ValueError for a number out of range.
+    until: the time in d/U at which they end, that of the run's last output if None. collisions:
+    where they end at the latest, 1000 at most (not in a field).
     """
     tracers = check_whole("tracers", tracers, 1, plan.tracers)
     configuration = check_whole("configuration", configuration, 0, plan.media - 1)
@@ -108,24 +97,22 @@ def _flights(
     """The places of the start, of the collisions and of the end, and the speeds between them."""
     d, dimension = plan.medium.diameter, plan.medium.dimension
     cells = build(plan.medium, np.uint64(plan.seed), configuration)
-    place_of = [FINAL_X, FINAL_Y, FINAL_Z][:dimension]
+    place_of = [columns.FINAL_X, columns.FINAL_Y, columns.FINAL_Z][:dimension]
     start = replace(plan, times=np.zeros(1), observables=frozenset({"velocities"}))
     first = follow_tracers(start, configuration, cells)["raw/velocities"][0]
-    times = [[0.0] for _ in first]
-    places = [[np.zeros(dimension)] for _ in first]
-    speeds = [[float(np.linalg.norm(v))] for v in first]
-    ended = np.zeros(len(first), bool)
+    times, places = [[0.0] for _ in first], [[np.zeros(dimension)] for _ in first]
+    speeds, ended = [[float(np.linalg.norm(v))] for v in first], np.zeros(len(first), bool)
     last = np.empty(0) if until is None else np.array([until])
     asked = replace(plan, times=last, observables=frozenset({"finals"}))
     for n in range(1, collisions + 1):
         found = follow_tracers(replace(asked, max_collisions=n), configuration, cells)
         for k in np.nonzero(~ended)[0]:
             end = found["raw/finals"][k]
-            times[k].append(float(np.exp(end[LN_TIME])) * d)
+            times[k].append(float(np.exp(end[columns.LN_TIME])) * d)
             places[k].append(end[place_of] * d)
-            speeds[k].append(float(np.exp(end[LN_SPEED])))
-            ended[k] = end[FINAL_COLLISIONS] < n
-        if not found["statuses"][COLLISION_CAP]:
+            speeds[k].append(float(np.exp(end[columns.LN_SPEED])))
+            ended[k] = end[columns.FINAL_COLLISIONS] < n
+        if not found["statuses"][columns.COLLISION_CAP]:
             break
     return [
         Trajectory(np.array(t), np.array(where), np.array(v[:-1]))
@@ -136,18 +123,14 @@ def _flights(
 def disks_within(
     plan: Plan, configuration: int, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray | None:
-    """Return the disks of one configuration in a rectangle, (n, 2), in d from the start.
-
-    low, high (2,): its corners in d. None where there are none to draw: in the Boltzmann-Grad
-    limit, in space, and where the rectangle holds more than a picture can show.
-    """
+    """Return the disks between two corners, (n, 2), in d from the start; None if there are many."""
     medium = plan.medium
     if medium.dimension != 2 or np.prod(high - low) * medium.number_density > MOST_SCATTERERS:
         return None
-    own = scatterers(medium, np.uint64(plan.seed), configuration)
-    if own is None:
+    if isinstance(medium, BoltzmannGrad):
         return None
-    d, box = medium.diameter, medium.box_side  # type: ignore[union-attr]
+    own = placed(medium, np.uint64(plan.seed), configuration)[1]
+    d, box = medium.diameter, medium.box_side
     images = [np.arange(np.floor(a / box), np.ceil(b / box) + 1) for a, b in zip(low, high)]  # noqa: B905
     shifts = np.stack(np.meshgrid(*images), axis=-1).reshape(-1, 1, 2) * box
     found = (own[:, :2] * d + shifts).reshape(-1, 2)
@@ -157,11 +140,7 @@ def disks_within(
 def plot_trajectories(
     plan: Plan, tracers: int = 8, ax: "Axes | None" = None, colour_bar: bool = True, **which: Any
 ) -> "Axes":
-    """Draw paths of the first tracers of one configuration of a run, and the disks beside them.
-
-    which: as of `trajectories`. In space the paths are projected on the plane of x and y, and no
-    sphere is drawn. Returns the axes.
-    """
+    """Draw `trajectories`, in space projected on x and y, and the disks beside them."""
     from matplotlib import colormaps
     from matplotlib.collections import EllipseCollection, LineCollection
     from matplotlib.colors import ListedColormap, LogNorm

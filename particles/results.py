@@ -7,7 +7,6 @@ import json
 from collections.abc import Iterable
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
-from math import isfinite
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -15,14 +14,14 @@ import numpy as np
 
 from particles.checks import refuse
 from particles.kernel.columns import OF_FLIGHTS
-from particles.outputs import DRIVES, ESTIMATES, VARIABLES
+from particles.outputs import ESTIMATES, VARIABLES
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.axes import Axes
 
-_DECADES = 30.0  # last over first time from which on the axis is logarithmic
+DECADES = 30.0  # last over first time from which on the axis is logarithmic
 
 
 def package_version() -> str:
@@ -35,16 +34,16 @@ def package_version() -> str:
 
 def frozen(value: Any) -> Any:
     """Return a read-only view of an array or of a dict of arrays; anything else as it is."""
+    if isinstance(value, dict):
+        return MappingProxyType({name: frozen(item) for name, item in value.items()})
     if isinstance(value, np.ndarray):
         value = value.view()
         value.setflags(write=False)
-    elif isinstance(value, (dict, MappingProxyType)):
-        value = MappingProxyType({name: frozen(item) for name, item in value.items()})
     return value
 
 
 def _content(value: Any) -> Any:
-    if isinstance(value, (np.ndarray, np.generic)):
+    if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, MappingProxyType):
         return tuple((name, _content(value[name])) for name in sorted(value))
@@ -85,19 +84,19 @@ class Result(Value):
     statuses: Any
     outputs: tuple[str, ...]
 
-    def to_xarray(self) -> "xarray.Dataset":
-        """Return an xarray Dataset: estimates and histograms, each with `<name>_error`.
+    if TYPE_CHECKING:  # averages and histograms, which `ensemble` makes of the tables of `outputs`
 
-        Attributes say units, the medium and the arguments of the run, and the version.
-        """
-        return self._dataset(n for n in self.outputs if n in {**ESTIMATES, **VARIABLES})
+        def __getattr__(self, name: str) -> Any: ...
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return estimates and histograms, each with `<name>_error`, and what was run."""
+        return self._dataset(self._drawn)
 
     def to_dataframe(self, name: str | None = None) -> "pandas.DataFrame":
-        """Return a pandas DataFrame with a row for each time: each estimate and its error.
+        """Return a table with a row for each time: each estimate, or component, and its error.
 
-        Of vectors and tensors each component is a column. With a `name`, that of a histogram for
-        example, a row for each place of its array. Units are in `frame.attrs`. ValueError for a
-        name that is not there.
+        With a `name`, that of a histogram for example, a row for each place of its array. Units are
+        in `frame.attrs`. ValueError for a name that is not there.
         """
         import pandas
 
@@ -116,33 +115,23 @@ class Result(Value):
         """Draw an estimate over time with its standard errors, or the density of a histogram.
 
         On `ax` or on new axes, which are returned, labelled with units. Without a name everything
-        is drawn, each quantity in axes of its own in one figure, and an array of axes is returned.
-        ValueError for a name that is not there or is one number.
+        is drawn in one figure, and a list of axes is returned. ValueError for a name that is not
+        there or is one number.
         """
         if name is None:
             if ax is not None:
                 raise ValueError("ax: axes without a name; name what to draw on them")
-            from matplotlib import pyplot
-
-            known = [n for n in self.outputs if n in {**ESTIMATES, **VARIABLES}]
-            names = [n for n in known if n in VARIABLES or getattr(self, n).value.ndim]
+            names = [n for n in self._drawn if n in VARIABLES or getattr(self, n).value.ndim]
             names = names if self.plan.times.size else [n for n in names if n[:4] == "free"]
-            rows = max(1, -(-len(names) // 3))
-            figure, grid = pyplot.subplots(
-                rows, 3, squeeze=False, figsize=(12.6, 3.2 * rows), layout="constrained"
-            )
-            for name, place in zip(names, grid.flat, strict=False):
-                self.plot(name, place)
-            for place in grid.flat[len(names) :]:
-                figure.delaxes(place)
-            return grid.flat[: len(names)]
+            axes = _new_axes(len(names))
+            for each, place in zip(names, axes, strict=True):
+                self.plot(each, place)
+            return axes
         one, times = getattr(self, self._known(name)), self.plan.times
         if name in ESTIMATES and not one.value.ndim:
             refuse("name", name, "it is one number; plot draws what depends on the time")
         if ax is None:
-            from matplotlib import pyplot
-
-            _, ax = pyplot.subplots(layout="constrained")
+            (ax,) = _new_axes(1)
         if name in VARIABLES:
             _, unit, words = VARIABLES[name]
             for k, line in enumerate(one.density.value):
@@ -156,16 +145,19 @@ class Result(Value):
             for (label, line), error in zip(_components(made[name]).items(), errors, strict=True):
                 bars = np.where(np.isfinite(error), error, 0.0)
                 ax.errorbar(times, line, bars, marker="o", ms=3.5, lw=0.8, label=label)
-            spans = times.size > 1 and 0.0 < times[0] * _DECADES < times[-1]
+            spans = times.size > 1 and 0.0 < times[0] * DECADES < times[-1]
             ax.set(xlabel="t [d/U]", ylabel=f"{name} [{ESTIMATES[name][0]}]")
             ax.set(xscale="log" if spans else "linear")
         ax.legend()
         return ax
 
+    @property
+    def _drawn(self) -> list[str]:
+        return [n for n in self.outputs if n in ESTIMATES or n in VARIABLES]
+
     def _known(self, name: Any) -> str:
-        known = [n for n in self.outputs if n in {**ESTIMATES, **VARIABLES}]
-        if name not in known:
-            refuse("name", name, f"this ensemble has {', '.join(known)}")
+        if name not in self._drawn:
+            refuse("name", name, f"this ensemble has {', '.join(self._drawn)}")
         return str(name)
 
     def _dataset(self, names: Iterable[str]) -> "xarray.Dataset":
@@ -177,7 +169,7 @@ class Result(Value):
         for name in names:
             one = getattr(self, name)
             if name in ESTIMATES:
-                unit, words = ESTIMATES[name]
+                unit, words = ESTIMATES[name][:2]
                 dims = ("time", "component", "component2")[: one.value.ndim]
                 axes |= {d: (d, list("xyz"[: plan.medium.dimension])) for d in dims[1:]}
             else:
@@ -192,22 +184,24 @@ class Result(Value):
             found[name] = dims, one.value, {"units": unit, "long_name": words}
             error = {"units": unit, "long_name": f"standard error of {name}"}
             found[f"{name}_error"] = dims, one.error, error
-        arguments = ["restitution", "tangential_restitution", "field", "media", "tracers",
-                     "max_collisions", "seed"]  # fmt: skip
-        arguments += ["mass_ratio"] if isfinite(plan.mass_ratio) else []  # JSON has no infinity
-        arguments += [n for n in DRIVES if getattr(plan, n)]
-        arguments += ["part"] if plan.part else []
-        medium = " ".join(repr(plan.medium).split())
         ends = ["finished", "collision_cap", "trapped", "escaped"]
         ends += ["captured"] if plan.capture_speed else []
         about = {
             "status": ", ".join(f"{getattr(self.statuses, name)} {name}" for name in ends),
-            "scene": json.dumps(
-                {"medium": medium} | {n: getattr(plan, n) for n in arguments}, default=repr
-            ),
+            "scene": json.dumps(plan.told(), default=repr),
             "version": package_version(),
         }
         return xarray.Dataset(found, axes, about).copy(deep=True)
+
+
+def _new_axes(n: int) -> list["Axes"]:
+    """Return so many axes in a new figure, three in a row."""
+    from matplotlib import pyplot
+
+    rows, columns = -(-n // 3), min(n, 3)
+    size = None if n == 1 else (4.2 * columns, 3.2 * rows)
+    figure = pyplot.figure(figsize=size, layout="constrained")
+    return [figure.add_subplot(rows, columns, k + 1) for k in range(n)]
 
 
 def _per(unit: str) -> str:

@@ -1,12 +1,10 @@
 """The eight slots of a cell, searched at once: what is struck first, and what is near.
 
-A loop over the slots holds a minimum and the place of it, which LLVM does not turn into vectors by
-itself. So both searches are written in LLVM's own instructions, on vectors of eight doubles. The
-arithmetic is that of `particles.events.contact`, line by line, nothing contracted or reordered, so
-every bit is that of the loop (tests/particles/test_search.py). With 40,000 hard disks at 0.04 d^-2
-that is worth a factor of two in collisions/s, in a field a factor of 1.4.
-
-Both functions run in compiled code only. This is the only file that needs llvmlite.
+LLVM makes no vectors of a loop that holds a minimum and the place of it. So both searches are
+written in LLVM's own instructions, on vectors of eight doubles. The arithmetic is that of
+`particles.events.contact`, line by line, so every bit is that of the loop. With 40,000 hard disks
+at 0.04 d^-2 that is worth a factor of two in collisions/s, in a field a factor of 1.4. Both run in
+compiled code only. This is the only file that needs llvmlite.
 """
 
 from typing import Any
@@ -69,9 +67,8 @@ def _offsets(context: Any, b: Any, sig: Any, args: Any) -> list[Any]:
 def _strike(typingctx, slots, cell, place, direction):  # type: ignore[no-untyped-def]
     """Return (path to contact, slot) of the first scatterer met in a cell; NEVER if none.
 
-    slots (n_cells, dimension * SLOTS): x of each slot, then y, then z, in d. place and unit
-    direction of the tracer: two numbers each, or three in space. Of equal paths the lowest slot
-    counts.
+    slots: those of Cells. place, unit direction: two numbers each, or three in space. Of equal
+    paths the lowest slot counts.
     """
     signature = types.Tuple((types.float64, types.int64))(slots, cell, place, direction)
 
@@ -109,10 +106,7 @@ def _strike(typingctx, slots, cell, place, direction):  # type: ignore[no-untype
 
 
 def _near_chord(typingctx, slots, cell, place, chord, reach2):  # type: ignore[no-untyped-def]
-    """Return which slots of a cell in the plane are near a chord, one bit each.
-
-    chord: vector from `place` to its end. reach2: square of the distance up to which they count.
-    """
+    """Return which slots of a cell in the plane are within reach of a chord, one bit each."""
     signature = types.int64(slots, cell, place, chord, reach2)
 
     def generate(context, b, sig, args):  # type: ignore[no-untyped-def]

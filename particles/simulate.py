@@ -3,7 +3,7 @@
 from _thread import start_new_thread
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from itertools import islice
 from math import inf
 from os import PathLike
@@ -14,15 +14,11 @@ import numpy as np
 
 from particles.arguments import check_workers, make_plan, require_memory
 from particles.checks import check_path, refuse
-from particles.configuration import (
-    Arrays,
-    Plan,
-    Totals,
-    run_configuration,
-    run_configurations,
-)
+from particles.configuration import Arrays, Plan, Totals, run_configuration
 from particles.ensemble import Ensemble
 from particles.media import Medium
+
+BLOCKS = 64  # of configurations: each costs a message, and this is many for a pool of a few dozen
 
 
 def simulate(
@@ -52,8 +48,8 @@ def simulate(
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
-    medium: HardDisks, Poisson, Positions or BoltzmannGrad in the plane,
-        HardSpheres, PoissonSpheres or BoltzmannGrad(dimension=3) in space.
+    medium: HardDisks, Poisson, Positions or BoltzmannGrad in the plane, HardSpheres, PoissonSpheres
+        or BoltzmannGrad(dimension=3) in space.
     restitution, tangential_restitution: at a collision the component of the velocity along the
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
         [0, 1], not both 0. A restitution that depends on the impact speed (in U, of the normal
@@ -63,25 +59,22 @@ def simulate(
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
         U; the dimension is that of the medium. In a field, a bath or heated also "rest": among
-        disks the first tracer of a configuration then starts at the centre, where all tracers that
-        move do, and every other one at a random free place of the box. If `Positions` give another
-        start than the centre, all start there, and from rest they have one path: take tracers=1.
+        disks the first tracer of a configuration then starts at the centre, where all that move do,
+        and every other one at a random free place of the box (but see `Positions`).
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.
-    seed: a whole number from 0 to 2**64 - 1. The result depends on it alone, bit for bit, and not
-        on workers or executor.
-    workers: threads; all processors if None. executor: any concurrent.futures.Executor to run on
-        instead (a process pool, a Dask client's get_executor()).
+    seed: from 0 to 2**64 - 1. The result depends on it alone, bit for bit, and not on workers
+        (threads; all processors if None) or executor (any concurrent.futures.Executor to run on
+        instead: a process pool, a Dask client's get_executor()).
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
-    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad and for HardDisks, Poisson and
-        Positions. U is any unit of speed where tracers start at rest. BoltzmannGrad: a free path is
-        an exponential length along the parabola. Among disks, where the field holds tracers on a
-        disk in ever smaller bounces they slide along it without friction until it curves away, or
-        until the next disk, and they may come to rest in a corner of two disks: they are then
-        trapped. With a tangential restitution below 1 they are trapped where they would begin to
-        slide. Statuses says which.
+    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad and among disks. U is any unit
+        of speed where tracers start at rest. BoltzmannGrad: a free path is an exponential length
+        along the parabola. Among disks, where the field holds tracers on a disk in ever smaller
+        bounces they slide along it without friction until it curves away, or until the next disk,
+        and they may come to rest in a corner of two disks: they are then trapped. With a tangential
+        restitution below 1 they are trapped where they would begin to slide.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
     mass_ratio: mass of a scatterer over that of the tracer, 1e-6 or more; inf: they are fixed. A
         finite one, for BoltzmannGrad and tangential_restitution 1, is of scatterers at rest that
@@ -95,13 +88,12 @@ def simulate(
         sticks: it stays there at rest, and in the averages (Statuses.captured).
     part: (k, n), 1 <= k <= n <= media: only the k-th of n parts of the configurations, on one of n
         machines; every configuration is the one of the whole run. `Ensemble.merge` joins the parts.
-    output: file that the run is saved to, whole or not at all, again and
-        again; the run may be killed at any moment. The file must not exist unless resume is True;
-        then the run goes on from it, to the same bits as one that was never stopped.
+    output: file that the run is saved to, whole or not at all, again and again; the run may be
+        killed at any moment. The file must not exist unless resume is True; then the run goes on
+        from it, to the same bits as one that was never stopped.
 
     Raises ValueError for bad input, for a run that needs more memory than the machine has, where
-    the scatterers cannot be placed, and for an output that exists (without resume), is damaged,
-    cannot be written, or holds another run. What was there is left as it was.
+    the scatterers cannot be placed, and for an output that cannot be used; that is left as it was.
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
@@ -128,15 +120,15 @@ def simulate(
     count = len(plan.configurations)
     if executor is None:
         found = _in_threads(plan, which, min(workers, len(which)))
-    else:  # few and large tasks: each costs a message, and 64 is many for a pool of a few dozen
-        found = _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
+    else:
+        found = _in_executor(executor, plan, which)
     try:
         if progress is not None:
             progress(totals.configurations, count)
         for arrays in found:
             totals.add(arrays)
             if saver is not None:
-                saver.write_if_due(totals)
+                saver.write(totals, at_once=False)
             if progress is not None:
                 progress(totals.configurations, count)
     finally:
@@ -149,12 +141,12 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
     """Run the configurations in so many threads, at most 4 for each thread ahead of their turn.
 
     Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C. After
-    an exception nobody waits for the threads, as a pool of concurrent.futures would; each ends
-    after its configuration, or with the process. Queues written in C are all that is shared: an
-    exception that a signal raises inside a lock of `threading` may leave it locked for ever.
+    an exception nobody waits for the threads, as a pool of concurrent.futures would. Queues written
+    in C are all that is shared: an exception that a signal raises inside a lock of `threading` may
+    leave it locked for ever.
     """
     asked: SimpleQueue[int | None] = SimpleQueue()
-    done: SimpleQueue[tuple[int, Arrays | BaseException | None]] = SimpleQueue()
+    done: SimpleQueue[tuple[int, Any]] = SimpleQueue()
     ended: list[bool] = []
 
     def work() -> None:
@@ -165,7 +157,7 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
                 done.put((c, error))
         done.put((-1, None))
 
-    results: dict[int, Arrays | BaseException | None] = {}
+    results: dict[int, Any] = {}
     coming = iter(which)
     try:
         for _ in range(workers):
@@ -180,7 +172,6 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
                 raise result
             for following in islice(coming, 1):
                 asked.put(following)
-            assert result is not None
             yield result
     except BaseException:
         ended.append(True)
@@ -192,20 +183,18 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
         done.get()
 
 
-def _in_executor(
-    pool: Executor, plan: Plan, which: range, size: int, ahead: int
-) -> Iterator[Arrays]:
-    """Submit blocks of `size` configurations, at most `ahead` at a time; yield them in order."""
-    pending: deque[Future[list[Arrays]]] = deque()
-    starts = iter(range(which.start, which.stop, size))
+def _in_executor(pool: Executor, plan: Plan, which: range) -> Iterator[Arrays]:
+    """Submit all configurations in BLOCKS or so; yield their results in order."""
+    size = max(1, len(which) // BLOCKS)
+    blocks = (which[k : k + size] for k in range(0, len(which), size))
+    pending = deque(pool.submit(_run_block, plan, block) for block in blocks)
     try:
-        while True:
-            while len(pending) < ahead and (start := next(starts, None)) is not None:
-                stop = min(start + size, which.stop)
-                pending.append(pool.submit(run_configurations, plan, start, stop))
-            if not pending:
-                return
+        while pending:
             yield from pending.popleft().result()
     finally:
         for future in pending:
             future.cancel()
+
+
+def _run_block(plan: Plan, block: range) -> list[Arrays]:
+    return [run_configuration(plan, c) for c in block]

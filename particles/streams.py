@@ -1,10 +1,9 @@
 """Counter-based random streams: one per (seed, purpose, configuration, tracer or cell).
 
-A stream is a pair (state, gamma) hashed from its key; draw number k is a hash of
-state + k gamma. Nothing is carried between streams, so results do not depend on the order in
-which tracers, cells or configurations are visited. The hash is the SplitMix64 finaliser, with
-an odd gamma of its own for each stream (Steele, Lea & Flood, OOPSLA 2014), which keeps streams
-from being shifted copies of one another.
+A stream is a pair (state, gamma) hashed from its key; draw number k is a hash of state + k gamma.
+So results do not depend on the order in which tracers, cells or configurations are visited. The
+hash is the SplitMix64 finaliser, with an odd gamma of its own for each stream (Steele, Lea & Flood,
+OOPSLA 2014), which keeps streams from being shifted copies of one another.
 """
 
 from typing import Any
@@ -15,7 +14,6 @@ from numba import njit, uint64
 START = 1
 PLACEMENT = 2
 FLIGHTS = 3
-EQUILIBRATION = 5
 PLACES = 6
 
 _GOLDEN = 0x9E3779B97F4A7C15

@@ -20,28 +20,25 @@ METHODS = ("kinetics", "particles", "derivations")
 CHECKS = {"errors", "validation"}
 BASE = {"numerics", "collision", "results"} | CHECKS
 VELOCITY = {"states", "scaling", "moments", "densities"}
-QUESTION = {"status", "outputs", "scene", "answer"}
+QUESTION = {"outputs", "scene", "solver"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
-    "status": set(),
     "numerics": set(),
     "validation": {"errors"},
     "results": {"errors"},
     "collision": {"numerics"} | CHECKS,
     "states": {"numerics", "results"} | CHECKS,
-    "scaling": BASE | {"status"},
-    "paper": {"collision", "numerics", "errors"},
+    "scaling": BASE,
+    "paper": {"numerics"},
     "moments": BASE | {"states"},
     "densities": BASE | {"states", "scaling", "moments"},
     "position": BASE | {"states", "moments"},
-    "field": BASE | {"states", "status"},
-    "driven": BASE | {"states", "status", "field"},
+    "field": BASE | {"states"},
+    "driven": BASE | {"states", "field"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs", "driven"},
-    "answer": BASE
-    | {"moments", "densities", "position", "field", "driven", "outputs", "scene", "status"},
-    "solution": BASE | VELOCITY | QUESTION | {"position", "field"},
-    "solver": BASE | VELOCITY | QUESTION | {"position", "solution"},
+    "solver": BASE | {"moments", "densities", "position", "field", "driven", "outputs", "scene"},
+    "solution": BASE | VELOCITY | QUESTION | {"position"},
 }
 MODULES = {
     path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")
@@ -144,7 +141,7 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
 
 def test_the_check_sees_imports_of_every_kind() -> None:
     source = "def f():\n    from particles.media import Poisson\n"
-    assert list(named(source, "kinetics.solver", False)) == [("particles.media", "Poisson")]
+    assert list(named(source, "kinetics.solution", False)) == [("particles.media", "Poisson")]
     source = "from ..collision import CollisionLaw\n"
     found = [("kinetics.collision", "CollisionLaw")]
     assert list(named(source, "kinetics.states.kinds", False)) == found

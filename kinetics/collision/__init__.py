@@ -2,11 +2,11 @@
 
 May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
 equation needs, and the law that the arguments of a scene mean; `bounce.py` is the bounce off a disk
-or a sphere, or one given by weighted samples, and `averages.py` the weighted sums made of it.
-`medium.py` is the theory of a finite density; `memory.py` finds laws under which speeds oscillate.
+or a sphere, or one given by weighted samples, and the weighted sums made of it. `medium.py` is the
+theory of a finite density; `memory.py` finds laws under which speeds oscillate.
 """
 
-from kinetics.collision.averages import ImpactQuadrature
+from kinetics.collision.bounce import ImpactQuadrature
 from kinetics.collision.law import CollisionLaw, law_in_medium, law_of
 
 __all__ = ["CollisionLaw", "ImpactQuadrature", "law_in_medium", "law_of"]

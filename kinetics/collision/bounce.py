@@ -5,16 +5,15 @@ plane, and y^2 is in space. The normal component of its velocity, sqrt(1 - y^2) 
 by -e, the tangential one, y, by et. In units of its speed before the bounce (paper, label
 ``vchange``, where et = 1) it leaves with
 
-    speed                 s^2 = e^2 (1 - y^2) + et^2 y^2
-    parallel component    s cos(chi) = et y^2 - e (1 - y^2)
+    s^2 = e^2 (1 - y^2) + et^2 y^2,   s cos(chi) = et y^2 - e (1 - y^2)
 
-Any other law is made of samples, or a mixture of these. All kinds have the same methods, and the
-law asks for no more.
+A law is a weighted sum of such bounces, or of samples, which have the same methods.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -23,7 +22,6 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision.averages import ImpactQuadrature
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
 from kinetics.validation import finite_line, refuse
@@ -38,11 +36,86 @@ _MOST = 20_000  # samples: each costs some kilobytes on every panel
 
 
 @dataclass(frozen=True)
+class ImpactQuadrature:
+    """Averages over one collision: E[f] = sum_k weight_k f_k; arrays of shape ``(n_nodes,)``.
+
+    weight : positive, sums to 1
+    log_loss : -ln s, s the speed ratio of the bounce; accurate relative to itself
+    ratio, parallel : s, and s cos(chi), chi the deflection
+    across : s sin(chi), where chi is small: cos(chi) alone would lose its digits; None elsewhere
+    """
+
+    weight: FloatArray
+    log_loss: FloatArray
+    ratio: FloatArray
+    parallel: FloatArray
+    dimension: int = 2
+    across: FloatArray | None = None
+
+    @cached_property
+    def cosine(self) -> FloatArray:
+        """cos(chi), shape (n_nodes,)."""
+        return np.clip(self.parallel / self.ratio, -1.0, 1.0)
+
+    @cached_property
+    def deflection(self) -> FloatArray:
+        """chi, from 0 to pi, shape (n_nodes,)."""
+        if self.across is not None:
+            return np.asarray(np.arctan2(self.across, self.parallel))
+        return np.arccos(self.cosine)
+
+    def harmonic(self, m: int) -> FloatArray:
+        """What harmonic m keeps: cos(m chi) in the plane, P_m(cos chi) in space, (n_nodes,)."""
+        return 1.0 - self.harmonic_loss(m)
+
+    def harmonic_loss(self, m: int) -> FloatArray:
+        """1 - harmonic(m), shape (n_nodes,), accurate where it is small."""
+        if self.dimension == 2:  # 1 - cos(m chi) = 2 sin^2(m chi/2)
+            return np.asarray(2.0 * np.sin(0.5 * m * self.deflection) ** 2)
+        *_, last = self.harmonic_losses(abs(m))
+        return last
+
+    def harmonic_losses(self, top: int) -> Iterator[FloatArray]:
+        """harmonic_loss(m) for m up to ``top``, one after another: there may be many nodes."""
+        if self.dimension == 2:
+            yield from (self.harmonic_loss(m) for m in range(top + 1))
+            return
+        # q_m = (1 - P_m(x))/(1 - x), from (n+1) P_(n+1) = (2n+1) x P_n - n P_(n-1)
+        x = self.cosine
+        turned = 1.0 - x if self.across is None else 2.0 * np.sin(0.5 * self.deflection) ** 2
+        before, last = np.zeros_like(x), np.zeros_like(x)
+        for n in range(top + 1):
+            yield turned * last
+            next_one = ((2 * n + 1) * (1.0 + x * last) - n * before) / (n + 1)
+            before, last = last, next_one
+
+    def part(self, used: NDArray[np.bool_]) -> ImpactQuadrature:
+        """Some of the nodes, (n_nodes,) of booleans; their weights need not sum to 1."""
+        weight, log_loss, ratio = self.weight[used], self.log_loss[used], self.ratio[used]
+        across = None if self.across is None else self.across[used]
+        parallel = self.parallel[used]
+        return ImpactQuadrature(weight, log_loss, ratio, parallel, self.dimension, across)
+
+    @classmethod
+    def joined(cls, shares: Sequence[float], found: Sequence[ImpactQuadrature]) -> ImpactQuadrature:
+        """The weighted sum of averages of one dimension; shares sum to 1."""
+        if len(found) == 1:
+            return found[0]
+        weight = np.concatenate([w * q.weight for w, q in zip(shares, found, strict=True)])
+        rows = ((q.log_loss, q.ratio, q.parallel) for q in found)
+        loss, ratio, parallel = (np.concatenate(row) for row in zip(*rows, strict=True))
+        across = None
+        if any(q.across is not None for q in found):
+            across = np.concatenate([q.ratio * np.sin(q.deflection) for q in found])
+        return cls(weight, loss, ratio, parallel, found[0].dimension, across)
+
+
+@dataclass(frozen=True)
 class DiskBounce:
     """The bounce off a disk (dimension 2) or a sphere (3); e and et from 0 to 1, not both 0.
 
-    Or e from -1 to 0, et = 1, off one that is pushed away: the tracer is deflected by less than
-    pi/2, and by nothing both where it grazes and where it hits head-on.
+    Or e from -1 to 0, et = 1, off one that is pushed away: deflected by less than pi/2, and by
+    nothing both where the tracer grazes and where it hits head-on.
     """
 
     restitution: float
@@ -56,14 +129,10 @@ class DiskBounce:
         return least, most, (most - least) * (most + least)
 
     @property
-    def least_loss(self) -> float:
-        """-ln of the largest speed ratio."""
-        return 0.0 - math.log(self._ends[1])
-
-    @property
-    def largest_loss(self) -> float:
-        """-ln of the smallest speed ratio."""
-        return 0.0 - math.log(self._ends[0]) if self._ends[0] > 0.0 else math.inf
+    def losses(self) -> tuple[float, float]:
+        """The least and the largest -ln s."""
+        least, most, _ = self._ends
+        return 0.0 - math.log(most), -math.log(least) if least > 0.0 else math.inf
 
     @property
     def lowest_power(self) -> float:
@@ -74,23 +143,16 @@ class DiskBounce:
 
     @property
     def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p: from y near 1 where et = 1, and near 0 where e = 1."""
+        """b where E[s^p] tends to b/p; NaN (not known) at rough scatterers with e = 1."""
         e, et = self.restitution, self.tangential_restitution
-        if et == 1.0:
-            return (self.dimension - 1.0) / ((1.0 - e) * (1.0 + e)) if e < 1.0 else math.inf
-        if e < 1.0:
-            return 0.0
-        return 2.0 / ((1.0 - et) * (1.0 + et)) if self.dimension == 3 else math.nan
+        if et == 1.0 and e < 1.0:
+            return (self.dimension - 1.0) / ((1.0 - e) * (1.0 + e))
+        return 0.0 if e < 1.0 else math.inf if et == 1.0 else math.nan
 
     @property
     def has_atoms(self) -> bool:
         """Whether s takes one value only."""
         return self.restitution == self.tangential_restitution
-
-    @property
-    def parts(self) -> tuple[DiskBounce | SampledBounce, ...]:
-        """The bounces that a mixture is made of: this one."""
-        return (self,)
 
     @cached_property
     def _top(self) -> float:
@@ -106,9 +168,7 @@ class DiskBounce:
         both_ends = 1.0 if self.restitution <= self.tangential_restitution else 2.0
         return both_ends * rate * min(1.0, self._top * math.tanh(self._top)) + 3.0 * m
 
-    def _nodes(
-        self, level: int, deepest: float = DEEPEST
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _nodes(self, level: int, deepest: float = DEEPEST) -> tuple[FloatArray, ...]:
         """y, sqrt(1 - y^2) and the weights of an average over a uniform y, (n_nodes,) each."""
         top = self._top
         length = deepest if self._ends[0] == 0.0 else top
@@ -152,7 +212,7 @@ class DiskBounce:
         return above * np.exp(p * (math.log(self._ends[1]) + near) + power * near) / (p + power)
 
     def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
-        """P(xi > u) is y^(d-1) where e < et and 1 - y^(d-1) where et < e; 1 up to the least loss.
+        """P(-ln s > u) is y^(d-1) where e < et, 1 - y^(d-1) where et < e, 1 up to the least loss.
 
         du = |et^2 - e^2| y dy/s^2.
         """
@@ -164,44 +224,15 @@ class DiskBounce:
         else:
             chance = missed**2 if self.dimension == 3 else missed**2 / (1.0 + y)
         w = w * y * chance * self._ends[2] * np.exp(2.0 * u)
-        if self.least_loss > 0.0:
-            first, whole = equal_panels(self.least_loss, _POINTS, _FOLDS / max(rate, _FOLDS))
+        if self.losses[0] > 0.0:
+            first, whole = equal_panels(self.losses[0], _POINTS, _FOLDS / max(rate, _FOLDS))
             u, w = np.concatenate([first, u]), np.concatenate([whole, w])
         return u, w
-
-    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
-        """The average cell by cell of width ``spacing`` in -ln s, and the cell of each node.
-
-        Gauss points in y, in which s is smooth; its density in -ln s is not. Where s
-        reaches 0, cells end at e^-40 of its largest; the last one holds all below.
-        """
-        first, last = self.least_loss, self.largest_loss
-        count = max(1, math.ceil(min(40.0 + first, last) / spacing))
-        edge = np.clip(np.arange(count + 1) * spacing, first, last)
-        if first == last:
-            q = self.quadrature(0)
-            return q, np.full(q.weight.size, count - 1)
-        rise = -np.expm1(2.0 * np.minimum(0.0, edge - last)) * np.exp(-2.0 * edge)
-        fall = -np.expm1(2.0 * np.minimum(0.0, first - edge)) * math.exp(-2.0 * first)
-        angle = np.arctan2(np.sqrt(rise), np.sqrt(fall))  # 0 where s is least
-        angle[-1] = 0.0
-        rising = self.restitution < self.tangential_restitution
-        z = np.sin(angle) if rising else 2.0 * np.sin(0.5 * angle) ** 2  # y, or 1 - y
-        node, weight = gauss_legendre(points)
-        width = (z[:-1] - z[1:])[:, None]
-        at = (z[1:, None] + width * node).ravel()
-        y, missed = (at, (1.0 - at) * (1.0 + at)) if rising else (1.0 - at, at * (2.0 - at))
-        q = self._quadrature(y, np.sqrt(missed), (width * weight).ravel())
-        kept = q.weight > 0.0  # cells below the least loss are empty
-        return q.part(kept), np.repeat(np.arange(count), points)[kept]
 
 
 @dataclass(frozen=True)
 class SampledBounce:
-    """Weighted samples of (speed ratio, cos(chi)); see :meth:`CollisionLaw.from_samples`.
-
-    The three arguments are tuples of one length, so that laws compare and hash by their values.
-    """
+    """Weighted samples of (speed ratio, cos(chi)), in tuples of one length; weights sum to 1."""
 
     weight: tuple[float, ...]
     ratio: tuple[float, ...]
@@ -217,42 +248,26 @@ class SampledBounce:
         """With weights that sum to 1 to rounding; InputError for anything that is no law."""
         w, s = finite_line("weight", weight), finite_line("ratio", ratio)
         c = finite_line("cosine", cosine)
-        if not 1 <= w.size <= _MOST:
-            refuse("weight", w, f"give 1 to {_MOST} samples")
-        for name, array in (("ratio", s), ("cosine", c)):
-            if array.size != w.size:
-                refuse(name, array, f"it must have as many numbers as weight, {w.size}")
-        if np.any(w < 0.0):
-            refuse("weight", float(w.min()), "weights must not be negative")
-        if not abs(w.sum() - 1.0) <= 1e-9:  # they are rescaled to it
-            refuse("weight", w, f"the weights must sum to 1, their sum is {w.sum():.10g}")
-        if np.any(s <= 0.0):
-            refuse("ratio", float(s.min()), "speed ratios must be above 0")
-        if np.any(np.abs(c) > 1.0 + 1e-12):
-            refuse("cosine", float(c[np.abs(c).argmax()]), "it must be from -1 to 1")
+        total = float(w.sum())
+        if not 1 <= w.size <= _MOST or np.any(w < 0.0) or not abs(total - 1.0) <= 1e-9:
+            refuse("weight", w, f"give 1 to {_MOST} numbers, none negative, whose sum is 1")
+        if s.size != w.size or np.any(s <= 0.0):
+            refuse("ratio", s, f"it must be {w.size} numbers above 0, one for each weight")
+        if c.size != w.size or np.any(np.abs(c) > 1.0 + 1e-12):
+            refuse("cosine", c, f"it must be {w.size} numbers from -1 to 1, one for each weight")
         kept = w > 0.0
-        w, c = w[kept] / w.sum(), np.clip(c[kept], -1.0, 1.0)
+        w, c = w[kept] / total, np.clip(c[kept], -1.0, 1.0)
         return cls(tuple(w.tolist()), tuple(s[kept].tolist()), tuple(c.tolist()), dimension)
 
     @property
-    def least_loss(self) -> float:
-        """-ln of the largest speed ratio; negative where a bounce may gain energy."""
-        return 0.0 - math.log(max(self.ratio))
-
-    @property
-    def largest_loss(self) -> float:
-        """-ln of the smallest speed ratio."""
-        return 0.0 - math.log(min(self.ratio))
+    def losses(self) -> tuple[float, float]:
+        """The least and the largest -ln s; the least is negative where energy may be gained."""
+        return 0.0 - math.log(max(self.ratio)), 0.0 - math.log(min(self.ratio))
 
     @property
     def tail_exponent(self) -> float:
         """0 where every bounce loses energy; infinite where a share of them loses none."""
-        return 0.0 if self.least_loss > 0.0 else math.inf
-
-    @property
-    def parts(self) -> tuple[DiskBounce | SampledBounce, ...]:
-        """The bounces that a mixture is made of: this one."""
-        return (self,)
+        return 0.0 if self.losses[0] > 0.0 else math.inf
 
     def turns(self, rate: float, m: int) -> float:
         """Samples are summed as they are."""
@@ -273,8 +288,9 @@ class SampledBounce:
         """Gauss points on equal cells, exact for polynomials: the chance falls in steps."""
         q = self.quadrature(0)
         # the weights are interpolatory, of half the order of Gauss weights
-        count = math.ceil(4.0 * self.largest_loss * max(rate, _FOLDS) / _FOLDS)
-        width = self.largest_loss / count
+        largest = self.losses[1]
+        count = math.ceil(4.0 * largest * max(rate, _FOLDS) / _FOLDS)
+        width = largest / count
         cell = np.minimum((q.log_loss / width).astype(int), count - 1)
         node, weight = gauss_legendre(_POINTS)
         # integrals of Lagrange's polynomials up to each sample, by Legendre's
@@ -288,100 +304,5 @@ class SampledBounce:
         u = (np.arange(count)[:, None] + node) * width
         return u.ravel(), (width * (ends + beyond[:, None] * weight)).ravel()
 
-    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
-        """The samples and the cell of each."""
-        q = self.quadrature(0)
-        return q, np.floor(q.log_loss / spacing).astype(np.int64)
 
-
-@dataclass(frozen=True)
-class MixedBounce:
-    """Each bounce is one of the parts, by chance; see :meth:`CollisionLaw.mixture`.
-
-    weight : of each part, positive, sum 1
-    parts : bounces of one dimension; those that may stop a tracer come first
-    """
-
-    weight: tuple[float, ...]
-    parts: tuple[DiskBounce | SampledBounce, ...]
-
-    @classmethod
-    def of(cls, weight: FloatArray, bounces: list[Bounce]) -> MixedBounce:
-        """Mixtures among the bounces are taken apart; weights are positive, shape (n_bounces,)."""
-        shares = weight / weight.sum()
-        found: list[tuple[float, DiskBounce | SampledBounce]] = []
-        for share, bounce in zip(shares.tolist(), bounces, strict=True):
-            own = bounce.weight if isinstance(bounce, MixedBounce) else (1.0,)
-            found += [(share * w, part) for w, part in zip(own, bounce.parts, strict=True)]
-        found.sort(key=lambda one: -one[1].lowest_power)
-        return cls(tuple(w for w, _ in found), tuple(part for _, part in found))
-
-    @property
-    def dimension(self) -> int:
-        """2 or 3."""
-        return self.parts[0].dimension
-
-    @property
-    def least_loss(self) -> float:
-        """-ln of the largest speed ratio."""
-        return min(part.least_loss for part in self.parts)
-
-    @property
-    def largest_loss(self) -> float:
-        """-ln of the smallest speed ratio."""
-        return max(part.largest_loss for part in self.parts)
-
-    @property
-    def lowest_power(self) -> float:
-        """E[s^p] exists above it."""
-        return max(part.lowest_power for part in self.parts)
-
-    @property
-    def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p: the sum of those of the parts."""
-        return self._sum([part.tail_exponent for part in self.parts])
-
-    @property
-    def has_atoms(self) -> bool:
-        """Whether s takes single values at some of the bounces."""
-        return any(part.has_atoms for part in self.parts)
-
-    def _sum(self, values: list[Any]) -> Any:
-        """The weighted sum of a value of each part."""
-        return sum(w * value for w, value in zip(self.weight, values, strict=True))
-
-    def turns(self, rate: float, m: int) -> float:
-        """The most of any part."""
-        return max(part.turns(rate, m) for part in self.parts)
-
-    def quadrature(self, level: int) -> ImpactQuadrature:
-        """The parts' points, joined."""
-        return self._joined([part.quadrature(level) for part in self.parts])
-
-    def _joined(self, found: list[ImpactQuadrature]) -> ImpactQuadrature:
-        weight = np.concatenate([w * q.weight for w, q in zip(self.weight, found, strict=True)])
-        rows = ((q.log_loss, q.ratio, q.parallel) for q in found)
-        loss, ratio, parallel = (np.concatenate(row) for row in zip(*rows, strict=True))
-        across = None
-        if any(q.across is not None for q in found):
-            across = np.concatenate([q.ratio * np.sin(q.deflection) for q in found])
-        return ImpactQuadrature(weight, loss, ratio, parallel, self.dimension, across)
-
-    def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
-        """The weighted sum of what the parts leave out."""
-        found: NDArray[Any] | float = self._sum([part.beyond(p) for part in self.parts])
-        return found
-
-    def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
-        """The parts' points, joined."""
-        found = [part.survival(level, rate) for part in self.parts]
-        weight = [w * each for w, (_, each) in zip(self.weight, found, strict=True)]
-        return np.concatenate([u for u, _ in found]), np.concatenate(weight)
-
-    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
-        """The parts' points, joined, and the cell of each."""
-        found, cells = zip(*(part.cells(spacing, points) for part in self.parts), strict=True)
-        return self._joined(list(found)), np.concatenate(cells)
-
-
-Bounce = DiskBounce | SampledBounce | MixedBounce
+Bounce = DiskBounce | SampledBounce

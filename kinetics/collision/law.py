@@ -2,8 +2,8 @@
 
 The kinetic equation needs of one collision the averages E[s^p cos(m chi)] in the plane, and
 E[s^p P_m(cos chi)] in space, with s the speed ratio and chi the deflection. Whatever scales with
-the speed is such a law. Among scatterers at a finite density the same averages decide, see
-`kinetics.collision.medium`.
+the speed is such a law: a weighted sum of bounces. Among scatterers at a finite density the same
+averages decide, see `kinetics.collision.medium`.
 """
 
 from __future__ import annotations
@@ -18,15 +18,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision.averages import ImpactQuadrature
-from kinetics.collision.bounce import RESOLVED, Bounce, DiskBounce, MixedBounce, SampledBounce
-from kinetics.collision.medium import SCATTERERS, Medium, checked_medium
+from kinetics.collision.bounce import (
+    RESOLVED,
+    Bounce,
+    DiskBounce,
+    ImpactQuadrature,
+    SampledBounce,
+)
+from kinetics.collision.medium import HIGHEST_DENSITY, ORDERS, SCATTERERS, Medium
 from kinetics.errors import InputError, short
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_mass_ratio,
+    check_positive,
     check_restitution,
     finite_line,
     number_array,
+    one_of,
     real_number,
     refuse,
     whole_number,
@@ -49,36 +57,28 @@ class CollisionLaw:
     tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
         smooth scatterers. Not both may be below 1e-8: the tracer would stop at its first bounce
     dimension : 2 (disks in the plane) or 3 (spheres)
-    mass_ratio : A, the mass of a scatterer over that of the tracer, 1e-6 or more; inf: fixed.
-        A finite one, for smooth scatterers, is of scatterers at rest that are met once each
+    mass_ratio : A, the mass of a scatterer over that of the tracer, 1e-6 or more; inf: fixed. A
+        finite one is of smooth scatterers at rest that are met once each, ``restitution`` that of
+        the relative velocity; elsewhere e then stands for ``effective_restitution``
 
-    Raises
-    ------
-    InputError (a ValueError) : an argument out of range or not a number
+    Other laws are made by :meth:`from_samples` and :meth:`mixture`; their ``restitution`` and
+    ``tangential_restitution`` are None. That of a scene at a finite density has a ``medium``: rates
+    of decay are then those of the medium, and all else is of one collision.
 
-    A law that is not of this form is made by :meth:`from_samples` or :meth:`mixture`; its
-    ``restitution`` and ``tangential_restitution`` are None. That of a scene at a finite density has
-    a ``medium``: what belongs to one collision is as without it, rates of decay are those of the
-    medium.
-
-    With a finite mass ratio ``restitution`` is that of the relative velocity, and the bounce is
-    that off a fixed scatterer of ``effective_restitution``, which e stands for everywhere else.
-
-    All results are dimensionless. Relative accuracy 1e-13 or better for every e and et, those near
-    0 and 1 included: for real p each is a sum of terms of one sign. For complex p the error of
-    E[s^p] is relative to E[s^(Re p)]. Rounding of e leaves 1e-16 (A + 1/A) at a mass ratio A.
+    All results are dimensionless, with a relative accuracy of 1e-13 or better for every e and et;
+    for complex p that of E[s^p] is relative to E[s^(Re p)], and rounding of e leaves
+    1e-16 (A + 1/A). Raises InputError for arguments out of range.
 
     >>> law = CollisionLaw(restitution=0.7)
     >>> bool(abs(law.decay_rate(2) - 2 / 3 * (1 - 0.7**2)) < 1e-15)
     True
-    >>> CollisionLaw(0.0, dimension=3).mean_log_loss
-    0.5
     """
 
     restitution: float | None
     tangential_restitution: float | None = 1.0
     dimension: int = 2
-    _samples: SampledBounce | MixedBounce | None = field(default=None, repr=False)
+    # the chance of each bounce, if they are not that of the arguments
+    _mixed: tuple[tuple[float, Bounce], ...] | None = field(default=None, repr=False)
     medium: Medium | None = field(default=None, repr=False)
     mass_ratio: float = math.inf
 
@@ -86,7 +86,7 @@ class CollisionLaw:
         set_ = object.__setattr__
         set_(self, "dimension", whole_number("dimension", self.dimension, 2, 3))
         set_(self, "mass_ratio", check_mass_ratio(self.mass_ratio))
-        if self._samples is not None:
+        if self._mixed is not None:
             return
         e = check_restitution(self.restitution)
         allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
@@ -105,23 +105,13 @@ class CollisionLaw:
     def from_samples(
         cls, weight: ArrayLike, ratio: ArrayLike, cosine: ArrayLike, dimension: int = 2
     ) -> CollisionLaw:
-        """A law of one's own: a mixture of scatterers, a random restitution, measured bounces.
+        """A law of one's own: a random restitution, or measured bounces.
 
-        Parameters
-        ----------
         weight : of each sample, not negative, sum 1, shape (n_samples,), up to 20,000 of them
-        ratio : speed after the bounce over the speed before, above 0, same shape
-        cosine : cosine of the deflection, from -1 to 1, same shape. A law must not prefer left
-            or right: in the plane the deflection takes both signs with equal chance, in space
-            every azimuth
-        dimension : 2 or 3
-
-        Averages are the sums over the samples; :meth:`mixture` mixes laws. Ratios above 1 have
-        averages, but the solvers refuse them: they need a tracer that never gains energy.
-
-        Raises
-        ------
-        InputError (a ValueError) : arrays of other shapes or out of range
+        ratio : speed after the bounce over the speed before, above 0. The solvers refuse ratios
+            above 1: they need a tracer that never gains energy
+        cosine : cosine of the deflection, from -1 to 1. A law must not prefer left or right: in the
+            plane the deflection takes both signs with equal chance, in space every azimuth
 
         >>> half = CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.0, 0.0])
         >>> float(half.mean_speed_ratio_power(2.0))
@@ -129,82 +119,58 @@ class CollisionLaw:
         """
         dimension = whole_number("dimension", dimension, 2, 3)
         samples = SampledBounce.checked(weight, ratio, cosine, dimension)
-        return cls(None, None, dimension, samples)
+        return cls(None, None, dimension, ((1.0, samples),))
 
     @classmethod
     def mixture(cls, weights: ArrayLike, laws: Sequence[CollisionLaw]) -> CollisionLaw:
         """Each collision follows one of the laws, drawn anew: a random restitution, or scatterers
         of several kinds.
 
-        Parameters
-        ----------
         weights : the chance of each law at a collision, above 0, up to a common factor, (n_laws,).
-            For kinds of scatterers it is in proportion to number density times cross section, and
-            l is the mean free path among all of them
+            For kinds of scatterers it is in proportion to number density times cross section
         laws : of one dimension, each of any form, without a medium
-
-        E[s^p cos(m chi)] is the weighted sum of those of the laws, to the same accuracy: what is
-        smooth stays smooth. It is for dilute scatterers: a finite density is refused.
-
-        Raises
-        ------
-        InputError (a ValueError) : weights or laws out of range
 
         >>> mixed = CollisionLaw.mixture([1, 3], [CollisionLaw(0.5), CollisionLaw(0.9)])
         >>> bool(abs(mixed.decay_rate(2) - 2 / 3 * (1 - (0.5**2 + 3 * 0.9**2) / 4)) < 1e-15)
         True
         """
-        given = list(laws) if isinstance(laws, Sequence) else laws
-        allowed = "give a list of CollisionLaw"
-        if not (isinstance(given, list) and given):
-            refuse("laws", laws, allowed)
-        for law in given:
-            if not isinstance(law, CollisionLaw):
-                refuse("laws", law, allowed)
-            if law.dimension != given[0].dimension:
-                refuse(
-                    "laws", law, f"all must have one dimension, the first has {given[0].dimension}"
-                )
-            if law.medium is not None:
-                refuse("laws", law, "a mixture is derived for dilute scatterers only, no medium")
+        given = list(laws) if isinstance(laws, Sequence) else []
+        good = [isinstance(law, CollisionLaw) and law.medium is None for law in given]
+        if not (good and all(good)) or len({law.dimension for law in given}) > 1:
+            refuse("laws", laws, "give a list of CollisionLaw of one dimension, without a medium")
         w = finite_line("weights", weights)
-        if w.size != len(given):
-            refuse("weights", weights, f"it must have as many numbers as laws, {len(given)}")
-        if np.any(w <= 0.0) or not math.isfinite(w.sum()):
-            refuse("weights", float(w.min()), "each weight must be above 0, and their sum finite")
-        bounce = MixedBounce.of(w, [law._bounce for law in given])
-        return cls(None, None, bounce.dimension, bounce)
+        if w.size != len(given) or np.any(w <= 0.0):
+            refuse("weights", weights, f"it must be {len(given)} numbers above 0, one for each law")
+        shares = zip((w / w.sum()).tolist(), given, strict=True)
+        found = [(share * part, bounce) for share, law in shares for part, bounce in law.bounces]
+        found.sort(key=lambda one: -one[1].lowest_power)  # those that may stop a tracer come first
+        return cls(None, None, given[0].dimension, tuple(found))
 
     def __repr__(self) -> str:
-        if isinstance(self._samples, MixedBounce):
-            count = len(self._samples.weight)
-            return f"CollisionLaw.mixture({count} laws, dimension={self.dimension})"
-        if self._samples is not None:
-            count = len(self._samples.weight)
-            return f"CollisionLaw.from_samples({count} samples, dimension={self.dimension})"
-        return f"CollisionLaw({self.described})"
+        if self._mixed is None:
+            return f"CollisionLaw({self.described})"
+        (_, first), *others = self._mixed
+        if others or isinstance(first, DiskBounce):
+            return f"CollisionLaw.mixture({1 + len(others)} laws, dimension={self.dimension})"
+        count = len(first.weight)
+        return f"CollisionLaw.from_samples({count} samples, dimension={self.dimension})"
 
     @property
     def described(self) -> str:
         """The arguments, for texts; those that have their defaults are left out."""
-        if self._samples is not None:
+        if self._mixed is not None:
             return f"restitution={self!r}"
-        rest = ""
-        if self.tangential_restitution != 1.0:
-            rest += f", tangential_restitution={self.tangential_restitution!r}"
-        if self.dimension != 2:
-            rest += f", dimension={self.dimension}"
-        if self.mass_ratio != math.inf:
-            rest += f", mass_ratio={self.mass_ratio!r}"
+        default = {"tangential_restitution": 1.0, "dimension": 2, "mass_ratio": math.inf}
+        shown = {n: x for n, x in self.arguments.items() if x != default.get(n)}
         if self.medium is not None:
-            rest += f", scatterers={self.medium.scatterers!r}"
-        return f"restitution={self.restitution!r}{rest}"
+            shown["scatterers"] = self.medium.scatterers
+        return ", ".join(f"{name}={value!r}" for name, value in shown.items())
 
     @property
     def arguments(self) -> dict[str, Any]:
         """What :func:`law_of` makes this law of; ``restitution`` is the law itself without one."""
         return {
-            "restitution": self if self._samples is not None else self.restitution,
+            "restitution": self if self._mixed is not None else self.restitution,
             "tangential_restitution": self.tangential_restitution,
             "dimension": self.dimension,
             "mass_ratio": self.mass_ratio,
@@ -213,19 +179,29 @@ class CollisionLaw:
     # -- what kind of law it is -------------------------------------------------------------------
 
     @cached_property
-    def _bounce(self) -> Bounce:
-        if self._samples is not None:
-            return self._samples
-        assert self.effective_restitution is not None
-        assert self.tangential_restitution is not None
-        return DiskBounce(self.effective_restitution, self.tangential_restitution, self.dimension)
+    def bounces(self) -> tuple[tuple[float, Bounce], ...]:
+        """The bounces of which it is made, and the chance of each; the chances sum to 1."""
+        if self._mixed is not None:
+            return self._mixed
+        e, et = self.effective_restitution, self.tangential_restitution
+        assert e is not None
+        assert et is not None
+        return ((1.0, DiskBounce(e, et, self.dimension)),)
+
+    @property
+    def _parts(self) -> list[Bounce]:
+        return [bounce for _, bounce in self.bounces]
+
+    def _sum(self, values: Sequence[Any]) -> Any:
+        """The weighted sum of a value of each bounce."""
+        return sum(w * value for (w, _), value in zip(self.bounces, values, strict=True))
 
     @cached_property
     def effective_restitution(self) -> float | None:
         """e of the fixed scatterer that leaves the tracer the same velocity, -1 < e <= 1.
 
-        With A the mass ratio 1 + e = (1 + restitution) A/(1 + A). Below 0 the tracer goes on behind
-        the scatterer that it has hit. None for samples and mixtures.
+        1 + e = (1 + restitution) A/(1 + A), A the mass ratio. Below 0 the tracer goes on behind the
+        scatterer that it has hit. None for samples and mixtures.
         """
         if self.restitution is None or self.mass_ratio == math.inf:
             return self.restitution
@@ -239,12 +215,12 @@ class CollisionLaw:
     @cached_property
     def least_loss(self) -> float:
         """The smallest -ln s that occurs: 0 for smooth scatterers, below 0 if energy is gained."""
-        return self._bounce.least_loss
+        return min(part.losses[0] for part in self._parts)
 
     @cached_property
     def largest_loss(self) -> float:
         """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
-        return self._bounce.largest_loss
+        return max(part.losses[1] for part in self._parts)
 
     @property
     def least_ratio(self) -> float:
@@ -254,48 +230,42 @@ class CollisionLaw:
     @property
     def has_atoms(self) -> bool:
         """Whether s takes single values, each with a chance of its own: samples, or et = e."""
-        return self._bounce.has_atoms
+        return any(part.has_atoms for part in self._parts)
 
     @cached_property
     def disk_restitutions(self) -> tuple[float, ...]:
         """The effective restitutions of the disks or spheres of which the law is made."""
-        return tuple(p.restitution for p in self._bounce.parts if isinstance(p, DiskBounce))
+        return tuple(p.restitution for p in self._parts if isinstance(p, DiskBounce))
 
     @cached_property
     def throws_back(self) -> bool:
         """Whether samples throw some of the tracers straight back."""
-        samples = (p.quadrature(0) for p in self._bounce.parts if isinstance(p, SampledBounce))
+        samples = (p.quadrature(0) for p in self._parts if isinstance(p, SampledBounce))
         return any(bool(np.any(q.weight[q.cosine < -1.0 + 1e-9] > 0.0)) for q in samples)
 
     @cached_property
-    def loss_ends(self) -> tuple[float, ...]:
-        """The least and the largest -ln s of each part of the law: its density steps there."""
-        return tuple(x for p in self._bounce.parts for x in (p.least_loss, p.largest_loss))
+    def _lowest_power(self) -> float:
+        """The same without a medium."""
+        return max(part.lowest_power for part in self._parts)
 
     @cached_property
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
-        There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0. In a medium it may
-        be higher: below it returns of returns do not add up to anything finite.
+        There it is -1 for smooth disks, -2 for spheres and for et = 0; in a medium perhaps higher.
         """
-        lowest = self._bounce.lowest_power
         if self.medium is None:
-            return lowest
-        return max(lowest, self.medium.lowest_power(self.quadrature))
+            return self._lowest_power
+        return max(self._lowest_power, self.medium.lowest_power(self.quadrature))
 
     @property
     def reaches_rest(self) -> bool:
         """Whether bounces leave as little of the speed as one likes."""
-        return math.isfinite(self._bounce.lowest_power)
+        return math.isfinite(self._lowest_power)
 
     @property
     def uniform_power(self) -> float | None:
-        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
-
-        Then lambda(z) = z/(z + q), kappa = 1/q, and the scaling state is known in closed form. None
-        for all other laws.
-        """
+        """q = d - 1 where s^q is uniform on [0, 1], at smooth scatterers with e = 0; else None."""
         if self.effective_restitution == 0.0 and self.tangential_restitution == 1.0:
             return self.dimension - 1.0
         return None
@@ -311,9 +281,9 @@ class CollisionLaw:
         return 2.0 * math.pi * (self.dimension - 1.0)
 
     def mean_free_path(self, number_density: float, diameter: float) -> float:
-        """l = 1/(2 d rho) among disks, 1/(pi d^2 rho) among spheres; d the diameter.
+        """l = 1/(2 d rho) among disks, 1/(pi d^2 rho) among spheres, or that of the medium.
 
-        0 or infinite where it is beyond the range of doubles; that of the medium if there is one.
+        0 or infinite where it is beyond the range of doubles.
         """
         across = 2.0 * diameter if self.dimension == 2 else math.pi * diameter * diameter
         rate = across * number_density
@@ -322,11 +292,11 @@ class CollisionLaw:
 
     @property
     def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p at large p: 1/(1-e^2) for smooth disks, twice it for spheres.
+        """b where E[s^p] tends to b/p at large p: (d-1)/(1-e^2) for smooth disks and spheres.
 
         0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
         """
-        return self._bounce.tail_exponent
+        return float(self._sum([part.tail_exponent for part in self._parts]))
 
     # -- averages ---------------------------------------------------------------------------------
 
@@ -336,129 +306,106 @@ class CollisionLaw:
         return self.quadrature_for(0.0)
 
     def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
-        """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``.
-
-        Raises InputError where that takes more than some million points.
-        """
+        """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``."""
         level = self._level(rate, m)
-        if level > _LEVELS_KEPT:
-            return self._bounce.quadrature(level)
-        return _kept_quadrature(self._bounce, level)
+        make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
+        return make(self.bounces, level)
 
     def _level(self, rate: float, m: int) -> int:
         """How often panels are halved for functions that vary so fast."""
-        turn = self._bounce.turns(rate, m)
+        turn = max(part.turns(rate, m) for part in self._parts)
         if not turn <= _LARGEST_TURN:
             raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
         return max(0, math.ceil(math.log2(max(turn, 1.0) / RESOLVED)))
 
-    def survival_for(self, rate: float) -> tuple[NDArray[Any], NDArray[Any]]:
+    def _beyond(self, p: NDArray[Any]) -> NDArray[Any]:
+        """What the nodes leave out of E[s^p]."""
+        return np.asarray(self._sum([part.beyond(p) for part in self._parts]))
+
+    def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
         """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
-        return self._bounce.survival(self._level(rate, 0), rate)
-
-    def cells(self, spacing: float, points: int = 6) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
-        """The average cell by cell of width ``spacing`` in -ln s, with so many points in each.
-
-        Returns the quadrature and the cell of each of its nodes, shape (n_nodes,). Where s reaches
-        0 cells end at -ln s = 40; the last one holds all bounces below.
-        """
-        return self._bounce.cells(spacing, points)
+        level = self._level(rate, 0)
+        found = [part.survival(level, rate) for part in self._parts]
+        weight = [w * each for (w, _), (_, each) in zip(self.bounces, found, strict=True)]
+        return np.concatenate([u for u, _ in found]), np.concatenate(weight)
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
-        """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
-
-        Closed forms: e^p 2F1(-p/2, 1/2; 3/2; -(1-e^2)/e^2) for smooth disks,
-        2 (et^(p+2) - e^(p+2))/((p+2)(et^2 - e^2)) for spheres.
-        """
+        """E[s^p], of the shape of p, a float for a real number; p may be complex."""
         p_ = self._exponents(p)
-        if self.effective_restitution == 0.0:
-            above = self.dimension - 1.0
-            return (above / (above + p_) * np.exp(p_ * self._log_tangential))[()]
         q = self.quadrature_for(_size(p_))
         with np.errstate(over="ignore", invalid="ignore"):
-            mean = np.exp(-np.multiply.outer(p_, q.log_loss)) @ q.weight + self._bounce.beyond(p_)
-        return self._finite(p, mean)[()]
+            mean = np.exp(-np.multiply.outer(p_, q.log_loss)) @ q.weight + self._beyond(p_)
+        return _finite(p, mean)[()]
 
     def decay_rate(self, p: ArrayLike) -> Any:
-        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part).
+        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part)."""
+        return self.harmonic_decay_rate(p, 0)
 
-        Same shapes as :meth:`mean_speed_ratio_power`; accurate relative to itself also where
-        it vanishes (p -> 0, elastic bounces). Negative for p < 0.
+    def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
+        """1 - E[s^p cos(m chi)]: how fast the moment of v^p exp(i m phi) is lost, in v/l.
+
+        In space cos(m chi) is P_m(cos chi).
         """
+        m = whole_number("m", m, -_HIGHEST_HARMONIC, _HIGHEST_HARMONIC)
         p_ = self._exponents(p)
         with np.errstate(over="ignore", invalid="ignore"):
-            rate = self.decay_symbol(p_)
-        return self._finite(p, rate)[()]
+            rate = self.decay_symbol(p_, m)
+        return _finite(p, rate)[()]
 
-    def decay_symbol(self, z: NDArray[Any]) -> NDArray[Any]:
-        """lambda(z), shape of z; without checks of the range, for inner loops."""
-        return self.met_again(z, self._lost(z), 0)
+    def decay_symbol(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
+        """lambda_m(z), shape of z; without checks of the range, for inner loops."""
+        return self.met_again(z, self._lost(z, m), m)
 
-    def _lost(self, z: NDArray[Any]) -> NDArray[Any]:
-        """1 - E[s^z] of one collision, shape of z."""
-        if self.effective_restitution == 0.0:
+    def _lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
+        """1 - E[s^z cos(m chi)] of one collision, shape of z."""
+        et = self.tangential_restitution
+        if m == 0 and self.effective_restitution == 0.0 and et:  # s = et y
             above = self.dimension - 1.0
-            return np.asarray((z - above * np.expm1(z * self._log_tangential)) / (above + z))
-        q = self.quadrature_for(_size(z))
-        rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
-        return np.asarray(rate - self._bounce.beyond(z))
-
-    def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
-        """lambda(z + d) for every z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
-        at = z[:, None] + offsets
-        if self.effective_restitution == 0.0:
-            return self.decay_symbol(at)
-        # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
-        q = self.quadrature_for(_size(at))
+            return np.asarray((z - above * np.expm1(z * math.log(et))) / (above + z))
+        q = self.quadrature_for(_size(z), abs(m))
         lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
-        rest = np.multiply.outer(q.log_loss, offsets)
-        rate = lost @ (q.weight[:, None] * np.exp(-rest)) - q.weight @ np.expm1(-rest)
-        return self.met_again(at, rate - self._bounce.beyond(at), 0)
+        if m == 0:
+            return np.asarray(lost @ q.weight - self._beyond(z))
+        # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation
+        gone = q.harmonic_loss(m)
+        rate = (lost + (1.0 - lost) * gone) @ q.weight
+        # bounces beyond the nodes deflect by pi/2, as the first node does
+        return np.asarray(rate if m % 2 else rate - self._beyond(z) * (1.0 - gone[0]))
 
-    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
-        """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
-        q = self.quadrature_for(_size(z))
+    def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any], m: int = 0) -> NDArray[Any]:
+        """lambda_m(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
+        at = z[:, None] + offsets
+        # 1 - s^(z + d) c = (1 - s^z) s^d c + 1 - s^d + s^d (1 - c), c = cos(m chi): a product of
+        # matrices in place of exponentials
+        q = self.quadrature_for(_size(at), m)
+        gone = q.harmonic_loss(m)
+        lost = _lost_powers(z, q.log_loss)
+        rest = np.multiply.outer(q.log_loss, offsets)
+        power = q.weight[:, None] * np.exp(-rest)
+        rate = lost @ ((1.0 - gone)[:, None] * power) - q.weight @ np.expm1(-rest) + gone @ power
+        if m % 2 == 0:  # as in `_lost`
+            rate = rate - self._beyond(at) * (1.0 - gone[0])
+        return self.met_again(at, rate, m)
+
+    def decay_taylor(self, z: NDArray[Any], orders: int, m: int = 0) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda_m at z (n,), of the orders 0 to orders - 1, each (n,)."""
+        q = self.quadrature_for(_size(z), m)
         power = np.exp(-np.multiply.outer(z, q.log_loss))
-        order = np.arange(1.0, orders)
-        factors = q.weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
+        order, weight = np.arange(1.0, orders), q.weight * q.harmonic(m)
+        factors = weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
         # a complex matrix times a real one would be taken apart for each column
         slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
-        return self.taylor_met_again(z, [self._lost(z), *(-slopes.T)], 0)
+        return self.taylor_met_again(z, [self._lost(z, m), *(-slopes.T)], m)
 
     @cached_property
     def mean_log_loss(self) -> float:
         """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
-        if self.effective_restitution == 0.0:
-            return 1.0 / (self.dimension - 1.0) - self._log_tangential
         return float(self.quadrature.weight @ self.quadrature.log_loss)
 
     @cached_property
     def mean_cosine(self) -> float:
         """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
-        if self.effective_restitution == 0.0:
-            return (self.dimension - 1.0) / self.dimension
         return float(self.quadrature.weight @ self.quadrature.cosine)
-
-    def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
-        """1 - E[s^p cos(m chi)]: how fast the moment of v^p exp(i m phi) is lost, in v/l.
-
-        In space cos(m chi) is P_m(cos chi), and exp(i m phi) any spherical harmonic of degree m.
-        A float for a real p, an array of the shape of p for an array.
-        """
-        m = whole_number("m", m, -_HIGHEST_HARMONIC, _HIGHEST_HARMONIC)
-        if m == 0:
-            return self.decay_rate(p)
-        p_ = self._exponents(p)
-        q = self.quadrature_for(_size(p_), abs(m))
-        gone = q.harmonic_loss(m)
-        # 1 - s^p cos = (1 - s^p) + s^p (1 - cos): no cancellation
-        with np.errstate(over="ignore", invalid="ignore"):
-            lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
-            rate = (lost + (1.0 - lost) * gone) @ q.weight
-            if m % 2 == 0:  # bounces beyond the nodes deflect by pi/2, as the first one of them
-                rate = rate - self._bounce.beyond(p_) * (1.0 - gone[0])
-            rate = self.met_again(p_, rate, m)
-        return self._finite(p, rate)[()]
 
     # -- returns to the scatterer before, in a medium ----------------------------------------------
 
@@ -468,10 +415,7 @@ class CollisionLaw:
         return replace(self, medium=None)
 
     def returns(self, m: int) -> tuple[float, float]:
-        """eps (-1)^m, and x = -ln e, of the bounces straight back; both are 0 where none comes.
-
-        K - 1 on harmonic m is replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
-        """
+        """eps (-1)^m, and x = -ln e, of the bounces straight back; both are 0 where none comes."""
         if self.medium is None or not self.restitution:
             return 0.0, 0.0
         return self.medium.returns(m) * (-1.0) ** m, self.largest_loss
@@ -495,30 +439,27 @@ class CollisionLaw:
             out.append(np.asarray((rate[n] - known) / (1.0 + below[0])))
         return out
 
-    @property
-    def _log_tangential(self) -> float:
-        """ln et, at e = 0, where s = et y."""
-        assert self.tangential_restitution is not None
-        return math.log(self.tangential_restitution)
-
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
         p_ = number_array("p", p, "iufc", "it must be a number or an array of numbers")
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
-            where = "at tangential_restitution 0"
-            if self.effective_restitution == 0.0:
-                where = "at restitution 0"
-            elif self.medium is not None:
-                where = "among these scatterers"
-            refuse("p", p, f"{where} it must be above {self.lowest_power:g}")
+            refuse("p", p, f"it must be above {self.lowest_power:g} for this law")
         return p_
 
-    @staticmethod
-    def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
-        if not np.all(np.isfinite(value)):
-            refuse("p", p, "E[s^p] overflows double precision there")
-        return value
+
+def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
+    if not np.all(np.isfinite(value)):
+        refuse("p", p, "E[s^p] overflows double precision there")
+    return value
+
+
+def _lost_powers(z: NDArray[Any], log_loss: NDArray[Any]) -> NDArray[Any]:
+    """1 - s^z for z (n_z,), shape (n_z, n_points): half angles are quicker than complex expm1."""
+    fall, half = (np.multiply.outer(part, log_loss) for part in (z.real, 0.5 * z.imag))
+    sine, left = np.sin(half), 2.0 * np.exp(-fall)
+    left *= sine
+    return np.asarray(left * sine - np.expm1(-fall) + 1j * (left * np.cos(half)))
 
 
 def _size(z: NDArray[Any]) -> float:
@@ -526,9 +467,10 @@ def _size(z: NDArray[Any]) -> float:
 
 
 @lru_cache(maxsize=64)
-def _kept_quadrature(bounce: Bounce, level: int) -> ImpactQuadrature:
-    """The same quadrature again: it is not made twice."""
-    return bounce.quadrature(level)
+def _quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
+    """The weighted sum of the averages over these bounces."""
+    found = [bounce.quadrature(level) for _, bounce in bounces]
+    return ImpactQuadrature.joined([share for share, _ in bounces], found)
 
 
 def law_of(
@@ -537,12 +479,11 @@ def law_of(
 ) -> CollisionLaw:  # fmt: skip
     """The law of these arguments, as the solvers take them.
 
-    ``restitution`` may be a CollisionLaw itself; the other three are its own then, and need not be
-    given. Raises InputError for arguments out of range, and for a law that gains energy.
+    ``restitution`` may be a CollisionLaw itself; the others, its own then, need not be given.
+    Raises InputError for arguments out of range, and for a law that gains energy.
     """
     if not isinstance(restitution, CollisionLaw):
-        et = tangential_restitution
-        return CollisionLaw(restitution, et, dimension, mass_ratio=mass_ratio)
+        return CollisionLaw(restitution, tangential_restitution, dimension, mass_ratio=mass_ratio)
     law = restitution
     for name, value, default in (
         ("tangential_restitution", tangential_restitution, 1.0),
@@ -553,10 +494,8 @@ def law_of(
             refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
     if law.least_loss < 0.0:
         largest = math.exp(-law.least_loss)
-        raise InputError(
-            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
-            "a tracer that never gains energy (ratios up to 1)"
-        )
+        what = "the solvers need a tracer that never gains energy (ratios up to 1)"
+        raise InputError(f"restitution: got a law with speed ratios up to {largest:.6g}; {what}")
     return law
 
 
@@ -565,14 +504,20 @@ def law_in_medium(
 ) -> CollisionLaw:
     """The law among these scatterers; the law itself where they are dilute.
 
-    Raises InputError for unknown names, for a density above 0.3 d^-2, and for laws for which the
-    theory is not derived: rough scatterers, spheres, samples, mixtures, a finite mass ratio.
+    Raises InputError for arguments out of range, and where the theory is not derived: rough or
+    moving scatterers, spheres, samples, mixtures.
     """
-    if law.mass_ratio < math.inf and scatterers in SCATTERERS[1:]:
-        refuse(
-            "mass_ratio", law.mass_ratio, f"with scatterers={scatterers!r} it must be inf: fixed"
-        )
-    smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
-    e = law.restitution if smooth_disks else None
-    medium = checked_medium(e, scatterers, number_density, diameter, order)
-    return law if medium is None else CollisionLaw(law.restitution, 1.0, 2, None, medium)
+    scatterers = one_of("scatterers", scatterers, SCATTERERS)
+    order = one_of("density_order", order, ORDERS)
+    if scatterers == "dilute":
+        return law
+    given = f"with scatterers={scatterers!r} it must be"
+    if law.mass_ratio < math.inf:
+        refuse("mass_ratio", law.mass_ratio, f"{given} inf: fixed")
+    if law.restitution is None or law.dimension == 3 or law.tangential_restitution != 1.0:
+        refuse("scatterers", scatterers, "a finite density is derived for smooth disks only")
+    rho, d = check_positive("number_density", number_density), check_positive("diameter", diameter)
+    if not 1e-300 < rho * d * d <= HIGHEST_DENSITY:
+        refuse("number_density", number_density, f"{given} at most {HIGHEST_DENSITY:g} d^-2")
+    medium = Medium(scatterers, rho * d * d, law.restitution, order)
+    return CollisionLaw(law.restitution, medium=medium)

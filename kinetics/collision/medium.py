@@ -1,35 +1,22 @@
 r"""Scatterers at a finite density: how a tracer that meets them again changes the collision law.
 
-The kinetic equation of the paper forgets every scatterer that was hit. In a medium of number
-density n (per d^2, d the contact distance) a tracer that is thrown back by a second scatterer meets
-the first one again, and on its way it runs along a corridor that it knows to be empty. In the clock
-of the path length, with K one collision and B a bounce straight back (direction reversed, speed
-times e), both together replace
+In a medium of number density n (per d^2, d the contact distance) a tracer that is thrown back by a
+second scatterer meets the first one again, and on its way it runs along a corridor that it knows to
+be empty. In the clock of the path length, with K one collision and B a bounce straight back
+(direction reversed, speed times e), both together replace
 
     K - 1  by  (K - 1)/(1 - eps B (K - 1)),      eps = (2 e/(1 + e)) n ln(1/n),
 
 so that on v^p exp(i m phi) lambda_m(p) becomes lambda_m(p)/(1 + eps (-1)^m e^p lambda_m(p)). The
 derivation is in examples/docs/theory/density.md, how far it agrees with simulations in
-examples/docs/validation.md. The coefficient 4/3 of the elastic gas at m = 1, p = 0 is that of van
-Leeuwen and Weijland, Physica 36 (1967) 457.
-
-Orders of the theory ("density_order"):
+examples/docs/validation.md. Orders of the theory ("density_order"):
 
 "leading" : the above, without any number that is fitted or integrated
 "first" : the order n too. eps = (2 e/(1 + e)) n ln(1/(C n)) with a constant C(e; m) of each
-    harmonic m = 0, 1, 2, and collisions 1 + d(e) n times as often. C and d are integrals over two
-    scatterers and over loops, in returns.json (tests/kinetics/measurements/returns.py makes it).
-    C depends on the power p of the speed: it is that of the average which is slowest, p = 1 for
-    m = 0 and p = 0 for the others. For m > 2 it is the leading order. For e < 0.2, where many
-    tracers end in corners of two disks, C and d are those of e = 0.2.
+    harmonic m = 0, 1, 2 (above, the leading order), and collisions 1 + d(e) n times as often. C and
+    d are integrals over two scatterers and over loops, in returns.json
 "second" : with terms of the order (n ln n)^2 in the path and in the harmonic m = 1, fitted to
     simulations. The default, because it is the nearest
-
-What depends on the direction too, in averages over time, F(k, t) and G(R), knows that returns take
-time (`kinetics.moments.delayed`).
-
-The operator is no jump process: at low speeds (c < .1) and high densities the speed density may
-fall below zero.
 """
 
 from __future__ import annotations
@@ -39,23 +26,19 @@ import math
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.resources import files
-from typing import Any
 
 import numpy as np
 
-from kinetics.collision.averages import ImpactQuadrature
-from kinetics.validation import check_positive, one_of, refuse
+from kinetics.collision.bounce import ImpactQuadrature
 
 SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
 HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
-# Simulations over n, at n = .04 and .1: the share of tracers slower than v, less 1 - e, in both
-# media for e = .1 to .9 (at most .92, .54, .29, .2 at e = .2, .4, .7, .9); and of those nearer than
-# r, among hard disks for e = .4 to 1, from .5 l/U on
+# Simulations over n: the share of tracers slower than v, less 1 - e, and of those nearer than r
 _SLOW, _NEAR = 1.15, 0.2
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
-# Of the order (n ln n)^2, fitted, see tests/kinetics/measurements/density.py. J_1(0) is less by
+# Of the order (n ln n)^2, fitted (tests/kinetics/measurements/density.py): J_1(0) is less by
 # (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 1.5 e (1 - e), and J_1(0), near
 # 1.07 - .45 e, loses twice that, because <r^2> is not longer
 _SECOND = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
@@ -64,13 +47,7 @@ _LOSSY, _LONGER, _J1 = (0.29, 3.2), 1.5, (1.07, 0.45)
 
 @dataclass(frozen=True)
 class Medium:
-    """Fixed smooth disks at a finite density.
-
-    scatterers : "overlapping" (placed independently) or "hard disks"
-    density : n = rho d^2, dimensionless
-    restitution : e
-    order : the level of the theory, one of ORDERS
-    """
+    """Fixed smooth disks at a finite density, of restitution e: density is n = rho d^2."""
 
     scatterers: str
     density: float
@@ -81,9 +58,8 @@ class Medium:
     def path_ratio(self) -> float:
         """The mean path between collisions over 1/(2 d rho), with 1 + d n of the order n.
 
-        Overlapping disks leave it as it is at every density (Santalo). Among hard disks it is
-        pi (free area)/(exposed arc), (1 - eta)^2/(1 - 7 eta/16) with eta = pi n/4, the share of
-        the area that disks cover (Henderson's contact value of the pair distribution).
+        Overlapping disks leave it as it is (Santalo). Among hard disks it is (1 - eta)^2/(1 - 7
+        eta/16), eta = pi n/4, the share of the area that disks cover (Henderson).
         """
         ratio = 1.0
         if self.scatterers == "hard disks":
@@ -152,44 +128,20 @@ class Medium:
             what += f", with the constants of e = {_LEAST_RESTITUTION:g}"
         return f"{self.scatterers} at n = {self.density:g}: {what}"
 
-    def limits(self) -> str:
-        """What averages lack, to follow a sentence; perhaps empty."""
-        if self.density <= TESTED_DENSITY:
-            return ""
-        return (
-            f"; n = {self.density:g} is outside the range where the correction for the density was "
-            f"tested (up to {TESTED_DENSITY:g})"
-        )
-
-    def limits_of_speeds(self) -> str:
-        """The same of the speed density."""
-        share = (_SLOW - self.restitution) * self.density
-        return f"; the share of tracers slower than v is off by up to {share:.2g}, by slow ones"
-
-    def limits_of_displacements(self) -> str:
-        """The same of the distribution of the displacement."""
-        return f"; the share of tracers nearer than r is off by up to {_NEAR * self.density:.2g}"
-
-
-def checked_medium(
-    restitution: float | None, scatterers: Any, number_density: Any, diameter: Any, order: Any
-) -> Medium | None:
-    """The medium of these arguments, e that of smooth disks or None; None where it is dilute."""
-    scatterers = one_of("scatterers", scatterers, SCATTERERS)
-    order = one_of("density_order", order, ORDERS)
-    if scatterers == "dilute":
-        return None
-    if restitution is None:
-        allowed = "a finite density is derived for smooth disks in the plane only"
-        refuse("scatterers", scatterers, allowed)
-    if number_density is None:
-        refuse("number_density", number_density, f"scatterers={scatterers!r} needs it")
-    rho, d = check_positive("number_density", number_density), check_positive("diameter", diameter)
-    n = rho * d * d
-    if not 1e-300 < n <= HIGHEST_DENSITY:
-        allowed = f"with scatterers={scatterers!r} it must be at most {HIGHEST_DENSITY:g} d^-2"
-        refuse("number_density", number_density, allowed)
-    return Medium(scatterers, n, restitution, order)
+    def limits(self, of_speeds: bool, of_displacements: bool) -> str:
+        """What averages and these distributions lack, to follow a sentence; perhaps empty."""
+        text = ""
+        if self.density > TESTED_DENSITY:
+            tested = f"was tested (up to {TESTED_DENSITY:g})"
+            text = f"; n = {self.density:g} is outside the range where the correction {tested}"
+        if of_speeds:
+            share = f"by up to {(_SLOW - self.restitution) * self.density:.2g}, by slow ones"
+            text += f"; the share of tracers slower than v is off {share}, of which the density "
+            text += "may be negative"
+        if of_displacements:
+            near = f"{_NEAR * self.density:.2g}"
+            text += f"; the share of tracers nearer than r is off by up to {near}"
+        return text
 
 
 @cache

@@ -1,15 +1,14 @@
 r"""The speed density in time, conservatively: for steps, delta peaks and noisy tables.
 
 The state is a set of masses at equidistant x = ln v. A bounce takes a mass at v to s v, which is
-shared between the two nodes around it so that mass and energy are exactly those of the bounce; the
-shares are not negative. Nodes lose mass at the rate v/l. What results is a linear system with a
-matrix of non-negative off-diagonal entries, whose exponential is summed by uniformisation, from
-non-negative terms only: no mass is ever below 0, the sum of the masses is kept to rounding, and the
-energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
+shared between the two nodes around it so that mass and energy are exactly those of the bounce.
+Nodes lose mass at the rate v/l. The exponential of this linear system is summed by uniformisation,
+from non-negative terms only: no mass is ever below 0, their sum is kept to rounding, and the energy
+obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
 
-Near steps and infinities of f (:func:`kinetics.densities.harmonic.speed_fronts`) no nodes give f
-itself. What is kept to rtol is the distribution function: the share of the tracers that are slower
-than v, for every v. Its error is the difference of two spacings, times a stated factor.
+Near steps and infinities of f no nodes give f itself. What is kept to rtol is the share of the
+tracers that are slower than v, for every v. Its error is the difference of two spacings, times a
+stated factor.
 """
 
 from __future__ import annotations
@@ -22,8 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import common_loss
-from kinetics.densities.harmonic import HarmonicProblem, Profile, count_before_scaling, then_scaling
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
@@ -38,19 +36,18 @@ _COARSEST, _FINEST = 0.128, 0.0005
 # where the front lies badly between the nodes. Steps and kinks converge as h at least: 1.
 _SHARP, _ROUGH = 4.0, 2.0
 _MOST_WORK = 1e10  # products of masses with shares of bounces: a second or two
-_TRANSFORMED = 300  # products that a transform costs for each node
-_DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
-# The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
-_DEPTH = 12.0
-_LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
+# Products of a convolution that cost less than its transforms; those of a node by transforms; and
+# what is rounding of these, over the largest.
+_DIRECTLY, _TRANSFORMED, _ROUNDING = 500_000, 300, 1e-15
+# The axis ends e^-12 below the slowest speed that matters, l/t, and where the range of doubles ends
+_DEPTH, _LOWEST = 12.0, 700.0
 _BEST_START = 1e-6  # the start need not be better known than that
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
-# Of returns to the scatterer before: the deepest -ln s that is kept apart, and shares of bounces
-# that are rounding.
-_DEEPEST, _NO_SHARE = 40.0, 1e-17
+# Radians of s^z on one cell, so that losses lie a tenth of it apart; and the deepest -ln s apart.
+_NODES_OF_A_CELL, _DEEPEST = 16.0, 40.0
 
 
 @dataclass(frozen=True)
@@ -82,57 +79,27 @@ class NodeMasses(Value):
 
 
 def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
-    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi).
-
-    In a medium that of its operator, in which shares may be negative.
-    """
-    q, low = law.cells(spacing)
-    kernel = _shared(q.log_loss, low, q.weight * q.harmonic(m), spacing)
-    eps, loss = law.returns(m)
-    return _with_returns(kernel, spacing, eps, loss) if eps else kernel
-
-
-def _shared(loss: FloatArray, low: Any, weight: FloatArray, spacing: float) -> FloatArray:
-    """Weights of these losses -ln s on the nodes ``low`` above them, and low + 1 below."""
+    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
+    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
+    low = np.minimum((q.log_loss / spacing).astype(np.int64), math.ceil(_DEEPEST / spacing))
     # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
-    down = np.expm1(-2.0 * (loss - spacing * low)) / math.expm1(-2.0 * spacing)
-    down = np.clip(down, 0.0, 1.0)
+    down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
+    down, weight = np.clip(down, 0.0, 1.0), q.weight * q.harmonic(m)
     kernel = np.zeros(int(low.max()) + 2)
     np.add.at(kernel, low, weight * (1.0 - down))
     np.add.at(kernel, low + 1, weight * down)
     return kernel
 
 
-def _with_returns(kernel: FloatArray, spacing: float, eps: float, loss: float) -> FloatArray:
-    """The kernel of 1 + (K - 1)/(1 - eps S (K - 1)) from that of K, S a loss of ``loss``."""
-    from scipy.signal import lfilter
-
-    moved = kernel.copy()  # K - 1
-    moved[0] -= 1.0
-    low = np.array([int(loss / spacing)])
-    back = _shared(np.array([loss]), low, np.ones(1), spacing)
-    below = -eps * np.convolve(back, moved)
-    below[0] += 1.0
-    impulse = np.zeros(math.ceil(_DEEPEST / spacing) + kernel.size)
-    impulse[0] = 1.0
-    found = np.asarray(lfilter(moved, below, impulse))
-    left = np.cumsum(np.abs(found[::-1]))[::-1]
-    found = found[: max(kernel.size, int(np.count_nonzero(left > _NO_SHARE)))]
-    # what is farther down comes to the last node: without it the sum is moved.sum()/below.sum()
-    found[-1] += moved.sum() / below.sum() - found.sum()
-    found[0] += 1.0
-    return found
-
-
-def deposit(start: LogMeasure, x0: float, spacing: float, nodes: int) -> NDArray[Any]:
-    """Masses of weighted points on the nodes, mass and energy kept."""
-    mass = np.zeros(nodes, dtype=start.weight.dtype)
-    level = (start.x - x0) / spacing
-    low = np.clip(np.floor(level).astype(int), 0, nodes - 2)
+def deposit(points: LogMeasure, x: FloatArray, spacing: float) -> NDArray[Any]:
+    """Masses of weighted points on the nodes x, mass and energy kept."""
+    mass = np.zeros(x.size, dtype=points.weight.dtype)
+    level = (points.x - x[0]) / spacing
+    low = np.clip(np.floor(level).astype(int), 0, x.size - 2)
     part = np.clip(level - low, 0.0, 1.0)
     up = np.expm1(2.0 * spacing * part) / math.expm1(2.0 * spacing)
-    np.add.at(mass, low, start.weight * (1.0 - up))
-    np.add.at(mass, low + 1, start.weight * up)
+    np.add.at(mass, low, points.weight * (1.0 - up))
+    np.add.at(mass, low + 1, points.weight * up)
     return mass
 
 
@@ -142,18 +109,16 @@ def _start_masses(
     """The state on the nodes: from its density cell by cell, or point by point without one."""
     profile = state.profile(m)
     if profile is None:
-        return deposit(start, nodes[0], spacing, nodes.size)
+        return deposit(start, nodes, spacing)
     # eight pieces of a cell, for the steps of a density
     x, w = panels_between(np.linspace(nodes[0], nodes[-1], 8 * nodes.size - 7), 4)
     v = np.exp(x)
-    weight = w * v * profile(v)
-    found = deposit(LogMeasure(x, weight), nodes[0], spacing, nodes.size)
+    found = deposit(LogMeasure(x, w * v * profile(v)), nodes, spacing)
     if m:
         return found
     total, expected = float(found.sum()), float(start.weight.sum())
-    if total < 0.5 * expected:
-        # the density lies between the Gauss points
-        return deposit(start, nodes[0], spacing, nodes.size)
+    if total < 0.5 * expected:  # the density lies between the Gauss points
+        return deposit(start, nodes, spacing)
     # scaled to the mass of the start: some lies beyond the axis, or between the Gauss points
     return found * (expected / total)
 
@@ -161,12 +126,9 @@ def _start_masses(
 class _Axis:
     """The masses as they move: node 0 is the fastest, so that bounces raise the index."""
 
-    def __init__(
-        self, speed: FloatArray, kernel: FloatArray, mass: NDArray[Any], peak: bool
-    ) -> None:
-        self.speed, self.kernel, self.mass, self.peak = speed, kernel, mass, peak
+    def __init__(self, speed: FloatArray, kernel: FloatArray, mass: NDArray[Any]) -> None:
+        self.speed, self.kernel, self.mass = speed, kernel, mass
         self.first = 0  # nodes above it are empty
-        self._transformed: tuple[int, NDArray[Any]] | None = None  # the kernel, and its length
         self.total = float(np.abs(mass).sum())
         self.work = 0.0  # products so far
         # masses of harmonics m > 0 may have any sign
@@ -182,31 +144,25 @@ class _Axis:
             self.mass[first] += self.mass[self.first : first].sum()
             self.mass[self.first : first] = 0.0
             self.first = first
-            fastest = float(self.speed[self.first])
-            # short enough for the top to empty on the way, long enough for few steps
+            fastest = float(self.speed[first])
             step = min(left, _STEP / fastest)
             self._uniformised(step, fastest)
             left -= step
 
     def _uniformised(self, step: float, fastest: float) -> None:
         """exp(A step) as a Poisson average of powers of 1 + A/fastest."""
-        apart = 1 if self.peak and self.first == 0 else 0
         speed = self.speed[self.first :] / fastest
         current = self.mass[self.first :].copy()
         mean = fastest * step
         weight = math.exp(-mean)
-        out = weight * current
-        summed, n = weight, 0
+        out, summed, n = weight * current, weight, 0
         # beyond 12 standard deviations of the Poisson distribution the weights are e^-72
         while 1.0 - summed > 1e-16 and n < mean + 40.0 + 12.0 * math.sqrt(mean):
             moving = speed * current
             current -= moving
-            if apart:
-                moving[2] += moving[0]  # node 1 is the empty one above
-            arriving = self._arriving(moving[apart:])
-            room = current.size - apart
-            current[apart:] += arriving[:room]
-            current[-1] += arriving[room:].sum()  # the slowest node keeps what falls below
+            arriving = self._arriving(moving)
+            current += arriving[: current.size]
+            current[-1] += arriving[current.size :].sum()  # the slowest node keeps what falls below
             n += 1
             weight *= mean / n
             summed += weight
@@ -216,23 +172,16 @@ class _Axis:
 
     def _arriving(self, moving: NDArray[Any]) -> NDArray[Any]:
         """Bounces of the moving masses, past the end of the axis; by transforms where shorter."""
-        full = moving.size + self.kernel.size - 1
         self.work += moving.size * min(self.kernel.size, _TRANSFORMED)
-        if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):
+        if moving.size * self.kernel.size < _DIRECTLY:
             # what np.convolve does, without its checks
             return np.correlate(moving, self.kernel[::-1], "full")
-        if self._transformed is None or self._transformed[0] < full:
-            from scipy.fft import next_fast_len
+        from scipy.signal import fftconvolve
 
-            size = int(next_fast_len(full, real=True))
-            self._transformed = size, np.fft.rfft(self.kernel, size)
-        size, kernel = self._transformed
-        found = np.fft.irfft(np.fft.rfft(moving, size) * kernel, size)[:full]
-        most = np.full(full, float(np.abs(self.kernel).max()))
-        above = np.cumsum(np.abs(moving))
-        most[: moving.size] *= above
-        most[moving.size :] *= above[-1]
-        return np.clip(found, 0.0 if self.positive else -most, most)
+        found = np.asarray(fftconvolve(moving, self.kernel))
+        size = np.abs(found)
+        found[size < _ROUNDING * size.max()] = 0.0  # else the top of the axis never empties
+        return np.maximum(found, 0.0) if self.positive else found
 
 
 def solve_conservative(asked: HarmonicProblem) -> Profile:
@@ -240,29 +189,25 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
 
     Raises InputError where following the state would take too long, or its harmonic m is zero.
     """
-    law, state, m, times, rtol = asked.law, asked.state, asked.m, asked.times, asked.rtol
-    mean_free_path, start_rtol = asked.mean_free_path, min(rtol, _BEST_START)
-    start, speeds = state.harmonic(m, start_rtol), state.harmonic(0, start_rtol)
-    if start is None or speeds is None:
-        raise InputError(f"initial: harmonic {m} of this state is zero")
-    log_unit = 0.5 * speeds.log_second_moment()
-    shift = np.log(times / mean_free_path + math.exp(-log_unit))
-    early = times.size if m else count_before_scaling(asked, speeds, shift + log_unit)
-    if state.profile(0) is None and (law.has_atoms or law.returns(0)[0]):
+    law, state, times = asked.law, asked.state, asked.times
+    start = state.harmonic(asked.m, min(asked.rtol, _BEST_START))
+    if start is None:
+        raise InputError(f"initial: harmonic {asked.m} of this state is zero")
+    if law.returns(0)[0]:
+        raise InputError("initial: at a finite density, speed densities need a smooth start")
+    if state.profile(0) is None and law.has_atoms:
         raise InputError(
             "initial: from sharp speeds, bounces that take single shares of the speed (samples, "
-            "et = e, or straight back to the scatterer before, at a finite density) make delta "
-            "peaks and no density; give a SpeedTable, or ask for averages"
+            "et = e) make delta peaks and no density; give a SpeedTable, or ask for averages"
         )
-    found, error = _refined(asked, start, times[:early] / mean_free_path)
+    found, error = _refined(asked, start, times / asked.mean_free_path)
     peak_speed, peak_weight = None, None
     if start.x.size == 1:
         peak_speed = math.exp(float(start.x[0]))
         with np.errstate(over="ignore", under="ignore"):
-            peak_weight = start.weight[0] * np.exp(-peak_speed * times / mean_free_path)
-    density, late_error = then_scaling(law, found, early, shift[early:], rtol)
-    nodes, error = found.x.size, max(error, late_error)
-    return Profile(density, times.size, "conservative", nodes, error, peak_speed, peak_weight)
+            peak_weight = start.weight[0] * np.exp(-peak_speed * times / asked.mean_free_path)
+    nodes = found.x.size
+    return Profile(found, times.size, "conservative", nodes, error, peak_speed, peak_weight)
 
 
 def _refined(
@@ -270,18 +215,15 @@ def _refined(
 ) -> tuple[NodeMasses, float]:
     """The masses at times in l/U, on nodes as close as rtol or the work takes, and their error."""
     top = float(start.x.max())
-    path = float(paths[-1]) if paths.size else 0.0
-    lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
+    lowest = min(float(start.x.min()), top, -math.log(max(float(paths[-1]), 1e-300))) - _DEPTH
     span = min(top - lowest, _LOWEST)
     spacing, finest = _COARSEST, _FINEST
     if asked.nodes:
         spacing, finest = 2.0 * span / asked.nodes, span / asked.nodes
-    common = common_loss(asked.law, math.pi / finest)
-    if common is not None:
-        # whole numbers of nodes in every bounce: no share of it is lost to neighbours
-        spacing = common / math.ceil(common / spacing)
-        finest = min(finest, 0.5 * spacing)
     safe = _SHARP if asked.state.profile(0) is None else _ROUGH
+    # of the tracers that have left a single speed, or a billionth of all
+    left = -np.expm1(-math.exp(top) * paths) if start.x.size == 1 else np.ones(paths.size)
+    held = np.maximum(left, 1e-9)
     found, error = _solve(asked, start, paths, span, spacing), math.inf
     while found is not None and error > asked.rtol and spacing > 1.01 * finest:
         before, spacing = found, 0.5 * spacing
@@ -289,16 +231,11 @@ def _refined(
         if finer is None:
             break
         found = finer
-        # of the tracers that the nodes hold: at first few have left a single speed
-        held = np.ones(paths.size)
-        if start.x.size == 1:
-            held = np.maximum(-np.expm1(-math.exp(top) * paths), 1e-300)
-        error = safe * float(np.max(_apart(before, found) / held, initial=0.0))
+        error = safe * float(np.max(_apart(before, found) / held))
     if found is None or error == math.inf:
         raise InputError(
-            f"times: got up to {asked.times[paths.size - 1]:g} at {asked.law.described}; the "
-            f"conservative method would need more than {_MOST_WORK:.0e} products, "
-            "ask for earlier times, fewer nodes, or averages only"
+            f"times: got up to {asked.times[-1]:g} at {asked.law.described}; the conservative "
+            "method would take too long, ask for earlier times, fewer nodes, or averages only"
         )
     return found, error
 
@@ -310,32 +247,31 @@ def _solve(
     count = math.ceil(span / spacing) + 3
     # one empty node above the fastest tracers; a density may go on beyond its last Gauss point,
     # by less than that is from the one before
-    top, peak = float(start.x.max()), start.x.size == 1
+    top = float(start.x.max())
     if asked.state.profile(0) is not None:
         top += spacing + float(np.diff(np.sort(start.x)[-2:]).sum())
     x = top + spacing * np.arange(2 - count, 2, dtype=float)
     mass = _start_masses(asked.state, start, asked.m, x, spacing)
-    speed, moving = np.exp(x)[::-1], mass[::-1].copy()
-    if peak:
-        # the tracers that have not collided stay apart, in one more node of their speed
-        moving = np.concatenate([start.weight, np.zeros(count, dtype=mass.dtype)])
-        speed = np.concatenate([speed[1:2], speed])
-    axis = _Axis(speed, bounce_kernel(asked.law, spacing, asked.m), moving, peak)
+    kernel = bounce_kernel(asked.law, spacing, asked.m)
+    axis = _Axis(np.exp(x)[::-1], kernel, mass[::-1].copy())
     out = np.empty((paths.size, count), dtype=mass.dtype)
     for i, duration in enumerate(map(float, np.diff(paths, prepend=0.0))):
         axis.advance(duration)
         if axis.work > _MOST_WORK:
             return None
-        out[i] = axis.mass[-count:][::-1]
+        out[i] = axis.mass[::-1]
+    if start.x.size == 1:  # those that have not collided are known, and left out
+        with np.errstate(under="ignore"):
+            out[:, -2] -= start.weight[0] * np.exp(-math.exp(top) * paths)
+        if axis.positive:
+            out[:, -2] = np.maximum(out[:, -2], 0.0)  # what is below is rounding
     out.flags.writeable = False
     return NodeMasses(x, spacing, out)
 
 
 def _apart(coarse: NodeMasses, fine: NodeMasses) -> FloatArray:
     """The largest difference of two distribution functions, over all speeds, (n_times,)."""
-    worst = np.zeros(len(fine.mass))
-    for i, mass in enumerate(fine.mass):
-        change = coarse.of_log(i, fine.x) - mass / fine.spacing
-        summed = np.cumsum(0.5 * (change[1:] + change[:-1])) * fine.spacing
-        worst[i] = np.abs(summed).max()
-    return worst
+    both = enumerate(fine.mass)
+    change = np.array([coarse.of_log(i, fine.x) * fine.spacing - mass for i, mass in both])
+    summed = np.cumsum(0.5 * (change[:, 1:] + change[:, :-1]), axis=1)
+    return np.asarray(np.abs(summed).max(axis=1))

@@ -1,9 +1,7 @@
 """What a density solver gives: one harmonic of the velocity density at the output times.
 
-A :class:`Profile` holds numbers and arrays only, so that it can be compared, pickled and saved. Its
-``density`` has a method ``at(i, v)``, in 1/U for the i-th time and speeds v in U, shape (n_v,): a
-`spectral.GridDensity` or `conservative.NodeMasses`, which a :class:`ThenScaling` follows with the
-scaling state, or an :class:`ElasticDensity`.
+The ``density`` of a :class:`Profile` has a method ``at(i, v)``, in 1/U for the i-th time and speeds
+v in U, shape (n_v,): a `spectral.GridDensity`, `conservative.NodeMasses` or `ElasticDensity`.
 """
 
 from __future__ import annotations
@@ -17,21 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import oscillations, time_to_forget
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
-from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
-from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
-
-_BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
-_FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
-_SURE = 4.0  # e-folds for the size of the slowest transient, which may be above 1
-# Wave numbers in ln v up to which a start is looked at: of smooth ones at most e^-50 is left there,
-# and of others the nodes of `conservative.py` see no more.
-_SMOOTH, _ROUGH = 64.0, 512.0
 
 
 @dataclass(frozen=True)
@@ -66,10 +54,8 @@ class Profile(Value):
 
     In space it is P_m(cos theta) v^2 f integrated over all directions.
 
-    density : the harmonic without delta peaks
-    count : n_times
+    density : the harmonic without delta peaks, at ``count`` times
     method : "spectral", "conservative" or "exact"
-    nodes : of the speed axis
     error_estimate : of f relative to its maximum ("spectral"), or of its integral from 0 to v,
         the largest for any v ("conservative")
     peak_speed, peak_weight : tracers of a start of one speed that have not collided, speed in U
@@ -91,95 +77,6 @@ class Profile(Value):
     def continuous(self, v: FloatArray) -> NDArray[Any]:
         """The same at all times, shape (n_times, n_v)."""
         return np.array([self.at(i, v) for i in range(self.count)])
-
-
-def speed_fronts(law: CollisionLaw, start: LogMeasure | None) -> FloatArray:
-    """Speeds in U, rising, at which f may step or be infinite, from a start of sharp speeds.
-
-    Those of the start and, of tracers that have collided once or twice, the ends of the range that
-    they come to. start : the sharp speeds, or None
-    """
-    if start is None or law.is_elastic:
-        return np.zeros(0)
-    ends = [-loss for loss in law.loss_ends]
-    moved = [0.0, *ends, *(a + b for a in ends for b in ends)]
-    found = np.exp(np.add.outer(np.unique(start.x), np.unique(moved)).ravel())
-    return np.unique(found[found > 0.0])
-
-
-def memory_of(law: CollisionLaw, state: State, speeds: LogMeasure) -> list[tuple[complex, float]]:
-    """Oscillations of ln(v t) that fall more slowly than 1/t, and their sizes at the start.
-
-    ``speeds`` are those of the state. Each is a zero of lambda, see `kinetics.collision.memory`.
-    """
-    highest = _SMOOTH if state.smooth else _ROUGH
-    zeros = oscillations(law, highest)
-    profile = state.profile(0)
-    if not zeros:
-        return []
-    unit = 0.5 * speeds.log_second_moment()
-    x, weight = speeds.x - unit, speeds.weight
-    if profile is not None:
-        # the points of the state are for slow functions of ln v; these are for waves
-        spacing = 0.5 * math.pi / highest
-        x = np.arange(float(x.min()), float(x.max()) + spacing, spacing)
-        v = np.exp(x + unit)
-        weight = spacing * v * profile(v)
-    return [(z, abs(complex(weight @ np.exp(z * x)))) for z in zeros]
-
-
-def count_before_scaling(asked: HarmonicProblem, speeds: LogMeasure, tau: FloatArray) -> int:
-    """How many of the times tau = ln(1 + v_rms t/l) are before the scaling state is reached.
-
-    The slowest transient of an isotropic state falls as e^-tau, but for the oscillations that some
-    laws leave for longer, or for ever. ``speeds`` are those of the start.
-    """
-    law, rtol = asked.law, asked.rtol
-    saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + _SURE
-    if law.returns(0)[0]:
-        return tau.size  # in a medium the scaling state is not known at low speeds
-    for z, size in memory_of(law, asked.state, speeds):
-        saturated = max(saturated, time_to_forget(z, size * math.exp(_SURE) / rtol))
-    return int(np.searchsorted(tau, saturated))
-
-
-@dataclass(frozen=True)
-class ThenScaling(Value):
-    """A density at the first ``count`` times, and the scaling state at the later ones."""
-
-    early: Any
-    count: int
-    late_shift: FloatArray  # ln((t + t0)/l) of the later times, shape (n_late,)
-    scaled: ScaledVDF
-
-    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
-        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
-        if i < self.count:
-            return np.asarray(self.early.at(i, v))
-        out = np.zeros(v.shape)
-        # v0 (t + t0)/l = 2/h in the scaling state
-        late = float(self.late_shift[i - self.count])
-        log_thermal = math.log(2.0 / self.scaled.cooling_rate) - late
-        with np.errstate(divide="ignore"):
-            log_c = np.log(v) - log_thermal
-        near = np.abs(log_c) < _FARTHEST
-        c = np.exp(log_c[near])
-        law = self.scaled.law
-        surface = law.unit_surface * c ** (law.dimension - 1)
-        out[near] = surface * self.scaled.reached_vdf(c) * math.exp(-log_thermal)
-        return out
-
-
-def then_scaling(
-    law: CollisionLaw, early: Any, count: int, late_shift: FloatArray, rtol: float
-) -> tuple[Any, float]:
-    """The early density, with the scaling state if there are later times, and the error of that."""
-    if late_shift.size == 0:
-        return early, 0.0
-    scaled = solve_scaled(law, max(rtol, _BEST_SCALED))
-    density = ThenScaling(early, count, late_shift, scaled)
-    density.at(count, np.exp(-late_shift[:1]))  # for the estimate: a speed in the bulk
-    return density, scaled.error_estimate
 
 
 @dataclass(frozen=True)
@@ -219,10 +116,9 @@ def elastic_profile(asked: HarmonicProblem) -> Profile:
     return Profile(density, times.size, "exact", 0, sys.float_info.epsilon, speed, weight)
 
 
-# One Cartesian component, by an integral over the other one, or in space over the speed.
-# Gauss panels in ln of the other component, in units of a typical speed. Below e^-20 of it, where
-# the density is constant, the other component is taken in one piece; above e^4.5 = 90 of it nothing
-# is left of an exponential tail. The error is 1e-8 of the maximum for smooth densities.
+# One Cartesian component, by an integral over the other one, or in space over the speed: panels in
+# ln of the other component, in units of a typical speed. Below e^-20 of it, where the density is
+# constant, the other component is taken in one piece. The error is 1e-8 for smooth densities.
 _LOWEST, _HIGHEST, _PANEL, _POINTS = -20.0, 4.5, 0.5, 10
 _FASTEST = 1e100  # in typical speeds: no tracer is as fast
 

@@ -2,23 +2,21 @@ r"""The speed density in time: the forward equation on a logarithmic speed axis,
 
 On equidistant nodes of x = ln v a smooth density is resolved to rounding by some hundred of them.
 Its collisions are taken out of the equation (:mod:`kinetics.densities.intertwining`), so that any
-time follows at once. Where the scaling state is reached to rounding, the stationary solution takes
-over and later times cost nothing. The error is the difference of two such solutions, on nodes of
-which some coincide.
+time follows at once. The error is the difference of two such solutions, on nodes of which some
+coincide.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.densities.harmonic import HarmonicProblem, Profile, count_before_scaling, then_scaling
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.densities.intertwining import TAPER, choose_angle, intertwine, log_gain
 from kinetics.errors import InputError
 from kinetics.numerics import ComplexArray, FloatArray
@@ -35,28 +33,26 @@ _MOST_NODES, _MOST_NODES_OF_START, _MOST_VALUES = 40_000, 8192, 3e7
 # The solution has 5 nodes where the one that it is compared with has 4, and that one's window ends
 # by so many e-folds of the speed higher up. They are compared at so many times.
 _FINE, _COARSE, _HIGHER, _COMPARED = 5, 4, 2.0, 6
-_SHARE, _ALLOWED = 0.005, 0.3  # of rtol, for each of many small parts of the error; for rounding
-_BELOW_RTOL = 6.0  # e-folds below rtol at which the window ends
-# What is aimed at, of rtol, and the tilt, one after another until the error is below rtol. Under
-# laws of few ratios u oscillates at low speeds for long: with a tilt it falls, but rounding grows
-# as t^tilt. And what rounding allows to aim at.
-_AIMS, _LEAST_AIM = ((1.0, 0.0), (0.03, 0.0), (0.03, 0.25)), 1e-14
-# The least error that is claimed: of f relative to its maximum, for the rounding that two solutions
-# may have in common (2e-13 was seen), and of what is aimed at, below which the low end is cut off.
+_SHARE = 0.005  # of that aim, for each of many small parts of the error
+_BELOW_AIM = 6.0  # e-folds below what is aimed at, where the window ends
+_BAND_OF_START = 8.0  # wave number of a start
+_MORE = 1.4  # nodes of each try to resolve the start, over those of the last one
+# What is aimed at, of rtol, and the tilt. Where v t/l goes on oscillating, or tracers forwards, u
+# oscillates at low speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt,
+# and the last time is at so many e-folds. And what rounding allows to aim at.
+_AIMS, _LATEST, _LEAST_AIM = ((1.0, 0.0), (0.03, 0.25)), 40.0, 1e-14
+# The least error that is claimed: for the rounding that two solutions may have in common (2e-13 was
+# seen), and of what is aimed at, below which the low end is cut off.
 _FLOOR, _CUT = 5e-13, 0.1
 # Of the root mean square speed: above it a density keeps its accuracy relative to its maximum, and
 # below it the density of ln v does.
-LOWEST_SPEED = 1e-2
-# Where little is left, as of harmonics m > 0 that die away, errors are relative to a density of
-# ln v with this maximum; the isotropic one has a larger.
+_LOWEST_SPEED = 1e-2
+# Harmonics m > 0 die away: their errors are relative to a density of ln v with this maximum; the
+# isotropic one has a larger.
 _LEAST_MAXIMUM = 0.3
-# Steps of two searches, each a compromise between their number and the work of the last.
-_FINER, _MORE = 0.6, 1.4
-# Where s may fall below this, bounces fill the low speeds up to v^1 in the density of ln v.
-_SMALL_RATIO = 0.3
-# There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: a
-# zero of 1 - E[s^z cos(m chi)] in z.
-_SLOWEST = 0.6
+# Where s may fall below the first, bounces fill the low speeds up to v^1 in the density of ln v,
+# and harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest.
+_SMALL_RATIO, _SLOWEST = 0.3, 0.6
 # Where bounces lead to any speed: those from which f is continued down, over the lowest of them.
 _SPEEDS = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
 _MOST_TERMS = 1_000_000  # of a Fourier sum at once: 16 megabytes
@@ -109,14 +105,12 @@ class GridDensity(Value):
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""
         size, x = np.abs(self.values[i]), self.grid.x
-        top = float(size.max())
-        first = int(((x >= self.start) & (size >= self.resolved * top)).argmax())
+        first = int(((x >= self.start) & (size >= self.resolved * size.max())).argmax())
         # one e-fold further up, for the slope
         second = min(first + max(1, round(1.0 / self.grid.spacing)), size.size - 1)
-        if second == first:
-            return float(x[first]), 0.0
-        rise = math.log(max(float(size[second]), 1e-300) / max(float(size[first]), 1e-300))
-        return float(x[first]), max(0.0, rise / float(x[second] - x[first]) - 1.0)
+        low, high = np.log(np.maximum(size[[first, second]], 1e-300))
+        rise = (high - low) / max(x[second] - x[first], self.grid.spacing)
+        return float(x[first]), max(0.0, float(rise) - 1.0)
 
     def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
         """In pieces of x, so that memory stays flat."""
@@ -142,11 +136,12 @@ class _Problem:
     """What is asked, and the start as this method takes it."""
 
     asked: HarmonicProblem
+    aim: float  # the accuracy that is aimed at
+    tilt: float  # v^tilt f is what is solved for
     start: SpeedFunction  # f_m as a function of v in U
     speeds: LogMeasure  # the initial ones
     log_unit: float  # ln of the root mean square of those, here the unit of speed
-    tau: FloatArray  # ln(1 + v_rms t/l) of the times before the scaling state, (n_times,)
-    tilt: float  # v^tilt f is what is solved for
+    tau: FloatArray  # ln(1 + v_rms t/l), (n_times,)
 
     def gain(self, k: FloatArray) -> ComplexArray:
         """ln of the gain at wave numbers."""
@@ -167,44 +162,40 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
     Nodes that are given count as the next multiple of ten. Raises InputError where it would take
     too many nodes.
     """
-    law, state, m, times, rtol = asked.law, asked.state, asked.m, asked.times, asked.rtol
-    speeds, start = state.harmonic(0, 1e-3 * rtol), state.profile(m)
+    law, m, rtol = asked.law, asked.m, asked.rtol
+    speeds, start = asked.state.harmonic(0, 1e-3 * rtol), asked.state.profile(m)
     if speeds is None or start is None:
         return None
     log_unit = 0.5 * speeds.log_second_moment()
-    shift = np.log(times / asked.mean_free_path + math.exp(-log_unit))
-    tau = shift + log_unit
-    early = tau.size if m else count_before_scaling(asked, speeds, tau)
-    best: tuple[GridDensity, float] | None = None
-    for aim, tilt in _AIMS if asked.nodes is None else _AIMS[:1]:
-        aimed = replace(asked, rtol=max(aim * rtol, _LEAST_AIM))
+    tau = np.log(asked.times / asked.mean_free_path + math.exp(-log_unit)) + log_unit
+    late = asked.nodes is not None or float(tau[-1]) > _LATEST
+    best: Profile | None = None
+    for aim, tilt in _AIMS[:1] if late else _AIMS:
+        aimed = max(aim * rtol, _LEAST_AIM)
+        problem = _Problem(asked, aimed, tilt, start, speeds, log_unit, tau)
+        window = _window(law, speeds, aimed, float(tau[-1]))
+        narrow = _resolve(problem, *window)
+        if narrow is None:
+            break
         try:
-            found = _solve(_Problem(aimed, start, speeds, log_unit, tau[:early], tilt))
-        except InputError:
+            found = _solve(problem, narrow, *window[:2])
+        except InputError:  # too many nodes
             if best is None:
                 raise
             break
-        if found is None:
+        if best is None or found.error_estimate < best.error_estimate:
+            best = found
+        if best.error_estimate <= rtol:
             break
-        best = found if best is None or found[1] < best[1] else best
-        if best[1] <= rtol:
-            break
-    if best is None:
-        return None
-    density, late_error = then_scaling(law, best[0], early, shift[early:], rtol)
-    nodes, error = best[0].grid.nodes, max(best[1], late_error)
-    return Profile(density, times.size, "spectral", nodes, error)
+    return best
 
 
-def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
-    """The density and its error relative to the maximum; None where the start is too rough."""
-    law, m, rtol, tau = problem.asked.law, problem.asked.m, problem.asked.rtol, problem.tau
-    window = _window(law, problem.speeds, rtol, float(tau[-1]) if tau.size else 0.0)
-    narrow = _resolve(problem, *window)
-    if narrow is None:
-        return None
+def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profile:
+    """With nodes that resolve the start, from x = low to high."""
+    asked, law, m, tau = problem.asked, problem.asked.law, problem.asked.m, problem.tau
+    aim, tilt = problem.aim, problem.tilt
     grid, angle = _choose_grid(problem, narrow)
-    gain, pole = problem.gain(grid.wave_numbers), m == 0 and not problem.tilt
+    gain, pole = problem.gain(grid.wave_numbers), m == 0 and not tilt
     moved, rows = intertwine(grid, problem.on(grid), gain, angle, pole).at(tau, _FINE)
     down = moved * grid.spacing
     # the other solution: the same wave numbers, but fewer of them, and a window higher up
@@ -214,149 +205,120 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     other = LogGrid(grid.start + skipped * unit, unit / _COARSE, nodes)
     hidden = intertwine(other, problem.on(other), gain[: nodes // 2 + 1], angle, pole)
     g, h = _whole(rows), _whole(hidden.at(tau[few], _COARSE)[1])
-    bounded = m == 0 or law.least_ratio >= _SMALL_RATIO or problem.tilt > 0.0
-    start = window[0] if bounded else grid.start
-    if problem.tilt:
-        g = g * np.exp(-problem.tilt * (grid.x - down[:, None])) * (grid.x >= start)
-        h = h * np.exp(-problem.tilt * (other.x - down[few, None])) * (other.x >= start)
+    bounded = m == 0 or law.least_ratio >= _SMALL_RATIO or tilt > 0.0
+    first = low if bounded else grid.start
+    if tilt:
+        g = g * np.exp(-tilt * (grid.x - down[:, None])) * (grid.x >= first)
+        h = h * np.exp(-tilt * (other.x - down[few, None])) * (other.x >= first)
     common = slice(_FINE * skipped, None, _FINE)
     apart = np.abs(g[few, common] - h[:, : nodes - _COARSE * skipped : _COARSE])
     # per speed, but below the lowest one, ln v = lowest, per its logarithm: speeds cool nearly as
     # 1/(1 + h t/2); the least maximum is where most are
     rate = math.sqrt(law.mean_log_loss * float(law.decay_rate(1.0)))
-    lowest = math.log(LOWEST_SPEED) - np.log1p(rate * np.expm1(tau))
+    lowest = math.log(_LOWEST_SPEED) - np.log1p(rate * np.expm1(tau))
     floor = (lowest + down)[few, None]
     least = 0.0 if m == 0 else _LEAST_MAXIMUM
-    size = np.abs(g[few])
-    top = np.maximum(
-        (size * np.exp(-np.maximum(grid.x, floor))).max(axis=1, initial=0.0),
-        least * LOWEST_SPEED * np.exp(-floor[:, 0]),
-    )
-    wrong = (apart * np.exp(-np.maximum(grid.x[common], floor))).max(axis=1, initial=0.0)
-    of_g = apart.max(axis=1, initial=0.0) / np.maximum(size.max(axis=1, initial=0.0), least)
-    density = GridDensity(
-        grid=grid,
-        values=g,
-        shift=down - problem.log_unit,
-        start=start,
-        end=window[1] + grid.spacing,
-        resolved=max(_SHARE * rtol, float(of_g.max(initial=0.0))),
-        filled=lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None,
-    )
-    error = max(float((wrong / top).max(initial=0.0)), _FLOOR, _CUT * rtol)
-    if problem.asked.nodes is not None:  # few nodes may agree, and say nothing of what is between
+    per_speed = np.exp(-np.maximum(grid.x, floor))
+    top = (np.abs(g[few]) * per_speed).max(axis=1)
+    top = np.maximum(top, least * _LOWEST_SPEED * np.exp(-floor[:, 0]))
+    wrong = (apart * per_speed[:, common]).max(axis=1) / top
+    of_g = apart.max(axis=1) / np.maximum(np.abs(g[few]).max(axis=1), max(least, 1e-300))
+    error = max(float(wrong.max()), _FLOOR, _CUT * aim)
+    if asked.nodes is not None:  # few nodes may agree, and say nothing of what is between
         error = max(error, _unresolved(_rows(g)))
-    return density, error
+    filled = lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None
+    resolved = max(_SHARE * aim, float(of_g.max()))
+    where = down - problem.log_unit, first, high + grid.spacing
+    density = GridDensity(grid, g, *where, resolved, filled)
+    return Profile(density, tau.size, "spectral", grid.nodes, error)
 
 
 def _unresolved(rows: FloatArray) -> float:
     """The highest modes of rows (1 or 2, ..., nodes) over the largest of both, at the worst."""
     modes = np.abs(np.fft.rfft(rows)).max(axis=0)
     last, top = modes[..., -3:].max(axis=-1), modes.max(axis=-1)
-    return float(np.max(last / np.maximum(top, 1e-300), initial=0.0))
+    return float(np.max(last / np.maximum(top, 1e-300)))
+
+
+def _resolve(problem: _Problem, low: float, high: float, band: float) -> LogGrid | None:
+    """A grid that resolves the start and the scaling state; None where the start is too rough."""
+    given, aim = problem.asked.nodes, problem.aim
+    count = given or int((high - low) * band / math.pi) + 2
+    _check_work(problem, count)
+    while True:
+        count += count % 2
+        grid = LogGrid(low, (high - low) / count, count)
+        rough = _unresolved(problem.on(grid))
+        if given is not None or rough <= _SHARE * aim:
+            return grid
+        if 2 * count > _MOST_NODES_OF_START:
+            return grid if rough <= aim else None
+        count = int(_MORE * count)
 
 
 def _choose_grid(problem: _Problem, narrow: LogGrid) -> tuple[LogGrid, float]:
     """The nodes and the angle of the axis, from nodes that resolve the start."""
-    rtol, given, most = problem.asked.rtol, problem.asked.nodes, _MOST_NODES
-    if problem.tau.size:
-        most = min(most, int(_MOST_VALUES / problem.tau.size))
-    rows, spacing = problem.on(narrow), narrow.spacing
-    best, tried = (*choose_angle(problem.gain, narrow, rows, spacing, rtol), spacing), spacing
-    # more modes allow a larger angle, but cost in proportion
-    while best[0] > math.log(_ALLOWED * rtol) and given is None:
-        tried *= _FINER
-        if (narrow.end - narrow.start) / tried > 0.6 * most:
-            break
-        found = choose_angle(problem.gain, narrow, rows, tried, rtol)
-        if found[0] < best[0] - 1.0:
-            best = (*found, tried)
-    left, right = _wide(problem, narrow, *best[1:3])
-    if given:
-        count = 2 * _FINE * math.ceil(given / (2 * _FINE))
-        best = (*choose_angle(problem.gain, narrow, rows, (right - left) / count, rtol), 0.0)
-        left, right = _wide(problem, narrow, *best[1:3])
-        spacing = (right - left) / count
-    else:
-        from scipy.fft import next_fast_len
+    from scipy.fft import next_fast_len
 
-        spacing = best[3] * _COARSE / _FINE
-        count = 2 * _FINE * int(next_fast_len(math.ceil((right - left) / spacing / (2 * _FINE))))
-        if count > most:
-            raise _too_much(problem, count)
+    given, rows, spacing = problem.asked.nodes, problem.on(narrow), narrow.spacing
+    for _ in range(1 if given is None else 2):
+        angle, raised = choose_angle(problem.gain, narrow, rows, spacing, problem.aim)
+        left, right = _wide(problem, narrow, angle, raised)
+        if given is None:
+            spacing *= _COARSE / _FINE
+            count = next_fast_len(math.ceil((right - left) / spacing / (2 * _FINE)))
+        else:
+            count = math.ceil(given / (2 * _FINE))
+            spacing = (right - left) / (2 * _FINE * count)
+    _check_work(problem, 2 * _FINE * count)
     # both ends at multiples of the nodes that two solutions have in common
     first = math.floor(left / (_FINE * spacing))
-    return LogGrid(_FINE * spacing * first, spacing, count), best[1]
+    return LogGrid(_FINE * spacing * first, spacing, 2 * _FINE * count), angle
 
 
 def _wide(problem: _Problem, narrow: LogGrid, angle: float, raised: float) -> tuple[float, float]:
     """Both ends of the window of u: further down than that of g, and further up as exp(-v t/l)."""
-    law, rtol = problem.asked.law, problem.asked.rtol
-    tail = math.log(_SHARE * rtol) - raised - _HIGHER
+    law, aim = problem.asked.law, problem.aim
+    tail = math.log(_SHARE * aim) - raised - _HIGHER
     if problem.tilt:
-        tail /= problem.tilt
+        tail = tail / problem.tilt - float(problem.tau[-1])
     elif problem.asked.m == 0:
         tail += math.log(law.mean_log_loss)
     elif law.least_ratio < _SMALL_RATIO:
         tail /= _SLOWEST
-    # there exp(-v t/l) is e^-7 rtol
-    right = max(narrow.end, math.log((7.0 - math.log(rtol) + raised) / math.cos(angle)))
+    # there exp(-v t/l) is e^-7 of the aim
+    right = max(narrow.end, math.log((7.0 - math.log(aim) + raised) / math.cos(angle)))
     ends = TAPER if angle else 0.0
     # wave numbers less than 1/2 apart, for the gain
     return min(min(narrow.start, tail) - ends, right + ends - 4.0 * math.pi), right + ends
 
 
-def _too_much(problem: _Problem, wanted: float) -> InputError:
-    latest, law = problem.asked.times[-1], problem.asked.law
-    return InputError(
-        f"times: got up to {latest:g} at {law.described}; the density would need"
-        f" {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
-    )
-
-
-def _resolve(problem: _Problem, left: float, right: float, band: float) -> LogGrid | None:
-    """A grid that resolves the start and the scaling state; None where the start is too rough."""
-    count = problem.asked.nodes or int((right - left) * band / math.pi) + 2
-    if count > _MOST_NODES:
-        raise _too_much(problem, count)
-    while True:
-        count += count % 2
-        grid = LogGrid(left, (right - left) / count, count)
-        rough = _unresolved(problem.on(grid))
-        if rough <= _SHARE * problem.asked.rtol or problem.asked.nodes is not None:
-            return grid
-        if 2 * count > _MOST_NODES_OF_START:
-            return grid if rough <= problem.asked.rtol else None
-        count = int(_MORE * count)
+def _check_work(problem: _Problem, count: int) -> None:
+    """InputError where so many nodes are too many."""
+    if count > _MOST_NODES or count * problem.tau.size > _MOST_VALUES:
+        latest, law = problem.asked.times[-1], problem.asked.law
+        raise InputError(
+            f"times: got up to {latest:g} at {law.described}; the density would need"
+            f" {count:.1e} nodes, ask for other times, a larger rtol, or averages only"
+        )
 
 
 def _window(
-    law: CollisionLaw, start: LogMeasure, rtol: float, duration: float
+    law: CollisionLaw, start: LogMeasure, aim: float, duration: float
 ) -> tuple[float, float, float]:
     """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, up to tau = duration; wave number needed."""
-    depth = math.log(1.0 / rtol) + _BELOW_RTOL
-    x = start.x - 0.5 * start.log_second_moment()
-    weight = np.abs(start.weight)
-    order = np.argsort(x)
-    below = np.cumsum(weight[order])
+    depth = math.log(1.0 / aim) + _BELOW_AIM
+    order = np.argsort(start.x)
+    x = start.x[order] - 0.5 * start.log_second_moment()
+    below = np.cumsum(np.abs(start.weight[order]))
     share = math.exp(-depth) * below[-1]
-    first = int(np.searchsorted(below, share))
-    last = int(np.searchsorted(-(below[-1] - below), -share))
-    low = float(x[order[max(first - 1, 0)]])
-    high = float(x[order[min(last + 1, x.size - 1)]])
-    scaled, band = _scaling_end(law, depth)
-    kept = high + duration
+    low = float(x[max(int(np.searchsorted(below, share)) - 1, 0)])
+    last = int(np.searchsorted(below - below[-1], -share))
+    high = float(x[min(last + 1, x.size - 1)])
+    scaled, band = extent_of(law, depth)
     # before that the ring of nearly elastic tracers is still as wide as the start
-    if kept <= -math.log(law.mean_log_loss) - 1.0:
-        band = 8.0
+    if high + duration <= -math.log(law.mean_log_loss) - 1.0:
+        band = _BAND_OF_START
     if law.least_ratio < _SMALL_RATIO:
         low = min(low, -depth)
-    return low - 0.5, max(high, min(scaled, kept)) + 0.5, band
-
-
-# all harmonics of a scene ask for the same
-@lru_cache(maxsize=4)
-def _scaling_end(law: CollisionLaw, depth: float) -> tuple[float, float]:
-    """Right end of the scaling state in ln(v t/l), and the wave number that it needs."""
-    right, band = extent_of(law, depth)
-    return right - math.log(law.mean_log_loss), band
+    return low - 0.5, max(high, min(scaled, high + duration)) + 0.5, band

@@ -16,12 +16,10 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.driven.generator import Resolution
 from kinetics.driven.steady import Steady, refined, velocity_dataset
 from kinetics.driven.system import System
-from kinetics.errors import ToleranceWarning
+from kinetics.errors import PlanStep, SolverStatus, ToleranceWarning, judged
 from kinetics.field.steady import SteadyDensity, densities
-from kinetics.numerics import FloatArray
-from kinetics.numerics.threads import one_blas_thread
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Result, Value
-from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_positive,
     check_rtol,
@@ -192,10 +190,6 @@ class FieldState(Result):
         units = "sqrt(g l)", "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"
         points = {"speeds": _SPEEDS, "angles": _ANGLES} | points
         return velocity_dataset(self, title, about, _FIGURES, only, **points, units=units)
-
-    def _figures(self) -> dict[str, str]:
-        found = {name: f"{getattr(self, name):.12g} {unit}" for name, (unit, _) in _FIGURES.items()}
-        return found | {"status": f"{self.status.name.lower()}: {self.message}"}
 
     def __repr__(self) -> str:
         return (

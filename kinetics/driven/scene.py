@@ -15,15 +15,13 @@ from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.steady import angular_sum
 from kinetics.driven.system import System
-from kinetics.errors import InputError
+from kinetics.errors import InputError, PlanStep
 from kinetics.field import radau
 from kinetics.field.evolution import ALL, INTEGRALS, SHORTEST_TIME, March
 from kinetics.field.scene import DENSITIES, MADE_OF, FieldScene
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.blocks import BlockElimination
-from kinetics.numerics.threads import one_blas_thread
 from kinetics.states.state import State
-from kinetics.status import PlanStep
 
 _MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
 _RANGE = 6.0  # of the highest speeds at times that are solved together

@@ -15,14 +15,12 @@ from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.heated import Line, density, log_moment
 from kinetics.driven.system import System
-from kinetics.errors import InputError
+from kinetics.errors import InputError, PlanStep, SolverStatus, judged
 from kinetics.field.starts import angular
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.numerics.threads import one_blas_thread
 from kinetics.results import Result, dataset, variable
-from kinetics.status import PlanStep, SolverStatus, judged
 from kinetics.validation import (
     check_rtol,
     finite_line,
@@ -330,10 +328,6 @@ class DrivenState(Result):
         points.setdefault("speeds", np.linspace(0.0, 4.0, 161) * self.thermal_speed)
         points.setdefault("angles", np.array([0.0, 0.5, 1.0]) * np.pi if self.field else [0.0])
         return velocity_dataset(self, title, asked, _FIGURES, only, **points, units=("1", "1"))
-
-    def _figures(self) -> dict[str, str]:
-        found = {name: f"{getattr(self, name):.12g}" for name in _FIGURES}
-        return found | {"status": f"{self.status.name.lower()}: {self.message}"}
 
     def __repr__(self) -> str:
         asked = self._asked()

@@ -10,15 +10,13 @@ from typing import Any
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
 from kinetics.field.density import VelocityDensity
 from kinetics.field.evolution import ALL, Evolution
 from kinetics.field.grid import Resolution
 from kinetics.field.starts import Start
-from kinetics.numerics import FloatArray
-from kinetics.numerics.threads import one_blas_thread
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
-from kinetics.status import PlanStep, SolverStatus, judged
 
 DENSITIES = "densities"
 _BEST_DENSITY, _LEAST_NEGATIVE = 1e-4, 1e-5

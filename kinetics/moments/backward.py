@@ -1,9 +1,9 @@
 r"""The time-dependent equation, solved backwards: one smooth function of v t per observable.
 
-The mean of an observable at time t, seen as a function of the speed u at time 0, obeys the
-backward equation, the adjoint of the inelastic Lorentz equation (paper, label ``inelaslorentz2``).
-The equation has no scale of its own, so for an observable of degree p in the speed the mean is
-u^p times a function of T = u t/l alone. With y(X) = T^p (that function), X = ln T,
+The mean of an observable at time t, seen as a function of the speed u at time 0, obeys the adjoint
+of the inelastic Lorentz equation (paper, label ``inelaslorentz2``), which has no scale: for an
+observable of degree p in the speed it is u^p times a function of T = u t/l alone. With y(X) = T^p
+(that function), X = ln T,
 
     dy/dX = p y + e^X ( E[cos(m chi) y(X - xi)] - y + sources ),     xi = -ln s >= 0,
 
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
+from kinetics.numerics.chebyshev import PanelRule, PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 _TERMS = 40  # of that series: where T = e^-2 more add nothing
@@ -45,8 +45,7 @@ def panel_width(degree: float, fall: float = 0.0) -> float:
 def fall_of(law: CollisionLaw, degree: float) -> float:
     """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
 
-    There the tracers that have not collided weigh as much as those that have collided once. Across
-    a panel of width w that ends there <v^p> falls by e^(w T).
+    There those that have not collided weigh as much as those that have collided once.
     """
     if degree <= 0.0:
         return 0.0
@@ -57,10 +56,8 @@ def fall_of(law: CollisionLaw, degree: float) -> float:
 class Observable:
     """One unknown of the backward equation.
 
-    degree : p, the power of the speed by which it scales
-    harmonic : m
-    constant : source that does not depend on X
-    sources : (factor, observable) pairs that drive it
+    degree, harmonic : p, the power of the speed by which it scales, and m
+    constant, sources : source that does not depend on X, and (factor, observable) pairs
     growth : late, it is a polynomial of this degree in ln T, 0 to 2; in T where speeds are kept
     """
 
@@ -83,10 +80,7 @@ SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_
 
 
 def quartic_displacement(dimension: int) -> Observable:
-    """r^4, in the plane or in space: <exp(i k.r)> to the fourth order in k, by harmonics.
-
-    In space with P_m in place of cos(m chi), and <(k.r)^4> = k^4 <r^4>/5.
-    """
+    """r^4, in the plane or in space: <exp(i k.r)> to the fourth order in k, by harmonics."""
     factors = (0.25, -0.125, -0.5, -64.0) if dimension == 2 else (2.0 / 3.0, 1.0 / 6.0, 0.4, 40.0)
     second = Observable(harmonic=2, sources=((factors[0], DISPLACEMENT_ALONG_START),))
     third = Observable(
@@ -104,22 +98,6 @@ def speed_power(p: float, harmonic: int = 0) -> Observable:
 MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
 
 
-def scale_of(y: Observable) -> Observable:
-    """The observable that errors are relative to: y, or m = 0 for a harmonic, which decays."""
-    return speed_power(y.degree) if y.harmonic and y.is_power else y
-
-
-def smaller_ends(values: FloatArray) -> FloatArray:
-    """The size of the smaller end of each panel, (n_panels,), from values (n_panels, nodes).
-
-    Powers rise as e^(p X) over a panel: there the relative error is the largest. An observable that
-    changes sign there has no scale; a thousandth of its maximum stands for one.
-    """
-    size = np.abs(values)
-    ends = np.minimum(size[:, 0], size[:, -1])
-    return np.maximum(np.maximum(ends, 1e-3 * size.max(axis=1)), 1e-300)
-
-
 def power_series(degree: float, x: FloatArray, coefficients: FloatArray) -> FloatArray:
     """T^degree times the power series at T = e^x, of the shape of x; the first axis is of terms."""
     return np.exp(degree * x) * np.polynomial.polynomial.polyval(np.exp(x), coefficients)
@@ -135,11 +113,8 @@ def _kept(law: CollisionLaw, nodes: int, width: float, at_once: bool) -> tuple[d
 class BackwardEquation:
     """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
 
-    law : the collision law
-    highest : largest X that will be asked for
-    nodes : Chebyshev nodes of a panel
-    width : of a panel in X, see `panel_width`
-    harmonic : the largest m of all observables that will be asked for
+    highest, harmonic : the largest X, and the largest m, that will be asked for
+    nodes, width : Chebyshev nodes of a panel, and its width in X, see `panel_width`
     """
 
     law: CollisionLaw
@@ -253,10 +228,7 @@ class BackwardEquation:
         return scale[:, :, None] * slopes, rate * scale
 
     def series(self, y: Observable) -> FloatArray:
-        """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy.
-
-        Without the end, which adds nothing up to where the panels begin.
-        """
+        """Coefficients a_k of y = T^p sum_k a_k T^k, as far as they count below the panels."""
         if y not in self._series:
             drive, rates = self._series_of_sources(y)
             a = [1.0 if y.is_power else 0.0]
@@ -278,26 +250,29 @@ class BackwardEquation:
         return drive, law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
 
     def error_estimate(self, observable: Observable) -> float:
-        """What the Chebyshev coefficients of a panel leave out, relative to its smaller end.
-
-        For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
-        """
+        """What the Chebyshev coefficients of panels leave out, relative to their smaller ends."""
         if observable not in self._errors:
             last, before = self.rule.last_coefficients(self.solve(observable))
             # errors are at most 1.2 times the last coefficient, or a tenth of that times the one
             # before; the rest is for the initial state
             left_out = np.maximum(1.75 * last, 0.175 * before)
-            # errors of panels add up while an observable grows
-            error = np.sum(left_out / smaller_ends(self.solve(scale_of(observable))))
-            self._errors[observable] = float(error)
+            # relative to the smaller end of a panel, or a thousandth of its maximum where y changes
+            # sign; of a harmonic, which decays by itself, to m = 0; they add up while it grows
+            scale = (
+                speed_power(observable.degree)
+                if observable.harmonic and observable.is_power
+                else observable
+            )
+            size = np.abs(self.solve(scale))
+            ends = np.maximum(np.minimum(size[:, 0], size[:, -1]), 1e-3 * size.max(axis=1))
+            self._errors[observable] = float(np.sum(left_out / np.maximum(ends, 1e-300)))
         return self._errors[observable]
 
     def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:
         """y at X = x, -inf allowed, and whether that is below the panels; each of its shape.
 
-        Below them it is y T^-(p + leading), by the power series, whose first ``leading`` terms must
-        vanish, because T^p alone may overflow. Above them y is on its asymptote, a polynomial in X,
-        or a power where speeds are kept.
+        Below them it is y T^-(p + leading), as T^p alone may overflow; the first ``leading`` terms
+        of the power series must vanish. Above them y is on its asymptote.
         """
         values = self.solve(y)
         low = x < self.start

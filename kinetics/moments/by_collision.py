@@ -1,14 +1,12 @@
 r"""Averages after N collisions: closed forms, for those who record by collision and not by time.
 
-The path of a tracer does not depend on its speed. Before each collision it flies freely over an
-exponential length of mean l, and each collision multiplies its speed by an independent s and turns
-it by an independent chi. With c = E[cos(chi)], after N collisions and at the place of the last one,
+Before each collision a tracer flies freely over an exponential length of mean l, and each collision
+multiplies its speed by s and turns it by chi, both independent. With c = E[cos(chi)] (in
+space P_m(cos(chi)) stands for cos(m chi)), after N collisions and at the place of the last one,
 
     <v^p exp(i m phi)> = <v^p exp(i m phi)>_0 E[s^p cos(m chi)]^N
     <r^2> = 2 l^2 [N/(1-c) - c (1-c^N)/(1-c)^2]        for every initial state
     <t>   = l <1/v>_0 (1 + E[1/s] + ... + E[1/s]^(N-1))
-
-In space P_m(cos(chi)) stands for cos(m chi).
 """
 
 from __future__ import annotations
@@ -35,15 +33,9 @@ _SMALL, _TERMS = 0.1, 14
 class ByCollision(Value):
     """What tracers are like right after their N-th collision; N = 0 is the initial state.
 
-    Arrays have the collision number as their first axis. Made by ``Solution.by_collision``.
-
-    Attributes
-    ----------
-    law : the collision law
-    mean_free_path : l in d
-    state : the initial state
-    collision_numbers : N, shape (n_collisions,)
-    rtol : the relative accuracy of averages over the initial state; nothing else is approximate
+    Arrays have the collision number as their first axis. Made by ``Solution.by_collision``; law,
+    mean_free_path in d and state are those of the scene, collision_numbers N (n_collisions,). Only
+    averages over the initial state are approximate, to rtol.
     """
 
     law: CollisionLaw
@@ -57,12 +49,10 @@ class ByCollision(Value):
         return np.asarray(self.harmonic(p, 0).real)
 
     def harmonic(self, p: float, m: int) -> NDArray[Any]:
-        """<v^p exp(-i m phi)> in U^p, in space <v^p P_m(cos theta)>, shape (n_collisions,).
-
-        Raises InputError for p or m out of range, or where the moment does not exist or overflows.
-        """
+        """<v^p exp(-i m phi)> in U^p, in space <v^p P_m(cos theta)>, shape (n_collisions,)."""
         p, m = moment_arguments(self.law, self.state, p, m)
-        return self._in_range(f"<v^{p:g}>", self._start(p, m) * self._kept(p, m))
+        gap = float(self.law.harmonic_decay_rate(p, m))
+        return self._in_range(f"<v^{p:g}>", self._start(p, m) * _power(gap, self.collision_numbers))
 
     @property
     def thermal_speed(self) -> FloatArray:
@@ -97,10 +87,7 @@ class ByCollision(Value):
 
     @property
     def mean_time(self) -> FloatArray:
-        """Mean time of the N-th collision in d/U, shape (n_collisions,).
-
-        Raises InputError where <1/v> of the initial state or E[1/s] does not exist.
-        """
+        """Mean time of the N-th collision in d/U, (n_collisions,); InputError if it is infinite."""
         lowest = max(self.state.lowest_moment, self.law.lowest_power)
         if lowest >= -1.0:
             raise InputError("collision_numbers: <1/v> does not exist, and so no mean time")
@@ -115,10 +102,6 @@ class ByCollision(Value):
         measure = self.state.harmonic(m, self.rtol, min(p, 0.0), max(p, 2.0))
         return 0.0j if measure is None else complex(measure.weight @ np.exp(p * measure.x))
 
-    def _kept(self, p: float, m: int) -> FloatArray:
-        """E[s^p cos(m chi)]^N."""
-        return _power(float(self.law.harmonic_decay_rate(p, m)), self.collision_numbers)
-
     @staticmethod
     def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
@@ -129,18 +112,16 @@ class ByCollision(Value):
 def _power(gap: float, n: FloatArray) -> FloatArray:
     """(1 - gap)^n, accurate for small gaps; shape of n."""
     with np.errstate(under="ignore", over="ignore"):
-        if gap < 1.0:
-            return np.asarray(np.exp(n * math.log1p(-gap)))
-        return np.asarray((1.0 - gap) ** n)
+        small = np.exp(n * math.log1p(-min(gap, 0.5)))
+        return np.asarray(small if gap < 0.5 else (1.0 - gap) ** n)
 
 
 def _sum_of_powers(n: FloatArray, gap: float) -> FloatArray:
     """1 + (1 - gap) + ... + (1 - gap)^(n-1), shape of n."""
     if gap == 0.0:
         return n
-    if gap < 1.0:
-        return np.asarray(-np.expm1(n * math.log1p(-gap)) / gap)
-    return np.asarray((1.0 - _power(gap, n)) / gap)
+    small = -np.expm1(n * math.log1p(-min(gap, 0.5)))
+    return np.asarray((small if gap < 0.5 else 1.0 - _power(gap, n)) / gap)
 
 
 def _pairs(n: FloatArray, gap: float) -> FloatArray:

@@ -1,9 +1,4 @@
-"""The time-dependent homogeneous equation (paper, label ``inelaslorentz2``).
-
-Averages of powers of the speed come from the backward equation (:mod:`kinetics.moments.backward`):
-one smooth function of v t for each, averaged over the initial state. The speed density itself comes
-from the forward equation in :mod:`kinetics.densities.spectral`.
-"""
+"""Averages over an initial state: one smooth function of v t for each observable (`backward`)."""
 
 from __future__ import annotations
 
@@ -19,7 +14,6 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.moments.backward import (
     MEAN_COLLISIONS,
-    SQUARED_DISPLACEMENT,
     START,
     BackwardEquation,
     Observable,
@@ -29,7 +23,7 @@ from kinetics.moments.backward import (
 )
 from kinetics.moments.delayed import DelayedReturns, met_again
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, panel_rule
+from kinetics.numerics.chebyshev import panel_rule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 from kinetics.validation import real_number, whole_number
@@ -37,6 +31,7 @@ from kinetics.validation import real_number, whole_number
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.
 _NODES, _PER_POWER, _PER_DIGIT, _PER_DELAY = 2.0, 0.75, 1.12, 2
+_MORE_NODES = 2  # of a panel in ln t: a node is about a digit, and a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 
 
@@ -44,14 +39,9 @@ _PIECE = 5000  # points at once, so that their interpolation weights stay in the
 class Averages:
     """Averages over an initial state, at given times.
 
-    law : the collision law
-    mean_free_path : l, in d
-    state : the initial state
-    times : in d/U, shape (n_times,)
-    rtol : relative accuracy
-    degree, lowest : largest and smallest power of the speed that will be asked for
-    nodes : of a panel of the backward equation; chosen from rtol and degree by default
-    harmonic : the largest angular harmonic that will be asked for
+    mean_free_path in d, times (n_times,) in d/U; degree, lowest, harmonic: largest and smallest
+    power of the speed and largest angular harmonic that will be asked for; nodes: of a panel of
+    the backward equation, by default from rtol and degree.
     """
 
     law: CollisionLaw
@@ -66,8 +56,7 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    # powers by p and m, and matrices by the points that they average over
-    _kept: dict[tuple[Any, Any], NDArray[Any]] = field(
+    _powers: dict[tuple[float, int], NDArray[Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -75,17 +64,6 @@ class Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
         other = replace(self, nodes=nodes)
         other._measures.update(self._measures)
-        return other
-
-    def at(self, times: FloatArray) -> Averages:
-        """The same at other times, up to the last one: the equation is not solved again.
-
-        Its error estimate stays what it is: it is of all panels, that is of all times.
-        """
-        other = replace(self, times=times)
-        other._measures.update(self._measures)
-        if "equation" in self.__dict__:  # the cached property below
-            other.__dict__["equation"] = self.equation
         return other
 
     @property
@@ -100,9 +78,7 @@ class Averages:
 
     def _is_closed(self, y: Observable) -> bool:
         """Whether y has a closed form: speeds are kept, and a harmonic decays at one rate."""
-        if self.has_delays:
-            return self.elastic and y.is_power and not y.harmonic
-        return self.elastic and (y.is_power or y == SQUARED_DISPLACEMENT)
+        return self.elastic and y.is_power and not (y.harmonic and self.has_delays)
 
     def error_estimate(self, y: Observable) -> float:
         """Relative, of averages of y over all panels, that is over all times."""
@@ -113,7 +89,8 @@ class Averages:
         if m not in self._measures:
             # where <v^p> falls by more than e^4 before a bounce, slow tracers that have not
             # collided make what is left of it: a share of the start, 1e-26 at least
-            share = math.exp(-min(self._fall, 60.0)) if self._fall > 4.0 else 1.0
+            fall = fall_of(self.law, self.degree)
+            share = math.exp(-min(fall, 60.0)) if fall > 4.0 else 1.0
             self._measures[m] = self.state.harmonic(
                 m, self.rtol * share, self.lowest, max(self.degree, 2.0)
             )
@@ -148,13 +125,9 @@ class Averages:
         return np.minimum(self.log_first, -log_stretch - math.log(self.law.mean_log_loss))
 
     @cached_property
-    def _fall(self) -> float:
-        return fall_of(self.law, self.degree)
-
-    @cached_property
     def width(self) -> float:
         """Width in X of the panels of the backward equation."""
-        return panel_width(max(abs(self.degree), abs(self.lowest)), self._fall)
+        return panel_width(max(abs(self.degree), abs(self.lowest)), fall_of(self.law, self.degree))
 
     @cached_property
     def equation(self) -> BackwardEquation:
@@ -169,18 +142,16 @@ class Averages:
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
-        if (p, m) not in self._kept:
-            self._kept[p, m] = self.average(speed_power(p, m))
-        return self._kept[p, m]
+        if (p, m) not in self._powers:
+            self._powers[p, m] = self.average(speed_power(p, m))
+        return self._powers[p, m]
 
     def average(
         self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
     ) -> NDArray[Any]:
-        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading.
+        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading, (n_times,).
 
-        Lengths in l; v_first is the root mean square of the initial speeds. m is the harmonic of y
-        by default. ``leading`` divides y by the power T^leading with which it begins. Shape
-        (n_times,).
+        Lengths in l; v_first is the root mean square of the initial speeds; m by default that of y.
         """
         found = self.measure(y.harmonic if m is None else m)
         if found is None:
@@ -188,7 +159,7 @@ class Averages:
         w = found.weight
         if start:
             w = w * np.exp(start * (found.x - self.log_first))
-        if self._is_closed(y) and y.is_power:
+        if self._is_closed(y):
             # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)]
             with np.errstate(under="ignore", over="ignore"):
                 kept = np.exp(y.degree * (found.x - self.log_reference[:, None]))
@@ -196,60 +167,29 @@ class Averages:
                     rate = self.law.harmonic_decay_rate(0.0, y.harmonic)
                     kept *= np.exp(-rate * np.exp(found.x + self.log_stretch[:, None]))
             return np.asarray(kept @ w)
-        if self._is_closed(y) and not leading:
-            with np.errstate(under="ignore", over="ignore"):
-                flown = np.exp(found.x + self.log_stretch[:, None])
-                return np.asarray(_square_moved(flown, self.law.harmonic_decay_rate(0.0, 1)) @ w)
         return self._at_times(LogMeasure(found.x, w), y, leading)
 
     def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
-        """The average at all times, (n_times,); where there are many, most by interpolation."""
-        equation, width, p = self.equation, self.width, y.degree + leading
+        """The average at all times, (n_times,); where there are many, by interpolation in ln t."""
         late = np.isfinite(self.log_stretch)
-        stretch = self.log_stretch[late]
-        # a node is about one digit: with two more a hundredth of rtol remains
-        rule = panel_rule(equation.nodes + 2, width)
-        level = (stretch + points.x.max() - equation.start) / width
-        which = np.ceil(level).astype(int) - 1
-        first, count = (int(which[0]), int(which[-1] - which[0]) + 1) if which.size else (0, 0)
-        reach = 2 + int((points.x.max() - points.x.min()) / width)
-        if rule.nodes * (points.x.size + count * reach) >= points.x.size * stretch.size:
+        stretch, p = self.log_stretch[late], y.degree + leading
+        rule = panel_rule(self.equation.nodes + _MORE_NODES, self.width)
+        count = int(np.ptp(stretch) / self.width) + 1 if stretch.size else 0
+        if stretch.size <= 2 * count * rule.nodes:
             return self._at(points, y, leading, self.log_stretch)
-        # powers of T as their unit, where each panel begins; v_ref has a kink in ln t
-        panel = first + 1 - reach + np.arange(count + reach - 1)
-        begin = equation.start + width * panel
-        x = begin[:, None] + width * equation.rule.local
-        value, low = equation.at(y, x, leading)
-        low_begin = np.where(panel < 0, begin, 0.0)
-        unit = begin[reach - 1 :] - points.x.max()
-        unit += self._reference(unit)
-        window = np.arange(count)[:, None] + np.arange(reach)
-        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-            value *= np.exp(p * (np.where(low, x, 0.0) - low_begin[:, None]))
-            scale = np.exp(p * (low_begin[window] - unit[:, None]))
-        key = points.x.tobytes(), points.weight.tobytes()
-        if key not in self._kept:  # most observables of a scene share them
-            self._kept[key] = self._rows_of(points, rule, reach)
-        values = (value[window] * scale[:, :, None]).reshape(count, -1) @ self._kept[key]
-        back = np.exp(p * (unit[which - first] - stretch - self._reference(stretch)))
-        out = np.empty(self.times.shape, dtype=values.dtype)
-        out[late] = np.einsum("ij,ij->i", rule.rows(level - which), values[which - first]) * back
+        begin = stretch[-1] - self.width * np.arange(count, 0, -1)
+        level = (stretch - begin[0]) / self.width
+        panel = np.minimum(level.astype(int), count - 1)
+        x = begin[:, None] + self.width * rule.local
+        # v_ref has a kink in ln t: a unit of their own for each panel
+        unit = self._reference(begin)
+        table = self._at(points, y, leading, x.ravel()).reshape(x.shape)
+        table = table * np.exp(p * (self._reference(x) - unit[:, None]))
+        out = np.empty(self.times.shape, dtype=table.dtype)
+        out[late] = np.einsum("ij,ij->i", rule.rows(level - panel), table[panel])
+        out[late] *= np.exp(p * (unit[panel] - self._reference(stretch)))
         out[~late] = self._at(points, y, leading, self.log_stretch[~late])
         return out
-
-    def _rows_of(self, points: LogMeasure, rule: PanelRule, reach: int) -> NDArray[Any]:
-        """The average at the nodes of a panel in ln t from y in so many panels up to that in X."""
-        inner, order = self.equation.rule, np.argsort(points.x)
-        out = np.zeros((rule.nodes * reach, inner.nodes), dtype=points.weight.dtype)
-        for part in np.array_split(order, 1 + order.size * rule.nodes // _PIECE):
-            place = rule.local[:, None] + (points.x[part] - points.x.max()) / self.width
-            below = np.minimum(np.floor(place), 0.0)
-            rows = inner.shares((place - below).ravel())
-            weight = np.tile(points.weight[part], rule.nodes) / np.einsum("ij->i", rows)
-            into = np.arange(1, rule.nodes + 1)[:, None] * reach - 1 + below.astype(int)
-            found, begin = np.unique(into, return_index=True)  # it rises
-            out[found] += np.add.reduceat(weight[:, None] * rows, begin, axis=0)
-        return out.reshape(rule.nodes, -1).T
 
     def _at(
         self, points: LogMeasure, y: Observable, leading: int, log_stretch: FloatArray
@@ -267,15 +207,6 @@ class Averages:
                 unit = np.where(low, x, -stretch) - reference
                 out[first : first + piece] = (value * np.exp(p * unit)) @ w
         return out
-
-
-def _square_moved(flown: FloatArray, rate: float) -> FloatArray:
-    """r^2 of a tracer that keeps its speed, 2 (a - 1 + e^-a)/rate^2, a = rate T, shape of T."""
-    a = rate * flown
-    series = [(-1.0) ** k / math.factorial(k + 2) for k in range(12)]  # 1e-17 of it is left out
-    early = flown * flown * np.polynomial.polynomial.polyval(np.minimum(a, 0.5), series)
-    late = flown * (1.0 + np.expm1(-a) / np.maximum(a, 0.5)) / max(rate, 1e-300)
-    return 2.0 * np.where(a < 0.5, early, late)
 
 
 # -- outputs that are made of powers of the speed, and the number of collisions --------------------
@@ -315,9 +246,9 @@ def mean_velocity(averages: Averages) -> FloatArray:
 
 def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
     """The vector whose harmonic 1 is ``along``, (n_times,): (n_times, 2), in space (n_times, 3)."""
-    if averages.law.dimension == 2:
-        return np.stack([along.real, -along.imag], axis=-1)
-    return np.stack([along.real, 0.0 * along.real, 0.0 * along.real], axis=-1)
+    found = np.zeros((along.size, averages.law.dimension))
+    found[:, 0], found[:, 1] = along.real, -along.imag  # in space it is real
+    return found
 
 
 def velocity_tensor(averages: Averages) -> FloatArray:

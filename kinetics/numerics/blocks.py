@@ -19,9 +19,6 @@ class BlockElimination:
 
     Blocks are eliminated from the last one down, two at a time: one alone may be a bad pivot.
 
-    Parameters
-    ----------
-    first, last : the blocks
     own, below, above : block -> matrix (n, n)
     coupled : whether neighbours know each other; if not, each block is solved alone
     border : a row and a column (n,) that are added to the first block, where it is singular
@@ -46,9 +43,7 @@ class BlockElimination:
             matrix = own(end - 1) - schur
             n = len(matrix)
             if end - begin == 2:
-                matrix = np.block(
-                    [[own(begin), above(begin)], [below(end - 1), matrix]]
-                )  # fmt: skip
+                matrix = np.block([[own(begin), above(begin)], [below(end - 1), matrix]])
             if border is not None and begin == first:
                 matrix = np.pad(matrix, ((0, 1), (0, 1)))
                 matrix[-1, :n], matrix[:n, -1] = border
@@ -75,9 +70,8 @@ class BlockElimination:
             parts.append(lu_solve(factors, given, check_finite=False))
             if onto is not None:
                 right[begin - self._first - 1] -= onto @ parts[-1][:n]
-        for (begin, end, _, response, _), found in zip(
-            self._factors[::-1], parts[::-1], strict=True
-        ):
+        solved = zip(self._factors[::-1], parts[::-1], strict=True)
+        for (begin, end, _, response, _), found in solved:
             k = begin - self._first
             if response is not None:
                 found = found - response @ right[k - 1]

@@ -1,8 +1,6 @@
 """The discretised speed axis: equidistant nodes in the logarithm of the speed.
 
-On such a grid the losses at a bounce, v -> s v, are shifts, so that the collision operator is a
-convolution, and the trapezoid rule is spectrally accurate for every density that vanishes at both
-ends of the window.
+The losses at a bounce, v -> s v, are shifts on it, so that the collision operator is a convolution.
 """
 
 from __future__ import annotations
@@ -17,12 +15,7 @@ from kinetics.numerics import ComplexArray, FloatArray
 
 @dataclass(frozen=True)
 class LogGrid:
-    """Nodes x_j = start + j h, j = 0 ... nodes-1, of a periodic window of length nodes*h.
-
-    start : left end of the window in x = ln(speed)
-    spacing : h
-    nodes : how many; where even, the highest mode is a cosine alone
-    """
+    """Nodes x_j = start + j spacing, j = 0 ... nodes-1, of a periodic window in x = ln(speed)."""
 
     start: float
     spacing: float

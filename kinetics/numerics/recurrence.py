@@ -1,12 +1,11 @@
 r"""The principal solution of G(z+1) = r(z) G(z): the one that grows least (Noerlund).
 
-Far to the right the logarithm of r is smooth, and the formula of Euler and Maclaurin gives
+Far to the right ln r is smooth, and by Euler and Maclaurin, with the Bernoulli numbers B_2j,
 
     ln G(b) - ln G(a) = integral of ln r from a to b - [ln r(b) - ln r(a)]/2
                         + sum over j of B_2j/(2j)! [(ln r)^(2j-1)(b) - (ln r)^(2j-1)(a)]
 
-with the Bernoulli numbers B_2j. From there the recurrence itself leads to any other z. How r and
-its Taylor coefficients are made, and along which path it is integrated, is left to the caller.
+From there the recurrence itself leads to any other z.
 """
 
 from __future__ import annotations
@@ -29,11 +28,9 @@ def log_growth(
     """ln G(b) - ln G(a) where ln r is smooth, shape of the integral.
 
     integral : of ln r from a to b
-    begin, end : Taylor coefficients of ln r at a and at b, from order 0 on; as many as given are
-        used, an even number up to `MOST_ORDERS`
-
-    Where ln r varies as ln z does, and |z| >= N, n coefficients leave about the next term of the
-    sum, 2 n!/((2 pi)^(n+2) N^(n+1)).
+    begin, end : Taylor coefficients of ln r at a and at b, from order 0 on, an even number up to
+        `MOST_ORDERS`. Where ln r varies as ln z does, and |z| >= N, n of them leave about
+        2 n!/((2 pi)^(n+2) N^(n+1))
     """
     value = integral - 0.5 * (end[0] - begin[0])
     for number, high, low in zip(_BERNOULLI, end[1::2], begin[1::2], strict=False):

@@ -1,16 +1,13 @@
 r"""The distribution of the displacement: g(r, t), and what the scaled G(R) is made of.
 
-With F(k, t), the average of exp(i k.r) over the start and the paths
-(:mod:`kinetics.position.intermediate_scattering`), in the plane and in space
+With F(k, t), the average of exp(i k.r) over the start and the paths, in the plane and in space
 
     g(r, t) = r integral of k J_0(k r) F(k, t) dk,
     g(r, t) = (2/pi) r^2 integral of k^2 sin(k r)/(k r) F(k, t) dk
 
-(paper, section on the position distribution). Tracers that have not collided are kept apart
-(:class:`Uncollided`). Only the others are transformed: their F falls in k,
-until powers of 1/k are left (:mod:`kinetics.position.tail`). Tracers of one sharp speed that have
-collided once or twice leave a front too, and their F falls slowly: before some ten mean free times
-G(R) is right to about 1e-2 beside it, and the error estimate says so.
+(paper, section on the position distribution). Tracers that have not collided are kept apart. Those
+of one sharp speed that have collided once or twice leave a front too: before some ten mean free
+times G(R) is right to about 1e-2 beside it, and the error estimate says so.
 """
 
 from __future__ import annotations
@@ -22,30 +19,46 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.position.directions import element, radial_measure, radial_waves, surface
+from kinetics.numerics.gauss import panels_between
+from kinetics.position.directions import element, mean_phase, surface
 from kinetics.position.tail import PowerTail
 from kinetics.position.wave_panel import WavePanel
 from kinetics.results import Value
-from kinetics.states.quadrature import refined
 from kinetics.states.state import State
 
-_NONE_LEFT = 40.0  # flights of so many l without a collision: e^-40 of the tracers
-_PIECES = 40  # of the radii where there are tracers, halved where the density needs it
-_LEFT_OUT = 1e-12  # of all tracers, by these pieces, and beyond the last of them
+# Edges of the panels that shares are summed on, in sqrt(<r^2>), and points of each; and the step of
+# slopes, over r.
+_EDGES = np.concatenate([np.geomspace(1e-3, 0.1, 8), np.linspace(0.2, 6.0, 30), [7, 8, 10, 15, 50]])
+_SHARES, _STEP = 8, 1e-3
 
 
 @dataclass(frozen=True)
 class Uncollided(Value):
-    """f(r/t) exp(-r/l)/t, f the density of the initial speeds; 0 for a start of sharp speeds.
+    """Tracers that have not collided, from a start with the density f of the speed: f(r/t)
+    exp(-r/l)/t; from sharp speeds they are on fronts, and the density is 0.
 
-    state : the initial state
-    mean_free_path : l, in d
-    times : in d/U, shape (n_times,)
+    mean_free_path in d, times (n_times,) in d/U
     """
 
     state: State
     mean_free_path: float
     times: FloatArray
+
+    @property
+    def fronts(self) -> tuple[FloatArray, FloatArray]:
+        """Radius in d, and share of all tracers, of each sharp speed, (n_times, n_speeds) each."""
+        speed, share = self.state.peaks or (np.zeros(0), np.zeros(0))
+        with np.errstate(over="ignore", under="ignore"):
+            radius = np.outer(self.times, speed)
+            return radius, share * np.exp(-radius / self.mean_free_path)
+
+    def fastest(self, rtol: float) -> float:
+        """The largest of sharp speeds; for densities, one that all but about rtol keep below."""
+        if self.state.peaks is not None:
+            return float(np.max(self.state.peaks[0]))
+        found = self.state.harmonic(0, rtol)
+        assert found is not None  # harmonic 0 is never zero
+        return float(np.exp(found.x.max()))
 
     def at(self, time: int, r: FloatArray) -> FloatArray:
         """Density in 1/d at radii r in d, shape (n_r,)."""
@@ -59,80 +72,42 @@ class Uncollided(Value):
             # a speed density is not negative: what is below zero is rounding
             return np.where(left > 0.0, np.maximum(f, 0.0) * left / t, 0.0)
 
-    def within(self, time: int, r: FloatArray) -> FloatArray:
-        """Share of all tracers that have not collided and are within r, shape of r (n_r,)."""
-        t = self.times[time]
-        if self.state.profile(0) is None or t == 0.0:
-            return np.zeros(r.shape)
-        with np.errstate(over="ignore"):
-            # the points of a density stop short of where it ends
-            far = 2.0 * t * fastest_speed(self.state, _LEFT_OUT)
-            far = min(far, _NONE_LEFT * self.mean_free_path)
-            kinks = self.state.kinks * t
-        near = np.clip(r, 0.0, far)
-        inner = np.concatenate([kinks[kinks < far], near, far * np.linspace(0.0, 1.0, _PIECES + 1)])
-        edges = np.unique(inner)
-        ends = np.stack([edges[:-1], edges[1:]], axis=1)
-        at, share = refined(lambda x: self.at(time, x), ends, _LEFT_OUT)
-        order = np.argsort(at)
-        sums = np.concatenate([[0.0], np.cumsum(share[order])])
-        return np.asarray(sums[np.searchsorted(at[order], near)])
-
-
-def fronts(state: State, mean_free_path: float, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Where the uncollided of each delta peak of the speed are, and their share of all tracers.
-
-    Shape (n_times, n_speeds) each, radii in d; n_speeds = 0 for a start with a density.
-    """
-    speed, share = state.peaks or (np.zeros(0), np.zeros(0))
-    with np.errstate(over="ignore", under="ignore"):
-        radius = np.outer(times, speed)
-        return radius, share * np.exp(-radius / mean_free_path)
-
-
-def fastest_speed(state: State, rtol: float) -> float:
-    """The largest of sharp speeds; for densities, one that all but about rtol of the tracers keep
-    below.
-    """
-    if state.peaks is not None:
-        return float(np.max(state.peaks[0]))
-    found = state.harmonic(0, rtol)
-    assert found is not None  # harmonic 0 is never zero
-    return float(np.exp(found.x.max()))
-
 
 @dataclass(frozen=True)
 class Displacement(Value):
     """g(r, t) at the times of a scene. Numbers and arrays only; the methods compute from them.
 
-    mean_free_path : l, in d
-    times : in d/U, shape (n_times,)
-    root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
-    panels : F of the collided on intervals of k l
-    tails : and beyond them, for each time; None where nothing is left
+    panels, tails : F of the collided on intervals of k l, and beyond for each time, None if nothing
     cut : k l from which F is tapered, for each time; infinite where it ends by itself
-    uncollided : the density of those that have not collided, if the start has a speed density
-    front_radius, front_weight : where and how many they are if it has none, in d and as
-        shares of all tracers, shape (n_times, n_speeds); n_speeds = 0 for densities
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
-    dimension : 2 or 3
     """
 
-    mean_free_path: float
-    times: FloatArray
+    uncollided: Uncollided
     root_mean_square: FloatArray
     panels: tuple[WavePanel, ...]
     tails: tuple[PowerTail | None, ...]
     cut: FloatArray
-    uncollided: Uncollided
-    front_radius: FloatArray
-    front_weight: FloatArray
     reach: FloatArray
     error_estimate: float
     systems: Mapping[int, int]
     dimension: int = 2
+
+    @property
+    def mean_free_path(self) -> float:
+        """l in d."""
+        return self.uncollided.mean_free_path
+
+    @property
+    def front_radius(self) -> FloatArray:
+        """Of the fronts of sharp speeds, in d, (n_times, n_speeds); n_speeds = 0 for densities."""
+        return self.uncollided.fronts[0]
+
+    @property
+    def front_weight(self) -> FloatArray:
+        """The share of all tracers that are there, (n_times, n_speeds)."""
+        return self.uncollided.fronts[1]
 
     @property
     def wave_numbers(self) -> int:
@@ -141,42 +116,47 @@ class Displacement(Value):
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
-        path, d = self.mean_free_path, self.dimension
-        near = np.minimum(r, self.reach[time])
-        collided = element(near / path, d) * (self._transform(time, r, 0) / path)
+        path, near = self.mean_free_path, np.minimum(r, self.reach[time])
+        collided = element(near / path, self.dimension) * (self._transform(time, r) / path)
         return np.asarray(collided + self.uncollided.at(time, r))
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
-        near = np.minimum(r, self.reach[time])  # the square of r may overflow
-        inside = element(near / self.mean_free_path, self.dimension)
-        inside = inside * self._transform(time, r, 1)
-        whole = next((f for panel in self.panels if (f := panel.at_zero(time)) is not None), 0.0)
+        near = np.minimum(r, self.reach[time])
+        with np.errstate(over="ignore"):
+            kinks = self.uncollided.state.kinks * self.uncollided.times[time]
+        inner = np.concatenate([[0.0], kinks, self.root_mean_square[time] * _EDGES])
+        edges = np.unique(np.append(near, inner[inner <= self.reach[time]]))
+        x, weight = panels_between(edges, _SHARES)
+        shares = (weight * self.density(time, x)).reshape(-1, _SHARES).sum(axis=1)
+        sums = np.append(0.0, np.cumsum(shares))
         front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
-        flying = front + self.uncollided.within(time, r)
-        return np.where(r <= self.reach[time], inside, whole) + flying
+        return np.asarray(sums[np.searchsorted(edges, near)] + front)
 
     def collided_in_place(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Density of the collided in the plane, or in space, and its slope, (n_r,) each.
 
         In 1/d^2 and 1/d^3 in the plane, in 1/d^3 and 1/d^4 in space.
         """
-        value, slope = self._transform(time, r, 0), -self._transform(time, r, 2)
+        step = _STEP * r
+        at = r + step * np.array([-2.0, -1.0, 1.0, 2.0, 0.0])[:, None]
+        values = self._transform(time, at.ravel()).reshape(at.shape)
         for _ in range(self.dimension):  # the power of l may overflow
-            value, slope = value / self.mean_free_path, slope / self.mean_free_path
-        value = value / surface(self.dimension)
-        slope = slope / self.mean_free_path / surface(self.dimension)
-        return value, slope
+            values = values / self.mean_free_path
+        values = values / surface(self.dimension)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = np.array([1.0, -8.0, 8.0, -1.0]) @ values[:4] / (12.0 * step)
+        return values[4], slope
 
-    def _transform(self, time: int, r: FloatArray, kind: int) -> FloatArray:
-        """Integral of F over K at r, of a kind of `radial_waves`; 0 out of reach."""
+    def _transform(self, time: int, r: FloatArray) -> FloatArray:
+        """The radial density of the collided over r^(d-1), l = 1; 0 out of reach."""
         out = np.zeros(r.shape)
         inside = r <= self.reach[time]
         rho = r[inside] / self.mean_free_path
         if rho.size == 0:
             return out
         tail = self.tails[time]
-        total = np.zeros(rho.shape) if tail is None else tail.transform(rho, kind)
+        total = np.zeros(rho.shape) if tail is None else tail.transform(rho)
         for panel in self.panels:
             f = panel.of(time)
             if f is None:
@@ -189,9 +169,8 @@ class Displacement(Value):
                 # tapered over a factor of two: a sharp end would leave oscillations everywhere
                 level = np.clip(k / self.cut[time] - 1.0, 0.0, 1.0)
                 values = values * np.cos(0.5 * math.pi * level) ** 2
-            measure = radial_measure(k, kind, self.dimension)
-            waves = radial_waves(np.outer(rho, k), kind, self.dimension)
-            total += waves @ (weight * values * measure)
+            factor = k if self.dimension == 2 else 2.0 / math.pi * k**2
+            total += mean_phase(np.outer(rho, k), self.dimension) @ (weight * values * factor)
         out[inside] = total
         return out
 

@@ -1,22 +1,17 @@
 r"""Directions in the plane and in space: what depends on the dimension in `kinetics.position`.
 
-psi, the average of exp(i k.r) for a tracer that starts at angle theta to k, has harmonics
+psi, the average of exp(i k.r) for a tracer that starts at angle theta to k, has harmonics: in the
+plane psi = sum over all m of i^|m| a_|m| exp(i m theta), in space psi = sum_m (2m + 1) i^m a_m
+P_m(cos(theta)). Free flights over T have a_m = J_m(K T), in space j_m(K T), and obey
 
-    in the plane   psi = sum over all m of i^|m| a_|m| exp(i m theta),
-    in space       psi = sum_m (2m + 1) i^m a_m P_m(cos(theta)),
+    da_m/dT = (K/2) (a_(m-1) - a_(m+1)),    da_m/dT = K (m a_(m-1) - (m+1) a_(m+1))/(2m + 1),
 
-so that free flights over T have a_m = J_m(K T) in the plane and the spherical Bessel functions
-j_m(K T) in space, and obey, with a_(-1) = a_1 in the first,
+with a_(-1) = a_1 in the first. The second looks like the first in other units, b_m = g_m a_m:
 
-    da_m/dT = (K/2) (a_(m-1) - a_(m+1)),    da_m/dT = K (m a_(m-1) - (m+1) a_(m+1))/(2m + 1).
+    db_m/dT = (K/2) c_m (b_(m-1) - b_(m+1)),    b_(-1) = -b_1,    c_0 = 2/pi,
+    g_m = sqrt(pi) Gamma(m/2 + 1)/Gamma((m + 1)/2),    c_m = (2m/(2m + 1)) g_m/g_(m-1).
 
-The second looks like the first in other units, b_m = g_m a_m:
-
-    db_m/dT = (K/2) c_m (b_(m-1) - b_(m+1)),    b_(-1) = -b_1,
-    g_m = sqrt(pi) Gamma(m/2 + 1)/Gamma((m + 1)/2),
-    c_m = (2m/(2m + 1)) g_m/g_(m-1),    c_0 = 2/pi
-
-(g_(m+1)/g_(m-1) = (m + 1)/m, and c_m tends to 1). In the plane g_m = c_m = 1.
+In the plane g_m = c_m = 1.
 """
 
 from __future__ import annotations
@@ -84,40 +79,12 @@ def surface(dimension: int) -> float:
     return 2.0 * math.pi * (dimension - 1.0)
 
 
-def radial_waves(x: FloatArray, kind: int, dimension: int) -> FloatArray:
-    """Of x = K R: what stands beside F in an integral over K, for a density at R; shape of x.
-
-    With `radial_measure`, the integral is for each kind
-
-    - 0: the radial density over R^(d-1), so that over the surface of the unit circle, or sphere,
-      it is the density in the plane, or in space
-    - 1: the share of the tracers within R, over R^(d-1)
-    - 2: minus the slope of kind 0
-    """
-    if kind == 0:
-        return mean_phase(x, dimension)
-    from scipy.special import j1, spherical_jn
-
-    return np.asarray(j1(x) if dimension == 2 else spherical_jn(1, x))
-
-
-def radial_measure(k: FloatArray, kind: int, dimension: int) -> FloatArray:
-    """K, 1, K^2 in the plane and 2/pi times K^2, K, K^3 in space, for kinds 0, 1, 2; (n_k,)."""
-    if dimension == 2:
-        return np.asarray(k ** (1, 0, 2)[kind])
-    return np.asarray(2.0 / math.pi * k ** (2, 1, 3)[kind])
-
-
 # The equations of one panel, for each wave number K; in space each row is over its coupling:
 #     blocks_m a_m = right_m + K turn (a_(m-1) - a_(m+1)),    a_(-1) = -a_1.
 # Shapes: blocks (m, nodes, nodes), turn (nodes,), right and the solution (m, nodes, n_k),
-# wave_numbers (n_k,). The number of harmonics is odd.
+# wave_numbers (n_k,). The number of harmonics is odd; beyond the last a_(m+1) = closure a_m, as in
+# steady free flights.
 _ROUNDS = 24  # of the iteration, at most: a few more than it takes where it is quicker
-
-
-def _closure(wave_numbers: FloatArray) -> FloatArray:
-    """Steady free flights beyond the last harmonic: a_(m+1) = closure a_m, shape (n_k,)."""
-    return wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
 
 
 def iterate(
@@ -132,7 +99,7 @@ def iterate(
     alone = inverse @ right
     spread = inverse * turn
     even, odd = alone[::2].copy(), alone[1::2].copy()
-    closure = _closure(wave_numbers)
+    closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
     between = np.empty_like(even)
     for _ in range(_ROUNDS):
         odd = alone[1::2] + spread[1::2] @ ((even[:-1] - even[1:]) * wave_numbers)
@@ -155,7 +122,8 @@ def eliminate(
 ) -> FloatArray:
     """Block elimination from both ends to the middle."""
     count, n, size = right.shape
-    pairs, closure = (count - 1) // 2, _closure(wave_numbers)
+    pairs = (count - 1) // 2
+    closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
     turn = (turn * wave_numbers[:, None])[None, :, :, None]  # (1, n_k, nodes, 1)
     turn = np.concatenate([turn, -turn])
     right = np.ascontiguousarray(np.moveaxis(right, 2, 1))  # (m, n_k, nodes)

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.gauss import panels_between
-from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
@@ -37,8 +36,8 @@ _AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
     """Harmonic m of a start as points that resolve functions varying over ``spacing`` in ln v.
 
-    Peaks and samples are points already; densities get Gauss panels no wider than the spacing, with
-    an edge at each kink. None where the harmonic is zero.
+    Peaks and samples are points already; densities get Gauss panels, with an edge at each kink.
+    None where the harmonic is zero.
     """
     profile, harmonic = state.profile(0), state.profile(m)
     found = state.harmonic(0, rtol)
@@ -63,12 +62,8 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
 
 @dataclass(frozen=True)
 class Scattering:
-    """Solves for F(k, t) of one system and start.
+    """Solves for F(k, t) of one system and start, as a scene has them; see `Scene.problem`.
 
-    law : the collision law
-    mean_free_path : l, in d
-    state : the initial state
-    times : in d/U, shape (n_times,)
     systems : how many systems of so many equations have been solved, by their size
     """
 
@@ -116,32 +111,24 @@ class Scattering:
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
     ) -> tuple[FloatArray, float]:
-        """F without the tracers that have not collided, (n_which, n_k), and its error, absolute.
-
-        wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
-        """
+        """F without the tracers that have not collided, (n_which, n_k), and its error, absolute."""
         waves, speeds, error = self._waves(wave_numbers, which, tolerance)
-        means = [
-            speeds.weight @ self._collided(waves, speeds.x + s) for s in self.log_stretch(which)
-        ]
+        means, dimension = [], self.law.dimension
+        for stretch in self.log_stretch(which):
+            x = speeds.x + stretch
+            left, near = waves(x), x < _FREE
+            path = np.exp(x[near])
+            free = mean_phase(np.outer(path, wave_numbers), dimension)
+            left[near] -= np.exp(-path)[:, None] * free
+            means.append(speeds.weight @ left)
         return np.array(means), error
-
-    def _collided(self, waves: Waves, x: FloatArray) -> FloatArray:
-        """The part of a_0 of those that have collided, at X = x: (n_x, n_k)."""
-        left = waves(x)
-        near = x < _FREE
-        path = np.exp(x[near])
-        free = mean_phase(np.outer(path, waves.wave_numbers), self.law.dimension)
-        left[near] -= np.exp(-path)[:, None] * free
-        return left
 
     def whole(
         self, wave_numbers: FloatArray, direction: float | None, tolerance: float
     ) -> tuple[NDArray[Any], float]:
         """F (n_times, n_k), and its error; real where k has no direction or the start has none.
 
-        wave_numbers : K = k l, of similar size, shape (n_k,)
-        direction : angle of k to the x axis; None for the mean over the directions
+        direction : angle of k = K/l to the x axis; None for the mean over the directions
         """
         which = np.arange(self.times.size)
         most = self.state.highest_harmonic

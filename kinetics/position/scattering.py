@@ -1,21 +1,18 @@
-r"""The intermediate scattering function of a tracer: <exp(i k.r)> from the backward equation.
+r"""<exp(i k.r)> of a tracer, from the backward equation.
 
 For a tracer that starts with speed v at angle theta to k, psi = <exp(i k.r(t))> is a function of
-theta and T = v t/l alone, for each K = k l. The inelastic Lorentz equation with its
-free-streaming term (paper, label ``inelaslorentz``) gives for it
+theta and T = v t/l alone, for each K = k l (the equation with its free-streaming term, paper, label
+``inelaslorentz``):
 
-    dpsi/dT = i K cos(theta) psi + E[psi(theta + chi, s T)] - psi,    psi = 1 at T = 0,
+    dpsi/dT = i K cos(theta) psi + E[psi(theta + chi, s T)] - psi,    psi = 1 at T = 0.
 
-and for the harmonics of psi = sum_m i^|m| a_|m| exp(i m theta), which stay real,
+The harmonics of psi = sum_m i^|m| a_|m| exp(i m theta) stay real,
 
-    da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0).
+    da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0),
 
-In space the harmonics are Legendre polynomials, and in the right units they obey nearly the same
-equations (:mod:`kinetics.position.directions`); a_m below is b_m there.
-
-On panels in X = ln T, as in :mod:`kinetics.moments.backward`, each panel is a block-tridiagonal
-system in m, solved for all wave numbers at once, with as many harmonics as count on that panel. a_0
-is the mean over the directions: all that an isotropic start, or a radial density, needs.
+in space, as Legendre polynomials, nearly so (:mod:`kinetics.position.directions`; a_m below is b_m
+there). On panels in X = ln T each panel is a block-tridiagonal system in m, solved for all wave
+numbers at once, with as many harmonics as count on that panel.
 """
 
 from __future__ import annotations
@@ -23,8 +20,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import takewhile
 
 import numpy as np
 
@@ -32,7 +27,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
+from kinetics.numerics.chebyshev import PanelRule, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
@@ -50,7 +45,6 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
-_MOST_WEAKENED = 1000  # harmonics that are looked at: mass ratios of 1e-3
 _TOGETHER = 8  # harmonics whose gain is found at once
 _FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the time of elimination
 
@@ -60,7 +54,6 @@ class Waves:
     """a_m for some wave numbers, in space b_m of `directions`, as a function of X = ln T.
 
     wave_numbers : K = k l, shape (n_k,)
-    rule : the collocation
     start : X where the panels begin
     values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
     coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
@@ -134,7 +127,7 @@ def solve_waves(
         first = min(first, series_end(medium))
     start = rule.width * math.floor(min(first, highest) / rule.width)
     count = max(1, math.ceil((limit - start) / rule.width))
-    return Sweep(law, wave_numbers, rule, start, top, count, tolerance).run(kept)
+    return Sweep(law, wave_numbers, rule, start, top, count, tolerance, kept).run()
 
 
 def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
@@ -152,65 +145,46 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    late = _SOME + digits * (_LATE_FOR_DIGIT + largest) + _hardly_weakened(law)
+    late = _SOME + digits * (_LATE_FOR_DIGIT + largest)
     # free flights reach m = K T and no further
     early = _SOME + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
-    return _even(math.ceil(min(late, early)))
+    return 2 * math.ceil(0.5 * min(late, early))
 
 
-@lru_cache(maxsize=48)
-def _hardly_weakened(law: CollisionLaw) -> int:
-    """How many harmonics keep more than half in a collision that all but leaves the direction."""
-    if min(law.disk_restitutions, default=0.0) >= 0.0:
-        return 0  # of smooth scatterers the first loses a third at least
-    q = law.quadrature_for(0.0, _MOST_WEAKENED)
-    kept = (q.weight @ lost < 0.5 for lost in q.harmonic_losses(_MOST_WEAKENED))
-    return sum(1 for _ in takewhile(bool, kept))
-
-
-def _even(m: int) -> int:
-    return m + m % 2
-
-
+@dataclass
 class Sweep:
     """The equations of some wave numbers, solved on panel after panel upwards.
 
-    law : the collision law
-    wave_numbers : K, shape (n_k,)
-    rule : the collocation
-    start : X where the panels begin
-    top : the last harmonic, even
-    count : how many panels there are, at most
-    tolerance : see `solve_waves`
+    start, count : X where the panels begin, and how many there are, at most
+    top : the last harmonic, even; the others as in `solve_waves`
     """
 
-    def __init__(
-        self,
-        law: CollisionLaw,
-        wave_numbers: FloatArray,
-        rule: PanelRule,
-        start: float,
-        top: int,
-        count: int,
-        tolerance: float,
-    ) -> None:
-        self.law, self.wave_numbers, self.rule = law, wave_numbers, rule
-        self.start, self.top = start, top
-        self._count, self._tolerance = count, tolerance
+    law: CollisionLaw
+    wave_numbers: FloatArray
+    rule: PanelRule
+    start: float
+    top: int
+    count: int
+    tolerance: float
+    kept: int
+
+    def __post_init__(self) -> None:
+        law, wave_numbers, rule, start = self.law, self.wave_numbers, self.rule, self.start
+        top, count, tolerance = self.top, self.count, self.tolerance
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
-        # collisions that lose more speed lead from every panel to where the series holds
-        near = q.log_loss <= count * rule.width
-        few, many = q.part(near), q.part(~near)
-        lost = np.stack(list(few.harmonic_losses(top)))
+        # collisions that lose very much lead to where a_0 is 1, but for K T, and all others 0
+        deep = 2.0 - math.log(tolerance)
+        most = count * rule.width + deep
+        lost = np.stack(list(q.harmonic_losses(top)))
         # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
         order = np.arange(1, top + 1)
         rise = np.log(2.0 * order) - math.log(float(wave_numbers.max())) - 1.0
         rise += math.log(_NEGLIGIBLE * tolerance) / order
         first = np.floor((np.append(-_DEEPEST, rise) - start) / rule.width)
         self._first = np.minimum(first, count).astype(int)
-        shifts = PanelShifts(rule, few.log_loss)
-        loss, gain = shifts.kernel(few.weight, 1.0 - lost, lost, count - self._first)
-        loss += many.weight.sum() * np.eye(rule.nodes)
+        reach = count - self._first + math.ceil(deep / rule.width)
+        shifts = PanelShifts(rule, np.minimum(q.log_loss, most))
+        loss, gain = shifts.kernel(q.weight, 1.0 - lost, lost, reach)
         if law.returns(0)[0]:
             eps = np.array([law.returns(m)[0] for m in range(top + 1)])
             if met_again(law) is not None:
@@ -225,26 +199,15 @@ class Sweep:
             self._loops.shares[0] = 0.0  # at once, in the kernel
         by_row = self._coupling[:, None, None]
         self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain
-        # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
-        self._far_ratio = math.exp(-count * rule.width)
         self._of_series = min(top, _TERMS)  # the last harmonic that begins with one of its powers
-        self._far = np.zeros((_TERMS + 1, self._of_series + 1))
-        if many.weight.size:
-            with np.errstate(under="ignore"):
-                # at most 1, as powers of T overflow
-                powers = (many.ratio / self._far_ratio) ** np.arange(_TERMS + 1)[:, None]
-            powers *= many.weight
-            for m, lost_far in enumerate(many.harmonic_losses(self._of_series)):
-                self._far[:, m] = powers @ (1.0 - lost_far) / self._coupling[m]
 
-    def run(self, kept: int) -> Waves:
+    def run(self) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
-        count, tolerance = self._count, self._tolerance
+        count, tolerance, kept = self.count, self.tolerance, self.kept
         n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
         reach, recent = self._reach()
         series, total, returns = self._coefficients()
         few = self._of_series + 1  # harmonics
-        far = total * self._far[:, :, None]
         # all panels, those below the first by the series; high harmonics are 0 until they rise
         x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
         filled = _series_sum(total, np.exp(x.ravel())).reshape(reach, n, few, size)
@@ -258,17 +221,12 @@ class Sweep:
         used, systems, ended = 0, 0, False
         for j in range(count):
             rate = np.exp(self.start + j * self.rule.width + local)
-            used = self._panel_harmonics(known, used, rate, tolerance, kept)
+            used = self._panel_harmonics(known, used, rate)
             drive = self._from_below(panels[: used + 1], j, reach)
-            if self._far.any():
-                come = _series_sum(far[:, : used + 1], self._far_ratio * rate)
-                drive[:few] += np.moveaxis(come, 1, 0)
             loss, come = self._loss[: used + 1], drive
             if returns:
                 loss, come = returns.begin(j, loss, drive)
-            found = self._solve_panel(
-                rate, rate[:, None] * come, known[: used + 1], loss, tolerance
-            )
+            found = self._solve_panel(rate, rate[:, None] * come, known[: used + 1], loss)
             systems += (used + 1) * size
             known[: used + 1], known[used + 1 :] = found[:, -1], 0.0
             values.append(np.zeros((min(kept, self.top) + 1, n, size)))
@@ -282,22 +240,16 @@ class Sweep:
             if len(largest) == recent.size and recent @ largest < _NEGLIGIBLE * tolerance:
                 ended = True
                 break
+        given = self.wave_numbers, self.rule, self.start, np.array(values)
         return Waves(
-            self.wave_numbers,
-            self.rule,
-            self.start,
-            np.array(values),
-            series[:, : kept + 1].copy(),
-            ended,
-            np.maximum.accumulate(errors),
-            systems,
+            *given, series[:, : kept + 1].copy(), ended, np.maximum.accumulate(errors), systems
         )
 
     def _reach(self) -> tuple[int, FloatArray]:
         """From how many panels below a gain matters, and about how much comes from each of them."""
         size = np.abs(self._gain[0]).max(axis=0, initial=0.0)
         size = size.reshape(-1, self.rule.nodes).sum(axis=1)
-        far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * self._tolerance))
+        far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * self.tolerance))
         return size.size - far, np.append(size[far:], 1.0)
 
     def _from_below(self, panels: FloatArray, j: int, reach: int) -> FloatArray:
@@ -343,29 +295,19 @@ class Sweep:
                 total[j + 1] += np.einsum("mj,jmk->mk", weights, modes[j + 1])
         return out, total, Returns(loops, lost, modes) if loops else None
 
-    def _panel_harmonics(
-        self, known: FloatArray, used: int, rate: FloatArray, tolerance: float, kept: int
-    ) -> int:
+    def _panel_harmonics(self, known: FloatArray, used: int, rate: FloatArray) -> int:
         """The last harmonic of a panel that begins with a_m = known (m, n_k): even."""
-        size = np.abs(known).max(axis=1)
-
-        def last_above(least: float) -> int:
-            return int(np.flatnonzero(size > least).max(initial=0))
-
+        size, tolerance, kept = np.abs(known).max(axis=1), self.tolerance, self.kept
         # what comes back to m = 0 is the square at most; those that are kept matter themselves
         rising = 0.1 * tolerance if kept else tolerance**_RISING
         flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
         more = _MORE + int(flights if kept else min(_MOST_MORE, flights))
-        needed = max(last_above(rising) + more, min(used, last_above(tolerance)))
-        return min(self.top, _even(needed))
+        first, last = (int(np.flatnonzero(size > x).max(initial=0)) for x in (rising, tolerance))
+        needed = max(first + more, min(used, last))
+        return min(self.top, needed + needed % 2)
 
     def _solve_panel(
-        self,
-        rate: FloatArray,
-        drive: FloatArray,
-        known: FloatArray,
-        loss: FloatArray,
-        tolerance: float,
+        self, rate: FloatArray, drive: FloatArray, known: FloatArray, loss: FloatArray
     ) -> FloatArray:
         """One panel: shape (m, nodes, n_k)."""
         count, flights = drive.shape[0], rate[-1] - rate[0]
@@ -378,7 +320,7 @@ class Sweep:
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
         inner = None
         if float(self.wave_numbers.max()) * flights < _FEW_TURNS:
-            inner = iterate(blocks, turn, right, self.wave_numbers, 1e-3 * tolerance)
+            inner = iterate(blocks, turn, right, self.wave_numbers, 1e-3 * self.tolerance)
         if inner is None:
             inner = eliminate(blocks, turn, right, self.wave_numbers)
         return np.concatenate([known[:, None], inner], axis=1)

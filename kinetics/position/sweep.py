@@ -2,29 +2,26 @@
 
 How far to go, and how exactly, follows from what F does to G(R): F that is missing or wrong around
 the wave number k changes G(R) by about k sigma times as much, sigma = sqrt(<r^2>). There is a
-budget of work; within it the best result is kept, and what is left unknown is the error estimate.
+budget of work, and what is left unknown is the error estimate.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import FloatArray
-from kinetics.numerics.threads import one_blas_thread
-from kinetics.position.density import Displacement, Uncollided, fastest_speed, fronts
+from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.position.density import Displacement, Uncollided
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
-# The work of all times at one tolerance, in squares of the sizes of the systems, 1 to 7 seconds.
-# Where it is not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to
-# ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
-_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 0.04, 8.0, 60.0
+# The work of all times, in squares of the sizes of the systems, 1 to 7 seconds; and the K, or K T
+# for densities, up to which F is solved at most.
+_MOST_WORK, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 _FEW = 0.01  # collided tracers below this share of rtol are left out
@@ -38,8 +35,8 @@ _SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 6.0, 1.0, 1.6, 1.3
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-# From the end of one interval to that of the next: before its powers of 1/K are found, after that
-# at most, and for sharp speeds, where the best of many ends is taken.
+# From the end of one interval to that of the next: before its powers of 1/K are found, after that,
+# and for sharp speeds, where the best of many ends is taken.
 _STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
 _FALL = 0.125  # what the powers of 1/K miss falls as K^-8 at least
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
@@ -67,43 +64,21 @@ def solve_displacement(
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
     system = Scattering(law, mean_free_path, state, times)
-    asked = _attempt(system, root_mean_square, rtol)
-    if asked.error_estimate <= _ENOUGH * rtol:
-        return asked
-    # looser ones, up to the first that is missed: the same for all that ask for more than this one
-    count, tried = math.log10(_LOOSEST / rtol) - 1e-9, []
-    for aim in (*(_LOOSEST * 0.1 ** np.arange(count)), rtol):
-        tried.append(asked if aim == rtol else _attempt(system, root_mean_square, float(aim)))
-        if tried[-1].error_estimate > _ENOUGH * aim:
-            break
-    best = min(tried, key=lambda one: one.error_estimate)
-    return replace(best, systems=dict(system.systems))
-
-
-def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> Displacement:
-    """`solve_displacement` within the work of one tolerance."""
-    law, mean_free_path = system.law, system.mean_free_path
-    state, times = system.state, system.times
-    radius, weight = fronts(state, mean_free_path, times)
+    uncollided = Uncollided(state, mean_free_path, times)
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed
-        reach = np.minimum(times * fastest_speed(state, 0.1 * rtol), _FAR * root_mean_square)
+        reach = np.minimum(times * uncollided.fastest(0.1 * rtol), _FAR * root_mean_square)
     width = root_mean_square / mean_free_path
     sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
-    most = system.work + _MOST_WORK
     for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
-        sweep.run((most - system.work) / left)
-    tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(times.size)]
+        sweep.run((_MOST_WORK - system.work) / left)
+    tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(width.size)]
     return Displacement(
-        mean_free_path=mean_free_path,
-        times=times,
-        root_mean_square=root_mean_square,
+        uncollided,
+        root_mean_square,
         panels=tuple(panel for sweep in sweeps for panel in sweep.panels),
         tails=tuple(found[0] if found else None for found in tails),
         cut=np.minimum.reduce([sweep.cut() for sweep in sweeps]),
-        uncollided=Uncollided(state, mean_free_path, times),
-        front_radius=radius,
-        front_weight=weight,
         reach=reach,
         error_estimate=float(np.max([sweep.missed for sweep in sweeps])),
         systems=dict(system.systems),
@@ -140,22 +115,17 @@ class _Sweep:
         self.sharp = any(system.flying(i) > _FEW * rtol for i in which)
         self.enough = rtol if self.sharp else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
-        # the least that was missed of each time, its tail then, and the number of panels
-        self._best: dict[int, tuple[float, PowerTail | None, int]] = {}
-        self._first_power = self._slowest_fall()
+        # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
+        law, profile = system.law, system.state.profile(0)
+        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
+        self._first_power = 0 if 0.0 in law.disk_restitutions or slow else 1
+        if law.throws_back or (law.returns(0)[0] and not self.sharp):
+            self._first_power = 1 - law.dimension
         speeds = points_of(system.state, 0, 1.0, 1e-3)
         assert speeds is not None
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
             self._flights = system.times * typical  # T of a typical tracer
-
-    def _slowest_fall(self) -> int:
-        """j_0 of :class:`kinetics.position.tail.PowerTail`."""
-        law, profile = self.system.law, self.system.state.profile(0)
-        if law.throws_back or (law.returns(0)[0] and not self.sharp):
-            return 1 - law.dimension  # tracers that are thrown straight back cross the origin
-        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        return 0 if 0.0 in law.disk_restitutions or slow else 1
 
     def run(self, most_work: float) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
@@ -178,27 +148,14 @@ class _Sweep:
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            step = self._step()
+            step = _STEP_SHARP if self.sharp else _STEP
+            if not self.sharp and all(self.tails[i] is not None for i in self.active):
+                more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
+                step = min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
             low, high = high, high * step
             work, done = self.system.work - done, self.system.work
             if done - begin + step**2 * work > most_work:
                 break
-        # where more wave numbers left more of G(R) unknown, go back to those that left least; but
-        # beside a front all of them are better
-        for i, (missed, tail, count) in self._best.items():
-            if missed < self.missed[i] and not (self.sharp and missed > _TAPERED):
-                self.missed[i], self.tails[i] = missed, tail
-                later = [panel.without(i) for panel in self.panels[count:]]
-                self.panels[count:] = [panel for panel in later if panel.which.size]
-
-    def _step(self) -> float:
-        """From the end of one interval to that of the next."""
-        if self.sharp:
-            return _STEP_SHARP
-        if not all(self.tails[i] is not None for i in self.active):
-            return _STEP
-        more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
-        return min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where G is hardly known, else infinite, (n_times,)."""
@@ -216,8 +173,6 @@ class _Sweep:
             share = max(1.0, self.width[i] * high)
             self._solved_error[i] = max(self._solved_error[i], error * share)
             self.missed[i] = left * share + self._solved_error[i]
-            if self.missed[i] < self._best.get(i, (math.inf,))[0]:
-                self._best[i] = float(self.missed[i]), self.tails[i], len(self.panels)
         self.active = self.active[self.missed[self.active] > self.enough]
 
     def _interval(

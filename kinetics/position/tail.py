@@ -1,11 +1,8 @@
 """How F(k, t) ends: the powers of 1/k that the slowest tracers leave.
 
-Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the density of the
-displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. Where e = 0, collisions
-leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. Tracers that are
-thrown straight back, at a finite density or by a law of samples, or are nearly at rest after one
-flight, stay on a straight line through the origin: F falls as 1/k. The end of F is fitted by terms
-whose transforms are known, so that the transform needs no large k.
+Initial speeds near 0, of density ~ v^(d-1) in dimension d, leave k^-(d+1); where e = 0, collisions
+leave a density ~ v^(d-2), and k^-d. Tracers that are thrown straight back stay on a straight line
+through the origin: F falls as 1/k. The end of F is fitted by terms whose transforms are known.
 """
 
 from __future__ import annotations
@@ -16,14 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
 
 _TERMS = range(6, 14)  # of the sum, the number among these that leaves least
 _LOWER = 0.7  # share of the range of K that the first of two sums is fitted to
 _BEYOND = np.geomspace(1.2, 30.0, 20)  # of the largest K, where two sums are compared
-_GONE = 60.0  # x beyond which x^2 K_nu(x) is below 1e-20
-_TOWARDS_ZERO = 0.5 * 0.25 ** np.arange(1, 12)  # edges of panels towards x = 0
 
 
 @dataclass(frozen=True)
@@ -37,11 +31,8 @@ class PowerTail(Value):
         (2/pi) integral of q sin(q x)/x (q^2 + 1)^(-nu - 3/2) dq
             = (x/2)^nu K_nu(x)/(sqrt(pi) Gamma(nu + 3/2)).
 
-    coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
-    dimension : 2 or 3
-    first : j_0: 1; 0 where collisions may stop tracers or throw them straight back; 1 - d where
-        many tracers stay on a straight line through the origin
+    first : j_0: 1; 0 where collisions may stop tracers; 1 - d where many are thrown straight back
     """
 
     coefficients: FloatArray
@@ -54,51 +45,25 @@ class PowerTail(Value):
         terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension, self.first)
         return np.asarray(terms @ self.coefficients)
 
-    def transform(self, rho: FloatArray, kind: int) -> FloatArray:
-        """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
-        d, count, x = self.dimension, self.coefficients.size, self.scale * rho
-        found = self.coefficients @ origin_transforms(x, count, kind, d, self.first)
-        return np.asarray(found) * self.scale ** (d, d - 1, d + 1)[kind]
+    def transform(self, rho: FloatArray) -> FloatArray:
+        """The radial density over r^(d-1) at r = rho l, l = 1, shape (n_r,)."""
+        d = self.dimension
+        near = np.clip(self.scale * rho, 1e-12, 700.0)  # K_nu is in range there, negligible above
+        macdonald = _macdonald(near, max(self.coefficients.size + 2, 4))
+        out = np.zeros(rho.size)
+        for j, coefficient in enumerate(self.coefficients):
+            twice = self.first + j
+            nu = 0.5 * twice
+            half = math.gamma(nu + 1.0) if d == 2 else math.sqrt(math.pi) * math.gamma(nu + 1.5)
+            # x^nu K_nu; K_(-nu) = K_nu
+            power = macdonald[twice + 1] if twice >= -1 else near**twice * macdonald[1 - twice]
+            out += coefficient / (2.0**nu * half) * power
+        return out * self.scale**d
 
 
-def origin_terms(q: FloatArray, count: int, dimension: int, first: int = 1) -> FloatArray:
+def origin_terms(q: FloatArray, count: int, dimension: int, first: int) -> FloatArray:
     """(q^2 + 1)^(-nu - d/2), nu = (first + j)/2, for j < count: q (n,) gives (n, count)."""
     return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + first + np.arange(count))))
-
-
-def origin_transforms(
-    x: FloatArray, count: int, kind: int, dimension: int, first: int = 1
-) -> FloatArray:
-    """The integral over all q of each term, of a kind of `radial_waves`, at x: (count, n_x)."""
-    if kind == 1 and dimension == 3:
-        return _within_in_space(x, count, first)
-    near = np.clip(x, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
-    macdonald = _macdonald(near, max(count + 2, 4))
-    out = np.zeros((count, x.size))
-    for j in range(count):
-        twice = first + j  # nu
-        nu = 0.5 * twice
-        half = math.gamma(nu + 1.0) if dimension == 2 else math.sqrt(math.pi) * math.gamma(nu + 1.5)
-        part = 1.0 / (2.0**nu * half)
-        if kind == 1:
-            out[j] = (1.0 - part * macdonald[twice + 3]) / np.maximum(x, near)
-            continue
-        # x^nu K_nu, or its slope -x^nu K_(nu - 1); K_(-nu) = K_nu
-        order = twice if kind == 0 else twice - 2
-        power = macdonald[order + 1] if order >= -1 else near**order * macdonald[1 - order]
-        out[j] = part * power * (near if kind == 2 else 1.0)
-    return out
-
-
-def _within_in_space(x: FloatArray, count: int, first: int) -> FloatArray:
-    """1/x^2 times the integral of x^2 times kind 0 from 0 to x, which has no closed form."""
-    near = np.clip(x, 0.0, _GONE)
-    edges = np.union1d(np.append(np.linspace(0.0, _GONE, 2 * int(_GONE) + 1), _TOWARDS_ZERO), near)
-    node, weight = panels_between(edges, 12)
-    parts = origin_transforms(node, count, 0, 3, first) * (weight * node**2)
-    sums = np.cumsum(parts.reshape(count, edges.size - 1, 12).sum(axis=2), axis=1)
-    sums = np.concatenate([np.zeros((count, 1)), sums], axis=1)
-    return sums[:, np.searchsorted(edges, near)] / np.maximum(x, 1e-12) ** 2
 
 
 def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
@@ -115,19 +80,13 @@ def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
 
 
 def fit_tail(
-    k: FloatArray,
-    f: FloatArray,
-    scale: float,
-    dimension: int,
-    first: int = 1,
+    k: FloatArray, f: FloatArray, scale: float, dimension: int, first: int = 1
 ) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
-    ``scale`` is where the powers begin, ``first`` which they are.
     Two sums are fitted, to the lower part of the range and to all of it. The error is the largest
     that the first one misses there, or that they differ by beyond, times K over the largest K: so
-    much more it changes G(R). It is infinite where there are too few points. Too few terms miss F,
-    too many continue its errors: as many are taken as leave least.
+    much more it changes G(R). As many terms are taken as leave least. scale, first : as above
     """
     highest = float(k.max())
     below = k < k.min() + _LOWER * (highest - k.min())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -18,14 +18,11 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class WavePanel(Value):
-    """F on an interval of K = k l, at Chebyshev points of a variable.
+    """F on an interval of K = k l from low to high, at Chebyshev points of a variable.
 
-    From K = 0 on, F is an even polynomial: the points are those of the interval from -high to high,
-    of which half are solved for. Elsewhere F of a density of speeds falls as a power of 1/K, and
-    K^power F is a polynomial in 1/K; F of sharp speeds turns with K, and is a polynomial in K.
+    From K = 0 on F is an even polynomial, of which half of the points are solved for. Elsewhere F
+    of a density falls: K^power F is a polynomial in 1/K; that of sharp speeds one in K (power = 0).
 
-    low, high : the ends of the interval
-    power : with which F falls; 0 for a polynomial in K
     which : indices of the times at which F is not negligible, rising, shape (n_which,)
     values : shape (n_which, nodes), at `wave_numbers`
     """
@@ -46,19 +43,6 @@ class WavePanel(Value):
         place = np.nonzero(self.which == time)[0]
         return None if place.size == 0 else np.asarray(self.values[place[0]])
 
-    def without(self, time: int) -> WavePanel:
-        """The same for the other times."""
-        others = self.which != time
-        return replace(self, which=self.which[others], values=self.values[others])
-
-    def at_zero(self, time: int) -> float | None:
-        """F at K = 0 at one of the times, None if it has none there."""
-        f = self.of(time)
-        if f is None or self.low > 0.0:
-            return None
-        middle = Chebyshev(2 * f.size).rows(np.array([0.5]))[0]
-        return float(middle @ np.concatenate([f[::-1], f]))
-
     def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gauss nodes and weights in K, shape (points,) each, and the polynomial f there."""
         node, weight = gauss_legendre(points)
@@ -68,10 +52,7 @@ class WavePanel(Value):
 
     @property
     def missed(self) -> float:
-        """What the polynomials leave out of F, by their last two coefficients, at the worst time.
-
-        In the middle of the interval where F falls as a power.
-        """
+        """What the polynomials leave out of F, by their last coefficients, at the worst time."""
         smooth = self.values * (self.wave_numbers / self.high) ** self.power
         if self.low == 0.0:
             smooth = np.concatenate([smooth[:, ::-1], smooth], axis=1)

@@ -5,14 +5,12 @@ x from above (the scaled equation, paper label ``ifmu2``, integrated once):
 
     kappa g(x) = int_0^inf P(xi > u) w(x + u) du,     xi = -ln s,
 
-with w the rate of collisions. Among dilute scatterers w = e^x g. Where returns to the scatterer
-before replace K - 1 by (K - 1)/(1 - eps S (K - 1)) (:mod:`kinetics.collision.medium`), w obeys
-e^x g(x) = w(x) + eps [w(x + X) - E w(x + X + xi)], X = -ln e. Either way w at x needs w above x
-only. On Chebyshev panels of one width, from the top down, each panel is a small linear system for
-w over a guess of it, from which ln w follows: the error is relative to w itself, over hundreds of
-orders of magnitude. What is assumed above the top is forgotten as F grows. The march begins not
-far above the moments, and once more at 1e-100 of the bulk if a question reaches beyond. Next to
-rest, where bounces lead there, g ends as a power of v t/l times a polynomial in it.
+with w = e^x g the rate of collisions: w at x needs w above x only. On Chebyshev panels of one
+width, from the top down, each panel is a small linear system for w over a guess of it, from which
+ln w follows: the error is relative to w itself, over hundreds of orders of magnitude. What is
+assumed above the top is forgotten as F grows. The march begins not far above the moments, and once
+more at 1e-100 of the bulk if a question reaches beyond. Next to rest, where bounces lead there, g
+ends as a power of v t/l.
 """
 
 from __future__ import annotations
@@ -22,7 +20,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.polynomial import polyfit, polyval
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
@@ -39,8 +36,7 @@ _WIDEST, _DEVIATIONS = 1.0, 5.0  # panels in x, and in deviations of g
 # In ln F, less ln rtol: how far the first march reaches, and what is assumed above its top is
 # forgotten. F or a moment from further out begins another one at DEEPEST.
 _SHALLOW, _FORGOTTEN = 15.0, 12.0
-_POWERS = 4  # of v t/l, that make g next to rest beside its own power
-_FORETOLD = 0.03  # of rtol, by which these may miss the next panel
+_AT_REST = 0.01  # of kappa rtol: v t/l below which g is its power where bounces lead to rest
 _NEGLIGIBLE = 40.0  # e^-40 = 4e-18: of the losses at a speed, what is left out
 _FOLDS = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
 _STEEPEST = 60.0  # g near e = 1, over its deviation: where it is e^-(60^2/2) of its peak
@@ -50,34 +46,12 @@ _GAUSS = 40  # points of each panel in a moment
 _END = 5.0  # e^-5 of rtol: what a moment may lack at its ends
 _CUTS = 0.05  # of rtol: what such ends, the power of speed below, and sweeps left out may make
 _LARGEST = 2000.0  # ln of a moment that overflows anyhow
-_UNKNOWN = 0.01  # of g in the bulk: slower speeds among scatterers that are met again
 # Errors of F and of moments over the last coefficients of ln w, at most: measured against the
-# closed form for 6 to 18 nodes, e from 0 to .99, rough disks, two ratios, and a medium.
+# closed form for 6 to 18 nodes, e from 0 to .99, rough disks and two ratios.
 _DENSITY, _MOMENT = 0.15, 1e-3
-# Below this floor no accuracy is promised. Rounding moves the axis by it, and F by that times its
-# steepness; ln <c^p> by p times as much. Ten times the largest that was found, 6.5 epsilon for e
-# from .9 to 1 - 1e-10, disks and spheres, OpenBLAS's kernels for SkylakeX, Haswell and Nehalem.
+# Below this floor no accuracy is promised: rounding moves the axis by it, and F by that times its
+# steepness. Ten times the largest that was found for e from .9 to 1 - 1e-10, on three processors.
 ROUNDING_FLOOR = 64 * float(np.finfo(float).eps)  # 1.4e-14
-
-
-class _Panel(NamedTuple):
-    """w = e^log_w q and g = e^log_g q_g at the nodes, each (nodes,); q is 1 but after returns."""
-
-    log_w: FloatArray
-    q: FloatArray
-    log_g: FloatArray
-    q_g: FloatArray
-    last: float
-
-    @property
-    def log_size(self) -> float:
-        """ln |g| where it is largest."""
-        return float(np.max(self.log_g + np.log(np.abs(self.q_g) + 1e-300)))
-
-
-def _differences(rows: FloatArray, values: FloatArray) -> FloatArray:
-    """rows (n - 1, n_u, n) applied to values (n,) less that at each node: (n - 1, n_u)."""
-    return np.asarray((rows @ (values - values[:-1, None])[:, :, None])[:, :, 0])
 
 
 class _Group(NamedTuple):
@@ -85,27 +59,19 @@ class _Group(NamedTuple):
 
     node: NDArray[np.intp]
     flux: FloatArray
-    back: FloatArray
     rows: FloatArray
 
 
 class _Losses:
-    """int P(xi > u) w(x + u) du, and the returns, at the nodes of any panel but its top one."""
+    """int P(xi > u) w(x + u) du at the nodes of any panel but its top one."""
 
     def __init__(
         self, law: CollisionLaw, rule: Chebyshev, width: float, rate: float, reach: float
     ) -> None:
         u, flux = law.survival_for(rate)
-        back = np.zeros(u.size)
-        eps, least = law.returns(0)
-        if eps:
-            q = law.quadrature_for(rate)
-            u = np.concatenate([u, [least], least + q.log_loss])
-            flux = np.concatenate([flux, np.zeros(1 + q.weight.size)])
-            back = np.concatenate([back, [-eps], eps * q.weight])
         order = np.argsort(u)
         order = order[u[order] < reach]
-        u, flux, back = u[order], flux[order], back[order]
+        u, flux = u[order], flux[order]
         local = rule.local[:-1]
         place = local[:, None] + u / width
         inside = place <= 1.0
@@ -117,12 +83,10 @@ class _Losses:
         self.rows[~inside[:, :near]] = 0.0
         nodes = np.arange(local.size)
         self.rows[nodes, :, nodes] = 0.0
-        self.flux, self.back = np.where(inside, flux, 0.0), np.where(inside, back, 0.0)
-        # what is beyond reach has no w, but its weight
-        self.flux_out = law.mean_log_loss - self.flux.sum(axis=1)
-        self.back_out = -self.back.sum(axis=1)
-        self.flux, self.back = self.flux[:, :near], self.back[:, :near]
-        self._rule, self._weights, self._place = rule, (flux, back), place
+        self.flux = np.where(inside, flux, 0.0)
+        self.flux_out = law.mean_log_loss - self.flux.sum(axis=1)  # beyond reach there is no w
+        self.flux = self.flux[:, :near]
+        self._rule, self._flux, self._place = rule, flux, place
         self._up = np.maximum(np.ceil(place).astype(int) - 1, 0)
         self._groups: dict[int, _Group] = {}
 
@@ -130,9 +94,8 @@ class _Losses:
         """What leads to the panel m panels up."""
         if m not in self._groups:
             node, k = np.nonzero(self._up == m)
-            flux, back = self._weights
             rows = self._rule.rows(self._place[node, k] - m)
-            self._groups[m] = _Group(node, flux[k], back[k], rows)
+            self._groups[m] = _Group(node, self._flux[k], rows)
         return self._groups[m]
 
     @property
@@ -144,12 +107,8 @@ class _Losses:
 class SpeedAxis:
     """ln g(x), x = ln(kappa v t/l), as far down as it was asked for; up to its norm.
 
-    Every estimate is relative, and of all that was asked for so far.
-
-    law : the collision law; not elastic
-    rtol : relative accuracy of g and of its moments
-    nodes : of each panel, or None for as many as rtol takes
-    unresolved : whether nothing is known, because too few nodes were asked for
+    rtol : relative accuracy of g and of its moments; nodes : of each panel, or None for as many as
+    that takes; unresolved : whether nothing is known, because too few were asked for
     """
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
@@ -159,10 +118,6 @@ class SpeedAxis:
         deviation = small_deviation(law)
         self._flank = 1.0 / deviation  # steepness of g beside its peak
         self._width = min(_WIDEST, _DEVIATIONS * deviation)
-        eps, loss = law.returns(0)
-        self._has_returns = eps != 0.0
-        if self._has_returns:  # w waves at low speeds, with a half period of their loss
-            self._width = min(self._width, max(0.8 * loss, deviation))
         self._losses: dict[float, _Losses] = {}
         self._coefficient = _MOMENT
         self._rounding = ROUNDING_FLOOR
@@ -176,18 +131,17 @@ class SpeedAxis:
         # one panel of a guess: exp(-e^x/kappa) times a power of the speed, nearly. The next one is
         # polluted by it, and lies above all that is asked for as well
         self._depth = depth
-        self._rest: tuple[float, FloatArray] | None = None  # ln g at the bottom, and a polynomial
         self._norm: float | None = None
         start, log_g, power, bend = self._beginning()
         self._top = start + self._width
         up = self._width * self._rule.local
         rate = math.exp(start) / self._kappa
         guess = log_g + start + (power + 0.5 * bend * up) * up - rate * np.expm1(up)
-        ones = np.ones(up.size)
-        self._panels = [_Panel(guess, ones, guess - start - up, ones, 0.0)]
+        self._panels = [guess]  # ln w of each, (nodes,), from the top down
+        self._last: list[float] = []  # their last coefficients
         while self._bottom > -_DEVIATIONS / self._flank and self._add_panel():
             pass
-        last = max((p.last for p in self._panels[2:]), default=1.0)
+        last = max(self._last[1:], default=1.0)
         nodes = 2 * self._rule.nodes
         if self._own_nodes and _DENSITY * last > max(self.rtol, _RESOLVED) and nodes <= MOST_NODES:
             # a narrow part of g beside a wide one, as of mixtures
@@ -210,7 +164,7 @@ class SpeedAxis:
         depth = self._depth + _FORGOTTEN - math.log(self.rtol)
         z = np.geomspace(0.02 * self._flank, _STEEPEST * self._flank + 4.0 * depth, 120)
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
-        x = np.log(law.mean_log_loss * z / law.met_again(z, rate, 0))
+        x = np.log(law.mean_log_loss * z / rate)
         log_g = -np.cumsum(z * np.diff(x, prepend=0.0))
         # a panel above where F is that small
         start = float(x[np.argmax(log_g - law.dimension * x < -depth)]) + self._width
@@ -233,11 +187,7 @@ class SpeedAxis:
     @property
     def error_estimate(self) -> float:
         """From the last Chebyshev coefficients of ln w, A(1) = A(0), and the rounding floor."""
-        weight = np.ones(len(self._panels) - 2)
-        if self._has_returns:  # further down w waves, and weighs little
-            sizes = np.array([p.log_size for p in self._panels[2:]])
-            weight = np.exp(np.minimum(sizes - self._bulk - math.log(_UNKNOWN), 0.0))
-        last = float(np.max(weight * [p.last for p in self._panels[2:]], initial=0.0))
+        last = max(self._last[1:], default=0.0)
         with np.errstate(over="ignore"):
             unit = _MOMENT * last + abs(math.expm1(min(self.log_moment(1.0), 1.0)))
         found = (
@@ -263,9 +213,7 @@ class SpeedAxis:
         while True:
             left = self._top - self._width * np.arange(1.0, len(self._panels) + 1)
             x = left[:, None] + self._width * node
-            log_g, q = self._tables
-            terms = p * x + log_g @ rows
-            size = terms + np.log(np.abs(q @ rows) + 1e-300)
+            size = p * x + self._log_g_at_nodes @ rows
             largest = float(size.max())
             if not abs(largest) < 1e6:
                 self.unresolved = True
@@ -277,11 +225,10 @@ class SpeedAxis:
             done = float(size[-1].max()) < largest + lacks or largest - self._bulk > _LARGEST
             if done or not self._extend():
                 break
-        total = self._width * float(((q @ rows) * np.exp(terms - largest)).sum(axis=0) @ weight)
-        if self._rest is not None:
-            log_bottom, powers = self._rest
-            share = float(powers @ (1.0 / (p - self.law.lowest_power + np.arange(powers.size))))
-            total += math.exp(p * self._bottom + log_bottom - largest) * share
+        total = self._width * float(np.exp(size - largest).sum(axis=0) @ weight)
+        if self._is_power:
+            log_share = p * self._bottom + float(self._log_g_at_nodes[-1, 0]) - largest
+            total += math.exp(log_share) / (p - self.law.lowest_power)
         if not total > 0.0:
             self.unresolved = True
             return 0.0
@@ -290,35 +237,31 @@ class SpeedAxis:
     def log_density(self, x: FloatArray) -> FloatArray:
         """ln g at x, shape (n,), g of integral 1.
 
-        -inf where F is below that of the bulk by e^-230; NaN at low speeds among scatterers that
-        are met again.
+        -inf where F is below that of the bulk by e^-230.
         """
         if x.size == 0:
             return np.zeros(0)
         d, lowest = self.law.dimension, float(x.min())
         while self._bottom > lowest:
-            reached = self._panels[-1].log_size - d * self._bottom
+            reached = float(self._panels[-1].max()) - (d + 1) * self._bottom
             if (reached < self._bulk - DEEPEST and not self.law.reaches_rest) or not self._extend():
                 break
         out = np.full(x.shape, -math.inf)
         inside = x < self._top - 2.0 * self._width
-        inside &= (x >= self._bottom) | (self._rest is not None)
+        inside &= (x >= self._bottom) | self._is_power
         out[inside] = self._log_g(x[inside])
         with np.errstate(invalid="ignore"):
             far = out - d * x < self._bulk - self._depth
         if np.any(far & (x > 0.0)) and self._deepened():
             return self.log_density(x)
         out[far & (out - d * x < self._bulk - DEEPEST)] = -math.inf
-        if self._has_returns:
-            low = x < 0.0
-            out[low & ~(out > self._bulk + math.log(_UNKNOWN))] = math.nan
         self._coefficient = _DENSITY
         there = x[np.isfinite(out)]
         if there.size:
             step = 0.1 / self._flank
             ends = np.array([there.min(), there.min() + step, there.max() - step, there.max()])
             slopes = np.abs(np.diff(self._log_g(ends))[::2]) / step
-            self._steepest = max(self._steepest, float(np.nanmax(slopes)))
+            self._steepest = max(self._steepest, float(np.max(slopes)))
             # a narrow density has rounding of its own, as large as on its flanks
             floor = (self._steepest + self._flank) * ROUNDING_FLOOR
             self._rounding = max(self._rounding, floor)
@@ -330,49 +273,33 @@ class SpeedAxis:
         return self._rule.rows(gauss_legendre(_GAUSS)[0]).T
 
     @property
-    def _tables(self) -> tuple[FloatArray, FloatArray]:
-        """ln g and what it is multiplied by, of all panels, (n_panels, nodes) each."""
-        return np.array([p.log_g for p in self._panels]), np.array([p.q_g for p in self._panels])
+    def _log_g_at_nodes(self) -> FloatArray:
+        """ln g of all panels, (n_panels, nodes)."""
+        begin = self._top - self._width * np.arange(1.0, len(self._panels) + 1)
+        return np.array(self._panels) - begin[:, None] - self._width * self._rule.local
 
     def _log_g(self, x: FloatArray) -> FloatArray:
-        """ln g at x (n,), below the top; NaN where g < 0."""
+        """ln g at x (n,), below the top."""
         level = (self._top - np.maximum(x, self._bottom)) / self._width
         i = np.minimum(level.astype(int), len(self._panels) - 1)
-        rows = self._rule.rows(i + 1.0 - level)
-        log_g, q = (np.sum(rows * table[i], axis=1) for table in self._tables)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            log_g = log_g + np.log(q)
-        if self._rest is not None:
-            log_bottom, powers = self._rest
-            down = np.minimum(x - self._bottom, 0.0)
-            series = polyval(np.exp(down), powers)
-            below = log_bottom + np.log(series) - self.law.lowest_power * down
-            log_g = np.where(down < 0.0, below, log_g)
+        log_g = np.sum(self._rule.rows(i + 1.0 - level) * self._log_g_at_nodes[i], axis=1)
+        if self._is_power:
+            log_g -= self.law.lowest_power * np.minimum(x - self._bottom, 0.0)
         return np.asarray(log_g)
 
-    def _next_to_rest(self) -> None:
-        """Find g = e^(q x) times a polynomial of e^x below the bottom, where it is that by now."""
-        before, panel = self._panels[-2:]
-        up, q = self._width * self._rule.local, self.law.lowest_power
-        # over g at the bottom, and its power of speed
-        scaled = np.exp(panel.log_g - panel.log_g[0] + q * up)
-        if self._bottom < math.log(0.01 * self.rtol * self.law.mean_log_loss):
-            self._rest = float(panel.log_g[0]), np.ones(1)
-        elif self._bottom < -self._width:
-            above = np.exp(before.log_g - panel.log_g[0] + q * (up + self._width))
-            foretold = polyval(np.exp(up), polyfit(np.exp(up + self._width), above, _POWERS))
-            if float(np.max(np.abs(foretold / scaled - 1.0))) < _FORETOLD * self.rtol:
-                self._rest = float(panel.log_g[0]), polyfit(np.exp(up), scaled, _POWERS)
+    @property
+    def _is_power(self) -> bool:
+        """Whether g is a power of v t/l below the bottom."""
+        limit = math.log(_AT_REST * self.rtol * self.law.mean_log_loss)
+        return self.law.reaches_rest and self._bottom < limit
 
     def _extend(self) -> bool:
         """One panel further down; False where that is not needed, or does not go."""
-        if self._rest is not None:
+        if self._is_power:
             return False
         if self._bottom < -_LARGEST or not self._add_panel():
             self.unresolved = True
             return False
-        if self.law.reaches_rest:
-            self._next_to_rest()
         return True
 
     # -- the march ----------------------------------------------------------------------------
@@ -386,69 +313,45 @@ class SpeedAxis:
         """One panel further down; False where the equations of too few nodes have no solution."""
         n, law, last = self._rule.nodes - 1, self.law, self._panels[-1]
         x = self._bottom - self._width * (1.0 - self._rule.local)
-        signed = self._has_returns and self._bottom * self._flank < 1.0
-        log_w = self._guess(last, signed)
-        known = math.copysign(1.0, last.q[0])  # w at the highest node, over the guess
-        losses = self._losses_of(x, -float(self._rule.slopes[0] @ last.log_w) / self._width)
+        log_w = self._guess(last)
+        losses = self._losses_of(x, -float(self._rule.slopes[0] @ last) / self._width)
         per_flux = np.exp(x[:n]) / law.mean_log_loss
         flux = per_flux[:, None] * losses.flux
-        weight = flux + losses.back
-        lost = np.expm1(x[:n]) - per_flux * losses.flux_out - losses.back_out
+        lost = np.expm1(x[:n]) - per_flux * losses.flux_out
         guess = log_w[:n]
-        from_above = self._from_above(losses, guess) * np.stack([per_flux, np.ones(n)])
+        from_above = per_flux * self._from_above(losses, guess)
         for _ in range(_SWEEPS):
             above = from_above * np.exp(guess - log_w[:n])
-            rise = _differences(losses.rows, log_w)
-            matrix = np.matmul((weight * np.exp(rise))[:, None, :], losses.rows)[:, 0, :]
-            own = lost + (weight * np.expm1(rise)).sum(axis=1) - matrix.sum(axis=1)
+            rise = (losses.rows @ (log_w - log_w[:-1, None])[:, :, None])[:, :, 0]
+            matrix = np.matmul((flux * np.exp(rise))[:, None, :], losses.rows)[:, 0, :]
+            own = lost + (flux * np.expm1(rise)).sum(axis=1) - matrix.sum(axis=1)
             matrix[np.arange(n), np.arange(n)] += own
-            try:
-                q = np.linalg.solve(matrix[:, :n], -above.sum(axis=0) - known * matrix[:, n])
+            try:  # w over the guess, which is 1 at the highest node
+                q = np.linalg.solve(matrix[:, :n], -above - matrix[:, n])
             except np.linalg.LinAlgError:
                 return False
             if not np.all(np.isfinite(q)):
                 return False
-            q = np.append(q, known)
-            if signed:
-                break
             change = np.log(np.maximum(q, _LEAST_SHARE))
-            log_w, q = log_w + change, np.ones(n + 1)
+            log_w = log_w + np.append(change, 0.0)
             # the sweeps are Newton's method: the next change would be the square of this one
             if float(np.abs(change).max()) < 0.1 * math.sqrt(self.rtol):
                 break
-        log_g, q_g = log_w - x, q
-        if self._has_returns:
-            rise = _differences(losses.rows, log_w)
-            inside = _differences(losses.rows, q) + q[:n, None]
-            g = from_above[0] * np.exp(guess - log_w[:n]) + (flux * np.exp(rise) * inside).sum(
-                axis=1
-            )
-            q_g = np.append(g, last.q_g[0] * math.exp(last.log_g[0] - log_g[n]))
-            if not signed:
-                log_g, q_g = log_g + np.log(q_g), np.ones(n + 1)
-        shares = [part / np.abs(part).max() for part in (q, q_g)]
-        coefficients = self._rule.last_coefficients(np.stack([log_w, *shares]))
-        self._panels.append(_Panel(log_w, q, log_g, q_g, float(np.max(coefficients))))
+        self._panels.append(log_w)
+        self._last.append(float(np.max(self._rule.last_coefficients(log_w))))
         return True
 
-    def _guess(self, last: _Panel, signed: bool) -> FloatArray:
-        """ln |w| of the next panel, from the last one."""
+    def _guess(self, last: FloatArray) -> FloatArray:
+        """ln w of the next panel, from the last one: ln w + e^x/kappa goes on as a parabola."""
         up = self._width * self._rule.local
-        if signed:
-            # as steep as the last panel on the whole
-            size, half = last.log_w + np.log(np.abs(last.q) + 1e-300), up.size // 2
-            log_w = (size[half:].max() - size[:half].max()) / (0.5 * self._width) * up
-        else:
-            # ln w + e^x/kappa goes on as a parabola
-            three = [0, up.size // 2, up.size - 1]
-            at = self._rule.local[three]
-            rate = math.exp(self._bottom) / self._kappa
-            smooth = last.log_w[three] + rate * np.expm1(up[three])
-            ahead = self._rule.local[:, None] - 1.0 - at
-            log_w = interpolation_rows(ahead, barycentric_weights(at)) @ smooth
-            log_w -= rate * np.expm1(up - self._width)
-        start = last.log_w[0] + math.log(abs(last.q[0]) + 1e-300)
-        return np.asarray(log_w + (start - log_w[-1]))
+        three = [0, up.size // 2, up.size - 1]
+        at = self._rule.local[three]
+        rate = math.exp(self._bottom) / self._kappa
+        smooth = last[three] + rate * np.expm1(up[three])
+        ahead = self._rule.local[:, None] - 1.0 - at
+        log_w = interpolation_rows(ahead, barycentric_weights(at)) @ smooth
+        log_w -= rate * np.expm1(up - self._width)
+        return np.asarray(log_w + (last[0] - log_w[-1]))
 
     def _losses_of(self, x: FloatArray, slope: float) -> _Losses:
         """The losses, resolved as a panel at x (nodes,) needs them; of most panels the same."""
@@ -465,11 +368,10 @@ class SpeedAxis:
         return self._losses[key]
 
     def _from_above(self, losses: _Losses, log_w: FloatArray) -> FloatArray:
-        """What flux, over e^x/kappa, and returns bring from panels above: (2, nodes - 1)."""
-        total = np.zeros((2, log_w.size))
+        """What flux, over e^x/kappa, brings from panels above, over e^log_w: (nodes - 1,)."""
+        total = np.zeros(log_w.size)
         for m in range(1, min(losses.furthest, len(self._panels)) + 1):
-            group, panel = losses.outside(m), self._panels[-m]
-            w = np.exp(group.rows @ panel.log_w - log_w[group.node]) * (group.rows @ panel.q)
-            total[0] += np.bincount(group.node, group.flux * w, total.shape[1])
-            total[1] += np.bincount(group.node, group.back * w, total.shape[1])
+            group = losses.outside(m)
+            w = np.exp(group.rows @ self._panels[-m] - log_w[group.node])
+            total += np.bincount(group.node, group.flux * w, total.size)
         return total

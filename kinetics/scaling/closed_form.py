@@ -1,12 +1,8 @@
 r"""The scaling solution in closed form: the moments, the cooling rate and the scaled VDF.
 
-Multiply the paper's scaled equation (label ``ifmu2``) by c^p and integrate: with Y = v t/l the
-scaling state obeys, for every complex z,
-
-    lambda(z) E[Y^(z+1)] = z E[Y^z],        E[Y] = 1/kappa.
-
-E[Y^n] is therefore a finite product, which gives the cooling rate and a2. The moments between the
-integers and F(c), by Mellin inversion, are in :mod:`kinetics.scaling.mellin`.
+Multiply the paper's scaled equation (label ``ifmu2``) by c^p and integrate: with Y = v t/l, for all
+complex z, lambda(z) E[Y^(z+1)] = z E[Y^z] and E[Y] = 1/kappa. E[Y^n] is a finite product. The other
+moments and F(c), by Mellin inversion, are in :mod:`kinetics.scaling.mellin`.
 """
 
 from __future__ import annotations
@@ -52,10 +48,9 @@ class ScaledState(Result):
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        law = law_of(
-            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
-        )  # fmt: skip
-        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
+        restitutions = self.restitution, self.tangential_restitution
+        law = law_of(*restitutions, self.dimension, self.mass_ratio)
+        medium = self.scatterers, self.number_density, self.diameter, self.density_order
         return law_in_medium(law, *medium)
 
     def _power(self, p: Any) -> float:
@@ -70,25 +65,15 @@ class ScaledState(Result):
 class ScalingSolution(ScaledState):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 
-    Parameters
-    ----------
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
-    tangential_restitution : et in [0, 1]; 1 for smooth scatterers
-    dimension : 2 or 3
-    scatterers : "dilute", or at a finite density "overlapping" or "hard disks", as in a Scene
-    number_density, diameter : of those, per d^2 and in d; they count as number_density * diameter^2
-    density_order : as in a Scene
-    mass_ratio : of a scatterer, at rest, over the tracer; inf for fixed scatterers
+    tangential_restitution, dimension, scatterers, number_density, diameter, density_order,
+        mass_ratio : as in a Scene; the density counts as number_density * diameter^2
 
-    Lengths are in l, the mean path between collisions, which is ``law.mean_free_path``.
+    Lengths are in l, the mean path between collisions, which is ``law.mean_free_path``. Raises
+    InputError (a ValueError) for an argument out of range or not a number.
 
-    Raises
-    ------
-    InputError (a ValueError) : an argument out of range or not a number
-
-    If bounces are elastic (e = et = 1), nothing cools and no scaling state is approached:
-    ``cooling_rate`` is 0, ``a2`` and ``moment`` are the limits e -> 1 (all speeds are one: a2 is
-    -1/2 in the plane, -2/5 in space), ``diffusion_slope`` is infinite, and :meth:`vdf` raises.
+    If bounces are elastic, nothing cools: ``cooling_rate`` is 0, ``a2`` and ``moment`` are the
+    limits e -> 1 (all speeds are one), ``diffusion_slope`` is infinite, and :meth:`vdf` raises.
 
     >>> exact = ScalingSolution(0.0)
     >>> bool(abs(exact.cooling_rate - 2**0.5) < 1e-15), bool(abs(exact.a2 - 2) < 1e-14)
@@ -120,16 +105,10 @@ class ScalingSolution(ScaledState):
         return 2.0 / (self.law.mean_log_loss * self.law.harmonic_decay_rate(0.0, 1))
 
     def collision_cumulants(self, n: int = 3) -> NDArray[Any]:
-        """Limits of the first n <= 12 cumulants of the number N of collisions per ln t, shape (n,).
+        """Limits of the first n <= 12 cumulants of the number of collisions over ln t, shape (n,).
 
-        Mean, variance, third cumulant ... of N(t) at late times, over ln t, dimensionless:
-        1/kappa, Var(ln s)/kappa^3, ... They are the derivatives at u = 0 of theta(u),
-        E[s^theta] = exp(-u), since E[exp(u N)] grows as t^theta: :meth:`collision_power`.
-
-        Raises InputError for elastic bounces, where N grows as t, and at a finite density.
-
-        >>> bool(abs(ScalingSolution(0.0).collision_cumulants() - 1).max() < 1e-14)
-        True
+        1/kappa, Var(ln s)/kappa^3, ... Raises InputError for elastic bounces, where they grow as
+        t, and at a finite density.
         """
         self._check_counted()
         return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), False)
@@ -137,10 +116,7 @@ class ScalingSolution(ScaledState):
     def path_cumulants(self, n: int = 3) -> NDArray[Any]:
         """The same of the length X of the path: its k-th cumulant per ln t, in l^k, shape (n,).
 
-        1/kappa, E[(ln s)^2]/kappa^3, ... Between collisions X is exponential, and E[exp(u X)] grows
-        as t^theta with E[s^theta] = 1 - u.
-
-        Raises InputError as :meth:`collision_cumulants`.
+        1/kappa, E[(ln s)^2]/kappa^3, ...; errors as :meth:`collision_cumulants`.
         """
         self._check_counted()
         return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), True)
@@ -148,19 +124,12 @@ class ScalingSolution(ScaledState):
     def collision_power(self, z: float) -> tuple[float, float]:
         """(theta, C) in E[z^N(t)] ~ C (v0 t/l)^theta at late times, from one speed v0, z > 0.
 
-        N is the number of collisions. phi(theta) = 1/z with phi(p) = E[s^p],
-        C = Gamma(-theta) Q/(-z phi'(theta)), Q the product over j >= 0 of
-        (1 - z phi(j))/(1 - z phi(j + 1 + theta)). From other speeds C is multiplied by
-        <v^theta>/v0^theta. z = 1/(1 + q) gives E[exp(-q X)], X the length of the path in l.
-        Both are dimensionless, theta right to 1e-14 and C to 1e-11 of themselves. Where all losses
-        -ln s are multiples of one number, C is the mean of an oscillation in ln t that goes on.
+        N is the number of collisions, 1/z = E[s^theta]; from other speeds C is multiplied by
+        <v^theta>/v0^theta. z = 1/(1 + q) gives E[exp(-q X)], X the length of the path in l. Where
+        all losses -ln s are multiples of one number, C is the mean of an oscillation in ln t.
 
         Raises InputError for elastic bounces, at a finite density, and for a z where theta is
         beyond +-1000 or, where some bounces lose nothing, there is none.
-
-        >>> theta, amplitude = ScalingSolution(0.0).collision_power(0.5)  # phi(p) = 1/(1 + p)
-        >>> round(theta, 12), round(amplitude, 12)
-        (-0.5, 0.564189583548)
         """
         self._check_counted()
         z = check_positive("z", z)
@@ -184,68 +153,47 @@ class ScalingSolution(ScaledState):
         """The power of c before the exponential tail, b - d; infinite if elastic.
 
         b is 1/(1-e^2) for smooth disks, 2/(1-e^2) for smooth spheres, 0 where every bounce loses
-        energy (e and et below 1). NaN where the tail is no power times an exponential: rough disks
-        with e = 1.
+        energy; NaN where the tail is no power times an exponential: rough disks with e = 1.
         """
         return self.law.tail_exponent - self.dimension
-
-    @cached_property
-    def log_tail_amplitude(self) -> float:
-        """ln A in F(c) ~ A c^tail_power exp(-tail_rate c), to 1e-10; InputError if there is none.
-
-        With b = tail_power + d, E[Y^p]/Gamma(p+b) tends to S A (h/2)^b, S the surface of the unit
-        circle or sphere, 2 pi or 4 pi.
-        """
-        self._check_inelastic()
-        b = self.law.tail_exponent
-        if not math.isfinite(b):
-            refuse("restitution", self.restitution, "this law has no power times an exponential")
-        log_y = mellin.log_growth_constant(self.law, b)
-        return log_y + b * math.log(self.tail_rate) - math.log(self.law.unit_surface)
 
     def moment(self, p: float) -> float:
         """<c^p> for real p, |p| <= 300, with <c^0> = <c^2> = 1.
 
-        Where bounces come as near to rest as one likes, p must be above ``law.lowest_power``: -1
-        for smooth disks with e = 0, -2 for spheres and for et = 0.
-
-        Raises InputError for other p, and where the moment overflows.
+        Raises InputError for p not above ``law.lowest_power``, and where the moment overflows.
         """
         p = self._power(p)
         if self.law.is_elastic:
             return 1.0
         # <c^p> = E[Y^p]/E[Y^2]^(p/2) and E[Y^p] = kappa^-p A(p): the powers of kappa cancel
-        log_moment = self._log_a(p) - 0.5 * p * mellin.log_second_moment(self.law)
+        log_moment = float(mellin.log_moment(self.law, np.array([p]))[0])
+        log_moment -= 0.5 * p * mellin.log_second_moment(self.law)
         if log_moment > _LARGEST_LOG:
             refuse("p", p, "<c^p> overflows double precision there")
         return math.exp(log_moment)
 
     def scaled_speed_moment(self, p: float) -> float:
-        """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`.
-
-        Raises InputError if bounces are elastic: v t has no limit.
-        """
+        """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`; not elastic."""
         p = self._power(p)
         if self.law.is_elastic:
             refuse("restitution", 1.0, "v t has no limit law in the elastic gas")
-        return math.exp(self._log_a(p) - p * math.log(self.law.mean_log_loss))
+        log_a = float(mellin.log_moment(self.law, np.array([p]))[0])
+        return math.exp(log_a - p * math.log(self.law.mean_log_loss))
 
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), the scaled velocity distribution; same shape as c.
 
-        Normalised over all velocities: integral of 2 pi c F(c) dc = 1 in the plane, of
-        4 pi c^2 F(c) dc in space; and <c^2> = 1. Relative error below 1e-12 wherever F is not below
-        1e-280; near e = 1, where F is a ring of width sqrt(1 - e), what the rounding of c makes,
-        some 1e-16/sqrt(1 - e). F(0) is 0 (a hole) unless bounces come as near to rest as one
-        likes. For smooth scatterers with e = 0, F is infinite there: exp(-sqrt(2) c)/(sqrt(2) pi c)
-        for disks, 3 exp(-sqrt(6) c)/(2 pi c) for spheres.
+        Its integral over all velocities is 1, and <c^2> = 1. Relative error below 1e-12 wherever F
+        is not below 1e-280; near e = 1, where F is a ring of width sqrt(1 - e), what the rounding
+        of c makes, some 1e-16/sqrt(1 - e). F(0) is 0 (a hole) unless bounces come as near to rest
+        as one likes. For smooth scatterers with e = 0, F is infinite there: exp(-sqrt(2) c)/
+        (sqrt(2) pi c) for disks, 3 exp(-sqrt(6) c)/(2 pi c) for spheres.
 
-        Raises
-        ------
-        InputError : c negative or not finite; elastic bounces (F is the ring delta(c - 1)/(2 pi))
+        Raises InputError for c negative or not finite, and for elastic bounces.
         """
         c_ = not_negative("c", c)
-        self._check_inelastic()
+        if self.law.is_elastic:
+            refuse("restitution", self.restitution, "elastic bounces leave no scaled VDF")
         law, d = self.law, self.dimension
         q = law.uniform_power
         if q:
@@ -272,14 +220,6 @@ class ScalingSolution(ScaledState):
 
     def _figures(self) -> dict[str, str]:
         return scaled_figures(self) | {"d<r^2>/d ln t / l^2": f"{self.diffusion_slope:.12g}"}
-
-    def _log_a(self, p: float) -> float:
-        """ln A(p), A(p) = kappa^p E[Y^p]."""
-        return float(mellin.log_moment(self.law, np.array([p]))[0])
-
-    def _check_inelastic(self) -> None:
-        if self.law.is_elastic:
-            refuse("restitution", self.restitution, "elastic bounces leave no scaled VDF")
 
     def _check_counted(self) -> None:
         if self.law.is_elastic:
@@ -319,18 +259,15 @@ def scaled_dataset(
 
 def scaled_figures(state: Any) -> dict[str, str]:
     """What a notebook shows of a ScalingSolution or a ScaledVDF."""
-    return {
-        "law": state.law.described,
-        "cooling rate h": f"{state.cooling_rate:.12g}",
-        "a2": f"{state.a2:.12g}",
-    }
+    numbers = {"cooling rate h": f"{state.cooling_rate:.12g}", "a2": f"{state.a2:.12g}"}
+    return {"law": state.law.described} | numbers
 
 
 def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """The speeds at which F is asked for, shape (n,), and F(0) at all of them, as a beginning.
 
-    F is 0 at rest, but where bounces come as near to rest as one likes: F ~ c^(q - d), with -q the
-    lowest power of the law, is infinite, or (q = d) finite and asked for at a speed close by.
+    Where bounces come as near to rest as one likes F ~ c^(q - d), with -q the lowest power of the
+    law, is infinite at rest, or (q = d) finite and asked for at a speed close by; else it is 0.
     """
     if not law.reaches_rest:
         return c, np.zeros(c.shape)

@@ -1,14 +1,10 @@
 r"""How many collisions a cooling tracer has had at late times, and how far it has flown.
 
-Along its path X, in l, a tracer collides at the rate 1, and ln v falls by -ln s at each collision:
-t is the integral of dX/v. With phi(p) = E[s^p], from v = 1 and l = 1,
-
-    E[z^N(t)] = sum_k (-t)^k/k! c(k),        c(p+1) = (1 - z phi(p)) c(p), c(0) = 1,
-
-since d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)]. c(p) is the principal solution of that
-recurrence. The series is the Mellin transform Gamma(p) c(-p), whose first pole on the right is at
--p = theta, phi(theta) = 1/z, where c(-p) = c(1 - p)/(1 - z phi(-p)); hence C t^theta with
-C = Gamma(-theta) c(1 + theta)/(-z phi'(theta)). E[exp(-q X)] is the same with z = 1/(1 + q).
+With phi(p) = E[s^p], from v = 1 and l = 1, d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)], and
+E[z^N(t)] = sum_k (-t)^k/k! c(k), c the principal solution of c(p+1) = (1 - z phi(p)) c(p), c(0) 1.
+This is the Mellin transform Gamma(p) c(-p), whose first pole on the right is at -p = theta,
+phi(theta) = 1/z: hence C t^theta, C = Gamma(-theta) c(1 + theta)/(-z phi'(theta)). E[exp(-q X)] of
+the path X is the same with z = 1/(1 + q).
 """
 
 from __future__ import annotations
@@ -108,6 +104,8 @@ def cumulants(law: CollisionLaw, n: int, of_path: bool) -> FloatArray:
 
 def _taylor_at_zero(law: CollisionLaw, orders: int) -> list[NDArray[Any]]:
     """Taylor coefficients of lambda at 0, from order 0 to orders - 1, each (1,)."""
+    if q := law.uniform_power:  # lambda = z/(z + q)
+        return [np.array([-((-1.0 / q) ** k) if k else 0.0]) for k in range(orders)]
     if not law.reaches_rest:
         return law.decay_taylor(np.zeros(1), orders)
     # high powers of ln s see bounces beyond all points: from a circle, which encloses no pole

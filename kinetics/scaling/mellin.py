@@ -10,16 +10,16 @@ itself in both tails.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import ComplexArray, FloatArray
-from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
+from kinetics.numerics import ComplexArray, FloatArray, one_blas_thread
+from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
-from kinetics.numerics.threads import one_blas_thread
 
 # The Euler-Maclaurin formula is used where Re z >= _START, or as far from the zeros of lambda: with
 # 12 Taylor coefficients it leaves 2 * 12!/((2 pi)^14 16^13) = 1e-18.
@@ -38,6 +38,7 @@ _DIFFERENCE = 0.2  # over the deviation, for derivatives of ln A that place line
 _LOWEST_LINE = 0.25
 _NEARLY_ELASTIC = 1e-8  # share of energy lost
 _MOST_SAMPLES = 2000  # of a line: never reached
+_OWN_FACTOR = 5.0  # e-folds
 
 
 def log_second_moment(law: CollisionLaw) -> float:
@@ -60,16 +61,15 @@ def _rho(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.where(zero, 0.0, np.log(ratio)))
 
 
-def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
-    """Taylor coefficients of rho at z (n,), up to order 11."""
-    orders = range(1, MOST_ORDERS)
-    p = law.uniform_power
-    if p:
+def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any], m: int = 0) -> list[NDArray[Any]]:
+    """Taylor coefficients of rho at z (n,), up to order 11; of `log_moment_on_line`, m > 0."""
+    p, orders = law.uniform_power, range(1, MOST_ORDERS)
+    if p and not m:
         return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
-    rate = law.decay_taylor(z, MOST_ORDERS)
+    rate, base = law.decay_taylor(z, MOST_ORDERS, m), z + float(m > 0)
     of_rate = taylor_of_log([c / rate[0] for c in rate])  # lambda < 0 for z < 0
-    rest = [-((-1.0 / z) ** n) / n - of_rate[n] for n in orders]
-    return [np.log(law.mean_log_loss * z / rate[0]), *rest]
+    rest = [-((-1.0 / base) ** n) / n - of_rate[n] for n in orders]
+    return [np.log(law.mean_log_loss * base / rate[0]), *rest]
 
 
 def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
@@ -93,25 +93,33 @@ def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
     return max(_START, math.ceil(_START - a))
 
 
-def _from(law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any]) -> NDArray[Any]:
+def _from(
+    law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any], m: int = 0
+) -> NDArray[Any]:
     """ln A at ``top`` (n,), from the integral of rho from n up to there, by Euler-Maclaurin."""
     known = _rho(law, np.arange(1.0, n)).sum()  # ln A(n)
     begin = _taylor_of_rho(law, np.array([float(n)]))
-    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top)))
+    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top, m)))
 
 
-def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) -> ComplexArray:
-    """ln A(a + i n step), n = 0 ... count - 1."""
+def log_moment_on_line(
+    law: CollisionLaw, a: float, step: float, count: int, m: int = 0
+) -> ComplexArray:
+    """ln A(a + i n step), n = 0 ... count - 1; with lambda_m/(z + 1) in place of lambda/z, m > 0.
+
+    For m > 0 up to a constant.
+    """
     z = a + 1j * step * np.arange(count)
     shift = _shift(law, a, step * count)
     node, weight = gauss_legendre(10)
     offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
     at = z[:, None] + offsets
-    rate = np.where(at == 0.0, 1.0, law.decay_rates(z, offsets))
-    rho = np.log(np.where(at == 0.0, 1.0, law.mean_log_loss * at / rate))
+    zero = (at == 0.0) & (m == 0)
+    rate = np.where(zero, 1.0, law.decay_rates(z, offsets, m))
+    rho = np.log(np.where(zero, 1.0, law.mean_log_loss * (at + float(m > 0)) / rate))
     path = np.full(count, complex(_integral(law, float(shift), a + shift)))
     path[1:] = path[0] + 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
-    return np.asarray(_from(law, shift, path, z + shift) - rho[:, :shift].sum(axis=1))
+    return np.asarray(_from(law, shift, path, z + shift, m) - rho[:, :shift].sum(axis=1))
 
 
 def _integral(law: CollisionLaw, low: float, high: float) -> float:
@@ -125,36 +133,6 @@ def _integral(law: CollisionLaw, low: float, high: float) -> float:
         edges.append(min(edges[-1] + unit, max(low, high)))
     nodes, weights = panels_between(np.array(edges), 24)
     return math.copysign(1.0, high - low) * float(_rho(law, nodes) @ weights)
-
-
-def log_growth_constant(law: CollisionLaw, b: float) -> float:
-    """ln of the limit of E[Y^p]/Gamma(p+b) for large p, b the law's tail exponent, to 1e-10.
-
-    E[Y^(p+1)]/Gamma(p+1+b) exceeds E[Y^p]/Gamma(p+b) by the factor (p/(p+b))/lambda(p): a sum of
-    its logarithm over the integers, by the Euler-Maclaurin formula from n on.
-    """
-
-    def excess(p: FloatArray) -> FloatArray:
-        return np.asarray(-np.log(law.decay_rate(p)) - np.log1p(b / p))
-
-    n = 24.0
-    head = float(excess(np.arange(1.0, n)).sum())
-    # the integral in u = n/p up to p = last, and beyond from three terms of the series in 1/p
-    last = 2000.0 * max(b, 1.0)
-    u, w = equal_panels(1.0 - n / last, 40, 0.25)
-    u = u + n / last
-    integral = float((excess(n / u) * n / u**2) @ w)
-    at = last * np.array([1.0, 1.5, 2.0])
-    terms = np.linalg.solve(at[:, None] ** -np.array([2.0, 3.0, 4.0]), excess(at))
-    integral += float(terms @ (last ** -np.array([1.0, 2.0, 3.0]) / np.array([1.0, 2.0, 3.0])))
-    # Taylor coefficients at n: of rho, less those of ln(p + b); far out they vanish
-    begin = [c[0] for c in _taylor_of_rho(law, np.array([n]))]
-    for order in range(1, len(begin)):
-        begin[order] += (-1.0 / (n + b)) ** order / order
-    begin[0] -= math.log(law.mean_log_loss * (n + b))
-    end = [np.zeros(())] * len(begin)
-    tail = float(log_growth(np.asarray(integral), begin, end))
-    return -math.log(law.mean_log_loss) - math.lgamma(1.0 + b) + head + tail
 
 
 # -- Mellin inversion through the saddle -----------------------------------------------------------
@@ -211,9 +189,13 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
     """Make lines from the bulk (x near 0) outwards, until both x are served or F is 0 there."""
     if not lines:
         lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law))))
-    while (end := lines[-1]).centre + _SERVED * end.deviation < highest and _something(law, end):
+
+    def something(line: Line) -> bool:  # Chernoff: ln g(x) <= ln A(a) - a x
+        return line.log_moment - (line.exponent + law.dimension) * line.centre > _NOTHING
+
+    while (end := lines[-1]).centre + _SERVED * end.deviation < highest and something(end):
         lines.append(_line(law, end.exponent + _APART / end.deviation, end.deviation))
-    while (end := lines[0]).centre - _SERVED * end.deviation > lowest and _something(law, end):
+    while (end := lines[0]).centre - _SERVED * end.deviation > lowest and something(end):
         step = _APART / end.deviation
         if law.largest_loss > _RARELY_LOST:
             step = min(step, _CLOSE)
@@ -221,11 +203,6 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
         if exponent == end.exponent:
             break
         lines.insert(0, _line(law, exponent, end.deviation))
-
-
-def _something(law: CollisionLaw, line: Line) -> bool:
-    """Whether F is above 0 at the centre of a line; Chernoff: ln g(x) <= ln A(a) - a x."""
-    return line.log_moment - (line.exponent + law.dimension) * line.centre > _NOTHING
 
 
 def _sum(line: Line, x: FloatArray) -> FloatArray:
@@ -258,14 +235,9 @@ def _line(law: CollisionLaw, a: float, scale: float) -> Line:
     count = 1
     while np.max(np.abs(samples[-1][-4:])) >= math.exp(-_NEGLIGIBLE) and count <= _MOST_SAMPLES:
         block = max(32, count)
-        samples.append(np.exp(_log_moment_on_line(law, a, step, count + block)[count:] - log_a))
+        samples.append(np.exp(log_moment_on_line(law, a, step, count + block)[count:] - log_a))
         count += block
     return Line(a, mean, math.sqrt(variance), step, log_a, np.concatenate(samples))
-
-
-_REACHES = (14.0, 60.0, 300.0)  # wave numbers that are tried, over the deviation
-_STEPS = 32  # of each try
-_OWN_FACTOR = 5.0  # a density of x falls as e^-(e^x) high up: its own factor e^x is allowed for
 
 
 def small_deviation(law: CollisionLaw) -> float:
@@ -274,34 +246,16 @@ def small_deviation(law: CollisionLaw) -> float:
     return math.sqrt(float(q.weight @ q.log_loss**2) / (2.0 * law.mean_log_loss))
 
 
+@lru_cache(maxsize=4)  # all harmonics of a scene ask for the same
 def extent_of(law: CollisionLaw, depth: float) -> tuple[float, float]:
-    """x above which the scaling state weighs e^-depth, and where its transform is that small.
-
-    The transform of its density is A(i k), A(z) = E[(kappa v t/l)^z]. The derivative of ln A is
-    nearly rho(z - 1/2), rho(z) = ln A(z + 1) - ln A(z) = ln(kappa z/lambda(z)), for Re z >= 1/2.
+    """ln(v t/l) above which the scaling state weighs e^-depth; the wave number at which the
+    transform of its density, A(i k), is that small.
     """
     deviation = small_deviation(law)
-    q, kappa = law.quadrature, law.mean_log_loss
-    # Chernoff's bound
-    p = np.geomspace(1e-3, 60.0, 120) / deviation
-    middle = 0.5 * (p + np.append(0.0, p[:-1])) - 0.5
-    middle = np.where(np.abs(middle) < 1e-6, 1e-6, middle)
-    decay = law.met_again(middle, -np.expm1(-np.multiply.outer(middle, q.log_loss)) @ q.weight, 0)
-    log_a = np.cumsum(np.log(kappa * middle / decay) * np.diff(p, prepend=0.0))
-    right = float(np.min((log_a + depth + _OWN_FACTOR) / p))
-    band = 0.0
-    for reach in _REACHES:
-        k = np.linspace(0.0, reach / deviation, _STEPS)
-        # ln A(i k) = ln A(1 + i k) - rho(i k), and up the line from there
-        z = np.stack([1j * k, 0.5 + 1j * k])
-        z[0, 0] = 1e-6
-        log_rho = np.log(kappa * z / law.decay_symbol(z.ravel()).reshape(z.shape))
-        turn = np.unwrap(log_rho[1].imag)
-        fall = np.append(0.0, np.cumsum(0.5 * (turn[1:] + turn[:-1]) * np.diff(k)))
-        fall += log_rho[0].real - log_rho[0, 0].real
-        if fall[-1] > depth:
-            i = int(np.nonzero(fall <= depth)[0][-1]) + 1  # before, A may vanish at single k
-            share = (depth - fall[i - 1]) / (fall[i] - fall[i - 1])
-            return right, float(k[i - 1] + share * (k[i] - k[i - 1]))
-        band = float(k[-1])
-    return right, band
+    p = np.geomspace(0.3, 60.0, 24) / deviation
+    # Chernoff's bound; a density of x falls as e^-(e^x), and its own factor e^x is allowed for
+    right = float(np.min((log_moment(law, p) + depth + _OWN_FACTOR) / p))
+    step, count = 0.5 / deviation, 32
+    while (size := log_moment_on_line(law, 0.0, step, count).real)[-1] > -depth and count < 1000:
+        count *= 2
+    return right - math.log(law.mean_log_loss), step * float(np.count_nonzero(size > -depth))

@@ -16,16 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
+from kinetics.errors import SolverStatus, judged
 from kinetics.numerics import FloatArray
 from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
 from kinetics.scaling.closed_form import ScaledState, from_rest, scaled_dataset, scaled_figures
-from kinetics.status import SolverStatus, judged
-from kinetics.validation import (
-    check_rtol,
-    not_negative,
-    refuse,
-    whole_number,
-)
+from kinetics.validation import check_rtol, not_negative, refuse, whole_number
 
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision
 _LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
@@ -35,22 +30,13 @@ _LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-2
 class ScaledVDF(ScaledState):
     """The scaled velocity distribution as the discretised solver finds it.
 
-    Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 (4 pi c^2 in space) and <c^2> = 1.
-    Built by
-    :func:`solve_scaled`; only the part of the speed axis that a question needs is solved.
-
+    Built by :func:`solve_scaled`; only the part of the speed axis that a question needs is solved.
     A value: equal to another one if it was asked for with the same arguments. A file that
     :meth:`save` writes holds these arguments, h and a2; what else is asked of the loaded one is
-    solved again, as it is of a copy in another process.
+    solved again.
 
-    Attributes
-    ----------
-    restitution : e, or a :class:`kinetics.CollisionLaw`
     rtol : the relative accuracy asked for
     requested_nodes : nodes of each panel of the axis, or None for the solver's own choice
-    tangential_restitution : et
-    dimension : 2 or 3
-    scatterers, number_density, diameter, density_order, mass_ratio : as in :func:`solve_scaled`
     """
 
     rtol: float = 1e-12
@@ -73,8 +59,7 @@ class ScaledVDF(ScaledState):
     def moment(self, p: float) -> float:
         """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow.
 
-        Where nodes that were given are far too few, so that the error estimate is 1 or more,
-        nothing is known of the moment, and it is the largest number instead of an overflow.
+        The largest number in place of an overflow where nodes that were given are far too few.
         """
         number = self._power(p)
         log_moment = self._axis.log_moment(number) - 0.5 * number * self._log_second
@@ -87,12 +72,9 @@ class ScaledVDF(ScaledState):
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), same shape as c, accurate relative to F(c) itself in both tails.
 
-        Rounding limits it to 1.4e-14 times the steepness |d ln F/d ln c|, of which
-        :attr:`error_estimate` takes the largest that was met. F(0) is 0 unless bounces come as
-        near to rest as one likes; at e = 0 it is infinite.
-
-        Raises InputError for c negative or not finite, and where F is below 1e-100 of that of the
-        bulk: :class:`kinetics.ScalingSolution` has it there.
+        F(0) is 0 unless bounces come as near to rest as one likes; at e = 0 it is infinite. Raises
+        InputError for c negative or not finite, and where F is below 1e-100 of that of the bulk:
+        :class:`kinetics.ScalingSolution` has it there.
         """
         c_ = not_negative("c", c)
         found = self.reached_vdf(c_)
@@ -125,9 +107,8 @@ class ScaledVDF(ScaledState):
         """Relative error of the results, over all that was solved so far.
 
         From the last Chebyshev coefficients of the density on each panel, from A(1) = A(0), and
-        from what the error of the unit of speed makes of F(c) where F is steep. A floor for
-        rounding is added, ten times the largest that was found on three kinds of processor:
-        1.4e-14 times the larger of p for <c^p> and, for F(c), its steepness |d ln F/d ln c|.
+        from what the error of the unit of speed makes of F(c) where F is steep, with a floor for
+        rounding: 1.4e-14 times the larger of p for <c^p> and |d ln F/d ln c| for F(c).
         """
         return self._axis.error_estimate
 
@@ -146,11 +127,10 @@ class ScaledVDF(ScaledState):
         return judged({"F(c)": self.error_estimate}, {"F(c)": self.rtol}, self.requested_nodes)
 
     def __repr__(self) -> str:
-        nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"
         return (
-            f"ScaledVDF({self.law.described}, rtol={self.rtol!r}{nodes}): "
-            f"h = {self.cooling_rate:.12g}, a2 = {self.a2:.12g}, "
-            f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
+            f"ScaledVDF({self.law.described}, rtol={self.rtol!r}): h = {self.cooling_rate:.12g}, "
+            f"a2 = {self.a2:.12g}, {self.status.name.lower()}, error estimate "
+            f"{self.error_estimate:.1e}"
         )
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
@@ -200,27 +180,16 @@ def solve_scaled(
 ) -> ScaledVDF:
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 
-    Parameters
-    ----------
     restitution : e, 0 <= e < 1 for smooth scatterers; or a :class:`kinetics.CollisionLaw`
     rtol : relative accuracy asked of h, a2, the moments and F(c), 1e-14 to 0.1; below 1.4e-14 times
         the steepness |d ln F/d ln c| nothing is promised, and the status says so
-    nodes : nodes of each panel of the axis, 8 to 256, for convergence studies; chosen from rtol
-        by default
-    tangential_restitution : et in [0, 1]; 1 for smooth scatterers
-    dimension : 2 or 3
-    scatterers, number_density, diameter, density_order, mass_ratio : as in
-        :class:`kinetics.ScalingSolution`
+    nodes : nodes of each panel of the axis, 8 to 256, for convergence studies
+    tangential_restitution, dimension, mass_ratio, scatterers ... : as in
+        :class:`kinetics.ScalingSolution`, but dilute scatterers only
 
-    Returns
-    -------
-    ScaledVDF : with the names of :class:`kinetics.ScalingSolution`, and ``nodes``,
-        ``error_estimate``, ``status``
-
-    Raises
-    ------
-    InputError (a ValueError) : a law that is elastic, gains energy or may leave less than 1e-100
-        of a speed (but 0); an argument out of range
+    Returns a ScaledVDF: the names of :class:`kinetics.ScalingSolution`, and ``nodes``,
+    ``error_estimate``, ``status``. Raises InputError (a ValueError) for a law that is elastic or
+    may leave less than 1e-100 of a speed (but 0), and for an argument out of range.
 
     >>> vdf = solve_scaled(restitution=0.7)
     >>> round(vdf.cooling_rate, 12), vdf.status.name
@@ -239,6 +208,10 @@ def solve_scaled(
         None if nodes is None else whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES),
     )
     law = solution.law
+    if law.medium is not None:
+        refuse(
+            "scatterers", scatterers, "the solver takes 'dilute'; ScalingSolution has the others"
+        )
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
         refuse("restitution", restitution, allowed)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.quadrature import LogMeasure
@@ -24,107 +24,86 @@ from kinetics.validation import (
     normalised,
     real_number,
     refuse,
-    rising_speeds,
+    rising_from_zero,
+    whole_number,
 )
 
-# q = v^2 times a difference of inverse variances, from which exp(-q) I(q) is the first two terms of
-# its asymptotic series: the third is 1e-16 of it for harmonics up to m = 20
-_FAR_BESSEL = 1e9
+_FAR_BESSEL = (
+    1e9  # scipy has no I(q) beyond; there exp(-q) I(q) is q^-1/2 to 1e-10, and hardly anybody
+)
+_LARGEST_RATIO = 1e4  # of two deviations
 _HIGHEST = 100.0  # standard deviations beyond which a Gaussian is zero, and v^2 may overflow
 _ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
 
-# -- formulas -------------------------------------------------------------------------------------
 
+@dataclass(frozen=True)
+class Gaussian(State):
+    """Independent Gaussian components of the velocity, in general of different deviations.
 
-class Normal(State):
-    """Independent Gaussian components; a subclass stores `_wide`, the widest deviation D."""
+    deviation_x, deviation_y : standard deviations of v_x and v_y, in U, above zero; equal ones are
+        the isotropic start of the paper
+    dimension : 2; or 3, where all components have one deviation
+    """
 
+    deviation_x: float = 1.0
+    deviation_y: float = 1.0
+    dimension: int = 2
     smooth = True
-    _dimension = 2
-    _wide: float
-    _ratio = 1.0  # of D to the other deviation
+
+    def __post_init__(self) -> None:
+        x = check_positive("deviation_x", self.deviation_x)
+        y = check_positive("deviation_y", self.deviation_y)
+        if not max(x, y) <= _LARGEST_RATIO * min(x, y):
+            refuse("deviation_y", y, f"it must be within {_LARGEST_RATIO:g} of deviation_x, {x:g}")
+        d = whole_number("dimension", self.dimension, 2, 2 if x != y else 3)
+        self.store(deviation_x=x, deviation_y=y, dimension=d, lowest_moment=-float(d))
+        self.store(highest_harmonic=0 if x == y else None)
+
+    def in_space(self) -> State | None:
+        """The Maxwell distribution of the same deviation, if both are equal."""
+        return Gaussian(self.deviation_x, self.deviation_x, 3) if self._ratio == 1.0 else None
+
+    @property
+    def _wide(self) -> float:
+        return max(self.deviation_x, self.deviation_y)
+
+    @property
+    def _ratio(self) -> float:
+        return self._wide / min(self.deviation_x, self.deviation_y)
 
     def _factor(self, m: int, u: FloatArray) -> Any:
-        """f_m over the density of components that all have the deviation D, at u = v/D."""
-        return None if m else 1.0
+        """f_m over the density of components that all have the wider deviation D, at u = v/D.
+
+        With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only.
+        """
+        if self._ratio == 1.0 or m % 2:
+            return None if m else 1.0
+        from scipy.special import ive
+
+        a, order = self._ratio, m // 2
+        q = 0.25 * (a - 1.0) * (a + 1.0) * u**2
+        far = np.maximum(q / _FAR_BESSEL, 1.0)
+        found = a * ive(order, q / far) / np.sqrt(far)
+        return -found if order % 2 and self.deviation_y > self.deviation_x else found
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """Trapezoid rule in ln v."""
-        d = self._dimension
+        d = self.dimension
         found = quadrature.gaussian(rtol, lowest, highest, d, self._wide, self._ratio)
         factor = self._factor(m, np.exp(found.x) / self._wide)
         return None if factor is None else LogMeasure(found.x, found.weight * factor)
 
     def profile(self, m: int) -> SpeedFunction | None:
         """v exp(-v^2/2 D^2)/D^2, in space sqrt(2/pi) v^2 exp(-v^2/2 D^2)/D^3, times the factor."""
-        norm = (1.0 if self._dimension == 2 else math.sqrt(2.0 / math.pi)) / self._wide
+        norm = (1.0 if self.dimension == 2 else math.sqrt(2.0 / math.pi)) / self._wide
 
         def value(v: FloatArray) -> NDArray[Any]:
             u = np.minimum(v / self._wide, _HIGHEST)
             with np.errstate(under="ignore"):
-                radial = norm * u ** (self._dimension - 1) * np.exp(-0.5 * u * u)
+                radial = norm * u ** (self.dimension - 1) * np.exp(-0.5 * u * u)
                 return np.asarray(radial * self._factor(m, u))
 
         return None if self._factor(m, np.zeros(0)) is None else value
-
-
-@dataclass(frozen=True)
-class Gaussian(Normal):
-    """Independent Gaussian components of the velocity, in general of different deviations.
-
-    Parameters
-    ----------
-    deviation_x, deviation_y : standard deviations of v_x and v_y, in U; equal ones are the
-        isotropic start of the paper
-
-    Raises
-    ------
-    InputError : a deviation that is not above zero
-    """
-
-    deviation_x: float = 1.0
-    deviation_y: float = 1.0
-    lowest_moment = -2.0
-
-    def __post_init__(self) -> None:
-        x = check_positive("deviation_x", self.deviation_x)
-        y = check_positive("deviation_y", self.deviation_y)
-        self.store(deviation_x=x, deviation_y=y, highest_harmonic=0 if x == y else None)
-        self.store(_wide=max(x, y), _ratio=max(x, y) / min(x, y))
-
-    def in_space(self) -> State | None:
-        """The Maxwell distribution of the same deviation, if both are equal."""
-        return Maxwell(self.deviation_x) if self.highest_harmonic == 0 else None
-
-    def _factor(self, m: int, u: FloatArray) -> Any:
-        """With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only."""
-        if self.highest_harmonic == 0 or m % 2:
-            return None if m else 1.0
-        from scipy.special import ive
-
-        ratio, order = self._ratio, m // 2
-        root = 0.5 * math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio)) * u  # sqrt(q)/a
-        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            q = (ratio * root) ** 2
-            far = (1.0 - (order**2 - 0.25) / (2.0 * q)) / (math.sqrt(2.0 * math.pi) * root)
-        found = np.where(q > _FAR_BESSEL, far, ratio * ive(order, np.minimum(q, _FAR_BESSEL)))
-        return -found if order % 2 and self.deviation_y > self.deviation_x else found
-
-
-@dataclass(frozen=True)
-class Maxwell(Normal):
-    """Three independent Gaussian components of the velocity, in space; isotropic.
-
-    ``deviation`` is the standard deviation of each, in U. Raises InputError if it is not above 0.
-    """
-
-    deviation: float = 1.0
-    lowest_moment = -3.0
-    _dimension = 3
-
-    def __post_init__(self) -> None:
-        deviation = check_positive("deviation", self.deviation)
-        self.store(deviation=deviation, _wide=deviation)
 
 
 @dataclass(frozen=True)
@@ -136,9 +115,6 @@ class Rest(State):
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """Harmonic 0 is one point at the speed 0; all others are zero."""
         return None if m else LogMeasure(np.array([-np.inf]), np.ones(1))
-
-
-# -- particles ------------------------------------------------------------------------------------
 
 
 class Samples(State):
@@ -173,23 +149,15 @@ class Monoenergetic(Samples):
 
 @dataclass(frozen=True)
 class SpeedSamples(Samples):
-    """Speeds of particles, each of the same weight; isotropic.
-
-    Parameters
-    ----------
-    speed : in U, above zero, shape (n,)
-
-    Raises
-    ------
-    InputError : empty, NaN or not above zero
-    """
+    """Speeds of particles in U, above zero, shape (n,), each of the same weight; isotropic."""
 
     speed: ArrayLike
 
     def __post_init__(self) -> None:
-        v = finite_array("speed", self.speed, "samples must be above 0", math.ulp(0.0))
+        allowed = "samples must be above 0, at least 1"
+        v = finite_array("speed", self.speed, allowed, math.ulp(0.0))
         if v.size == 0:
-            refuse("speed", self.speed, "samples must be above 0, at least 1")
+            refuse("speed", self.speed, allowed)
         self.store(speed=v)
         self._place(v)
 
@@ -198,13 +166,7 @@ class SpeedSamples(Samples):
 class VelocitySamples(Samples):
     """Velocities of particles, each of the same weight; directions are kept.
 
-    Parameters
-    ----------
     velocity : (v_x, v_y) in U, shape (n, 2), none of them zero: at rest a tracer never collides
-
-    Raises
-    ------
-    InputError : of another shape, NaN, or a velocity that is zero
     """
 
     velocity: ArrayLike
@@ -217,9 +179,6 @@ class VelocitySamples(Samples):
             refuse("velocity", self.velocity, allowed)
         self.store(velocity=v)
         self._place(np.hypot(*v.T), np.arctan2(v[:, 1], v[:, 0]))
-
-
-# -- tables ---------------------------------------------------------------------------------------
 
 
 class Table(State):
@@ -265,21 +224,15 @@ class Table(State):
 class SpeedTable(Table):
     """A tabulated speed density: linear between the points, zero outside them; isotropic.
 
-    Parameters
-    ----------
     speed : in U, rising, not negative, shape (n,), n >= 2
     density : per U; integral over the speed = 1 (within 1e-6; used rescaled to it), shape (n,)
-
-    Raises
-    ------
-    InputError : negative, NaN, unsorted, or not normalised
     """
 
     speed: ArrayLike
     density: ArrayLike
 
     def __post_init__(self) -> None:
-        v, f = rising_speeds(self.speed), finite_array("density", self.density)
+        v, f = rising_from_zero("speed", self.speed), finite_array("density", self.density)
         if v.size != f.size:
             raise InputError(f"density: got {f.size} values for {v.size} speeds")
         self.store(speed=v, density=f)
@@ -290,22 +243,16 @@ class SpeedTable(Table):
 class PolarGrid(Table):
     """f(v, phi), a density in the velocity plane, on a polar grid.
 
-    Parameters
-    ----------
     speed : in U, rising, not negative, shape (n_v,)
     values : f at (speed, 2 pi j/n_phi), not negative, shape (n_v, n_phi); linear in the speed,
         trigonometric in the angle; integral of f v dv dphi = 1 (within 1e-6; used rescaled to it)
-
-    Raises
-    ------
-    InputError : negative, NaN, of another shape, unsorted, or not normalised
     """
 
     speed: ArrayLike
     values: ArrayLike
 
     def __post_init__(self) -> None:
-        v = rising_speeds(self.speed)
+        v = rising_from_zero("speed", self.speed)
         allowed = f"it must be finite numbers, none negative, of shape ({v.size}, n_phi)"
         f = finite_array("values", self.values, allowed, 0.0, (2,))
         if f.shape[0] != v.size or f.shape[1] < 1:
@@ -315,16 +262,11 @@ class PolarGrid(Table):
         self._tabulate(v, found[:, : (f.shape[1] + 1) // 2], "values")
 
 
-# -- functions ------------------------------------------------------------------------------------
-
-
 class Functions(State):
-    """A state whose f_m are functions of v: a subclass says which, and None for those left out."""
+    """A state whose f_m are functions of v; a subclass gives those that are not zero."""
 
     smooth = True
-
-    def _function(self, m: int) -> Callable[[Any], Any] | None:
-        raise NotImplementedError
+    terms: Mapping[int, Callable[[Any], Any]]
 
     def in_space(self) -> State:
         """The same functions, as coefficients of Legendre polynomials."""
@@ -332,11 +274,13 @@ class Functions(State):
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """Adaptive Gauss panels in ln v; None for a function that is zero everywhere."""
-        function = self._function(m)
-        if function is None or m:
-            return function and quadrature.function(function, rtol, lowest, highest)
+        if m not in self.terms:
+            return None
         # a tenth of the allowed error of the norm, so that its check sees the density
-        found = quadrature.function(function, min(rtol, 1e-7), lowest, highest)
+        tight = rtol if m else min(rtol, 1e-7)
+        found = quadrature.function(self.terms[m], tight, lowest, highest)
+        if m:
+            return found
         if found is None:
             raise InputError(quadrature.NO_INTEGRAL)
         if np.iscomplexobj(found.weight):
@@ -346,39 +290,29 @@ class Functions(State):
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
-        function = self._function(m)
-        return None if function is None else lambda v: quadrature.evaluate(function, v)
+        return (lambda v: quadrature.evaluate(self.terms[m], v)) if m in self.terms else None
 
 
 @dataclass(frozen=True)
 class SpeedDensity(Functions):
     """A speed density given as a function of v/U that maps arrays to arrays; isotropic.
 
-    Raises
-    ------
-    InputError : where it is used, if it is negative, NaN, not normalised (within 1e-6), or has no
-        second moment
+    InputError where it is used, if it is negative, NaN, not normalised, or has no second moment.
     """
 
     function: Callable[[Any], Any]
 
-    def _function(self, m: int) -> Callable[[Any], Any] | None:
-        return None if m else self.function
+    def __post_init__(self) -> None:
+        self.store(terms={0: self.function})
 
 
 @dataclass(frozen=True)
 class AngularHarmonics(Functions):
     """f(v, phi) given by its angular harmonics; in space, f(v, theta) by Legendre polynomials.
 
-    Parameters
-    ----------
     terms : m -> f_m(v), m >= 0, functions of v/U that map arrays to arrays, real or complex:
         f_m(v) = integral of exp(-i m phi) v f over phi, in space of P_m(cos theta) v^2 f over all
         directions; f_0 is the speed density
-
-    Raises
-    ------
-    InputError : no m = 0, a negative or fractional m; where they are used, as for SpeedDensity
     """
 
     terms: Mapping[int, Callable[[Any], Any]]
@@ -392,19 +326,11 @@ class AngularHarmonics(Functions):
             refuse("terms", orders, "orders must be whole, m >= 0, and m = 0 is needed")
         self.store(terms=dict(self.terms), highest_harmonic=int(max(orders)))
 
-    def _function(self, m: int) -> Callable[[Any], Any] | None:
-        return self.terms.get(m)
-
-
-# -- directions -----------------------------------------------------------------------------------
-
 
 @dataclass(frozen=True)
 class Beam(State):
     """All velocities in one direction.
 
-    Parameters
-    ----------
     direction : angle phi_0 of the velocity to the x axis, in radians
     speeds : an isotropic state, or a name, whose speeds the beam has
     """
@@ -429,17 +355,15 @@ class Beam(State):
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """The points of the speeds, with their weights times exp(-i m phi_0)."""
         found: LogMeasure = self.speeds.harmonic(0, rtol, lowest, highest)
-        return LogMeasure(found.x, found.weight * self._turn(m)) if m else found
+        return LogMeasure(found.x, found.weight * self._turn(m))
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The speed density times exp(-i m phi_0)."""
         profile: SpeedFunction | None = self.speeds.profile(0)
-        if profile is None or m == 0:
-            return profile
-        return lambda v: np.asarray(self._turn(m) * profile(v))
+        return profile and (lambda v: np.asarray(self._turn(m) * profile(v)))
 
-    def _turn(self, m: int) -> complex:
-        return complex(np.exp(-1j * m * self.direction))
+    def _turn(self, m: int) -> Any:
+        return np.exp(-1j * m * self.direction) if m else 1.0
 
 
 NAMED: dict[str, State] = {"gaussian": Gaussian(), "monoenergetic": Monoenergetic(), "rest": Rest()}
@@ -453,7 +377,5 @@ def as_state(initial: Any, name: str = "initial") -> State:
         return NAMED[initial]
     if callable(initial):
         return SpeedDensity(initial)
-    raise InputError(
-        f"{name}: got {short(initial)}; it must be one of {', '.join(NAMED)}, a function of v "
-        "or a state (SpeedTable, SpeedSamples, Beam, ...)"
-    )
+    allowed = "a function of v or a state (SpeedTable, SpeedSamples, Beam, ...)"
+    refuse(name, initial, f"it must be one of {', '.join(NAMED)}, {allowed}")

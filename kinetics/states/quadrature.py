@@ -1,9 +1,8 @@
 """Distributions of speeds as weighted points on the logarithmic speed axis.
 
-The solver only ever needs averages of smooth functions of ln v over the initial state, so that a
-state is a list of points and weights: one point for a monoenergetic start, the trapezoid rule for a
-Gaussian, panels of Gauss-Legendre points for a density, and for samples of velocities the points
-of a fine grid that give every smooth average that the samples give.
+The solver only needs averages of smooth functions of ln v over the initial state: one point for a
+monoenergetic start, the trapezoid rule for a Gaussian, panels of Gauss-Legendre points for a
+density, and for samples a fine grid that gives every smooth average that the samples give.
 """
 
 from __future__ import annotations
@@ -28,11 +27,8 @@ from kinetics.results import Value
 _SAMPLE_SPACING, _SAMPLE_WIDTH = 1.0 / 16.0, 12
 _LEFT_OUT = (10395.0 / 64.0) ** 2 / math.factorial(12)
 # The scan of a function: panels of this width in ln v, from the least to the largest number of
-# which the square is in the range of doubles.
-_SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 32
-# Narrow peaks are looked for within so many e-folds of U, at so many points of a panel: ones that
-# are wider than a thousandth of their speed are found.
-_NEAR, _CLOSE_POINTS = 20.0, 512
+# which the square is in the range of doubles, with so many Gauss points each.
+_SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 64
 _MOST_HALVINGS = 40  # of a piece: rounding in ln v is reached
 _NOBODY = 1e30  # U: no tracer is as fast, none that moves as slow as the reciprocal
 
@@ -44,11 +40,9 @@ NO_INTEGRAL = (
 
 @dataclass(frozen=True)
 class LogMeasure(Value):
-    """A distribution of speeds: weight w_k at ln v = x_k.
+    """A distribution of speeds: weight w_k at ln(v/U) = x_k, shape (n_points,) each.
 
-    x : ln(v/U), shape (n_points,)
-    weight : shape (n_points,); real and summing to 1 for a speed distribution, complex for an
-        angular harmonic of one
+    The weights are real and sum to 1 for a speed distribution; complex for a harmonic of one.
     """
 
     x: FloatArray
@@ -65,10 +59,10 @@ def gaussian(
 ) -> LogMeasure:
     """Speed density v^(d-1) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
 
-    In the plane its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a
-    power of k for the powers of v, for which 8 + 1.5 highest e-folds are added. The left end is
-    where v^(d + lowest), or v^2, is below rtol/e^2, the right one where exp(-v^2/2) is as small.
-    The density may be multiplied by a function of v/D that is at most ``ratio``, and at most D/v.
+    Spacing h leaves exp(-pi^2/(2 h)), times a power of k for the powers of v, for which 8 + 1.5
+    highest e-folds are added. The left end is where v^(d + lowest), or v^2, is below rtol/e^2, the
+    right one where exp(-v^2/2) is as small. The density may be multiplied by a function of v/D
+    that is at most ``ratio``, and at most D/v.
     """
     depth = math.log(1.0 / rtol) + 2.0
     more = depth + 6.0 + 1.5 * (highest + dimension - 2)
@@ -87,8 +81,7 @@ def table(
 ) -> LogMeasure:
     """A density, real or complex, linear between the points; pieces no wider than 1/4 in ln v.
 
-    One that begins at speed 0 goes down to where what is left is rtol of <v^lowest>. Raises
-    InputError where that is below the smallest number.
+    One that begins at speed 0 goes down to where what is left is rtol of <v^lowest>.
     """
     knots = np.log(np.maximum(speed, 1e-320))
     if speed[0] == 0.0:
@@ -109,8 +102,8 @@ def table(
 def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> LogMeasure:
     """Points x of the given weights, (n,) each, many of them gathered on a fine grid.
 
-    Each is spread by local interpolation (12 points, spacing 1/16 or less): averages of v^power,
-    and of functions of ln v that are no steeper, stay the same to a tenth of rtol.
+    Averages of v^power, and of functions of ln v that are no steeper, stay the same to a tenth of
+    rtol.
     """
     width = _SAMPLE_WIDTH
     fine = (0.1 * rtol / _LEFT_OUT) ** (1.0 / width) / max(abs(power), 1.0)
@@ -135,8 +128,7 @@ def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> L
 def evaluate(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
     """Call a user's density on an array of speeds; InputError where the answer cannot be used.
 
-    It is tried at speeds that no tracer has, where powers of v overflow before exp(-v^2) is zero:
-    NaN counts as 0 beyond _NOBODY and below its reciprocal.
+    NaN counts as 0 beyond _NOBODY and below its reciprocal, where powers of v overflow.
     """
     try:
         with np.errstate(all="ignore"):
@@ -145,15 +137,12 @@ def evaluate(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
         if f.shape != v.shape:
             raise ValueError(f"it returned shape {f.shape} for speeds of shape {v.shape}")
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"initial: the density could not be evaluated on an array ({error}); "
-            "it must map an array of speeds to an array of densities"
-        ) from None
+        what = "it must map an array of speeds to one of densities"
+        raise InputError(f"initial: the density could not be evaluated ({error}); {what}") from None
     f = np.where(np.isnan(f) & ((v > _NOBODY) | (v < 1.0 / _NOBODY)), 0.0, f)
     if np.any(np.isnan(f)):
-        raise InputError(
-            f"initial: the density is NaN at v = {v[np.isnan(f)][0]:g} U; it must be a number"
-        )
+        where = f"{v[np.isnan(f)][0]:g}"
+        raise InputError(f"initial: the density is NaN at v = {where} U; it must be a number")
     return f
 
 
@@ -162,10 +151,8 @@ def function(
 ) -> LogMeasure | None:
     """A speed density, or a harmonic of one, given as a function: adaptive panels in ln v.
 
-    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice. None for a
-    function that is zero wherever it was looked at.
-
-    Raises InputError where it is NaN, has no finite integral or no second moment.
+    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice. None for one
+    that is zero. Raises InputError where it is NaN, has no finite integral or no second moment.
     """
 
     def per_log_speed(x: FloatArray) -> NDArray[Any]:
@@ -173,7 +160,9 @@ def function(
         return np.asarray(evaluate(density, v) * v)
 
     edges = np.arange(_SCAN_LOWEST, _SCAN_HIGHEST + _SCAN_WIDTH, _SCAN_WIDTH)
-    mass, narrow = _scan(per_log_speed, edges)
+    x, w = panels_between(edges, _SCAN_POINTS)
+    with np.errstate(all="ignore"):
+        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, _SCAN_POINTS).sum(axis=1)
     if not np.all(np.isfinite(mass)):
         raise InputError(NO_INTEGRAL)
     if not mass.any():
@@ -192,31 +181,9 @@ def function(
     first, last = np.nonzero(live)[0][[0, -1]]
     # two more panels on both sides, because what is left out falls from panel to panel
     first, last = max(first - 2, 0), min(last + 2, mass.size - 1)
-    cuts = [
-        np.linspace(edges[i], edges[i + 1], 129 if narrow[i] else 2)[:-1]
-        for i in range(first, last + 1)
-    ]
-    span = np.append(np.concatenate(cuts), edges[last + 1])
+    span = edges[first : last + 2]
     tolerance = 0.1 * max(rtol, 1e-15) * float(mass.sum())  # below that is rounding
     return _without_zeros(*refined(per_log_speed, np.stack([span[:-1], span[1:]], 1), tolerance))
-
-
-def _scan(
-    per_log_speed: Callable[[FloatArray], NDArray[Any]], edges: FloatArray
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Integral of the size of a density over each panel, and in which panels a peak is narrow."""
-    x, w = panels_between(edges, _SCAN_POINTS)
-    with np.errstate(all="ignore"):
-        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, _SCAN_POINTS).sum(axis=1)
-    middle = slice(int(np.searchsorted(edges, -_NEAR)), int(np.searchsorted(edges, _NEAR)))
-    close = np.linspace(-_NEAR, _NEAR, _CLOSE_POINTS * (middle.stop - middle.start), endpoint=False)
-    found = np.abs(per_log_speed(close)).reshape(-1, _CLOSE_POINTS).sum(axis=1)
-    found *= close[1] - close[0]
-    narrow = np.zeros(mass.shape, dtype=bool)
-    # where the two sums are a percent apart, neither of them resolves the density
-    narrow[middle] = np.abs(found - mass[middle]) > 0.01 * np.maximum(found, mass[middle])
-    mass[middle] = np.maximum(found, mass[middle])
-    return mass, narrow
 
 
 def refined(

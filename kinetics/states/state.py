@@ -1,25 +1,12 @@
 """The contract of an initial state: what a new one must provide.
 
-To add an initial state, write a class as follows, in this folder or in your own script:
-``Scene(initial=...)`` takes any object of a subclass of :class:`State`.
-
-1. Declare it ``@dataclass(frozen=True) class MyState(State)``. Its fields are what the user gives.
-   State provides ``==``, ``hash``, ``pickle`` and ``repr``, also where fields are arrays.
-2. In ``__post_init__`` check the arguments (`kinetics.validation`; raise InputError, one line
-   that names the argument) and store arrays with ``self.store(name=array)``, which keeps read-only
-   copies of them. Speeds are in units of U, densities in 1/U.
-3. Write ``harmonic``: f_m as points ln v with weights (`kinetics.states.quadrature.LogMeasure`), so
-   that the sum of the weights times v^p exp(smooth function of ln v) is right to about ``rtol`` for
-   all powers p from ``lowest`` to ``highest``. f_0 is the speed density: its weights sum to 1.
-   `quadrature` has rules for Gaussians, tables, functions and samples.
-4. Write ``profile`` if f_m is a function of v. The densities of the velocity and position need it,
-   the averages do not. Leave it out for delta peaks and samples.
-5. Set the attributes of State where their defaults do not fit: in the class, or with ``store``.
-6. Write ``in_space()`` if the state may start a three-dimensional scene and is not isotropic.
-7. For the package: export it in ``kinetics/__init__.py``, and add one object of it to STATES in
-   ``tests/kinetics/states/test_contract.py``, which tests every rule of this list. A state that
-   has a short name goes to NAMED in `kinetics.states.kinds`.
-
+Write a ``@dataclass(frozen=True)`` class whose fields are what the user gives;
+``Scene(initial=...)`` takes any object of a subclass of :class:`State`. In ``__post_init__`` check
+the arguments, and store arrays with ``self.store(name=array)``, which keeps read-only copies.
+Speeds are in U, densities in 1/U. Write ``harmonic`` (`quadrature` has rules for Gaussians, tables,
+functions and samples), ``profile`` if f_m is a function of v, which densities need, and
+``in_space()`` if the state may start a scene in space and is not isotropic; set the attributes of
+State where their defaults do not fit. ``tests/kinetics/states/test_contract.py`` tests all this.
 The shortest example is :class:`kinetics.states.kinds.Rest`.
 """
 
@@ -63,16 +50,15 @@ class State(Value):
         """The state as it starts a three-dimensional scene; None if it has no such form.
 
         There harmonic m is the integral of P_m(cos theta) f over all directions, theta the angle to
-        the x axis, about which the state is symmetric. Isotropic states that are given by their
-        speeds are the same in space.
+        the x axis. Isotropic states that are given by their speeds are the same in space.
         """
         return self if self.highest_harmonic == 0 else None
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
-        """f_m(v), the integral of exp(-i m phi) v f(v, phi) over phi, as weighted points.
+        """f_m(v), the integral of exp(-i m phi) v f(v, phi) over phi, as weighted points; or None.
 
-        They give averages of powers of the speed from ``lowest`` to ``highest`` to about rtol. None
-        where f_m is zero.
+        The sum of the weights times v^p exp(smooth function of ln v) is right to about rtol for all
+        powers p from ``lowest`` to ``highest``. f_0 is the speed density: its weights sum to 1.
         """
         raise NotImplementedError
 

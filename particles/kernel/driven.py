@@ -1,41 +1,38 @@
 """The event loop of tracers that something drives: a bath of moving scatterers, noise and drag.
 
-Without positions of scatterers, as the kinetic equation has it; also in a field along x, and there
-for a restitution of the impact speed and for sticking. Three things happen to the velocity v:
+Without positions of scatterers; also in a field along x, and there for a restitution of the impact
+speed and for sticking. Three things happen to the velocity v:
 
 - Collisions. The normal n is that of the approach, q = (v - V).n > 0, and V.n = -w s with s a
-  standard normal number. They come at the rate (1/2) dn q/l, in space (1/pi) dn q/l. Since
-  q <= max(v.n, 0) + w max(s, 0), they are some of two kinds of candidates: of rate v/l, with an
-  impact parameter at random as among fixed scatterers and s normal; and of rate w sqrt(pi/2)/l, in
-  space 2 w sqrt(2/pi)/l, with any normal and s > 0 of density s exp(-s^2/2). A candidate of either
-  kind is a collision with the probability q/(max(v.n, 0) + w max(s, 0)). This is exact, and at
-  least 67 % of the candidates are collisions.
+  standard normal number. They come at the rate (1/2) dn q/l, in space (1/pi) dn q/l, and are some
+  of two kinds of candidates: of rate v/l, with an impact parameter at random as among fixed
+  scatterers and s normal; and of rate w sqrt(pi/2)/l, in space 2 w sqrt(2/pi)/l, with any normal
+  and s > 0 of density s exp(-s^2/2). A candidate of either kind is a collision with the probability
+  q/(max(v.n, 0) + w max(s, 0)), 67 % or more in the mean. This is exact.
 - The field. Until v can have grown by the field times a short time, the candidates of a bound of
   the rate are drawn, and kept with the probability (rate at that time)/bound: exact too.
 - Noise and drag: the exact Ornstein-Uhlenbeck process over half a step, flight and collisions over
-  a step, the process over half a step. With the kicks K1 and K2 of the halves the place at the end
-  has h K1 of K1; (h/2)(K1 + K2) + (h/sqrt(12))(K1 - K2) instead, to first order in gamma h, gives
-  it the moments that it has without a collision. A step ends at every output.
+  a step, the process over half a step. Of the kicks K1 and K2 of the halves the place at the end
+  receives (h/2)(K1 + K2) + (h/sqrt(12))(K1 - K2), not h K1, to first order in gamma h: the moments
+  that it has without a collision. A step ends at every output.
 """
 
-from math import copysign, exp, expm1, log, pi, sqrt
+from math import exp, expm1, log, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from particles.compiled import inlined, kernel
-from particles.events import Varying, restitution_at
+from particles.events import Varying, restitution_at, turned
 from particles.kernel import columns
-from particles.kernel.follow_falling import note_passage
-from particles.kernel.lane import AT_REST, RUNNING, Start, launch, open_flights
-from particles.kernel.parabola import length_of
+from particles.kernel.lane import RUNNING, Start, launch, open_flights
+from particles.kernel.parabola import length_flown, move_freely, note_passage
 from particles.kernel.records import (
-    QUEUE,
     Records,
     count_flight,
     enter_queue,
     finish,
-    note_trap,
+    note_slowness,
     queue_falling,
 )
 from particles.streams import bits, in_disk, to_unit
@@ -45,10 +42,7 @@ _LATE = 0.5 - 1.0 / sqrt(12.0)
 
 
 class Drive(NamedTuple):
-    """What drives the tracers; lengths in d, times in d/U.
-
-    bath: w. heating, drag: D, gamma. step: of the noise and drag; inf without them.
-    """
+    """What drives the tracers, in d and U: w, D, gamma; step: of noise and drag, or inf."""
 
     mean_path: float
     field: float
@@ -113,17 +107,11 @@ def _draw_normal(lane: Any, speed: float, solid: bool) -> float:
     if solid:
         a, b = in_disk(_word(lane))
         ahead = sqrt(1.0 - (a * a + b * b))
-        # Two unit vectors across the direction, as in `events.scatter_in_space`.
-        sign = copysign(1.0, uz)
-        tilt = -1.0 / (sign + uz)
-        mixed = ux * uy * tilt
-        lane.nx = ahead * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed
-        lane.ny = ahead * uy + a * sign * mixed + b * (sign + uy * uy * tilt)
-        lane.nz = ahead * uz - a * sign * ux - b * uy
+        lane.normal_x, lane.normal_y, lane.normal_z = turned((ux, uy, uz), ahead, a, b)
     else:
         a = 2.0 * _unit(lane) - 1.0
         ahead = sqrt((1.0 - a) * (1.0 + a))
-        lane.nx, lane.ny, lane.nz = ahead * ux - a * uy, ahead * uy + a * ux, 0.0
+        lane.normal_x, lane.normal_y, lane.normal_z = ahead * ux - a * uy, ahead * uy + a * ux, 0.0
     return ahead * speed
 
 
@@ -134,19 +122,16 @@ def _draw_any_normal(lane: Any, solid: bool) -> float:
     square = x * x + y * y
     if solid:  # the third coordinate of a place on the sphere is uniform
         size = 2.0 * sqrt(1.0 - square)
-        lane.nx, lane.ny, lane.nz = x * size, y * size, 1.0 - 2.0 * square
+        lane.normal_x, lane.normal_y, lane.normal_z = x * size, y * size, 1.0 - 2.0 * square
     else:
         per = 1.0 / sqrt(square)
-        lane.nx, lane.ny, lane.nz = x * per, y * per, 0.0
-    return lane.vx * lane.nx + lane.vy * lane.ny + lane.vz * lane.nz
+        lane.normal_x, lane.normal_y, lane.normal_z = x * per, y * per, 0.0
+    return lane.vx * lane.normal_x + lane.vy * lane.normal_y + lane.vz * lane.normal_z
 
 
 @inlined
 def _impact_speed(lane: Any, speed: float, kind: float, drive: Drive, solid: bool) -> float:
-    """Draw a candidate; return its impact speed, negative where it is no collision.
-
-    kind: uniform from 0 to l times the bound of the rate.
-    """
+    """Draw a candidate; return its impact speed, negative if none. kind: l times a rate."""
     if kind < speed:
         towards = _draw_normal(lane, speed, solid)
         if drive.bath == 0.0:
@@ -168,7 +153,6 @@ def _impact_speed(lane: Any, speed: float, kind: float, drive: Drive, solid: boo
 def _start(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
     launch(lane, start, times, tracer)
     open_flights(lane, start)
-    lane.vx, lane.vy, lane.vz = lane.start_vx, lane.start_vy, lane.start_vz
     lane.left = lane.span = lane.since = lane.began = 0.0
     lane.draws = 0
     lane.clock = -log(_unit(lane))
@@ -176,28 +160,23 @@ def _start(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
 
 @kernel
 def follow_driven(
-    start: Start, drive: Drive, varying: Varying, traps: np.ndarray, lanes: np.ndarray,
-    records: Records,
-) -> int:  # fmt: skip
-    """Follow tracers that are driven, adding to the records.
+    start: Start, drive: Drive, varying: Varying, lanes: np.ndarray, records: Records
+) -> None:
+    """Follow tracers that are driven, adding to the records; arguments as of `follow`.
 
-    varying: the restitution, and what sticks; with scatterers of finite mass that of the tracer's
-    own change of velocity (Plan.law). traps (n, TRAPS[dimension]): receives the captured tracers;
-    their number is returned. lanes: of DRIVEN_LANE, as many as shall be under way at the same time.
+    varying: with scatterers of finite mass of the tracer's own change of velocity (Plan.law).
     """
     # Taken out of their tuples once, as in `follow`.
-    times, paths, grids = records.times, records.paths, records.grids
-    durations = records.durations
-    queue, queued = records.queue, records.queued
+    times, passages, grids = records.times, records.passages, records.grids
+    paths, durations = records.counts[columns.PATH], records.counts[columns.DURATION]
     field, mean_path, tangential = drive.field, drive.mean_path, start.law[1]
-    strength, towards = abs(field), copysign(1.0, field)
+    strength = abs(field)
     solid, noisy = start.dimension == 3, drive.step < np.inf
     from_bath = drive.bath * _OF_BATH[int(solid)]
     active = min(lanes.size, start.n)
-    launched = caught = 0
     for a in range(active):
-        _start(lanes[a], start, times, launched)
-        launched += 1
+        _start(lanes[a], start, times, a)
+    launched = active
     while active:
         a = 0
         while a < active:
@@ -206,10 +185,7 @@ def follow_driven(
             if lane.span > 0.0 and (lane.left <= 0.0 or lane.time >= lane.next_output):
                 _end_step(lane, drive, solid)
             while lane.output < times.size and lane.time >= lane.next_output:
-                if queued[0] == QUEUE:
-                    enter_queue(records)
-                queue_falling(lane, queue[queued[0]], times, field)
-                queued[0] += 1
+                queue_falling(lane, records, field)
             if lane.output == times.size and times.size > 0:
                 status = columns.FINISHED
             lasts = lane.next_output - lane.time
@@ -218,7 +194,7 @@ def follow_driven(
                     lane.span = lane.left = min(drive.step, lasts)
                     lane.kick_x, lane.kick_y, lane.kick_z = _kick(lane, drive, solid)
                 lasts = min(lasts, lane.left)
-            along, across2 = towards * lane.vx, lane.vy * lane.vy + lane.vz * lane.vz
+            across2 = lane.vy * lane.vy + lane.vz * lane.vz
             speed = sqrt(lane.vx * lane.vx + across2)
             rate = (speed + from_bath) / mean_path
             if strength > 0.0:
@@ -229,19 +205,19 @@ def follow_driven(
             if meets:
                 lasts = lane.clock / rate
             if status == RUNNING:
-                if records.passages.size:
-                    note_passage(lane, along, lane.flight_x, lasts, field, records)
+                if passages.size:
+                    note_passage(lane, lane.flight_x, lasts, field, records)
                 if strength == 0.0:
                     lane.travelled += speed * lasts
-                elif lasts > 0.0:
-                    lane.travelled += length_of(lasts, speed, along, across2, strength)[0]
-                lane.flight_x += (lane.vx + 0.5 * field * lasts) * lasts
-                lane.flight_y += lane.vy * lasts
-                lane.flight_z += lane.vz * lasts
-                lane.vx += field * lasts
+                else:
+                    lane.travelled += length_flown(lane.vx, lane.vy, lane.vz, lasts, field)
+                began = lane.time
+                move_freely(lane, lasts, field)
+                lane.time = min(began + lasts, lane.next_output)
                 if noisy:
                     lane.left -= lasts
-                lane.time = min(lane.time + lasts, lane.next_output)
+                if not meets:
+                    lane.clock -= rate * lasts
             if meets:
                 if strength > 0.0:
                     speed = sqrt(lane.vx * lane.vx + across2)
@@ -253,26 +229,20 @@ def follow_driven(
                     path, flown = lane.travelled - lane.since, lane.time - lane.began
                     count_flight(paths, durations, grids, path, flown, 0)
                     lane.since, lane.began = lane.travelled, lane.time
+                    change = (tangential + restitution_at(varying, impact)) * impact
+                    lane.vx = tangential * lane.vx - change * lane.normal_x
+                    lane.vy = tangential * lane.vy - change * lane.normal_y
+                    lane.vz = tangential * lane.vz - change * lane.normal_z
                     if impact < varying.capture:
                         status = columns.CAPTURED
-                    change = (tangential + restitution_at(varying, impact)) * impact
-                    lane.vx = tangential * lane.vx - change * lane.nx
-                    lane.vy = tangential * lane.vy - change * lane.ny
-                    lane.vz = tangential * lane.vz - change * lane.nz
-                    if status == RUNNING and lane.collisions == start.most:
+                        lane.vx = lane.vy = lane.vz = 0.0
+                    elif lane.collisions == start.most:
                         status = columns.COLLISION_CAP
-            elif status == RUNNING:
-                lane.clock -= rate * lasts
             if status == RUNNING:
                 a += 1
                 continue
-            if status == columns.CAPTURED:
-                lane.vx = lane.vy = lane.vz = 0.0
-                note_trap(lane, traps[caught], start.first, records)
-                caught += 1
-            square = lane.vx * lane.vx + (lane.vy * lane.vy + lane.vz * lane.vz)
-            lane.slowness = 1.0 / max(sqrt(square), AT_REST)
-            finish(lane, status, records)
+            note_slowness(lane)
+            finish(lane, status, start.first, records)
             if launched < start.n:
                 _start(lane, start, times, launched)
                 launched += 1
@@ -282,4 +252,3 @@ def follow_driven(
                 active -= 1
                 lanes[a] = lanes[active]
     enter_queue(records)
-    return caught

@@ -1,19 +1,17 @@
-"""The steps of a tracer on parabolas among disks, which `particles.kernel.follow_falling` joins.
+"""The steps of a tracer on parabolas among disks, which `particles.kernel.follow` joins.
 
-A lane holds the place in its cell and the velocity at its last node: a contact, a cell wall, or the
-end of a slide. From there the parabola is followed to the next node.
+A lane holds place and velocity at its last node: a contact, a cell wall, or the end of a slide.
 
-When it first touches a disk is the first root of a quartic. In a uniform field g along x, and from
-the centre of the disk, the tracer is at (x + vx t + g t^2/2, y + vy t), and touches the disk where
+When it first touches a disk is the first root of a quartic. In a field g along x, and from the
+centre of the disk, the tracer is at (x + vx t + g t^2/2, y + vy t), and touches the disk where
 P = |r|^2 - 1 falls through 0. Half the second derivative of P is
 
     q(t) = 3/2 (vx + g t)^2 + v^2 + g x - 3/2 vx^2,
 
 whose least value m over the time that is left is known at once. So P is nowhere below the parabola
-P_k + 2 h_k s + m s^2 that touches it at the present time t_k, and the first root of P is not before
-the first root of that parabola. Going from one such root to the next, the tracer comes near the
-first contact from before, quadratically, and cannot pass it; where the parabola has no root, there
-is no contact.
+P_k + 2 h_k s + m s^2 that touches it at the present time t_k, nor its first root before that of the
+parabola. Going from one such root to the next, the tracer comes near the first contact from before,
+quadratically, and cannot pass it; where the parabola has no root, there is no contact.
 """
 
 from math import copysign, sqrt
@@ -25,8 +23,8 @@ from numba import njit
 from particles.cells import Cells, cell_at
 from particles.compiled import inlined
 from particles.events import NEVER, bounce
-from particles.kernel.lane import AT_REST, Start, open_flights
-from particles.kernel.parabola import length_of, time_to_reach
+from particles.kernel.lane import AT_REST, Start
+from particles.kernel.parabola import length_flown, time_to_reach
 from particles.kernel.steps import enter
 from particles.search import SLOTS, near_chord
 
@@ -45,9 +43,9 @@ def contact_in_field(
 ) -> float:  # fmt: skip
     """Return the time of the first contact with a disk, NEVER if it is not before `limit`.
 
-    place: from the centre of the disk, whose radius is 1; velocity; field: along x, of either sign.
-    before: APART, STRUCK or TANGENT; in the last two cases the contact sought is the next one. A
-    tracer that is APART and by rounding not outside collides at once if it moves inwards.
+    place: from the centre of the disk, whose radius is 1. before: APART, STRUCK or TANGENT; in the
+    last two cases it is the next contact. A tracer that is APART and by rounding not outside
+    collides at once if it moves inwards.
     """
     x, y = place
     vx, vy = velocity
@@ -95,25 +93,20 @@ def contact_in_field(
 
 
 @inlined
-def begin(lane: Any, cells: Cells | None, start: Start) -> None:
-    """Put a tracer that has been launched where it starts, with its initial velocity."""
-    lane.vx, lane.vy, lane.vz = lane.start_vx, lane.start_vy, lane.start_vz
-    if cells is None:
-        open_flights(lane, start)
-    else:
-        lane.from_i = lane.from_j = 0
-        lane.from_x = lane.from_y = 0.0
-        if start.places.shape[0]:
-            place = start.places[lane.tracer]
-            lane.from_i, lane.from_j = int(place[0]), int(place[1])
-            lane.from_x, lane.from_y = place[2], place[3]
-        lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
-        lane.stored_i = lane.stored_j = cells.shape[0] // 2
-        lane.stored_i += lane.i
-        lane.stored_j += lane.j
-        lane.cell = cell_at(cells.shape, lane.stored_i, lane.stored_j, 0)
-        lane.before = APART
-        begin_flight(lane)
+def begin(lane: Any, cells: Cells, start: Start) -> None:
+    """Put a tracer that has been launched where it starts."""
+    lane.from_i = lane.from_j = 0
+    lane.from_x = lane.from_y = 0.0
+    if start.places.shape[0]:
+        place = start.places[lane.tracer]
+        lane.from_i, lane.from_j = int(place[0]), int(place[1])
+        lane.from_x, lane.from_y = place[2], place[3]
+    lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
+    middle = cells.shape[0] // 2
+    lane.stored_i, lane.stored_j = middle + lane.i, middle + lane.j
+    lane.cell = cell_at(cells.shape, lane.stored_i, lane.stored_j, 0)
+    lane.before = APART
+    begin_flight(lane)
 
 
 @inlined
@@ -174,8 +167,7 @@ def next_contact(
 ) -> None:  # fmt: skip
     """Find the first disk that a lane meets in its cell; the time is NEVER if there is none.
 
-    The parabola to the wall is no farther than g t^2/8 from its chord. Only disks that come so near
-    to the chord are looked at closely.
+    Only disks near the chord are looked at: the parabola is no farther than g t^2/8 from it.
     """
     x, y, cell = lane.x, lane.y, lane.cell
     first = min(lane.wall_x, lane.wall_y)
@@ -230,18 +222,12 @@ def cross_cell(lane: Any, shape: tuple[int, ...], side: float, field: float) -> 
 @inlined
 def flown(lane: Any, field: float) -> float:
     """Return the length of the flight of a lane so far."""
-    along, across2 = copysign(1.0, field) * lane.first_vx, lane.vy * lane.vy
-    if lane.lasted == 0.0:
-        return 0.0
-    return length_of(lane.lasted, sqrt(along * along + across2), along, across2, abs(field))[0]
+    return length_flown(lane.first_vx, lane.vy, 0.0, lane.lasted, field)
 
 
 @inlined
 def collide(lane: Any, law: tuple[float, float]) -> float:
-    """Bounce off the disk that has been met; return the normal velocity after that, not negative.
-
-    law: restitution and tangential restitution.
-    """
+    """Bounce off the disk that has been met; return the normal velocity after that."""
     lane.struck_x, lane.struck_y = lane.meets_x, lane.meets_y
     nx, ny = lane.x - lane.struck_x, lane.y - lane.struck_y
     per = 1.0 / sqrt(nx * nx + ny * ny)

@@ -1,19 +1,19 @@
-"""The event loop without a field: tracers among scatterers, and without any.
+"""The event loop: tracers among scatterers and without any, straight ahead or in a field along x.
 
 Several tracers, one in each lane, advance in turns. Among scatterers first the next contact of
 every lane in its cell is found; then every lane either collides or goes on to the next cell. So the
-processor can compute the square roots and divisions of several tracers at the same time. Without
-scatterers the flights are random: the particle method of the kinetic equation itself.
+processor can compute the square roots and divisions of several tracers at the same time.
 """
 
-from math import log
+from math import copysign, log
+from typing import Any
 
 import numpy as np
 
 from particles.cells import Cells
-from particles.compiled import kernel
+from particles.compiled import inlined, kernel
 from particles.events import Varying
-from particles.kernel import columns, steps
+from particles.kernel import columns, falling, parabola, steps
 from particles.kernel.lane import (
     AT_REST,
     RUNNING,
@@ -21,41 +21,54 @@ from particles.kernel.lane import (
     advance,
     collide_at_random,
     fly,
-    is_due,
     launch,
     open_flights,
     shift_clock,
 )
 from particles.kernel.records import (
-    QUEUE,
     Records,
     count_flight,
     enter_queue,
     finish,
-    note_trap,
+    note_slowness,
+    queue_falling,
     queue_output,
 )
+from particles.kernel.sliding import FALLS, RESTS, SLIDES, after_short_flight, is_sliding, slide
 from particles.streams import uniform
+
+
+@inlined
+def _begin(
+    lane: Any, cells: Cells | None, start: Start, field: float | None, times: np.ndarray,
+    tracer: int,
+) -> None:  # fmt: skip
+    launch(lane, start, times, tracer)
+    if cells is None:
+        open_flights(lane, start)
+    elif field is None:
+        steps.begin(lane, cells)
+    else:
+        falling.begin(lane, cells, start)
 
 
 @kernel
 def follow(
-    start: Start, cells: Cells | None, varying: Varying | None, mean_path: float, limit: float,
-    traps: np.ndarray, lanes: np.ndarray, records: Records,
-) -> int:  # fmt: skip
+    start: Start, cells: Cells | None, varying: Varying | None, field: float | None,
+    mean_path: float, limit: float, lanes: np.ndarray, records: Records,
+) -> None:  # fmt: skip
     """Follow tracers through the scatterers of one configuration, adding to the records.
 
-    cells: None for free paths that are exponential, of this mean in d, and impact parameters that
-    are random; the compiler knows that, and leaves out what is said of the other kind. varying:
-    None where the law of the start holds at every speed, and nothing sticks. limit: the longest
-    flight in d among scatterers before a tracer counts as escaped. traps (n, TRAPS[dimension]):
-    receives the trapped and captured tracers; their number is returned. lanes: of LANE, as many as
-    shall be under way at the same time.
+    The compiler leaves out what is said of other kinds where an argument is None. cells: None for
+    free paths that are exponential, of this mean in d, along the parabola in a field, and impact
+    parameters that are random. varying: None where the law of the start holds at every speed, and
+    nothing sticks, as in a field. field: along x in U^2/d, not 0; then among scatterers in the
+    plane only. limit: the longest flight in d among scatterers before a tracer counts as escaped.
+    lanes: of LANE, as many as shall be under way at the same time.
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
-    times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
-    durations = records.durations
-    queue, queued = records.queue, records.queued
+    times, passages, grids = records.times, records.passages, records.grids
+    paths, durations = records.counts[columns.PATH], records.counts[columns.DURATION]
     last_time = times[times.size - 1] if times.size else np.inf
     law = endless = start.law
     if varying is not None:
@@ -64,90 +77,141 @@ def follow(
         slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
         side, shape = cells.side, cells.shape
     active = min(lanes.size, start.n)
-    launched = caught = 0
+    if field is not None:
+        strength, towards = abs(field), copysign(1.0, field)
+        work = np.empty((parabola.ROWS, active))
     for a in range(active):
-        launch(lanes[a], start, times, launched)
-        launched += 1
-        if cells is None:
-            open_flights(lanes[a], start)
-        else:
-            steps.begin(lanes[a], cells)
+        _begin(lanes[a], cells, start, field, times, a)
+    launched = active
     while active:
         for a in range(active):
+            lane = lanes[a]
             if cells is None:
-                lane = lanes[a]
-                u = uniform(lane.stream, lane.gamma, 2 * lane.collisions)
-                lane.contact = -mean_path * log(u)
+                word = uniform(lane.stream, lane.gamma, 2 * lane.collisions)
+                lane.contact = -mean_path * log(word)
+                if field is not None:
+                    parabola.ask(work, a, lane.contact, towards * lane.vx, lane.vy, lane.vz)
+            elif field is None:
+                steps.next_contact(lane, slots, head, links, nodes, shape)
             else:
-                steps.next_contact(lanes[a], slots, head, links, nodes, shape)
+                falling.aim(lane, 0.5 * side, field)
+                falling.next_contact(lane, slots, head, links, nodes, field)
+        if cells is None and field is not None:
+            parabola.times_of(work, active, strength)
         a = 0
         while a < active:
             lane = lanes[a]
-            path, escaped = lane.contact, False
-            if cells is not None:
-                wall = steps.next_wall(lane, shape)
-                escaped = path > wall
-                if escaped and wall <= limit:
-                    steps.cross_cell(lane, shape)
-                    a += 1
-                    continue
-                # By rounding, a tracer in a corner may touch the next scatterer already.
-                path = limit if escaped else max(path, 0.0)
-            while is_due(lane, path, times.size):
-                if queued[0] == QUEUE:
-                    enter_queue(records)
-                queue_output(lane, queue[queued[0]], times, scales)
-                queued[0] += 1
-            path, finished = fly(lane, path, times.size, last_time)
             status = RUNNING
-            if finished or escaped:
-                status = columns.FINISHED if finished else columns.ESCAPED
-                advance(lane, path)
-            else:
-                if paths.size or durations.size:
-                    lasts = path * lane.slowness
-                    count_flight(paths, durations, grids, path, lasts, lane.shifts)
-                trapped = False
-                if cells is None:
+            if field is None:
+                path, escaped = lane.contact, False
+                if cells is not None:
+                    wall = min(lane.wall_x, lane.wall_y)
+                    if len(shape) == 3:
+                        wall = min(wall, lane.wall_z)
+                    escaped = path > wall
+                    if escaped and wall <= limit:
+                        steps.cross_cell(lane, shape)
+                        a += 1
+                        continue
+                    # By rounding, a tracer in a corner may touch the next scatterer already.
+                    path = limit if escaped else max(path, 0.0)
+                reached = lane.time + path * lane.slowness
+                while reached >= lane.next_output and lane.output < times.size:
+                    queue_output(lane, records)
+                path, finished = fly(lane, path, times.size, last_time)
+                if finished or escaped:
+                    status = columns.FINISHED if finished else columns.ESCAPED
                     advance(lane, path)
-                    lane.slowness /= collide_at_random(
-                        lane, 2 * lane.collisions + 1, start, varying
-                    )
-                    lane.collisions += 1
                 else:
-                    ratio, trapped = steps.collide(lane, path, side, shape, law, varying, endless)
-                    lane.slowness /= ratio
-                    if path < steps.SHORT and not trapped:
-                        ratio, trapped = steps.end_bounces(lane, path, cells, endless)
-                        lane.slowness /= ratio
-                captured = False
-                if varying is not None:
-                    captured = lane.impact < varying.capture
-                if trapped or captured:
-                    status = columns.TRAPPED
-                    if captured:
+                    if paths.size or durations.size:
+                        lasts = path * lane.slowness
+                        count_flight(paths, durations, grids, path, lasts, lane.shifts)
+                    if cells is None:
+                        advance(lane, path)
+                        lane.slowness /= collide_at_random(lane, start, varying)
+                    else:
+                        trapped = steps.collide(lane, path, side, shape, law, varying, endless)
+                        if path < steps.SHORT and not trapped:
+                            trapped = steps.end_bounces(lane, path, cells, endless)
+                        status = columns.TRAPPED if trapped else RUNNING
+                    if varying is not None and lane.impact < varying.capture:
                         status, lane.slowness = columns.CAPTURED, 1.0 / AT_REST
-                    note_trap(lane, traps[caught], start.first, records)
-                    caught += 1
+                    if status == RUNNING:
+                        shift_clock(lane, times)
+                        if lane.collisions == start.most:
+                            status = columns.COLLISION_CAP
+            else:
+                if cells is None:
+                    path, lasts = lane.contact, parabola.answer(work, a, strength)
+                    x = lane.flight_x
                 else:
-                    shift_clock(lane, times)
-                    if lane.collisions == start.most:
-                        status = columns.COLLISION_CAP
+                    meets = lane.contact <= min(lane.wall_x, lane.wall_y)
+                    lasts = lane.contact if meets else min(lane.wall_x, lane.wall_y)
+                    x = falling.come_along(lane, lane.x, side)
+                while lane.time + lasts >= lane.next_output and lane.output < times.size:
+                    if cells is not None:
+                        falling.note_place(lane, side)
+                    queue_falling(lane, records, field)
+                if lane.output == times.size and times.size > 0:
+                    status = columns.FINISHED
+                    lasts = max(last_time - lane.time, 0.0)
+                if passages.size:
+                    parabola.note_passage(lane, x, lasts, field, records)
+                if cells is None:
+                    if status == columns.FINISHED:
+                        path = parabola.length_flown(lane.vx, lane.vy, lane.vz, lasts, field)
+                    lane.travelled += path
+                    parabola.move_freely(lane, lasts, field)
+                    if status == RUNNING:
+                        count_flight(paths, durations, grids, path, lasts, 0)
+                        parabola.collide_freely(lane, start)
+                elif status == RUNNING and not meets:
+                    falling.cross_cell(lane, shape, side, field)
+                    if lane.crossed * side < limit:
+                        a += 1
+                        continue
+                    status = columns.ESCAPED
+                    lane.travelled += falling.flown(lane, field)
+                else:
+                    falling.move(lane, lasts, field)
+                    path = falling.flown(lane, field)
+                    lane.travelled += path
+                    if status == RUNNING:
+                        count_flight(paths, durations, grids, path, lane.lasted, 0)
+                        # Not in a function: it would count references to `cells` each time.
+                        before = lane.normal_x, lane.normal_y
+                        leaving, next_to = falling.collide(lane, law), FALLS
+                        normal = lane.normal_x, lane.normal_y
+                        if is_sliding(normal, (lane.vx, lane.vy), leaving, field):
+                            next_to = SLIDES
+                        elif path < steps.SHORT:
+                            next_to = after_short_flight(lane, before, cells, law, field)
+                        if next_to == SLIDES:
+                            status = slide(lane, cells, law, field, records)
+                        elif next_to == RESTS:
+                            status = columns.TRAPPED
+                        falling.begin_flight(lane)
+                if status == RUNNING and lane.collisions >= start.most > 0:
+                    status = columns.COLLISION_CAP
             if status == RUNNING:
                 a += 1
                 continue
-            finish(lane, status, records)
+            if field is not None:
+                if cells is not None:
+                    falling.note_place(lane, side)
+                if status == columns.TRAPPED:
+                    lane.vx = lane.vy = 0.0
+                note_slowness(lane)
+            finish(lane, status, start.first, records)
             if launched < start.n:
-                launch(lane, start, times, launched)
-                if cells is None:
-                    open_flights(lane, start)
-                else:
-                    steps.begin(lane, cells)
+                _begin(lane, cells, start, field, times, launched)
                 launched += 1
                 a += 1
             else:
                 # The last lane, which has not had its turn, takes this one's place.
                 active -= 1
                 lanes[a] = lanes[active]
+                if field is not None:
+                    for row in range(parabola.ROWS):  # numba compiles a copy of slices for seconds
+                        work[row, a] = work[row, active]
     enter_queue(records)
-    return caught

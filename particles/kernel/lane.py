@@ -4,8 +4,7 @@ The path of a tracer without a field does not depend on its speed (`particles.ev
 holds a place, a unit direction and, apart from them, the slowness 1/speed. Lengths are in d, times
 in d/U. In the plane the third coordinates are 0.
 
-A tracer slows down without end. So that neither slowness nor time overflows, both are kept times
-2**-64k; `shifts` is k and `unit` is 2**-64k.
+A tracer slows down without end: slowness and time are kept times `unit` = 2**-64k, `shifts` is k.
 """
 
 from collections.abc import Mapping
@@ -26,85 +25,64 @@ AT_REST = 1e-300  # a speed in place of 0, with which a tracer begins in a field
 
 
 def record_type(fields: Mapping[Any, tuple[str, ...]]) -> np.dtype:
-    """Return the type of a record with these fields, kind of number -> names.
-
-    Of type np.record, so that `lane.x` is read in the same way compiled and interpreted.
-    """
+    """Return the type of a record, kind of number -> names; `lane.x` is read also interpreted."""
     named = [(name, kind) for kind, names in fields.items() for name in names]
     return np.dtype((np.record, np.dtype(named, align=True)))
 
 
-_FLOATS = (
-    "x", "y", "z",                      # place, from the centre of the lane's cell
-    "ux", "uy", "uz",                   # unit direction
-    "slowness", "time", "unit",         # each times 2**-64 shifts
-    "next_output",                      # time of the next output, as `time`; inf after the last
-    "travelled",                        # path since the start
-    "flight_x", "flight_y", "flight_z",  # where this flight began, from the start of the path
-    "start_vx", "start_vy", "start_vz",  # velocity at time 0, in U
-    "normal_x", "normal_y",             # of the disk struck last, towards the tracer
-    "wall_x", "wall_y", "wall_z",       # path to the next cell wall of each direction
-    "between_x", "between_y", "between_z",  # path from one such wall to the next
-    "move_x", "move_y", "move_z",       # from the centre of this cell to that of the next
-    "contact",                          # path to the next contact in this cell
-    "struck_x", "struck_y", "struck_z",  # the scatterer met there, from the cell's centre
-    "impact",                           # normal speed of the last collision, where e depends on it
-)  # fmt: skip
-_INTS = (
-    "collisions", "output",             # how many there have been, of collisions and of outputs
-    "tracer", "shifts",
-    "i", "j", "k",                      # the cell, counted without regard to periodicity
-    "stored_i", "stored_j", "stored_k",  # the cell of the box that stands for it
-    "cell",                             # where its scatterers are stored
-    "step_i", "step_j", "step_k",       # +1 or -1: from this cell to the next
-)  # fmt: skip
-_STREAM = ("stream", "gamma")  # what random flights without scatterers are drawn from
-LANE = record_type({np.float64: _FLOATS, np.int64: _INTS, np.uint64: _STREAM})
-# In a field the path depends on the speed, and times are never shifted. Among disks the place and
-# the velocity are those at the last node of the parabola, walls and contact are times until then.
-FALLING_LANE = record_type(
+LANE = record_type(
     {
         np.float64: (
+            "x", "y", "z",              # place, from the centre of the lane's cell
+            "ux", "uy", "uz",           # unit direction
+            "slowness", "time", "unit",  # each times 2**-64 shifts
+            "next_output",              # time of the next output, as `time`; inf after the last
+            "travelled",                # path since the start
+            "flight_x", "flight_y", "flight_z",  # where this flight began, from the path's start
+            "start_vx", "start_vy", "start_vz",  # velocity at time 0, in U
+            "normal_x", "normal_y", "normal_z",  # of the scatterer struck last, towards the tracer
+            "wall_x", "wall_y", "wall_z",  # path to the next cell wall of each direction
+            "between_x", "between_y", "between_z",  # path from one such wall to the next
+            "move_x", "move_y", "move_z",  # from the centre of this cell to that of the next
+            "contact",                  # path to the next contact in this cell
+            "struck_x", "struck_y", "struck_z",  # the scatterer met there, from the cell's centre
+            "impact",                   # normal speed of the last collision, where e depends on it
+            # In a field, where the path depends on the speed and times are never shifted. Among
+            # disks place and velocity are those at the last node of the parabola; walls and contact
+            # are times until then.
             "vx", "vy", "vz",           # velocity; without scatterers where the flight began
             "first_vx", "lasted",       # velocity along x where the flight began; time since then
             "meets_x", "meets_y",       # the disk of the next contact, from the cell's centre
             "from_x", "from_y",         # where the path began, from the centre of its cell
-            *_FLOATS,
-        ),
-        np.int64: (
-            "before", "crossed",        # whether it is on the disk `struck`; walls crossed since
-            "from_i", "from_j",         # the cell where the path began, from the middle one
-            *_INTS,
-        ),
-        np.uint64: _STREAM,
-    }
-)  # fmt: skip
-# Of tracers that are driven (`kernel.driven`): their velocity at the place where a flight began.
-DRIVEN_LANE = record_type(
-    {
-        np.float64: (
-            "vx", "vy", "vz", "nx", "ny", "nz",  # and the normal of a collision
+            # Of tracers that are driven.
             "clock",                    # left of an exponential variable
             "since", "began",           # path and time at the last collision
             "span", "left",             # a step of the noise, 0 between two; what is left of it
-            "kick_x", "kick_y", "kick_z", *_FLOATS,  # the noise at its beginning
+            "kick_x", "kick_y", "kick_z",  # the noise at its beginning
         ),
-        np.int64: ("draws", *_INTS),    # random numbers used
-        np.uint64: _STREAM,
+        np.int64: (
+            "collisions", "output",     # how many there have been, of collisions and of outputs
+            "tracer", "shifts",
+            "i", "j", "k",              # the cell, counted without regard to periodicity
+            "stored_i", "stored_j", "stored_k",  # the cell of the box that stands for it
+            "cell",                     # where its scatterers are stored
+            "step_i", "step_j", "step_k",  # +1 or -1: from this cell to the next
+            "before", "crossed",        # whether it is on the disk `struck`; walls crossed since
+            "from_i", "from_j",         # the cell where the path began, from the middle one
+            "draws",                    # random numbers used
+        ),
+        np.uint64: ("stream", "gamma"),  # what random flights without scatterers are drawn from
     }
 )  # fmt: skip
-
-
 AT_THE_CENTRE = np.empty((0, 4))
 
 
 class Start(NamedTuple):
     """Which tracers to follow, and how.
 
-    first: number of the first one. given (n, dimension): initial velocities in U, or
-    (0, dimension) to draw n of them. law: restitution and tangential restitution. most: the largest
-    number of collisions, 0 for no limit. places (n, 4): where they start, of
-    `placement.free_places`, or (0, 4): at the centre.
+    first: number of the first one. given (n, dimension): initial velocities, or (0, dimension) to
+    draw n of them. law: (e, et). most: the largest number of collisions, 0 for no limit. places
+    (n, 4): of `placement.free_places`, or (0, 4): all start at the centre.
     """
 
     first: int
@@ -127,7 +105,7 @@ def launch(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
     lane.ux, lane.uy, lane.uz = vx / speed, vy / speed, vz / speed
     lane.slowness, lane.unit = 1.0 / speed, 1.0
     lane.next_output = times[0] if times.size else np.inf
-    lane.start_vx, lane.start_vy, lane.start_vz = vx, vy, vz
+    lane.start_vx, lane.start_vy, lane.start_vz = lane.vx, lane.vy, lane.vz = vx, vy, vz
     lane.x = lane.y = lane.z = lane.flight_x = lane.flight_y = lane.flight_z = 0.0
     lane.time = lane.travelled = lane.normal_x = lane.normal_y = 0.0
     lane.collisions = lane.output = lane.shifts = lane.i = lane.j = lane.k = 0
@@ -136,7 +114,7 @@ def launch(lane: Any, start: Start, times: np.ndarray, tracer: int) -> None:
 
 @inlined
 def open_flights(lane: Any, start: Start) -> None:
-    """Open the stream of the random flights of a tracer that has been launched."""
+    """Open the stream of the random flights of a tracer."""
     lane.stream, lane.gamma = open_stream(
         start.seed, FLIGHTS, start.configuration, start.first + lane.tracer
     )
@@ -150,11 +128,9 @@ def note_impact(lane: Any, varying: Varying | None, share: float) -> None:
 
 
 @inlined
-def collide_at_random(lane: Any, draw: int, start: Start, varying: Varying | None) -> float:
-    """Collide with an impact parameter from this draw; return the ratio of the speeds.
-
-    It is uniform on the line, or in the disk, across the direction; never 0, so the ratio is not 0.
-    """
+def collide_at_random(lane: Any, start: Start, varying: Varying | None) -> float:
+    """Collide with an impact parameter at random, never 0; return the ratio of the speeds."""
+    draw = 2 * lane.collisions + 1
     if start.dimension == 2:
         impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
         note_impact(lane, varying, sqrt((1.0 - impact) * (1.0 + impact)))
@@ -167,19 +143,17 @@ def collide_at_random(lane: Any, draw: int, start: Start, varying: Varying | Non
         (lane.ux, lane.uy, lane.uz), ratio = scatter_in_space(
             (lane.ux, lane.uy, lane.uz), (a, b), restitution, tangential
         )
+    lane.collisions += 1
     return ratio
 
 
 @inlined
 def _velocity(start: Start, tracer: int) -> tuple[float, float, float]:
-    """Return a tracer's initial velocity."""
-    solid = start.dimension == 3
-    vz = 0.0
+    solid, vz = start.dimension == 3, 0.0
     if start.given.shape[0]:
-        vx, vy = start.given[tracer, 0], start.given[tracer, 1]
         if solid:
             vz = start.given[tracer, 2]
-        return vx, vy, vz
+        return start.given[tracer, 0], start.given[tracer, 1], vz
     state, gamma = open_stream(start.seed, START, start.configuration, start.first + tracer)
     angle = 2.0 * pi * uniform(state, gamma, 0)
     speed = 1.0 if start.monoenergetic else sqrt(-2.0 * log(uniform(state, gamma, 1)))
@@ -204,17 +178,10 @@ def advance(lane: Any, path: float) -> None:
 
 
 @inlined
-def is_due(lane: Any, path: float, n_times: int) -> bool:
-    """Tell whether an output time comes within the next flight, of this length."""
-    return lane.time + path * lane.slowness >= lane.next_output and lane.output < n_times
-
-
-@inlined
 def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, bool]:
-    """Advance the time of a lane by a flight; the outputs within it have been queued before.
+    """Advance the time of a lane by a flight, to the last output at most, but not its place.
 
-    Return the path flown and whether the last output has been reached: the flight then ends there.
-    The place is left to the caller, whose coordinates may be those of a cell.
+    Return the path flown and whether the last output has been reached.
     """
     finished = lane.output == n_times and n_times > 0
     if finished:

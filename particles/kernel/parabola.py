@@ -12,12 +12,15 @@ no number is large: `times_of` makes three steps for many tracers at once, in th
 registers, and leaves the few that need more to `time_of`.
 """
 
-from math import log, sqrt
+from math import copysign, log, sqrt
+from typing import Any
 
 import numpy as np
 from numba import njit
 
 from particles.compiled import inlined
+from particles.kernel.lane import Start, collide_at_random
+from particles.kernel.records import Records
 
 SERIES = 0.03  # artanh(r)/r by nine terms of its series where r^2 is smaller: to 1e-16
 NEAREST = 1e-17  # of r to 1; artanh(r) is then multiplied by w^2 of this order
@@ -40,8 +43,7 @@ def length_of(
 ) -> tuple[float, float, float]:
     """Return the length of a piece of a parabola, then u and the speed at its end.
 
-    lasts: the time it takes. s0, u0: speed and velocity along the field where it begins. w2: square
-    of the velocity across the field. field: not negative. NaN at rest without a field.
+    lasts: the time it takes. s0, u0, w2: as above. field: not negative. NaN at rest without one.
     """
     u1 = u0 + field * lasts
     s1 = sqrt(u1 * u1 + w2)
@@ -59,6 +61,15 @@ def length_of(
 
 
 @inlined
+def length_flown(vx: float, vy: float, vz: float, lasts: float, field: float) -> float:
+    """Return the length of a piece of a parabola, from its first velocity and the time it takes."""
+    if not lasts > 0.0:
+        return 0.0
+    along, across2 = copysign(1.0, field) * vx, vy * vy + vz * vz
+    return length_of(lasts, sqrt(vx * vx + across2), along, across2, abs(field))[0]
+
+
+@inlined
 def time_to_reach(distance: float, along: float, field: float) -> float:
     """Return the time until a tracer first is so far along the field; distance: above 0."""
     root = sqrt(along * along + 2.0 * field * distance)
@@ -67,10 +78,7 @@ def time_to_reach(distance: float, along: float, field: float) -> float:
 
 @inlined
 def _bounds(s0: float, u0: float, g: float) -> tuple[float, float]:
-    """Return the least and the greatest time that a length of 1 may take.
-
-    The time is longest with nothing across the field, and shortest with u the whole speed.
-    """
+    """Return the times that a length of 1 takes at least (u the speed) and at most (w = 0)."""
     size = abs(u0)
     square = u0 * u0 + (2.0 * g if u0 >= 0.0 else -2.0 * g)
     root = sqrt(abs(square))
@@ -92,10 +100,9 @@ def _first_guess(s0: float, u0: float, g: float, low: float, high: float) -> flo
 
 @njit(error_model="numpy")
 def time_of(path: float, speed: float, along: float, across2: float, field: float) -> float:
-    """Return the time that a tracer takes for this length of its parabola.
+    """Return the time that a length of its parabola takes a tracer, by Halley's method in bounds.
 
-    speed, along: where it begins, and its velocity along the field; across2: the square of that
-    across. field: above 0. Halley's method between bounds, to rounding.
+    speed, along: where it begins; across2: square of the velocity across. field: above 0.
     """
     unit = sqrt(speed * speed + field * path)
     s0, u0, w2 = speed / unit, along / unit, across2 / (unit * unit)
@@ -124,18 +131,15 @@ def time_of(path: float, speed: float, along: float, across2: float, field: floa
 
 
 @inlined
-def _halved(y: float) -> float:
-    """Return the tanh of half the argument of which y is the tanh."""
+def _halved(y: float) -> float:  # tanh of half the argument of which y is the tanh
     return y / (1.0 + sqrt(1.0 - y * y))
 
 
 @njit(error_model="numpy")
 def times_of(work: np.ndarray, n: int, field: float) -> None:
-    """Find the times that n lengths of parabolas take.
+    """Find the times that n lengths take, in vectors: loops without branches.
 
-    work (ROWS, at least n): PATH, SPEED2 (square of the speed), ALONG and ACROSS2 are given; LASTS
-    receives the times where GOOD becomes 0 or more. Elsewhere, also where it is NaN, `time_of` is
-    to be asked. field: above 0. The loops have no branches, so the compiler makes vectors of them.
+    LASTS receives them where GOOD becomes 0 or more; elsewhere `time_of` is to be asked.
     """
     path, speed2, along, across2 = work[PATH], work[SPEED2], work[ALONG], work[ACROSS2]
     times, good, low, high = work[LASTS], work[GOOD], work[_LOW], work[_HIGH]
@@ -173,3 +177,50 @@ def times_of(work: np.ndarray, n: int, field: float) -> None:
             good[a] = LEFT * t - bent * bent * abs(h) if x < SERIES_AT_ONCE else -1.0
     for a in range(n):
         times[a] *= path[a] / sqrt(speed2[a] + field * path[a])
+
+
+@inlined
+def ask(work: np.ndarray, a: int, path: float, along: float, vy: float, vz: float) -> None:
+    """Enter number a of what `times_of` is asked: a length, and the velocity where it begins."""
+    across2 = vy * vy + vz * vz
+    work[PATH, a], work[ALONG, a], work[ACROSS2, a] = path, along, across2
+    work[SPEED2, a] = along * along + across2
+
+
+@inlined
+def answer(work: np.ndarray, a: int, field: float) -> float:
+    """Return the time that number a takes."""
+    if work[GOOD, a] >= 0.0:
+        return float(work[LASTS, a])
+    speed = sqrt(work[SPEED2, a])
+    return time_of(work[PATH, a], speed, work[ALONG, a], work[ACROSS2, a], field)
+
+
+@inlined
+def note_passage(lane: Any, x: float, lasts: float, field: float, records: Records) -> None:
+    """Note when x first has the value depth on this piece of the parabola, which begins at x."""
+    if records.passages[lane.tracer] == np.inf:
+        towards = copysign(1.0, field)
+        left = towards * (records.depth - x)
+        reaches = time_to_reach(left, towards * lane.vx, abs(field)) if left > 0.0 else 0.0
+        if reaches <= lasts:
+            records.passages[lane.tracer] = lane.time + reaches
+
+
+@inlined
+def move_freely(lane: Any, lasts: float, field: float) -> None:
+    """Move a lane without scatterers along its parabola for so long."""
+    lane.time += lasts
+    lane.flight_x += (lane.vx + 0.5 * field * lasts) * lasts
+    lane.flight_y += lane.vy * lasts
+    lane.flight_z += lane.vz * lasts
+    lane.vx += field * lasts
+
+
+@inlined
+def collide_freely(lane: Any, start: Start) -> None:
+    """Collide without scatterers, with an impact parameter at random."""
+    speed = sqrt(lane.vx * lane.vx + lane.vy * lane.vy + lane.vz * lane.vz)
+    lane.ux, lane.uy, lane.uz = lane.vx / speed, lane.vy / speed, lane.vz / speed
+    speed *= collide_at_random(lane, start, None)
+    lane.vx, lane.vy, lane.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz

@@ -1,28 +1,24 @@
 """Where bounces do not end: grooves between two spheres and pockets between more of them.
 
-Two spheres leave a groove along the circle in which their spheres of contact (radius 1) meet, three
-leave a pocket where such circles meet. Close to them the spheres are planes, and the flights of a
-tracer may shrink geometrically, to infinitely many in a finite length. So after a flight shorter
-than SHORT, the bounces between all spheres within NEAR of contact are followed to their end,
-between the planes that touch them there. Where they end after a finite number, that is left to the
-event loop, as long as it can resolve them.
+Close to where the spheres of contact (radius 1) of several scatterers meet they are planes, and the
+flights of a tracer may shrink geometrically, to infinitely many in a finite length. So after a
+flight shorter than SHORT the bounces between all spheres within NEAR of contact are followed to
+their end, between the planes that touch them there. Where they end after a finite number, that is
+left to the event loop, as long as it can resolve them.
 
 Two planes with unit normals n1 and n2, C = -n1.n2. With rho the normal speed with which the tracer
 leaves the one plane over that with which it approaches the other one, and r = e/et, a bounce makes
 
     rho' = r / ((1 + r) C - rho),     fixed points rho^2 - (1 + r) C rho + r = 0.
 
-They are real if C >= 2 sqrt(r)/(1 + r), the rule of the plane; the upper one repels and the lower
-one attracts, so the tracer bounces for ever if rho is below the upper one. For et = 1 the speed
-along the edge stays, and the tracer leaves along its tangent: a groove is no trap. For et < 1 that
-speed is multiplied by et at each bounce too, so the tracer is left at rest: it is trapped. But the
-spheres recede by path^2/2, which matters when path (along)/(across) is about 1; this number is
-multiplied by rho^3/r^2 at each bounce. So the bounces never end if rho^3 <= r^2, and are followed
-until the spheres recede if not.
+They are real if C >= 2 sqrt(r)/(1 + r); the upper one repels, so the tracer bounces for ever if rho
+is below it. For et = 1 it then leaves along the edge with the speed that it has along it: a groove
+is no trap. For et < 1 that speed is multiplied by et at each bounce, so it is left at rest: it is
+trapped. But the spheres recede by path^2/2, which matters when path (along)/(across) is about 1, a
+number that each bounce multiplies by rho^3/r^2: the bounces never end if rho^3 <= r^2.
 
-More planes: no such formula is known. The bounces are followed, each groove being left along its
-edge, until the tracer leaves, or until its speed has fallen to SLOW of what tangential friction
-alone would have left of it: then it is trapped.
+More planes: the bounces are followed, each groove being left along its edge, until the tracer
+leaves, or until its speed has fallen to SLOW of what tangential friction alone would have left.
 """
 
 from math import sqrt
@@ -54,9 +50,8 @@ def end_of_bounces(
 ) -> tuple[tuple[float, float, float], float]:
     """Return (direction, speed ratio) with which a tracer leaves after a flight of this length.
 
-    place: of the tracer, from the centre of its cell; direction: after the bounce there. law:
-    restitution e and tangential restitution et > e. The ratio is 0 if the tracer is trapped. Both
-    are unchanged where the event loop is to go on.
+    place: from the centre of the cell; direction: after the bounce there. law: (e, et), et > e.
+    Ratio 0: the tracer is trapped. Both are unchanged where the event loop is to go on.
     """
     found = np.empty((MOST_WALLS, 4))
     n = _walls_near(cells, cell, place, found)
@@ -72,10 +67,7 @@ def end_of_bounces(
 def _walls_near(
     cells: Cells, cell: int, place: tuple[float, float, float], found: np.ndarray
 ) -> int:  # fmt: skip
-    """Find the spheres of a cell within NEAR of contact with a tracer; return their number.
-
-    found (MOST_WALLS, 4): receives their normals, towards the tracer, and the gaps.
-    """
+    """Find the spheres within NEAR of contact: normals towards the tracer and gaps; count them."""
     n, slot, node = 0, 0, cells.head[cell]
     while slot < SLOTS or node >= 0:
         cx, cy, cz, slot, node = next_listed(cells, cell, slot, node)
@@ -90,10 +82,9 @@ def _walls_near(
 
 @njit(error_model="numpy")
 def is_endless(cosine: float, rho: float, restitution: float, tangential: float) -> bool:
-    """Tell whether a tracer between two planes bounces for ever, for r = e/et < 1.
+    """Tell whether a tracer bounces for ever between two spheres; cosine: of their normals' angle.
 
-    cosine: of the angle between the normals. rho: as above. At et < 1 False also where the
-    curvature of the spheres lets the tracer go.
+    For r = e/et < 1; rho as above.
     """
     r = restitution / tangential
     middle = -0.5 * (1.0 + r) * cosine
@@ -108,11 +99,10 @@ def is_endless(cosine: float, rho: float, restitution: float, tangential: float)
 def last_bounces(
     walls: np.ndarray, direction: tuple[float, float, float], restitution: float, tangential: float
 ) -> tuple[int, tuple[float, float, float], float]:
-    """Follow bounces between planes to their end; e < et. Return how they end.
+    """Follow bounces between planes to their end: LEAVES, FOR_EVER (infinitely many) or RESTS.
 
-    walls (n, 4): normals and gaps; that of the plane which the tracer has just struck is 0. The
-    gaps are changed. Return LEAVES after finitely many bounces, FOR_EVER after infinitely many, or
-    RESTS; then the unit direction in the end, and the ratio of the speeds after and before.
+    walls (n, 4): normals and gaps, 0 of the plane struck last; they are changed. Return also the
+    unit direction in the end, and the ratio of the speeds after and before.
     """
     ux, uy, uz = direction
     n = walls.shape[0]
@@ -171,10 +161,7 @@ def _along_edge(
     other: tuple[float, float, float],
     direction: tuple[float, float, float],
 ) -> tuple[tuple[float, float, float], float]:
-    """Return (unit vector along the edge of two planes, component of the direction along it >= 0).
-
-    one, other: the normals of the planes.
-    """
+    """Return (unit vector along the edge of two planes, component of the direction along it)."""
     (nx, ny, nz), (mx, my, mz), (ux, uy, uz) = one, other, direction
     tx, ty, tz = ny * mz - nz * my, nz * mx - nx * mz, nx * my - ny * mx
     size = sqrt(tx * tx + ty * ty + tz * tz)

@@ -1,6 +1,6 @@
 """What a kernel records: sums, histograms and raw states at the output times."""
 
-from math import floor, log, log2
+from math import floor, log, log2, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from particles.compiled import called, inlined
 from particles.events import NEVER
 from particles.kernel import columns
-from particles.kernel.lane import record_type
+from particles.kernel.lane import AT_REST, record_type
 
 _LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
 # States at output times wait in a queue and are entered in the sums when it is full: the kernels'
@@ -28,13 +28,12 @@ class Records(NamedTuple):
     """Arrays that a kernel adds to; those not asked for are empty. Columns: kernel.columns.
 
     times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
-    by in the sums there. moments (n_times, MOMENTS), totals (TOTALS,), statuses (STATUSES,).
-    field_sums (n_times, FIELD_SUMS[dimension]), in a field. grids (5, 2): log2 of the lowest edge
-    and bins per octave of each histogram. speeds, components, distances (n_times, bins + 2) and
-    paths, durations (1, bins + 2): counts, the first and the last of what lies outside. positions,
-    velocities (n_times, n, dimension) and finals (n, FINALS[dimension]): raw, in d and U. passages
-    (n,), inf, receives the times at which x first has the value depth, in d. queue (QUEUE,) of
-    OUTPUT and queued (1,): states that wait, and their number.
+    by in the sums there. grids (5, 2): log2 of the lowest edge and bins per octave of each
+    histogram. counts: of each, (n_times or 1, bins + 2), the first and the last of what lies
+    outside. positions, velocities (n_times, n, dimension) and finals: raw, in d and U. passages
+    (n,), inf, receives the times at which x first has the value depth, in d. traps: the trapped and
+    captured tracers. queue (QUEUE,): states that wait. filled (2,): how many wait, and how many
+    rows of traps are filled.
     """
 
     times: np.ndarray
@@ -44,18 +43,18 @@ class Records(NamedTuple):
     statuses: np.ndarray
     field_sums: np.ndarray
     grids: np.ndarray
-    speeds: np.ndarray
-    components: np.ndarray
-    distances: np.ndarray
-    paths: np.ndarray
-    durations: np.ndarray
+    counts: tuple[np.ndarray, ...]
     positions: np.ndarray
     velocities: np.ndarray
     finals: np.ndarray
     passages: np.ndarray
     depth: float
+    traps: np.ndarray
     queue: np.ndarray
-    queued: np.ndarray
+    filled: np.ndarray
+
+
+WAITING, CAUGHT = range(2)
 
 
 @inlined
@@ -81,71 +80,64 @@ def count_flight(
     paths: np.ndarray, durations: np.ndarray, grids: np.ndarray, path: float, lasts: float,
     shifts: int,
 ) -> None:  # fmt: skip
-    """Enter a completed flight in the histograms; lasts: its time, times 2**-64 shifts."""
+    """Enter a completed flight; without `Records`, references to which would be counted."""
     if paths.size:
         _count(paths, 0, _log2(path), grids[columns.PATH])
     if durations.size:
         _count(durations, 0, _log2(lasts) + 64.0 * shifts, grids[columns.DURATION])
 
 
-@inlined
-def _begin_row(lane: Any, row: Any, caught: float) -> None:
-    """Fill in what of a lane's state does not change in a flight."""
+@called
+def _next_row(lane: Any, caught: float, records: Records) -> Any:
+    """Return the next row of the queue, with what does not change in a flight; count the output."""
+    if records.filled[WAITING] == QUEUE:
+        enter_queue(records)
+    row = records.queue[records.filled[WAITING]]
+    records.filled[WAITING] += 1
     row.output, row.tracer, row.collisions = lane.output, lane.tracer, lane.collisions
     row.start_vx, row.start_vy, row.start_vz = lane.start_vx, lane.start_vy, lane.start_vz
     row.caught = caught
+    lane.output += 1
+    return row
 
 
-@inlined
-def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> None:
-    """Fill a row of the queue with the state of a lane at its next output time, in its flight."""
-    k = lane.output
-    _begin_row(lane, row, 0.0)
+@called
+def queue_output(lane: Any, records: Records) -> None:
+    """Queue the state of a lane at its next output time, in its flight."""
+    scale, times = records.scales[lane.output], records.times
+    row = _next_row(lane, 0.0, records)
     # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
     done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
-    speed = scales[k] * lane.unit / lane.slowness
+    speed = scale * lane.unit / lane.slowness
     row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy
     row.z = lane.flight_z + done * lane.uz
     row.vx, row.vy, row.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz
-    lane.output = k + 1
-    lane.next_output = times[k + 1] * lane.unit if k + 1 < times.size else np.inf
+    lane.next_output = times[lane.output] * lane.unit if lane.output < times.size else np.inf
 
 
-@inlined
-def queue_falling(lane: Any, row: Any, times: np.ndarray, field: float) -> None:
+@called
+def queue_falling(lane: Any, records: Records, field: float) -> None:
     """As `queue_output`, of a lane on its parabola in a field."""
-    k = lane.output
-    _begin_row(lane, row, 0.0)
+    row, times = _next_row(lane, 0.0, records), records.times
     done = max(lane.next_output - lane.time, 0.0)
     row.x = lane.flight_x + (lane.vx + 0.5 * field * done) * done
     row.y, row.z = lane.flight_y + lane.vy * done, lane.flight_z + lane.vz * done
     row.vx, row.vy, row.vz = lane.vx + field * done, lane.vy, lane.vz
-    lane.output = k + 1
-    lane.next_output = times[k + 1] if k + 1 < times.size else np.inf
+    lane.next_output = times[lane.output] if lane.output < times.size else np.inf
 
 
-@inlined
-def queue_rest(lane: Any, records: Records) -> None:
-    """Queue a trapped tracer for all output times that are left: at rest where the flight began."""
+@called
+def _note_trap(lane: Any, first: int, records: Records) -> None:
+    """Record where and when a tracer was caught, at rest where its flight began at all outputs."""
     while lane.output < records.times.size:
-        if records.queued[0] == QUEUE:
-            enter_queue(records)
-        row = records.queue[records.queued[0]]
-        records.queued[0] += 1
-        _begin_row(lane, row, 1.0)
+        row = _next_row(lane, 1.0, records)
         row.x, row.y, row.z = lane.flight_x, lane.flight_y, lane.flight_z
         row.vx = row.vy = row.vz = 0.0
-        lane.output += 1
-
-
-@inlined
-def note_trap(lane: Any, trap: np.ndarray, first: int, records: Records) -> None:
-    """Record where and when a tracer was caught; it rests there at all later outputs."""
-    queue_rest(lane, records)
+    trap = records.traps[records.filled[CAUGHT]]
+    records.filled[CAUGHT] += 1
     trap[columns.TRAP_TRACER] = first + lane.tracer
     trap[columns.TRAP_TIME] = lane.time / lane.unit
-    trap[columns.TRAP_X] = lane.flight_x
-    trap[columns.TRAP_Y] = lane.flight_y
+    trap[columns.TRAP_X], trap[columns.TRAP_Y] = lane.flight_x, lane.flight_y
     if trap.size > columns.TRAP_Z:
         trap[columns.TRAP_Z] = lane.flight_z
 
@@ -154,9 +146,9 @@ def note_trap(lane: Any, trap: np.ndarray, first: int, records: Records) -> None
 def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
     moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
-    speeds, components, distances = records.speeds, records.components, records.distances
+    speeds, components, distances = records.counts[: columns.PATH]
     positions, velocities, sums = records.positions, records.velocities, records.field_sums
-    for m in range(records.queued[0]):
+    for m in range(records.filled[WAITING]):
         row = queue[m]
         k, x, y, z = row.output, row.x, row.y, row.z
         vx, vy, vz = row.vx, row.vy, row.vz
@@ -181,16 +173,17 @@ def enter_queue(records: Records) -> None:
         if distances.size:
             _count(distances, k, 0.5 * _log2(r2), grids[columns.DISTANCE])
         if positions.size:
-            positions[k, row.tracer, 0] = x
-            positions[k, row.tracer, 1] = y
-            if positions.shape[2] > 2:
-                positions[k, row.tracer, 2] = z
+            _keep(positions[k, row.tracer], x, y, z)
         if velocities.size:
-            velocities[k, row.tracer, 0] = vx / scales[k]
-            velocities[k, row.tracer, 1] = vy / scales[k]
-            if velocities.shape[2] > 2:
-                velocities[k, row.tracer, 2] = vz / scales[k]
-    records.queued[0] = 0
+            _keep(velocities[k, row.tracer], vx / scales[k], vy / scales[k], vz / scales[k])
+    records.filled[WAITING] = 0
+
+
+@inlined
+def _keep(place: np.ndarray, x: float, y: float, z: float) -> None:
+    place[0], place[1] = x, y
+    if place.size > 2:
+        place[2] = z
 
 
 @inlined
@@ -206,8 +199,10 @@ def _add_products(sums: np.ndarray, first: int, vector: tuple[float, float, floa
 
 
 @inlined
-def finish(lane: Any, status: int, records: Records) -> None:
-    """Enter the end of a tracer, at the place where its flight began."""
+def finish(lane: Any, status: int, first: int, records: Records) -> None:
+    """Enter the end of a tracer where its flight began; a trapped or captured one rests there."""
+    if status in (columns.TRAPPED, columns.CAPTURED):
+        _note_trap(lane, first, records)
     records.totals[columns.TRAVELLED] += lane.travelled
     records.totals[columns.ALL_COLLISIONS] += lane.collisions
     records.statuses[status] += 1
@@ -215,8 +210,14 @@ def finish(lane: Any, status: int, records: Records) -> None:
         end, shift = records.finals[lane.tracer], lane.shifts * _LN_SHIFT
         end[columns.LN_SPEED] = -log(lane.slowness) - shift
         end[columns.LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
-        end[columns.FINAL_X] = lane.flight_x
-        end[columns.FINAL_Y] = lane.flight_y
+        end[columns.FINAL_X], end[columns.FINAL_Y] = lane.flight_x, lane.flight_y
         end[columns.FINAL_COLLISIONS] = lane.collisions
         if end.size > columns.FINAL_Z:
             end[columns.FINAL_Z] = lane.flight_z
+
+
+@inlined
+def note_slowness(lane: Any) -> None:
+    """Give a lane with a velocity its slowness."""
+    square = lane.vx * lane.vx + (lane.vy * lane.vy + lane.vz * lane.vz)
+    lane.slowness = 1.0 / max(sqrt(square), AT_REST)

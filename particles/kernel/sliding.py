@@ -1,19 +1,18 @@
 """What follows infinitely many bounces in a field: sliding along a disk, leaving it, rest.
 
 A tracer that a field presses on a disk with the acceleration a_n, and that leaves it with the
-normal velocity v_n, comes back after 2 v_n/a_n; for e < 1 infinitely many such bounces end after
-2 v_n/(a_n (1 - e)). What is declared:
+normal velocity v_n, comes back after 2 v_n/a_n; for e < 1 infinitely many such bounces end.
 
-Sliding. Where v_n^2/(2 a_n) < SMALL d, v_n becomes 0 and the tracer slides. For et = 1 it slides
-without friction: with phi the angle of the normal from the direction of x, phi'' = -g sin(phi), and
-it leaves where a_n = -g cos(phi) - phi'^2 is no longer positive, that is with theta from the top of
+Sliding. Where v_n^2/(2 a_n) < SMALL d, v_n becomes 0. For et = 1 the tracer slides without
+friction: with phi the angle of the normal from the direction of x, phi'' = -g sin(phi), and it
+leaves where a_n = -g cos(phi) - phi'^2 is no longer positive, that is with theta from the top of
 the disk where cos(theta) = 2k/3, k = cos(theta_0) + v_0^2/(2 g d). For et < 1 the bounces take the
 tangential velocity too: the tracer is trapped where it is.
 
 Corners of two disks that overlap. The bounces between the two are followed one by one; they take no
-time. Where the velocity falls to SMALL of what it was, which is where infinitely many bounces would
-follow, the tracer comes to rest. If -g is between the two normals, it is trapped as soon as
-v^2/2 < SMALL |g| d; else it slides along the disk that the field lets it slide along, or falls.
+time. Where the velocity falls to SMALL of what it was the tracer comes to rest. If -g is between
+the two normals, it is trapped as soon as v^2/2 < SMALL |g| d; else it slides along the disk that
+the field lets it slide along, or falls.
 """
 
 from math import acos, asin, atan2, copysign, cos, pi, sin, sqrt
@@ -23,12 +22,12 @@ import numpy as np
 
 from particles.cells import Cells, next_listed
 from particles.compiled import called
-from particles.events import bounce
+from particles.events import bounce, is_collapsing
 from particles.kernel import columns
 from particles.kernel.falling import STRUCK, TANGENT, come_along, note_place
 from particles.kernel.lane import RUNNING
-from particles.kernel.records import QUEUE, Records, enter_queue, queue_falling
-from particles.kernel.steps import enter
+from particles.kernel.records import Records, queue_falling
+from particles.kernel.steps import SHORT, enter
 from particles.search import SLOTS
 
 SMALL = 1e-12
@@ -42,7 +41,8 @@ FALLS, SLIDES, RESTS = range(3)
 ORDER = 18
 STEP = 0.25
 BISECTIONS = 200
-REACHED, TURNED, ENDED = range(3)
+GOES_ON, REACHED, TURNED, ENDED = range(4)
+ANGLE, DERIVATIVE, COSINE = range(3)  # of the normal: what may be asked for
 
 
 @called
@@ -63,7 +63,7 @@ def is_sliding(
 
 
 @called
-def is_trap(one: tuple[float, float], other: tuple[float, float], field: float) -> bool:
+def _is_trap(one: tuple[float, float], other: tuple[float, float], field: float) -> bool:
     """Tell whether -g is between the two normals of a corner."""
     (ax, ay), (bx, by) = one, other
     turn = ax * by - ay * bx
@@ -72,14 +72,10 @@ def is_trap(one: tuple[float, float], other: tuple[float, float], field: float) 
 
 
 @called
-def end_in_corner(
-    lane: Any, one: tuple[float, float], other: tuple[float, float], law: tuple[float, float],
-    field: float,
-) -> tuple[int, bool]:  # fmt: skip
-    """Bounce in the corner of two disks until that ends. Return what follows, and on which disk.
-
-    one, other: the normals; the second result is True where what follows is on the other disk.
-    """
+def _bounce_in_corner(
+    lane: Any, one: tuple[float, float], other: tuple[float, float], law: tuple[float, float]
+) -> bool:
+    """Bounce between disks of these normals until that ends; tell whether the last is the other."""
     (ax, ay), (bx, by) = one, other
     begun = lane.vx * lane.vx + lane.vy * lane.vy
     on_other = True
@@ -98,42 +94,11 @@ def end_in_corner(
         else:
             break
         lane.collisions += 1
-    square = lane.vx * lane.vx + lane.vy * lane.vy
-    if square <= 2.0 * SMALL * abs(field) and is_trap(one, other, field):
-        return RESTS, on_other
-    for _ in range(2):
-        on, off = (other, one) if on_other else (one, other)
-        leaving = max(lane.vx * on[0] + lane.vy * on[1], 0.0)
-        along = on[0] * lane.vy - on[1] * lane.vx
-        if square == 0.0:
-            along = -field * on[1]
-        free = along * (on[0] * off[1] - on[1] * off[0]) >= 0.0
-        if free and is_sliding(on, (lane.vx, lane.vy), leaving, field):
-            return SLIDES, on_other
-        on_other = not on_other
-    return FALLS, on_other
+    return on_other
 
 
 @called
-def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
-    """Return (whether there is one, centre) of a disk near a lane, besides that struck last."""
-    found, at_x, at_y, least = False, 0.0, 0.0, 1.0 + NEAR
-    cell = lane.cell
-    node = cells.head[cell]
-    slot = 0
-    while slot < SLOTS or node >= 0:
-        cx, cy, _, slot, node = next_listed(cells, cell, slot, node)
-        dx, dy = lane.x - cx, lane.y - cy
-        apart = max(abs(cx - lane.struck_x), abs(cy - lane.struck_y))
-        if apart > SAME and dx * dx + dy * dy < least * least:
-            found, at_x, at_y, least = True, cx, cy, sqrt(dx * dx + dy * dy)
-    return found, at_x, at_y
-
-
-@called
-def settle(
-    lane: Any, cx: float, cy: float, law: tuple[float, float], field: float
-) -> int:  # fmt: skip
+def _settle(lane: Any, cx: float, cy: float, law: tuple[float, float], field: float) -> int:
     """Let a lane that is on disk `struck` meet the disk at (cx, cy) in their corner.
 
     Return FALLS, SLIDES or RESTS; the lane is then on the disk that this is about.
@@ -142,16 +107,55 @@ def settle(
     dx, dy = lane.x - cx, lane.y - cy
     per = 1.0 / sqrt(dx * dx + dy * dy)
     other = dx * per, dy * per
-    outcome, on_other = end_in_corner(lane, one, other, law, field)
+    on_other, outcome = _bounce_in_corner(lane, one, other, law), FALLS
+    square = lane.vx * lane.vx + lane.vy * lane.vy
+    if square <= 2.0 * SMALL * abs(field) and _is_trap(one, other, field):
+        outcome = RESTS
+    else:
+        for there in (on_other, not on_other):
+            on, off = (other, one) if there else (one, other)
+            along = on[0] * lane.vy - on[1] * lane.vx
+            if square == 0.0:
+                along = -field * on[1]
+            free = along * (on[0] * off[1] - on[1] * off[0]) >= 0.0
+            leaving = max(lane.vx * on[0] + lane.vy * on[1], 0.0)
+            if free and is_sliding(on, (lane.vx, lane.vy), leaving, field):
+                on_other, outcome = there, SLIDES
+                break
+    lane.normal_x, lane.normal_y = one
     if on_other:
         lane.struck_x, lane.struck_y = cx, cy
         lane.x, lane.y = cx + other[0], cy + other[1]
         lane.normal_x, lane.normal_y = other
-    else:
-        lane.normal_x, lane.normal_y = one
     leaving = lane.vx * lane.normal_x + lane.vy * lane.normal_y
     lane.before = STRUCK if leaving > 0.0 else TANGENT
     return outcome
+
+
+@called
+def after_short_flight(
+    lane: Any, before: tuple[float, float], cells: Cells, law: tuple[float, float], field: float
+) -> int:
+    """End bounces in a corner that without the field would never end: FALLS, SLIDES or RESTS."""
+    square = lane.vx * lane.vx + lane.vy * lane.vy
+    if square <= abs(field) * 1e3 * SHORT:
+        return FALLS  # where the field bends flights that are so short, they are followed
+    per = 1.0 / sqrt(square)
+    direction = lane.vx * per, lane.vy * per
+    if not is_collapsing(before, (lane.normal_x, lane.normal_y), direction, law[0], law[1]):
+        return FALLS
+    at_x, at_y, least = 0.0, 0.0, 1.0 + NEAR  # of the other disk of the corner
+    slot, node = 0, cells.head[lane.cell]
+    while slot < SLOTS or node >= 0:
+        cx, cy, _, slot, node = next_listed(cells, lane.cell, slot, node)
+        dx, dy = lane.x - cx, lane.y - cy
+        apart = max(abs(cx - lane.struck_x), abs(cy - lane.struck_y))
+        if apart > SAME and dx * dx + dy * dy < least * least:
+            at_x, at_y, least = cx, cy, sqrt(dx * dx + dy * dy)
+    if least == 1.0 + NEAR:
+        return FALLS
+    lane.vx = lane.vy = 0.0
+    return _settle(lane, at_x, at_y, law, field)
 
 
 @called
@@ -162,9 +166,7 @@ def _ahead(angle: float, now: float, way: float) -> float:
 
 
 @called
-def wall_ahead(
-    lane: Any, side: float, now: float, way: float
-) -> tuple[float, int, int]:  # fmt: skip
+def _wall_ahead(lane: Any, side: float, now: float, way: float) -> tuple[float, int, int]:
     """Return (angle to the first cell wall, step to the next cell there) along disk `struck`.
 
     now: angle of the normal. way: +1 or -1. The angle is 4 pi where there is no wall ahead.
@@ -187,19 +189,12 @@ def wall_ahead(
 
 
 @called
-def disk_ahead(
-    lane: Any, cells: Cells, now: float, way: float
-) -> tuple[float, float, float]:  # fmt: skip
-    """Return (angle to the first disk in the way along disk `struck`, its centre).
-
-    The angle is 4 pi where there is none.
-    """
+def _disk_ahead(lane: Any, cells: Cells, now: float, way: float) -> tuple[float, float, float]:
+    """Return (angle to the first disk in the way along disk `struck`, or 4 pi, its centre)."""
     left, at_x, at_y = 4.0 * pi, 0.0, 0.0
-    cell = lane.cell
-    node = cells.head[cell]
-    slot = 0
+    slot, node = 0, cells.head[lane.cell]
     while slot < SLOTS or node >= 0:
-        cx, cy, _, slot, node = next_listed(cells, cell, slot, node)
+        cx, cy, _, slot, node = next_listed(cells, lane.cell, slot, node)
         dx, dy = cx - lane.struck_x, cy - lane.struck_y
         square = dx * dx + dy * dy
         if SAME * SAME < square < 4.0:
@@ -210,7 +205,7 @@ def disk_ahead(
 
 
 @called
-def leaving_ahead(now: float, along: float, way: float, field: float) -> float:
+def _leaving_ahead(now: float, along: float, way: float, field: float) -> float:
     """Return the angle to where the disk curves away from under a tracer.
 
     along: velocity, as d(angle)/dt. If the tracer turns before, it does not come to this place.
@@ -221,11 +216,8 @@ def leaving_ahead(now: float, along: float, way: float, field: float) -> float:
 
 
 @called
-def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
-    """Expand the angle in powers of the time. work (3, ORDER + 1): row 0 receives the terms.
-
-    field: 1 or -1. Times are in sqrt(d/g), in which no power of a strong field overflows.
-    """
+def _expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
+    """Expand the angle in powers of the time in sqrt(d/g): row 0 of work; field: 1 or -1."""
     phi, sine, cosine = work[0], work[1], work[2]
     phi[0], phi[1] = angle, along
     sine[0], cosine[0] = sin(angle), cos(angle)
@@ -239,7 +231,7 @@ def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
 
 
 @called
-def at(work: np.ndarray, t: float) -> tuple[float, float]:
+def _at(work: np.ndarray, t: float) -> tuple[float, float]:
     """Return the angle and its derivative after a time t."""
     angle, along = work[0, ORDER], 0.0
     for k in range(ORDER - 1, -1, -1):
@@ -249,10 +241,10 @@ def at(work: np.ndarray, t: float) -> tuple[float, float]:
 
 
 @called
-def when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
-    """Return when the angle (kind 0), its derivative (1) or its cosine (2) has a value.
+def _when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
+    """Return when the ANGLE, its DERIVATIVE or its COSINE has a value, once before `longest`.
 
-    It passes the value once before `longest`. Regula falsi between bounds, or bisection.
+    Regula falsi between bounds, or bisection.
     """
     low, high = 0.0, longest
     below = _excess(work, low, value, kind)
@@ -275,40 +267,15 @@ def when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
 
 @called
 def _excess(work: np.ndarray, t: float, value: float, kind: int) -> float:
-    angle, along = at(work, t)
-    if kind == 2:
+    angle, along = _at(work, t)
+    if kind == COSINE:
         angle = cos(angle)
-    return (along if kind == 1 else angle) - value
+    return (along if kind == DERIVATIVE else angle) - value
 
 
 @called
-def _put(lane: Any, angle: float, along: float) -> None:
-    """Give a lane its place and velocity on disk `struck`."""
-    nx, ny = cos(angle), sin(angle)
-    lane.normal_x, lane.normal_y = nx, ny
-    lane.x, lane.y = lane.struck_x + nx, lane.struck_y + ny
-    lane.vx, lane.vy = -along * ny, along * nx
-
-
-@called
-def _note_passage(
-    lane: Any, work: np.ndarray, lasts: float, records: Records, field: float, side: float
-) -> None:
-    """Note when x first has the value depth, if it comes to it in this step."""
-    if not records.passages.size or records.passages[lane.tracer] < np.inf:
-        return
-    height = records.depth - come_along(lane, lane.struck_x, side)
-    towards = copysign(1.0, field)
-    if towards * (cos(at(work, lasts)[0]) - height) >= 0.0:
-        begun = towards * (cos(work[0, 0]) - height) >= 0.0
-        after = 0.0 if begun else when(work, lasts, height, 2)
-        records.passages[lane.tracer] = lane.time + after / sqrt(abs(field))
-
-
-@called
-def roll(lane: Any, left: float, field: float, side: float, records: Records) -> int:
+def _roll(lane: Any, left: float, field: float, side: float, records: Records) -> int:
     """Let a lane slide along disk `struck` over an angle, or to where it turns or the run ends."""
-    times, queue, queued = records.times, records.queue, records.queued
     work = np.empty((3, ORDER + 1))
     angle = atan2(lane.normal_y, lane.normal_x)
     # From here on in sqrt(g d) and sqrt(d/g).
@@ -317,32 +284,37 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records) ->
     way = copysign(1.0, along if along != 0.0 else -towards * lane.normal_y)
     last = angle + way * left
     while True:
-        if lane.output == times.size and times.size > 0:
+        if lane.output == records.times.size and records.times.size > 0:
             return ENDED
-        expand(angle, along, towards, work)
-        lasts, outcome, after = STEP, -1, at(work, STEP)
+        _expand(angle, along, towards, work)
+        lasts, outcome, after = STEP, GOES_ON, _at(work, STEP)
         if way * after[1] < 0.0:
-            lasts, outcome = when(work, lasts, 0.0, 1), TURNED
-            after = at(work, lasts)[0], 0.0
+            lasts, outcome = _when(work, lasts, 0.0, DERIVATIVE), TURNED
+            after = _at(work, lasts)[0], 0.0
         if way * (after[0] - last) >= 0.0:
-            lasts, outcome = when(work, lasts, last, 0) if left > 0.0 else 0.0, REACHED
-            after = last, at(work, lasts)[1]
-        due = lane.output < times.size and lane.time + lasts / pace >= lane.next_output
+            lasts, outcome = _when(work, lasts, last, ANGLE) if left > 0.0 else 0.0, REACHED
+            after = last, _at(work, lasts)[1]
+        due = lane.output < records.times.size and lane.time + lasts / pace >= lane.next_output
         if due:
-            lasts, outcome = max(lane.next_output - lane.time, 0.0) * pace, -1
-            after = at(work, lasts)
-        _note_passage(lane, work, lasts, records, field, side)
+            lasts, outcome = max(lane.next_output - lane.time, 0.0) * pace, GOES_ON
+            after = _at(work, lasts)
+        if records.passages.size and records.passages[lane.tracer] == np.inf:
+            height = records.depth - come_along(lane, lane.struck_x, side)
+            if towards * (cos(_at(work, lasts)[0]) - height) >= 0.0:
+                begun = towards * (cos(work[0, 0]) - height) >= 0.0
+                reaches = 0.0 if begun else _when(work, lasts, height, COSINE)
+                records.passages[lane.tracer] = lane.time + reaches / pace
         lane.travelled += abs(after[0] - angle)
         lane.time += lasts / pace
         angle, along = after
-        _put(lane, angle, along * pace)
+        nx, ny = cos(angle), sin(angle)
+        lane.normal_x, lane.normal_y = nx, ny
+        lane.x, lane.y = lane.struck_x + nx, lane.struck_y + ny
+        lane.vx, lane.vy = -along * pace * ny, along * pace * nx
         if due:
             note_place(lane, side)
-            if queued[0] == QUEUE:
-                enter_queue(records)
-            queue_falling(lane, queue[queued[0]], times, field)
-            queued[0] += 1
-        if outcome >= 0:
+            queue_falling(lane, records, field)
+        if outcome != GOES_ON:
             return outcome
 
 
@@ -359,16 +331,16 @@ def slide(lane: Any, cells: Cells, law: tuple[float, float], field: float, recor
         if along == 0.0 and pull == 0.0:
             return columns.TRAPPED  # balanced on the top
         way = copysign(1.0, along if along != 0.0 else pull)
-        leaves = leaving_ahead(now, along, way, field)
-        wall, di, dj = wall_ahead(lane, side, now, way)
-        disk, cx, cy = disk_ahead(lane, cells, now, way)
-        outcome = roll(lane, min(leaves, wall, disk), field, side, records)
+        leaves = _leaving_ahead(now, along, way, field)
+        wall, di, dj = _wall_ahead(lane, side, now, way)
+        disk, cx, cy = _disk_ahead(lane, cells, now, way)
+        outcome = _roll(lane, min(leaves, wall, disk), field, side, records)
         if outcome == ENDED:
             return columns.FINISHED
         if outcome == TURNED:
             continue
         if disk <= min(leaves, wall):
-            outcome = settle(lane, cx, cy, law, field)
+            outcome = _settle(lane, cx, cy, law, field)
             if outcome == RESTS:
                 return columns.TRAPPED
             if outcome == FALLS:

@@ -1,7 +1,7 @@
 """The steps of a tracer among scatterers, which `particles.kernel.follow` puts together.
 
-The number of axes of `shape`, the cells along each of them, is the dimension. The compiler knows
-it, so what is said of the third coordinate leaves no trace in a kernel for the plane.
+The compiler knows the number of axes of `shape`, the dimension, and leaves out what is said of a
+third coordinate in the plane.
 """
 
 from math import copysign
@@ -25,9 +25,8 @@ from particles.kernel.lane import note_impact
 from particles.kernel.pockets import end_of_bounces
 from particles.search import SLOTS, strike
 
-# Flights shorter than this, in d, occur in corners between scatterers only, whose walls are
-# straight on this scale; whether a tracer ever leaves is then decided by `is_collapsing`, or in
-# space by `pockets`.
+# Flights shorter than this, in d, occur only in corners, straight on this scale; whether a tracer
+# ever leaves is then decided by `is_collapsing`, or in space by `pockets`.
 SHORT = 1e-9
 
 
@@ -56,13 +55,6 @@ def aim(lane: Any, side: float, shape: tuple[int, ...]) -> None:
         lane.wall_z = max((half - sign_z * lane.z) * pace_z, 0.0)
         lane.between_z, lane.move_z = side * pace_z, sign_z * side
         lane.step_k = int(sign_z)
-
-
-@inlined
-def next_wall(lane: Any, shape: tuple[int, ...]) -> float:
-    """Return the path to the wall of its cell that a lane reaches first."""
-    wall = min(lane.wall_x, lane.wall_y)
-    return min(wall, lane.wall_z) if len(shape) == 3 else wall
 
 
 @inlined
@@ -135,12 +127,10 @@ def enter(lane: Any, shape: tuple[int, ...], di: int, dj: int, dk: int) -> None:
 def collide(
     lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float],
     varying: Varying | None, endless: tuple[float, float],
-) -> tuple[float, bool]:  # fmt: skip
-    """Bounce off the scatterer met after this path; the next flight begins there.
+) -> bool:  # fmt: skip
+    """Bounce off the scatterer met after this path; tell whether the tracer is trapped.
 
-    law: restitution and tangential restitution, unless they are varying; endless: those of bounces
-    that never end. Return the ratio of the speeds after and before, and whether the tracer is
-    trapped from now on. In space `end_bounces` sees to the bounces that never end.
+    law: (e, et), unless varying; endless: those of bounces that never end.
     """
     cx, cy, cz = lane.struck_x, lane.struck_y, lane.struck_z
     ux, uy = lane.ux, lane.uy
@@ -171,21 +161,18 @@ def collide(
         lane.flight_z = lane.k * side + lane.z
     lane.flight_x, lane.flight_y = lane.i * side + lane.x, lane.j * side + lane.y
     lane.collisions += 1
+    lane.slowness /= ratio
     aim(lane, side, shape)
-    return ratio, trapped
+    return trapped
 
 
 @inlined
-def end_bounces(
-    lane: Any, path: float, cells: Cells, law: tuple[float, float]
-) -> tuple[float, bool]:
-    """In space, after a bounce and a very short flight before it: let the endless ones follow.
-
-    Return as `collide`.
-    """
+def end_bounces(lane: Any, path: float, cells: Cells, law: tuple[float, float]) -> bool:
+    """Let the endless bounces follow, in space after a very short flight; tell as `collide`."""
     if law[0] >= law[1] or len(cells.shape) == 2:
-        return 1.0, False
+        return False
     place, u = (lane.x, lane.y, lane.z), (lane.ux, lane.uy, lane.uz)
     (lane.ux, lane.uy, lane.uz), ratio = end_of_bounces(cells, lane.cell, place, u, law, path)
+    lane.slowness /= ratio
     aim(lane, cells.side, cells.shape)
-    return ratio, ratio == 0.0
+    return ratio == 0.0

@@ -43,12 +43,7 @@ def test_compare_formats_example() -> None:
 def test_sonine_convergence_example() -> None:
     result = runpy.run_path(str(ROOT / "examples" / "sonine_convergence.py"))
     series, exact = result["SERIES"], result["EXACT"]
-    # the elastic coefficient converges, from below
-    elastic = np.array(list(result["ELASTIC"].values())) / result["ELASTIC_EXACT"]
-    assert np.all(np.diff(elastic) > 0)
-    assert elastic[0] == pytest.approx(0.849, abs=1e-3)
-    assert elastic[-1] == pytest.approx(0.9974, abs=1e-4)
-    # the cooling rate does not: away for e = 0.4, near and past it for e = 0.9
+    # away from the exact rate for e = 0.4, near and past it for e = 0.9
     rate = {(e, n): values[0] / exact[e][0] for (e, n), values in series.items()}
     assert [round(rate[0.4, n], 2) for n in (2, 10, 20)] == [0.88, 0.61, 0.47]
     assert [round(rate[0.9, n], 2) for n in (1, 5, 10, 20)] == [1.17, 1.0, 0.93, 1.01]

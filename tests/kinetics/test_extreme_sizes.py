@@ -49,7 +49,7 @@ def test_flight_far_below_the_mean_free_path(number_density: float, e: float) ->
     "state",
     [
         Gaussian(1e-3, 1.0),
-        Gaussian(1.0, 1e-150),
+        Gaussian(1.0, 1e-4),
         SpeedTable([0.0, 1.0], [2.0, 0.0]),
         SpeedTable([0.0, 1.0], [0.0, 2.0]),
     ],

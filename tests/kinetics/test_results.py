@@ -196,10 +196,6 @@ def test_everything_is_drawn_at_once(averages: Any, densities: Any) -> None:
     try:
         axes = averages.plot()
         assert len(axes) == len(averages.values)
-        msd = next(ax for ax in axes if "r²" in ax.get_ylabel())
-        assert (msd.get_xscale(), msd.get_yscale()) == ("log", "linear")  # straight over ln t
-        elastic = solve(Scene(1.0, times=[1.0, 30.0, 1e3], outputs="msd")).plot()[0]
-        assert elastic.get_yscale() == "log"
         for ax in densities.plot(speeds=[0.1, 0.2]):
             assert ax.lines
             legend = [text.get_text() for text in ax.get_legend().get_texts()]
@@ -217,7 +213,6 @@ def test_every_result_has_them_all(name: str) -> None:
     drawn = "mean_velocity" if "over time" in name else "vdf"
     assert result.plot(drawn, ax=Figure().subplots()).lines
     assert len(result.to_dataframe())
-    assert "<table>" in result._repr_html_()
 
 
 # -- files ----------------------------------------------------------------------------------------
@@ -237,7 +232,7 @@ def test_what_is_saved_comes_back(name: str, tmp_path: Path) -> None:
     ask = {
         "solution with densities": lambda s: (
             s.velocity_density([0.1, 1.0], [0.3]), s.position_density([0.5]), s.uncollided,
-            s.intermediate_scattering([0.1], 0.2), s.harmonic(1.5, 2), s.at([50.0]).msd,
+            s.intermediate_scattering([0.1], 0.2), s.harmonic(1.5, 2),
         ),
         "rough solution": lambda s: (s.speed_density([0.1, 1.0]),),
         "scaled": lambda s: (s.cooling_rate, s.a2, s.vdf(1.0)),
@@ -290,12 +285,12 @@ def test_damage_and_other_files_are_refused(tmp_path: Path) -> None:
 
 
 def rewritten(path: Path, change: Any) -> None:
-    """Give a saved file another record, or another variable."""
+    """Give a saved file another record."""
     with h5py.File(path, "r+") as file:
         record = json.loads(file["record"][()].tobytes())
+        del file["record"]
         change(record, file)
-        if "record" in file:
-            del file["record"]
+        if "record" not in file:
             file["record"] = np.frombuffer(json.dumps(record).encode(), np.uint8)
 
 
@@ -306,18 +301,19 @@ HARM = {
     "a missing part": lambda r, f: r["value"].pop("rtol"),
     "more parts": lambda r, f: r["value"].update(more=1),
     "a bad scene": lambda r, f: r["value"]["scene"].update(restitution=7),
-    "no record": lambda r, f: f.pop("record"),
-    "another file": lambda r, f: (
-        f.pop("msd"), f.create_dataset("msd", (3,), "f8", external=[("/etc/hostname", 0, 24)])
+    "no record": lambda r, f: f.update(record=np.zeros(0, np.uint8)),
+    "another file": lambda r, f: f.create_dataset(
+        "record", (24,), "u1", external=[("/etc/hostname", 0, 24)]
     ),
-    "a link": lambda r, f: (f.pop("msd"), f.update({"msd": h5py.ExternalLink("a.h5", "time")})),
-    "too much": lambda r, f: (f.pop("msd"), f.create_dataset("msd", (10**13,), "f8", chunks=(9,))),
-}  # fmt: skip
+    "a link": lambda r, f: f.update({"record": h5py.ExternalLink("whole.h5", "record")}),
+    "too much": lambda r, f: f.create_dataset("record", (10**13,), "u1", chunks=(9,)),
+}
 
 
 @pytest.mark.parametrize("name", HARM)
 def test_files_that_were_made_to_do_harm(name: str, tmp_path: Path) -> None:
-    VALUES["solution"]().save(tmp_path / "a.h5")
+    for file in ("a.h5", "whole.h5"):
+        VALUES["solution"]().save(tmp_path / file)
     rewritten(tmp_path / "a.h5", HARM[name])
     refused(lambda: load(tmp_path / "a.h5"), "a.h5")
 

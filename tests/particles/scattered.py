@@ -5,14 +5,12 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from particles.placement import scatterers
+from particles.placement import placed
 
 
 def places(medium: Any, seed: int = 1, configuration: int = 0) -> np.ndarray:
     """Return the scatterers of a configuration from the start, (count, dimension), in d."""
-    found = scatterers(medium, np.uint64(seed), configuration)
-    assert found is not None
-    return found[:, : medium.dimension]
+    return placed(medium, np.uint64(seed), configuration)[1][:, : medium.dimension]
 
 
 class Around:

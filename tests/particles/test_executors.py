@@ -21,7 +21,7 @@ from particles import (
 )
 
 MEDIA = (
-    HardDisks(0.05, 800), Poisson(0.1, 400), HardSpheres(0.1, count=500, equilibrate=1),
+    HardDisks(0.05, 800), Poisson(0.1, 400), HardSpheres(0.1, count=500),
     PoissonSpheres(0.2, count=500), BoltzmannGrad(0.04), BoltzmannGrad(0.04, dimension=3),
 )  # fmt: skip
 

@@ -94,17 +94,3 @@ def test_without_collisions_the_path_is_a_parabola(dimension: int, field: float)
     np.testing.assert_allclose(run.velocities, given + along * t, rtol=1e-15)
     np.testing.assert_allclose(run.positions, given * t + along * t**2 / 2, rtol=1e-14)
     np.testing.assert_allclose(run.finals[:, 1], np.log(2.0), rtol=1e-15)
-
-
-def test_a_field_the_other_way_turns_everything_round() -> None:
-    given = np.random.default_rng(5).normal(size=(40, 2))
-    one, other = (
-        simulate(
-            DISKS, 0.6, sign * given, [0.5, 9.0], media=1, tracers=40, field=sign * 0.7,
-            observables=["positions", "velocities"],
-        )
-        for sign in (1.0, -1.0)
-    )  # fmt: skip
-    assert np.array_equal(one.positions, -other.positions)
-    assert np.array_equal(one.velocities, -other.velocities)
-    assert np.array_equal(one.drift.value, -other.drift.value)

@@ -82,7 +82,7 @@ def free_volume_over_surface(medium: Any, seed: int, c: int, points: int) -> tup
     "medium",
     [
         pytest.param(HardDisks(0.1, 4000), marks=pytest.mark.slow),
-        pytest.param(HardSpheres(0.3, count=4000, equilibrate=10), marks=pytest.mark.slow),
+        pytest.param(HardSpheres(0.3, count=4000), marks=pytest.mark.slow),
         pytest.param(PoissonSpheres(0.1, count=4000), marks=pytest.mark.slow),
     ],
 )

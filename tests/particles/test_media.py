@@ -1,4 +1,4 @@
-"""Where scatterers stand: distances, densities, equilibrium, what cells list; bad media."""
+"""Where scatterers stand: distances, densities, what cells list; bad media."""
 
 import os
 from itertools import product
@@ -21,10 +21,9 @@ both = pytest.mark.parametrize("dimension", [2, 3])
 
 
 @both
-@pytest.mark.parametrize("equilibrate", [0, 10])
 @pytest.mark.parametrize("density", [0.04, 0.6])
-def test_hard_scatterers_do_not_overlap(dimension: int, density: float, equilibrate: int) -> None:
-    medium = HARD[dimension](density, count=1500, equilibrate=equilibrate)
+def test_hard_scatterers_do_not_overlap(dimension: int, density: float) -> None:
+    medium = HARD[dimension](density, count=1500)
     around, own = Around(medium), places(medium)
     assert around.nearest(own, 2)[0][:, 1].min() >= 1.0 - 1e-12
     assert np.linalg.norm(own, axis=1).min() >= 1.0
@@ -42,60 +41,11 @@ def test_scatterers_are_uniform(dimension: int) -> None:
     for medium, low in (
         (OVERLAPPING[dimension](0.1, count=n), 60),
         (HARD[dimension](0.1, count=n), 0),
-        (HARD[dimension](0.1, count=n, equilibrate=3), 0),
     ):
         parts = np.floor((places(medium, 3) / medium.box_side + 0.5) * per_side).astype(int)
         number = parts @ [per_side**k for k in range(dimension)]
         counts = np.bincount(number, minlength=parts_in_all)
         assert low < np.sum((counts - 200) ** 2) / 200 < 190
-
-
-@both
-def test_equilibration_reaches_the_contact_value_of_equilibrium(dimension: int) -> None:
-    # g at contact, from pairs within 4 % of it: (1 - 7 eta/16)/(1 - eta)^2 for disks (Henderson
-    # 1975), (1 - phi/2)/(1 - phi)^3 for spheres (Carnahan & Starling 1969), falling by some 10 %
-    # over the shell. Random addition of disks has fewer.
-    density, edge = (0.5, 1.05) if dimension == 2 else (0.6, 1.03)
-    share = density * (np.pi / 4 if dimension == 2 else np.pi / 6)
-    contact = (1 - share / 2) / (1 - share) ** 3
-    if dimension == 2:
-        contact = (1 - 7 * share / 16) / (1 - share) ** 2
-    shell = (np.pi if dimension == 2 else 4 / 3 * np.pi) * (edge**dimension - 1)
-    found = []
-    for sweeps in (0, 100):
-        medium = HARD[dimension](density, count=4000, equilibrate=sweeps)
-        pairs = [len(Around(medium, 1, c).tree.query_pairs(edge)) for c in range(4)]
-        found.append(2 * np.mean(pairs) / (4000 * density * shell))
-    assert -0.12 < found[1] / contact - 1 < 0
-    assert dimension == 3 or found[0] < 0.93 * found[1]
-
-
-@both
-def test_few_reach_the_equilibrium_that_rejection_draws(dimension: int) -> None:
-    # 5 in a box of some 4 d, 800 configurations after 50 sweeps and some 2500 from rejection: mean
-    # squares, near pairs and those at the clearing, which is one that stays, agree within 4 sigma.
-    density = 0.3 if dimension == 2 else 5 / 4.0001**3
-    medium = HARD[dimension](density, count=5, equilibrate=50)
-    box, n = medium.box_side, 800
-    found = np.array([places(medium, 9, c) for c in range(n)])
-    drawn = np.random.default_rng(1).uniform(-box / 2, box / 2, (80_000, 5, dimension))
-
-    def distances(each: np.ndarray) -> np.ndarray:
-        with_start = np.concatenate([np.zeros((len(each), 1, dimension)), each], axis=1)
-        i, j = np.triu_indices(6, 1)
-        apart = with_start[:, i] - with_start[:, j]
-        return np.linalg.norm(apart - box * np.round(apart / box), axis=-1)
-
-    drawn = drawn[np.all(distances(drawn) >= 1, axis=1)]
-    assert len(drawn) > 1500
-    statistics = []
-    for each in (found, drawn):
-        near = (distances(each) < 1.25)[:, :, None]
-        means = (each, each**2, near[:, :5], near[:, 5:])
-        statistics.append(np.concatenate([one.mean(axis=1) for one in means], axis=1))
-    error = np.sqrt(sum(s.var(axis=0) / len(s) for s in statistics))
-    sigmas = (statistics[0].mean(axis=0) - statistics[1].mean(axis=0)) / error
-    assert np.all(abs(sigmas) < 4), sigmas
 
 
 def listed(cells: Cells, cell: int) -> np.ndarray:
@@ -163,7 +113,7 @@ def test_positions_from_csv(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match=f"disks.csv: .*{words}") as caught:
             Positions.from_csv(path, 10.0)
         assert "\n" not in str(caught.value)
-    with pytest.raises(ValueError, match=r"none.csv: cannot be read \(No such file"):
+    with pytest.raises(ValueError, match=r"none.csv: .*No such file"):
         Positions.from_csv(tmp_path / "none.csv", 10.0)
     (tmp_path / "zero.csv").symlink_to("/dev/zero")
     os.mkfifo(tmp_path / "pipe.csv")

@@ -1,6 +1,7 @@
 """What is refused, each in one line that begins with the argument's name."""
 
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from particles import (
     PoissonSpheres,
     Positions,
     Viscoelastic,
+    load,
     simulate,
 )
 
@@ -28,8 +30,10 @@ RUNS: list[tuple[str, list[Any], dict[str, Any]]] = [
     ("restitution", [1.2, NAN, lambda v: 1 + v, lambda v: v[:3], lambda v: "hard",
                      ([1.0, 0.5], [0.5, 0.5]), ([0.5, 1.0], [0.5, 1.5])], {}),
     ("restitution", [Viscoelastic(1)], dict(medium=DISKS, field=1.0)),
+    ("restitution", [True, np.True_, b"0.7", "0.7"], {}),
     ("tangential_restitution", ["rough"], {}),
     ("tangential_restitution", [0.0], dict(restitution=0.0)),
+    ("times", [[True], ["1.0"], np.array(["1.0"], object)], {}),
     ("times", [[], [1.0, 1.0], [-1.0], None, [1 + 1j], np.ma.array([1.0, 2.0], mask=[0, 1])], {}),
     ("times", [None], dict(drag=1.0, max_collisions=9)),  # drag alone stops a tracer
     ("initial", ["maxwell", np.ones((3, 2)), np.full((2, 2), NAN), np.full((2, 2), 1e308),
@@ -78,10 +82,11 @@ MEDIA: list[tuple[str, Any]] = [
     ("count", lambda: HardDisks(0.04, LONG)),
     ("count", lambda: HardSpheres(0.1, count=None)),
     ("count", lambda: PoissonSpheres(0.1, count=5)),  # the box would be 3.68 d wide
-    ("equilibrate", lambda: HardDisks(0.1, 99, equilibrate=-1)),
     ("diameter", lambda: PoissonSpheres(0.1, 0.0)),
     ("diameter", lambda: BoltzmannGrad(0.1, diameter=NAN)),
     ("dimension", lambda: BoltzmannGrad(0.1, dimension=4)),
+    ("number_density", lambda: HardDisks("0.04")),
+    ("diameter", lambda: HardDisks(0.04, diameter=True)),
     ("box_side", lambda: Positions([[1, 2]], 3.0)),
     ("positions", lambda: START([[5.5, 5]])),  # it covers the start
     ("positions", lambda: START([[1, 1], [0, 9.2]], start=(0, 0))),
@@ -112,3 +117,11 @@ def test_one_line_names_the_argument(name: str, call: Any) -> None:
     with pytest.raises(ValueError, match=rf"^{name}\W[^\n]*$") as refused:
         call()
     assert len(str(refused.value)) < 400
+
+
+def test_numbers_of_numpy_are_numbers(tmp_path: Path) -> None:
+    medium = HardDisks(np.float32(0.0625), count=np.int64(400), diameter=np.float16(1.0))
+    run = simulate(medium, np.float32(0.5), times=np.arange(1, 3), media=np.int8(2), tracers=2)
+    run.save(tmp_path / "run.h5")
+    assert load(tmp_path / "run.h5") == run
+    assert run == simulate(HardDisks(0.0625, 400), 0.5, times=[1.0, 2.0], media=2, tracers=2)

@@ -82,6 +82,38 @@ def test_a_corner_that_opens_against_the_field_is_a_trap(restitution: float, fie
     assert np.isnan(run.drift_of_moving.value[1])
 
 
+# contact with the second disk, that disk: behind walls of the field's direction, and across it
+NEXT = [
+    ((-0.7, 0.7141428428542850), (0.9, 0.43588989435406733)),
+    ((-0.85, 0.5267826876426369), (0.5, 0.8660254037844386)),
+]
+
+
+@pytest.mark.parametrize(("contact", "beyond"), NEXT)
+@pytest.mark.parametrize("field", [1.0, -1.0])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_slide_over_cell_walls_ends_at_the_disk_behind_them(
+    contact: tuple, beyond: tuple, field: float, side: float
+) -> None:
+    # The disks far away make the cells small, and the fall decides where on the disk their walls
+    # are; some cells do not list the second disk, which is met where both are 1 away.
+    far = np.stack(np.meshgrid(*2 * [np.arange(-20.0, 20.0, 1.25)]), axis=-1).reshape(-1, 2)
+    far, way = far[np.hypot(*far.T) > 8], np.array([field, side])
+    for fall in np.linspace(0.3, 1.8, 16):
+        first = np.array([fall + 1.0, -0.05])
+        disks = np.stack([first, first + contact + beyond]) * way
+        medium = Positions(np.concatenate([far, disks]), 40.0, start=(0.0, 0.0))
+        run = simulate(
+            medium, 0.0, np.zeros((1, 2)), [*np.linspace(0.1, 8.0, 500), 99.0], media=1, tracers=1,
+            field=field, observables=["positions"],
+        )  # fmt: skip
+        apart = np.linalg.norm(run.positions - disks, axis=2)
+        assert apart.min() > 1 - 1e-12
+        np.testing.assert_allclose(
+            run.statuses.trap_places, [(first + contact) * way], rtol=0, atol=1e-9
+        )
+
+
 def test_a_corner_that_the_field_lets_it_out_of_is_left() -> None:
     # From the corner the way down along the lower disk is free: -g is not between the normals.
     disks = np.array([[0.9, -0.6], [1.9, 0.6]])

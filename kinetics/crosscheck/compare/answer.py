@@ -2,6 +2,7 @@
 numbers of the theory, and a summary in words.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -27,7 +28,7 @@ def answered(
     """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
     expectation = Expectation(sample, averages_of(sample.law))
     best, explanations = _likeliest(fits), list[Explanation]()
-    wrong = never_move(sample)
+    wrong = never_move(sample) or wrong_unit(sample)
     for last in (False, True):
         both, point = Both(expectation, best), best.point
         rows, tests = tuple(rows_of(both)), tuple(tests_of(both))
@@ -102,6 +103,31 @@ def never_move(sample: Sample) -> Explanation | None:
     said = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
     more = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
     return Explanation("scatterers", "found", said + more, value=rest / most, headline=said)
+
+
+def wrong_unit(sample: Sample) -> Explanation | None:
+    """What is said where units do not belong together; None where they do, or cannot be known.
+
+    Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit, or a wrong clock.
+    """
+    law, flights, unit = sample.law, sample.flights, sample.units.get("time", 1.0)
+    if law.field or law.is_driven or not flights or abs(math.log(flights[0][1])) <= 0.005:
+        return None
+    at, ratio = flights[0]
+    said = f"tracers that fly straight have r = {numeral(ratio, '.5g')} v t"
+    # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
+    true = [time * one for time, one in flights]
+    slope = abs((true[1] - true[0]) / (flights[1][0] - at)) if len(true) > 1 else math.inf
+    if abs(math.log(slope)) < 0.005:
+        value = (at - true[0]) * unit
+        said += f" at t = {numeral(at * unit, '.4g')}, as if the clock were {numeral(value, '.4g')}"
+        said += " d/U ahead" if unit == 1.0 else " ahead"
+        more = f"{said}; shift the times. No other cause is looked for."
+        return Explanation("time offset", "found", more, True, value, headline=said)
+    said += f", as if times were {numeral(1 / ratio, '.5g')} times too long"
+    more = f"{said}; put it right by --time-unit, --length-unit or --speed-unit. No other cause is "
+    more += "looked for."
+    return Explanation("time unit", "found", more, True, 1 / ratio, headline=said)
 
 
 def _traps(both: Both) -> Explanation | None:

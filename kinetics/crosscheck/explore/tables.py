@@ -29,7 +29,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebpts1, chebvander
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics import ScalingSolution, Scene, solve, solve_field, solve_scaled, solve_steady
+from kinetics import ScalingSolution, Scene, solve, solve_field, solve_steady
 
 Array = NDArray[np.float64]
 Tables = dict[str, "Table"]
@@ -213,7 +213,7 @@ def scaled_density(e: float, n: float | None, xi: Array) -> Array:
     width = math.sqrt((1.0 - e * e) / 5.0)
     c = np.exp(width * xi)
     medium = DILUTE if n is None else HARD
-    state = solve_scaled(e, rtol=1e-7, scatterers=medium, number_density=n)
+    state = ScalingSolution(e, scatterers=medium, number_density=n)
     return np.asarray(2.0 * math.pi * width * c * c * state.vdf(c))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from marking import slow_but
 
-from kinetics import CollisionLaw, ScalingSolution, Scene, solve, solve_scaled
+from kinetics import CollisionLaw, ScalingSolution, Scene, solve
 from kinetics.collision import law_in_medium
 from tests.kinetics.measurements import density, returns
 
@@ -121,32 +121,17 @@ def test_a_simulation_meets_the_theory_and_not_the_dilute_equation(name: str, e:
     assert np.all(found["dilute"][0][2:] < -9.0)
 
 
-@pytest.mark.parametrize(
-    ("e", "n"),
-    [
-        (0.9, 0.1), (0.3, 0.02),
-        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0.7, 0.04), (0.5, 0.1))),
-    ],
-)  # fmt: skip
-def test_the_discretised_scaling_state_meets_the_closed_form(e: float, n: float) -> None:
-    medium = {"scatterers": "overlapping", "number_density": n}
-    exact, found = ScalingSolution(e, **medium), solve_scaled(e, **medium)
-    assert found.status.name == "CONVERGED"
-    assert found.cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-12)
-    assert found.a2 == pytest.approx(exact.a2, abs=1e-11)
-    assert found.moment(6.0) == pytest.approx(exact.moment(6.0), rel=1e-11)
-    c = np.array([0.8, 1.0, 1.5, 3.0])
-    assert found.vdf(c) == pytest.approx(exact.vdf(c), rel=1e-10)
-    # where the operator means nothing, F is not a number, and never negative
-    low = exact.vdf(np.geomspace(1e-4, 0.8, 40))
-    assert np.isnan(low[0])
-    assert np.all(low[np.isfinite(low)] > 0)
-    assert np.isnan(found.vdf(1e-4))
-
-
-def test_a_medium_next_to_the_elastic_limit() -> None:
-    """F(c) of the closed form took minutes: a step of its recurrence for each of many powers."""
-    e, medium = 1.0 - 1e-9, {"scatterers": "hard disks", "number_density": 0.02}
-    c = 1.0 + np.linspace(-5e-5, 5e-5, 9)
-    exact = ScalingSolution(e, **medium).vdf(c)
-    assert solve_scaled(e, 1e-8, **medium).vdf(c) == pytest.approx(exact, rel=1e-8)
+@pytest.mark.parametrize(("e", "n"), [(0.9, 0.1), (0.3, 0.02), (1.0 - 1e-9, 0.02)])
+def test_the_scaled_density_has_its_moments(e: float, n: float) -> None:
+    """Near e = 1 it took minutes: a step of the recurrence of moments for each of many powers."""
+    exact = ScalingSolution(e, scatterers="overlapping", number_density=n)
+    width = min(1.0, 12.0 * math.sqrt(1.0 - e))
+    x = np.linspace(-2.5 * width, 3.0 * width, 1601)
+    c = np.exp(x)
+    weight = 2.0 * math.pi * c**2 * np.nan_to_num(exact.vdf(c)) * (x[1] - x[0])
+    p = 6.0 if e < 0.5 else 12.0  # slow tracers, of which the operator knows nothing, do not count
+    assert weight @ c**p == pytest.approx(exact.moment(p), rel=1e-7)
+    if e < 0.99:
+        low = exact.vdf(np.geomspace(1e-4, 0.8, 40))
+        assert np.isnan(low[0])
+        assert np.all(low[np.isfinite(low)] > 0)

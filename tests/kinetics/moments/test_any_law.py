@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, CollisionLaw, ScalingSolution, Scene, solve
-from kinetics.status import SolverStatus
+from kinetics.errors import SolverStatus
 
 PATH = 1.0 / (math.pi * 0.04)  # of spheres of number density 0.04
 PLANE = 12.5

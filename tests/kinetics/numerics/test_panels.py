@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinetics import Scene, solve
-from kinetics.numerics.panels import PanelRule, PanelShifts
+from kinetics.numerics.chebyshev import PanelRule, PanelShifts
 
 
 def test_small_shifts_keep_their_digits() -> None:

@@ -3,7 +3,7 @@
 import pytest
 import threadpoolctl
 
-from kinetics.numerics.threads import one_blas_thread
+from kinetics.numerics import one_blas_thread
 
 
 def used() -> list[int]:

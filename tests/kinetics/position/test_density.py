@@ -59,23 +59,6 @@ def test_less_accuracy_differs_by_what_was_asked(e: float, t: float) -> None:
         assert np.abs(found.scaled_position_density(r) - best).max() < rtol
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "scene",
-    [
-        Scene(0.0, times=[300.0], outputs="position_density"),
-        Scene(0.549, tangential_restitution=0.0, times=[15.0, 120.0], outputs="position_density"),
-        Scene(0.4, scatterers="hard disks", times=[300.0], outputs="position_density"),
-    ],
-)
-def test_to_ask_for_more_is_to_leave_no_less(scene: Scene) -> None:
-    rtols = [1e-2, 1e-3, 1e-4, 1e-6]
-    left = [solve(scene, rtol).stats["position_density_error"] for rtol in rtols]
-    assert left[-1] > 1e-6  # which is not reached
-    for before, error, rtol in zip(left, left[1:], rtols[1:], strict=False):
-        assert error <= max(before, rtol)
-
-
 # -- the isotropic walk, whose solution is known ---------------------------------------------------
 
 

@@ -45,19 +45,3 @@ def test_the_density_is_that_of_the_start(state: State, exact: Any) -> None:
         assert np.abs(found.at(i, r) - expected).max() < 3e-13 / t
     assert not found.at(0, v).any()
     assert not found.at(1, np.array([1e300])).any()
-
-
-@pytest.mark.parametrize(("state", "exact"), STARTS[:3])
-def test_the_share_within_a_radius(state: State, exact: Any) -> None:
-    """Against 4000 Gauss points in the speed, with a grid that ends at the jump."""
-    found = Uncollided(state, PATH, TIMES)
-    node, weight = np.polynomial.legendre.leggauss(40)
-    for i, t in enumerate(TIMES[1:], start=1):
-        for radius in (0.05 * t, 2.0 * t):
-            # v = x^2 takes the root away
-            edges = np.linspace(0.0, math.sqrt(radius / t), 101)
-            half = 0.5 * np.diff(edges)[:, None]
-            x = (edges[:-1, None] + half * (1.0 + node)).ravel()
-            share = exact(x * x) * np.exp(-x * x * t / PATH) @ (2.0 * x * (half * weight).ravel())
-            assert found.within(i, np.array([radius]))[0] == pytest.approx(share, abs=1e-9)
-    assert not found.within(0, np.array([1.0])).any()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinetics import CollisionLaw, InputError, ScalingSolution, solve_scaled
-from kinetics.status import SolverStatus
+from kinetics.errors import SolverStatus
 
 # e, et, dimension: s rising and falling with the impact parameter, one ratio for all bounces,
 # ratios down to 0
@@ -77,7 +77,6 @@ def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
         # half of the bounces keep the speed; those of an elastic law do, nearly
         {"restitution": CollisionLaw.from_samples([0.2, 0.3, 0.5], [0.9, 0.5, 1.0], [0.0] * 3)},
         {"restitution": CollisionLaw.mixture([0.6, 0.4], [CollisionLaw(1.0), CollisionLaw(0.6)])},
-        {"restitution": 0.7, "scatterers": "hard disks", "number_density": 0.04},
     ],
 )
 def test_the_estimate_is_above_the_error(law: dict[str, Any]) -> None:

@@ -1,0 +1,273 @@
+"""The paper's approximations as numbers: Sonine, Chapman-Enskog, random walk and G(R).
+
+Kim and Hayakawa, "Statistical Properties of Inelastic Lorentz Gas". Each printed formula is a
+function whose docstring gives its LaTeX label. The solvers use nothing of this: reports compare
+these curves with the kinetic equation. Also known as `kinetics.sonine`.
+
+Lengths in d, speeds in U, times in d/U, number densities in d^-2, diffusion coefficients in d U.
+Arguments are numbers or arrays that broadcast. They are not checked: outside its range a formula is
+NaN. In the random walk h(e) is the paper's fit 1.45 (1 - e) unless ``cooling_rate`` says otherwise,
+l its 13.5 d, v0(0) its sqrt(2) U. At e = 1 every function is its own limit.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetics.numerics import FloatArray
+
+# -- the scaled state in the first Sonine approximation, and its cooling (Appendix B) --------------
+
+THERMAL_SPEED_START = math.sqrt(2.0)
+"""v0(0) of the paper's Gaussian start, in U (eq. v0defi)."""
+
+THRESHOLD_RESTITUTION = math.sqrt(-23 / 50 + 16 * math.sqrt(14) / 75)
+"""Smallest restitution at which the printed a2 is real (eq. compare1)."""
+
+FITTED_COOLING_FACTOR = 1.45
+"""h(e) = 1.45 (1 - e), fitted by the paper to its particle data (eq. hsimu)."""
+
+
+def numbers(value: ArrayLike) -> FloatArray:
+    """The argument of a formula as an array of doubles."""
+    return np.asarray(value, dtype=float)
+
+
+def _discriminant_root(e2: FloatArray) -> FloatArray:
+    """sqrt(-383 + 828 e^2 + 900 e^4), NaN where the radicand is negative."""
+    radicand = -383 + 828 * e2 + 900 * e2**2
+    return np.sqrt(np.where(radicand >= 0, radicand, np.nan))
+
+
+def a2(restitution: ArrayLike, root: str = "stable") -> FloatArray:
+    """Second Sonine coefficient (eq. sonine11); the minus sign is the stable root (eq. sonine12).
+
+    NaN below `THRESHOLD_RESTITUTION`, where the printed formula is complex. root: "stable" or
+    "unstable".
+    """
+    e2 = numbers(restitution) ** 2
+    sign = {"stable": -1.0, "unstable": 1.0}[root]
+    return (1 + 30 * e2 + sign * _discriminant_root(e2)) / 24
+
+
+def m2(restitution: ArrayLike, a2: ArrayLike) -> FloatArray:
+    """Second moment of the collision integral for given a2 (eq. sonine9)."""
+    return math.sqrt(math.pi) * (1 - numbers(restitution) ** 2) * (1 + 3 / 8 * numbers(a2))
+
+
+def m4(restitution: ArrayLike, a2: ArrayLike) -> FloatArray:
+    """Fourth moment of the collision integral for given a2 (eq. sonine10)."""
+    e2 = numbers(restitution) ** 2
+    return math.sqrt(math.pi) * (1 - e2) * (3 + 2 * e2) * (1 + 15 / 8 * numbers(a2))
+
+
+def cooling_rate(restitution: ArrayLike) -> FloatArray:
+    """h(e) = M2/2 (eq. compare2) with M2 in closed form (eq. compare3); NaN below the threshold."""
+    e2 = numbers(restitution) ** 2
+    bracket = 65 / 64 + 15 / 32 * e2 - _discriminant_root(e2) / 64
+    return math.sqrt(math.pi) * (1 - e2) * bracket / 2
+
+
+def cooling_rate_fitted(restitution: ArrayLike) -> FloatArray:
+    """h(e) = 1.45 (1 - e) (eq. hsimu)."""
+    return FITTED_COOLING_FACTOR * (1 - numbers(restitution))
+
+
+def stability(restitution: ArrayLike, root: str = "stable") -> FloatArray:
+    """H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable."""
+    return 3 * a2(restitution, root) - (15 / 4 * numbers(restitution) ** 2 + 1 / 8)
+
+
+def vdf(c: ArrayLike, a2: ArrayLike) -> FloatArray:
+    """Scaled VDF phi(c) (1 + a2 S2(c^2)) (eqs. sonine1, sonine2), a density in the plane.
+
+    With a2 = 0 it is the Maxwell-Boltzmann distribution of the paper's Fig. scalev.
+    """
+    x = numbers(c) ** 2
+    with np.errstate(under="ignore"):
+        return np.exp(-x) / math.pi * (1 + numbers(a2) * (x**2 / 2 - 2 * x + 1))
+
+
+def thermal_speed(
+    time: ArrayLike,
+    cooling_rate: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
+    start: float = THERMAL_SPEED_START,
+) -> FloatArray:
+    """v0(t) = 1/(1/v0(0) + d rho0 h t) (eq. veq), in U."""
+    return 1 / (1 / start + diameter * number_density * numbers(cooling_rate) * numbers(time))
+
+
+# -- the random walk (Section 3.2) -----------------------------------------------------------------
+
+FITTED_FREE_PATH = 13.5
+"""Mean free path in d that the paper puts into eq. msd in place of 1/(2 d rho0) = 12.5 d."""
+
+
+def alpha(start: ArrayLike = THERMAL_SPEED_START) -> FloatArray:
+    """The slowness alpha = 1/v0(0) (eq. ab), in 1/U."""
+    return 1 / numbers(start)
+
+
+def beta(
+    restitution: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
+    cooling_rate: ArrayLike | None = None,
+) -> FloatArray:
+    """The rate beta = d rho0 h(e) (eq. ab), in 1/d; h(e) by eq. hsimu unless it is given."""
+    h = cooling_rate_fitted(restitution) if cooling_rate is None else numbers(cooling_rate)
+    return diameter * number_density * h
+
+
+def msd_random_walk(
+    time: ArrayLike,
+    restitution: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
+    free_path: float = FITTED_FREE_PATH,
+    start: float = THERMAL_SPEED_START,
+    cooling_rate: ArrayLike | None = None,
+) -> FloatArray:
+    """Mean square displacement l^2 N of the random walk (eq. msd), in d^2.
+
+    N = ln(1 + beta t/alpha)/ln(1 + l beta) (eq. N); t/(alpha l) for beta = 0.
+    """
+    rate = beta(restitution, number_density, diameter, cooling_rate)
+    scaled = numbers(time) / alpha(start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        number = np.log1p(rate * scaled) / np.log1p(free_path * rate)
+    return free_path**2 * np.where(rate > 0, number, scaled / free_path)
+
+
+# -- Chapman-Enskog, first Sonine approximation ----------------------------------------------------
+
+
+def diffusion_rate(
+    thermal_speed: ArrayLike,
+    restitution: ArrayLike,
+    a2: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
+) -> FloatArray:
+    """nu_D of the first Sonine approximation (eq. ad6), with 2 T/m = v0^2, in U/d."""
+    factor = diameter * number_density * (1 + numbers(restitution)) / 2
+    return factor * math.sqrt(math.pi) * numbers(thermal_speed) * (2 + 3 / 4 * numbers(a2))
+
+
+def diffusion_coefficient(
+    thermal_speed: ArrayLike,
+    restitution: ArrayLike,
+    a2: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
+) -> FloatArray:
+    """D_e(t) of the first Sonine approximation (eq. ad7), with 2 T/m = v0^2, in d U."""
+    slowing = (numbers(restitution) + 1) ** 2 * (1 + 3 / 8 * numbers(a2))
+    return numbers(thermal_speed) / math.sqrt(math.pi) / (diameter * number_density) / slowing
+
+
+def msd_sonine(
+    time: ArrayLike, restitution: ArrayLike, number_density: float = 0.04, diameter: float = 1.0
+) -> FloatArray:
+    """Mean square displacement of the first Sonine approximation (eq. ad8), in d^2.
+
+    The label ad8 stands twice in the paper; this is the second one, with the stable a2. NaN below
+    `THRESHOLD_RESTITUTION`.
+    """
+    e, rho = numbers(restitution), diameter * number_density
+    correction = 1 + 3 / 8 * a2(e)
+    slow = math.sqrt(math.pi / 2) * rho * numbers(time)
+    argument = slow * (1 - e**2) * correction
+    # ln(1 + x)/x, so that the elastic limit, linear in time, is there too
+    growth = np.where(argument == 0, 1.0, np.log1p(argument) / np.where(argument == 0, 1, argument))
+    return 8 / (math.pi * rho**2) * slow * growth / ((1 + e) ** 2 * correction)
+
+
+# -- the position distribution (Section 3.3) -------------------------------------------------------
+# R = r/sqrt(<r^2>); the integrals of the exact G and R^2 G over R >= 0 are both 1. eta and gamma
+# are the paper's fit parameters. At large R every form is 0, and none overflows.
+
+TAIL_ETA = 0.25
+"""eta of the paper's fit to the tail of G(R) (eq. gammatailg)."""
+
+TAIL_GAMMA = 7.39
+"""gamma of the same fit; the integral itself gives 2  ."""
+
+PEAK_ETA = 0.75
+"""eta of the paper's fit to the peak of G(R) (eq. peakg)."""
+
+PEAK_SPEED = 1 / math.sqrt(2)
+"""Most probable scaled speed of the Gaussian, the V of eq. peakg."""
+
+_FAR = 1e100  # every curve is 0 in double precision long before
+
+
+def _scaled(r: ArrayLike, eta: ArrayLike) -> FloatArray:
+    """z = R/sqrt(eta), no further than _FAR: its square does not overflow."""
+    with np.errstate(over="ignore", under="ignore"):
+        return np.minimum(numbers(r) / np.sqrt(numbers(eta)), _FAR)
+
+
+def position_given_speed(r: ArrayLike, eta: ArrayLike, speed: ArrayLike) -> FloatArray:
+    """G(R, V) of one hopping speed V (eqs. posivel, peakg), normalised over R."""
+    width = numbers(eta) * numbers(speed) ** 2
+    z = _scaled(r, width)
+    with np.errstate(under="ignore"):
+        return z / np.sqrt(width) * np.exp(-np.square(z) / 2)
+
+
+def position_peak(
+    r: ArrayLike, eta: ArrayLike = PEAK_ETA, speed: ArrayLike = PEAK_SPEED
+) -> FloatArray:
+    """G(R) near its peak (eq. peakg), by default with the paper's eta and V = 1/sqrt(2)."""
+    return position_given_speed(r, eta, speed)
+
+
+def position_integral(r: ArrayLike, eta: ArrayLike = 0.5) -> FloatArray:
+    """G(R) of eq. gdefi, the integral over V done: (2R/eta) K0(R sqrt(2/eta)).
+
+    Normalised over R for every eta; <R^2> = 2 eta, so that eta = 1/2 leaves nothing to fit.
+    """
+    from scipy.special import k0
+
+    z = _scaled(r, eta)
+    inside = z > np.finfo(float).tiny
+    with np.errstate(under="ignore"):
+        bessel = z * k0(math.sqrt(2) * np.where(inside, z, 1.0))
+        return np.where(inside, 2 / np.sqrt(numbers(eta)) * bessel, 0.0)
+
+
+def _saddle_squared(z: FloatArray) -> FloatArray:
+    """w = V*^2 = (sqrt(1 + 8 z^2) - 1)/4, z = R/sqrt(eta), without cancellation or overflow."""
+    wide = math.sqrt(8) * z
+    with np.errstate(under="ignore"):
+        return wide / 4 * (wide / (1 + np.hypot(1, wide)))
+
+
+def position_tail(
+    r: ArrayLike, eta: ArrayLike = TAIL_ETA, gamma: ArrayLike = TAIL_GAMMA
+) -> FloatArray:
+    """G(R) by steepest descent (eqs. pdefi, csolu, tailg) times the fitted gamma (eq. gammatailg).
+
+    gamma = 1 gives eq. tailg. The defaults are the paper's fit.
+    """
+    z = _scaled(r, eta)
+    factor = 2 * numbers(gamma) / np.sqrt(numbers(eta))
+    # On the saddle R^2 = eta (w + 2 w^2), so that R^2 p = ln(w)/2 + 2 w + 1/2 and
+    # R^2 p'' = 8 + 2/w: the square root of w goes with that of p''.
+    w = _saddle_squared(z)
+    with np.errstate(under="ignore"):
+        return factor * z * np.sqrt(math.pi / (4 + 16 * w)) * np.exp(-2 * w - 0.5)
+
+
+def position_far_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> FloatArray:
+    """G(R) in the limit of large R (eq. semig), as printed; half of what the integral tends to."""
+    z = _scaled(r, eta)
+    with np.errstate(under="ignore"):
+        prefactor = np.sqrt(math.pi * z / (2 * math.sqrt(2))) / np.sqrt(numbers(eta))
+        return prefactor * np.exp(-math.sqrt(2) * z)
