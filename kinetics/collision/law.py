@@ -223,6 +223,11 @@ class CollisionLaw:
         return max(part.losses[1] for part in self._parts)
 
     @property
+    def loss_ends(self) -> tuple[float, ...]:
+        """The least and the largest -ln s of each part of the law: its density steps there."""
+        return tuple(loss for part in self._parts for loss in part.losses)
+
+    @property
     def least_ratio(self) -> float:
         """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
         return math.exp(-self.largest_loss)
