@@ -81,6 +81,30 @@ def solve(
     return solution
 
 
+def sweep(restitutions: ArrayLike, rtol: float | None = None, **scene: Any) -> Any:
+    """Averages over time for several restitutions, as one `xarray.Dataset` with that dimension.
+
+    restitutions : e, shape (n_restitutions,); scene : the other arguments of a Scene, with times
+    and outputs. Variables have the shape (n_restitutions, n_times, ...), with units; "status" and
+    "error_estimate" are (n_restitutions,). Warns and raises as :func:`solve` does.
+
+    >>> found = sweep([0.5, 0.9], times=[0.0, 1e3], outputs="thermal_speed")
+    >>> found.thermal_speed.dims, found.thermal_speed.sel(restitution=0.9).shape
+    (('restitution', 'time'), (2,))
+    """
+    import xarray
+
+    e = finite_line("restitutions", restitutions, low=0.0)
+    if e.size == 0:
+        refuse("restitutions", restitutions, "there must be one at least")
+    each = [solve(Scene(x, **scene), rtol) for x in e.tolist()]
+    along = xarray.Variable("restitution", e, {"long_name": "coefficient of restitution"})
+    found = xarray.concat([one.to_xarray() for one in each], along, combine_attrs="drop_conflicts")
+    found["status"] = "restitution", [one.status.name.lower() for one in each]
+    found["error_estimate"] = "restitution", [one.error_estimate for one in each]
+    return found
+
+
 def _solution(answer: Any, scene: Scene, *arguments: Any) -> Solution:
     """The solution that an answer makes; arguments : rtol, method and nodes."""
     rtol, method, nodes = arguments
