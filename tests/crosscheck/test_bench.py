@@ -126,7 +126,7 @@ def test_neither_command_runs_a_module_of_the_folder_it_is_started_in(tmp_path: 
     (tmp_path / "numpy.py").write_text("open('executed', 'w').close()")
     for arguments in (
         ["bench", "--quick", "--case", "field"],
-        ["stress", "--quick", "--group", "grazing"],
+        ["stress", "--quick", "--group", "density"],
     ):
         command = [sys.executable, "-P", "-m", "kinetics.cli", *arguments]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)

@@ -3,7 +3,7 @@
 import math
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -199,16 +199,14 @@ def written(value: Any, digits: int = 6) -> str:
     return f"{mantissa}e{int(exponent)}" if exponent else mantissa
 
 
-def columns(heads: Sequence[str], values: Iterable[Iterable[Any]]) -> str:
-    """A table, a column of numbers or texts per head; what is too wide goes on in one below."""
-    blocks: list[list[list[str]]] = []
-    for head, column in zip(heads, values, strict=True):
+def columns(table: Mapping[str, Iterable[Any]]) -> str:
+    """A table of columns of numbers or texts by their heads; what is too wide goes on below."""
+    blocks: list[list[list[str]]] = [[]]
+    for head, column in table.items():
         texts = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
         texts = [text.rjust(max(map(len, texts))) for text in texts]
-        if not blocks:
-            blocks, first = [[]], texts
-        elif sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
-            blocks.append([first])
+        if sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
+            blocks.append(blocks[0][:1])
         blocks[-1].append(texts)
     lines = []
     for block in blocks:

@@ -217,9 +217,9 @@ def _text(run: Any) -> str:
     shown, depth = dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
     shown |= {} if depth is None else {"passed": f"passed {depth:g} d"}
     if run.times.size:
-        found = (_value_and_error(getattr(run, name)).values() for name in shown)
-        values = [list(map(number, *one)) for one in found]
-        lines.append(options.columns(["t [d/U]", *shown.values()], [run.times, *values]))
+        found = {head: getattr(run, name) for name, head in shown.items()}
+        table = {head: list(map(number, x.value, x.error)) for head, x in found.items()}
+        lines.append(options.columns({"t [d/U]": run.times, **table}))
     lines.append(line("mean free path", run.mean_free_path, "d"))
     if depth is not None and run.times.size:
         lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))
