@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ from kinetics.crosscheck.bench import (
     BenchReport,
     Work,
     measure,
-    sweep,
 )
 
 
@@ -54,24 +54,23 @@ def test_a_failure_is_a_row() -> None:
 
 
 def test_an_answer_that_is_no_number_is_a_failure() -> None:
-    works = sweep("p", max, lambda x: np.array([x, 1.0]), [0.0, np.nan])
-    assert [measure(work, QUICK)["status"] for work in works] == [MEASURED, FAILED]
+    for value, status in ((0.0, MEASURED), (np.nan, FAILED)):
+        work = Work("s", "p", "m", partial(float, value), error=float)
+        assert measure(work, QUICK)["status"] == status
 
 
 @pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")
 @pytest.mark.parametrize("start", references.STARTS)
 def test_cooling_meets_the_references(start: str) -> None:
-    works = bench.averages(QUICK, "p", ("thermal_speed", "a2"), "short")
-    last = [work for work in works if start in work.problem][-1]
+    last = [work for work in bench.works("cooling", QUICK) if start in work.problem][-1]
     assert last.error is not None
     assert last.error(last.call()) < 1e-12
 
 
 def test_every_question_is_among_the_cases() -> None:
-    works = [w for name in ("scaled", "cooling", "position", "field")
-             for w in bench.CASES[name](QUICK)]  # fmt: skip
-    assert len({w.problem.split(": ")[0] for w in works}) == 8
-    assert {references.STARTS[1] in w.problem for w in works} == {True, False}
+    names = [problem.name for problem in bench.problems(QUICK)]
+    assert len({name.split(": ")[0] for name in names}) == 10
+    assert {references.STARTS[1] in name for name in names} == {True, False}
 
 
 def test_the_command(lorentz: Any, tmp_path: Any) -> None:
