@@ -135,7 +135,7 @@ class Problem(NamedTuple):
     name: str  # the question, and after ": " its variant
     solve_to: Callable[[float], FloatArray]
     exact: Any  # a number: the rtol of a solution that is taken for exact
-    error: Callable[[Any, Any], float] = relative
+    error: Callable[..., float] = relative
     tolerances: tuple[float, ...] = TOLERANCES
 
 
@@ -171,10 +171,8 @@ def problems(effort: Effort) -> Iterator[Problem]:
         yield Problem(case, name, averages(outputs, solve, scene), exact)
     disks = Scene(E, DENSITY, times=np.geomspace(1.0, 1e8, 100), outputs=("msd",),
                   scatterers="hard disks")  # fmt: skip
-    name, solver = (
-        f"<r^2>(t) among hard disks, t <= 1e+08: e = {E:g}",
-        averages(("msd",), solve, disks),
-    )
+    name, solver = "<r^2>(t) among hard disks", averages(("msd",), solve, disks)
+    name += f", t <= 1e+08: e = {E:g}"
     yield Problem("position", name, solver, 1e-13, tolerances=TOLERANCES[:-2])
     place = Scene(0.6, DENSITY, times=[300.0], outputs=("position_density",))
     curve = lambda rtol: solve(place, rtol).scaled_position_density(RADII)[0]  # noqa: E731
@@ -183,19 +181,15 @@ def problems(effort: Effort) -> Iterator[Problem]:
     # digits of a program of its own, l = g = 1
     steady = {"drift": 0.501926119920, "mean_square_speed": 1.702146383757,
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
-    solver, exact = averages(steady, solve_field, E), [*steady.values()]
-    name = f"steady state in a field: e = {E:g}"
-    yield Problem("field", name, solver, exact, tolerances=TOLERANCES[:9])
+    solver, name = averages(steady, solve_field, E), f"steady state in a field: e = {E:g}"
+    yield Problem("field", name, solver, [*steady.values()], tolerances=TOLERANCES[:9])
     drives: dict[str, Row] = {
         "a bath": {"bath_speed": 1.0, "mass_ratio": 4.0},
         "noise": {"heating": 1.0},
     }
     for drive, system in drives.items():
-        names = ("thermal_speed", "diffusion_coefficient")
-        solver, name = (
-            averages(names, solve_steady, E, **system),
-            f"steady state, {drive}: e = {E:g}",
-        )
+        solver = averages(("thermal_speed", "diffusion_coefficient"), solve_steady, E, **system)
+        name = f"steady state, {drive}: e = {E:g}"
         yield Problem("driven", name, solver, 1e-12, tolerances=TOLERANCES[:9])
 
 

@@ -195,8 +195,7 @@ def written(value: Any, digits: int = 6) -> str:
     """A number as a physicist writes it: 0.0123, 1e6, 4.5e-7; other values as text."""
     if not isinstance(value, float):
         return str(value)
-    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
-    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    return re.sub(r"e([+-])0*", lambda e: "e" + e[1].strip("+"), f"{value:.{digits}g}")
 
 
 def columns(table: Mapping[str, Iterable[Any]]) -> str:

@@ -6,7 +6,8 @@ words, `page.py` the HTML page.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -42,7 +43,7 @@ class Report:
             **page.head(system),
             "headline": {k: page.with_numbers(v) for k, v in headline.items()},
             "claims": story.claims,
-            "settings": asdict(system),
+            "settings": vars(system),
             "verdicts": {word.value: text for word, text in MEANING.items()},
             "verdict_counts": rows.counts(self.table),
             "rows": rows.records(self.table),
@@ -83,17 +84,15 @@ def make_report(system: Any, progress: Callable[[str], None] | None = None) -> R
 
     progress is called with each stage. ValueError for what cannot be simulated.
     """
-    from kinetics.crosscheck.report import page
+    from kinetics.crosscheck.report import figures, page, rows, runs, story
 
     tell = progress or (lambda stage: None)
-    with page.algebra(system) as waiting:
-        from kinetics.crosscheck.report import figures, rows, runs, story
-
+    with ThreadPoolExecutor(1) as beside:
+        deriving = beside.submit(page.algebra, system)
         results = runs.gather(system, tell)
         tell("comparing")
         table = rows.comparisons(results)
-        drawn = figures.figures(results)
-        checks = waiting()
+        drawn, checks = figures.figures(results), deriving.result()
     return Report(results, table, story.tell(results, table, checks), drawn, checks)
 
 

@@ -123,7 +123,7 @@ class _Sheet:
         """A line; its key is in the legend only if `named`."""
         stroke = {"linestyle": _DASHES.get(source, "-")}
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        ax.plot(x, y, color=self.style(key)[0], **stroke, linewidth=1.5)
+        ax.plot(x, y, color=self.style(key)[0], **stroke)
         self._enter(source, stroke, key, named)
 
     def points(
@@ -175,7 +175,6 @@ class _Sheet:
         self.figure.legend(
             handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
             labels=list(self._legend), loc="outside upper left", ncols=3,
-            handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
         )  # fmt: skip
         return self.figure
 
@@ -185,20 +184,25 @@ def figures(results: runs.Results) -> list[Drawn]:
 
     The "figures" of `kept` have title and caption of each, in which "{words}" are filled.
     """
-    chosen: list[Callable[[runs.Results], Made]] = [msd, position, kurtosis]
+    cases, chosen = results.cases, {"msd": msd, "position": position, "kurtosis": kurtosis}
     if isinstance(results.system, Driven):
-        chosen = [thermal_speed, spread]
+        decays = cases[0].solved is None
+        chosen = {
+            "thermal_speed": _driven("thermal_speed", "$v_0$  [U]", "log" if decays else "linear"),
+            "spread": _driven("msd", r"$\langle r^2\rangle$  [l²]"),
+        }
         if "field" in results.system.drive:
-            chosen = [drift, dispersion, from_rest]
+            falling = _driven("drift_from_rest", "$⟨v_z⟩$  [√(gl)]", time="[√(l/g)]")
+            chosen = {"drift": drift, "dispersion": dispersion, "from_rest": falling}
     elif results.cooling:
-        chosen = [cooling_rate, msd, vdf, position, kurtosis]
+        chosen = {"cooling_rate": cooling_rate, "msd": msd, "vdf": vdf, **chosen}
     drawn = []
     with mpl.rc_context(fname=STYLE):
-        for make in chosen:
+        for name, make in chosen.items():
             figure, words = make(results)
-            title, caption = kept()["figures"][make.__name__]
-            name, caption = make.__name__.replace("_", "-"), caption.format(**words).strip()
-            drawn.append(Drawn(name, title, caption, figure))
+            title, caption = kept()["figures"][name]
+            caption = caption.format(**words).strip()
+            drawn.append(Drawn(name.replace("_", "-"), title, caption, figure))
     return drawn
 
 
@@ -373,20 +377,11 @@ def dispersion(results: runs.Results) -> Made:
     return sheet.done(_RESTITUTION, "$D$  [√(gl³)]", "over the solver"), {}
 
 
-def from_rest(results: runs.Results) -> Made:
-    """Approach to the steady state."""
-    sheet = _over_time(results, "drift_from_rest", runs.SOLVER, runs.FREE, "log")
-    return sheet.done("time $t$  [√(l/g)]", "$⟨v_z⟩$  [√(gl)]", "over the solver"), {}
+def _driven(name: str, y: str, scale: str = "log", time: str = "[l/U]") -> Callable[..., Made]:
+    """The figure of an average over time, and of particles over the solver."""
 
+    def made(results: runs.Results) -> Made:
+        sheet = _over_time(results, name, runs.SOLVER, runs.FREE, scale)
+        return sheet.done(f"time $t$  {time}", y, "over the solver"), {}
 
-def thermal_speed(results: runs.Results) -> Made:
-    """v0(t), and particles over the solver."""
-    scale = "log" if results.cases[0].solved is None else "linear"
-    sheet = _over_time(results, "thermal_speed", runs.SOLVER, runs.FREE, scale)
-    return sheet.done("time $t$  [l/U]", "$v_0$  [U]", "over the solver"), {}
-
-
-def spread(results: runs.Results) -> Made:
-    """<r^2>(t), and particles over the solver."""
-    sheet = _over_time(results, "msd", runs.SOLVER, runs.FREE, "log")
-    return sheet.done("time $t$  [l/U]", r"$\langle r^2\rangle$  [l²]", "over the solver"), {}
+    return made

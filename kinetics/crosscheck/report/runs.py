@@ -288,10 +288,6 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     return found
 
 
-def _slope(times: Array, msd: Array) -> float:
-    return float((msd[-1] - msd[0]) / np.log(times[-1] / times[0]))
-
-
 def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
     """What the paper's formulas say."""
     found: dict[str, dict[str, Any]] = {
@@ -302,7 +298,8 @@ def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]
     for source, msd in ((FIT, sonine.msd_random_walk), (SONINE, sonine.msd_sonine)):
         found[source]["msd"] = msd(times, e, density)
         if e < 1:
-            found[source]["msd_slope"] = _slope(late, msd(late, e, density))
+            rise = np.diff(msd(late, e, density)) / np.diff(np.log(late))
+            found[source]["msd_slope"] = float(rise[0])
     return found
 
 
@@ -316,13 +313,11 @@ def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
 def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]:
     """All that is measured."""
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
-    log_speed, _, *place = np.moveaxis(by_group, -1, 0)
-    place.pop(2)  # collisions
-    speeds, distances = np.exp(log_speed), np.hypot(*place[:2])
+    # columns: ln v, the direction of v, x, y, collisions, in space z
+    speeds = np.exp(by_group[..., 0])
+    distances = np.linalg.norm(np.delete(by_group, [0, 1, 4], axis=-1), axis=-1)
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
-    for third in place[2:]:
-        distances = np.hypot(distances, third)
     found = _over_time(run, early, half_rate)
     without = [_over_time(part, early, half_rate) for part in _without_each(run)]
     slopes = {
@@ -387,16 +382,15 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
     theory: dict[str, dict[str, Any]] = {SOLVER: said, EXACT: {}}
     if state is not None:
         elapsed = float(times[-1] - times[first])
-        ends = _vectors(run, "positions")[[first, -1]]
         s: dict[Any, Any] = _moments(_vectors(run, "velocities")[first:])
         exact: dict[Any, Any] = {(p, k): state.moment(float(p), k) for p, k in s}
-        s |= _growth(ends)
+        s |= _growth(run, first)
         spread = (state.diffusion_parallel, state.diffusion_perpendicular)
         exact |= {"x": state.drift * elapsed, "xx": 2 * elapsed * spread[0]}
         exact |= {"yy": 2 * elapsed * spread[1]}
         if "field" not in drive:  # the drift in a weak one
             weak = {"field": WEAK_FIELD}
-            s["u"] = _growth(_vectors(followed(times[[first, -1]], 1, **weak), "positions"))["x"]
+            s["u"] = _growth(followed(times[[first, -1]], 1, **weak), 0)["x"]
             exact["u"] = kinetics.solve_steady(law, d, **drive, **weak, rtol=1e-6).drift * elapsed
         quantities: Any = partial(_steady_averages, elapsed, parameter, system)
         measured |= jackknifed(s, quantities)
@@ -432,16 +426,16 @@ def _moments(v: Array) -> dict[Any, Array]:
     return {key: x.mean(axis=(0, 2)) for key, x in every.items()}
 
 
-def _growth(r: Array) -> dict[Any, Array]:
-    """Growth of <x>, of the variance of x, and of <y^2>, from one time to another, of each group.
+def _growth(run: Ensemble, first: int) -> dict[Any, Array]:
+    """Growth of <x>, of the variance of x, and of <y^2>, from this time to the last, of each group.
 
     Groups share the law: their means of x differ by chance alone, which the variance leaves out.
     """
-    mean, x = r[..., 0].mean(axis=2), r[..., 0]
+    r = _vectors(run, "positions")[[first, -1]]
+    x = r[..., 0]
     variance = (x - x.mean(axis=(1, 2), keepdims=True)) ** 2
-    across = (r[..., 1:] ** 2).mean(axis=-1)
-    both = {"xx": variance.mean(axis=2), "yy": across.mean(axis=2), "x": mean}
-    return {key: x[1] - x[0] for key, x in both.items()}
+    both = {"x": x, "xx": variance, "yy": (r[..., 1:] ** 2).mean(axis=-1)}
+    return {key: np.diff(each.mean(axis=2), axis=0)[0] for key, each in both.items()}
 
 
 def _steady_averages(
