@@ -43,7 +43,7 @@ class Report:
             **page.head(system),
             "headline": {k: page.with_numbers(v) for k, v in headline.items()},
             "claims": story.claims,
-            "settings": vars(system),
+            "settings": {n: x for n, x in vars(system).items() if n != "stages"},
             "verdicts": {word.value: text for word, text in MEANING.items()},
             "verdict_counts": rows.counts(self.table),
             "rows": rows.records(self.table),

@@ -38,7 +38,9 @@ def with_numbers(text: Any) -> Any:
     """A text, or several, with the numbers of the paper's equations in place of their labels."""
     if not isinstance(text, str):
         return [with_numbers(each) for each in text]
-    numbers = kept()["numbers"]
+    from derivations.printed import ROWS
+
+    numbers = {label: row.number for label, row in ROWS.items() if row.number}
     every = sorted(numbers, key=len, reverse=True)
     sure = [label for label in every if label not in _WORDS]
     for start, known in ((r"\b(?:eq\. |label )", every), (r"(?<![\w:])", sure)):
@@ -80,6 +82,9 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
+    from derivations import printed_equation
+    from derivations.printers import mathml
+
     # Formulas are of this package's own printer, figures are matplotlib's with escaped texts:
     # nothing of a user's goes in unescaped.
     loader = PackageLoader("kinetics.crosscheck")
@@ -91,7 +96,10 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
     below = kept()["below"]["paper" if papers_law else str(dimension)] if cools else ()
 
     def equation(name: str) -> tuple[str, Markup]:
-        return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))
+        words, *labels = kept()["equations"][name]
+        # ascending powers read better: 1 - e^2
+        printed = (mathml(printed_equation(x).formula, "rev-lex", "block") for x in labels)
+        return words, Markup("".join(printed))
 
     return made.get_template("report.html.j2").render(
         doc=document, chance=chance, formula=Markup, deviation=deviation,
