@@ -67,12 +67,6 @@ def test_cooling_meets_the_references(start: str) -> None:
     assert last.error(last.call()) < 1e-12
 
 
-def test_every_question_is_among_the_cases() -> None:
-    names = [problem.name for problem in bench.problems(QUICK)]
-    assert len({name.split(": ")[0] for name in names}) == 10
-    assert {references.STARTS[1] in name for name in names} == {True, False}
-
-
 def test_the_command(lorentz: Any, tmp_path: Any) -> None:
     document = lorentz.json("bench", "--quick", "--case", "field", "-o", str(tmp_path / "out"))
     assert {"format", "records", "quick", "cases", "machine", "seconds"} == set(document)

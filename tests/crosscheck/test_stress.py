@@ -39,7 +39,6 @@ from kinetics.crosscheck.stress import (
         (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (1e-12, 1e-13)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (math.nan, 1.0)}), 0.0, BROKEN),
-        (Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 0.0)}), 0.0, HOLDS),
         (Outcome(), 0.0, HOLDS),
         (Outcome(1e-8, 1e-9), 2 * LONGEST, BROKEN),
     ],
@@ -56,19 +55,15 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
         warnings.warn("careful", RuntimeWarning, stacklevel=1)
         return Outcome()
 
+    def violates() -> Outcome:
+        return Outcome(invariants={"a": (1e-3, 1.0), "b": (math.nan, 0.0)})
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a user's own filters must not hide one
-        found = [attempt(Case("g", "n", work)) for work in (refuses, warns, lambda: 1 // 0)]  # type: ignore[list-item]
+        found = [attempt(Case("g", "n", work)) for work in (refuses, warns, violates)]
     assert [c["verdict"] for c in found] == [BROKEN] * 3
-    assert [c["note"].split(":")[0] for c in found] == [
-        "InputError", "RuntimeWarning", "ZeroDivisionError",
-    ]  # fmt: skip
-
-
-def test_what_is_violated_is_shown() -> None:
-    kept = {"a": (1e-3, 1.0), "b": (math.nan, 0.0)}
-    case = attempt(Case("g", "n", lambda: Outcome(invariants=kept)))
-    assert (case["verdict"], case["invariant"]) == (BROKEN, "b")
+    assert [c["note"].split(":")[0] for c in found] == ["InputError", "RuntimeWarning", ""]
+    assert [c["invariant"] for c in found] == ["", "", "b"]
 
 
 def named(group: str, *parts: str) -> Case:
@@ -78,7 +73,7 @@ def named(group: str, *parts: str) -> Case:
 
 
 # 1e-3 is asked, or more
-LOOSE = ("conservative density", "position density", "over time in a field")
+LOOSE = ("position density", "over time in a field")
 DISKS, ROUGH = "=0.7),", "(restitution=0.7, tangential_restitution=0.8, dimension=3)"
 BEGIN = "start = gaussian"
 
@@ -113,12 +108,9 @@ def wrong(factor: float, only: int) -> Callable[..., Any]:
     [
         ("cooling", (DISKS, BEGIN, "times = 100")),
         ("cooling", (DISKS, "start = speed 1e150")),
-        ("cooling", (DISKS, BEGIN, "diameter")),
-        ("averages", (DISKS, BEGIN)),
         ("averages", (ROUGH, BEGIN)),
         ("averages", ("CollisionLaw(restitution=1.0)", BEGIN)),
         ("spectral density", (DISKS, "nodes = 512")),
-        ("conservative density", (DISKS, BEGIN, "nodes = 512")),
         ("position density", (DISKS, "times = 1e-300")),
         ("scattering function", (DISKS, BEGIN, "times = 1.0")),
         ("over time in a field", (DISKS,)),

@@ -29,7 +29,6 @@ OF_A_FIELD = (
 )  # fmt: skip
 ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
 MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "dilute")
-OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
 
 
 # fmt: off
@@ -45,9 +44,6 @@ OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
 @options.mass_option
 @options.density_option
 @option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
-@option("--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
-        help="Scatterers where this file says: columns x and y. Needs --box-side.")
-@option("--box-side", type=float, help="Side of the periodic box of --positions.")
 @option("--dimension", type=int,
         help="Of --scatterers dilute: 2 for disks, as it is if not given, 3 for spheres. Others "
         "have their own. Densities of spheres are in d^-3.")
@@ -76,8 +72,9 @@ OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
 @options.workers_option
 @options.json_option
 def simulate(
-    until: float | None, number_density: float, times: tuple[float, ...],
-    observables: str, output: Path | None, as_json: bool, viscoelastic: float | None,
+    until: float | None, number_density: float, scatterers: str, count: int,
+    dimension: int | None, times: tuple[float, ...], observables: str, output: Path | None,
+    as_json: bool, viscoelastic: float | None,
     **arguments: Any,
 ) -> None:
     """Follow particles from collision to collision; every estimate with its standard error.
@@ -96,8 +93,7 @@ def simulate(
             raise InputError("--resume: an H5MD file is written at the end; give --output FILE.h5")
         _require_new(h5md)
         output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
-    described = {name: arguments.pop(name) for name in OF_THE_MEDIUM}
-    medium = make_medium(number_density, **described)
+    medium = make_medium(scatterers, number_density, count, dimension)
     with _saying_how_to_go_on(output) as told, options.progress(arguments["media"]) as tell:
 
         def progress(done: int, total: int) -> None:
@@ -145,25 +141,18 @@ def _show(run: Any, as_json: bool) -> None:
         click.echo(_text(run))
 
 
-def make_medium(
-    number_density: float, scatterers: str, count: int, positions: Path | None,
-    box_side: float | None, dimension: int | None,
-) -> Any:  # fmt: skip
+def make_medium(word: str, number_density: float, count: int, dimension: int | None) -> Any:
     """The medium that the options describe. Raises InputError where they do not fit."""
     import particles
 
-    if (positions is None) != (box_side is None):
-        raise InputError("--positions and --box-side: give both or neither")
-    if scatterers == "dilute" and positions is None:
+    if word == "dilute":
         chosen: Any = 2 if dimension is None else dimension
         return particles.BoltzmannGrad(number_density, dimension=chosen)
-    own = 3 if scatterers.endswith("spheres") and positions is None else 2
+    own = 3 if word.endswith("spheres") else 2
     if dimension not in (None, own):
         others = "dilute" + ", hard or overlapping spheres" * (own == 2)
         raise InputError(f"dimension: got {dimension}; it must be {own} unless these are {others}")
-    if positions is not None and box_side is not None:
-        return particles.Positions.from_csv(positions, box_side)
-    made = next(kind for kind in get_args(particles.Medium) if kind.scatterers == scatterers)
+    made = next(kind for kind in get_args(particles.Medium) if kind.scatterers == word)
     return made(number_density, count=count)
 
 

@@ -37,7 +37,6 @@ _PRINTED = (*HEADS, *(name.rpartition("_")[0] for name in PARTS))
 IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in _PRINTED)  # with --field
 DRIVEN = tuple(name for name in DRIVEN_OUTPUTS if name in _PRINTED)
 BY_COLLISION = ("thermal_speed", "a2", "msd")  # those that are printed by collision number as well
-STATES = ("gaussian", "monoenergetic", "beam", "rest")
 # options of states without time -> the function of kinetics, the options that it takes beside those
 # of all, and the figures of its state
 MODES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
@@ -245,21 +244,16 @@ def state_text(found: dict[str, Any]) -> str:
 
 
 def initial_state(text: str, speed: float, direction: float) -> Any:
-    """What a Scene takes as `initial`: one of `STATES`, or a .csv file of speeds."""
+    """What a Scene takes as `initial`: a word, a beam, or a .csv file of speeds."""
     from kinetics import Beam, Monoenergetic, SpeedTable
 
-    if text not in STATES and not text.endswith(".csv"):
-        names = ", ".join(STATES)
-        raise InputError(f"initial: got {text!r}; it must be {names}, or a .csv file of speeds")
-    if text not in ("monoenergetic", "beam") and speed != 1.0:
-        raise InputError(f"speed: got {speed:g}; it is of --initial monoenergetic and beam")
-    if text != "beam" and direction != 0.0:
-        raise InputError(f"direction: got {direction:g}; it is of --initial beam")
+    means = {"beam": (), "monoenergetic": ("direction",)}
+    options.refuse_given(means.get(text, ("speed", "direction")), f"--initial {text}")
     if text == "beam":
         return Beam(direction, Monoenergetic(speed))
     if text == "monoenergetic" and speed != 1.0:
         return Monoenergetic(speed)
-    return text if text in STATES else SpeedTable(*_two_columns(text))
+    return SpeedTable(*_two_columns(text)) if text.endswith(".csv") else text
 
 
 def _two_columns(path: str) -> Any:

@@ -168,8 +168,9 @@ def solved(e: float, n: float | None, t: Array) -> Array:
 
 def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     """Every table of the page, by name. tell : is called with what is begun."""
-    breaks, xi, hard_xi = (0.0, 0.2, 1.0), (*WIDTHS[DILUTE], 40), (*WIDTHS[HARD], 32)
-    log_t, root_n = (*map(math.log, TIMES), 48), (*map(math.sqrt, DENSITIES), 6)
+    breaks, ends_of_n = (0.0, 0.2, 1.0), (math.sqrt(DENSITIES[0]), math.sqrt(DENSITIES[1]))
+    log_t, root_n = (math.log(TIMES[0]), math.log(TIMES[1]), 48), (*ends_of_n, 6)
+    xi, hard_xi = (*WIDTHS[DILUTE], 40), (*WIDTHS[HARD], 32)
     tell("dilute scatterers")
     found = tables(("v0", "msd"), lambda e, s: _over_factors(e, None, s), (0.0, 1.0), 24, log_t)
     found |= tables(("ln F",), lambda e, s: _log_density(e, None, s), (0.0, 1.0), 40, xi)
@@ -179,7 +180,7 @@ def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     found |= tables(("hard H", "hard A"), limits, breaks, 16, root_n)
     found |= tables(("hard v0", "hard msd"), _at_each(_over_factors), breaks, 16, root_n, log_t)
     tell("hard disks: F(c)")
-    found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, (*root_n[:2], 5), hard_xi)
+    found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, (*ends_of_n, 5), hard_xi)
     tell("steady states of driven tracers")
     for drive, powers in POWERS.items():
         scaled = partial(_scaled_steady, drive)

@@ -5,6 +5,7 @@ Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs
 words, `page.py` the HTML page.
 """
 
+import textwrap
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -57,9 +58,10 @@ class Report:
 
     def text(self) -> str:
         """What the terminal shows: the findings, and how many rows have each verdict."""
-        from kinetics.crosscheck.report import page
-
-        return page.text(self.document)
+        story = self.document["headline"]
+        counted = (f"{n} {verdict}" for verdict, n in self.document["verdict_counts"].items())
+        lines = (story["compared"], *story["findings"], ", ".join(counted))
+        return "\n".join(textwrap.fill(line, 100) for line in lines)
 
     def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
         """Write the page, its JSON, its tables and figures in these formats, or nothing; paths."""

@@ -351,11 +351,9 @@ def _over_e(results: runs.Results, *names: str) -> _Sheet:
     e = np.array([case.restitution for case in results.cases])
     for k, name in enumerate(names):
         found = [case.measured[runs.FREE][name] for case in results.cases]
-        measured = runs.Measured(
-            *(np.array([getattr(x, n) for x in found]) for n in ("value", "error"))
-        )
+        value, error = (np.array([getattr(x, n) for x in found]) for n in ("value", "error"))
+        measured, group = runs.Measured(value, error), (OBSERVABLES[name][1], k)
         solved = np.array([case.theory[runs.SOLVER][name] for case in results.cases])
-        group = (OBSERVABLES[name][1], k)
         sheet.line(top, runs.SOLVER, e, solved, group)
         sheet.points(top, runs.FREE, e, measured, group)
         sheet.points(below, runs.FREE, e + 0.004 * k, measured / solved, group)

@@ -1,7 +1,6 @@
 """The report as one HTML page with nothing beside it and as text, and the formulas on it."""
 
 import re
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import repeat
 from typing import Any
@@ -138,12 +137,3 @@ def _verdicts(document: Mapping[str, Any]) -> tuple[list[str], list[list[Any]]]:
     for heading, whos in groups.items():
         lines += [[heading], *([w, *map(x.get, every, repeat("–"))] for w, x in whos.items())]
     return [f"{document['parameter']} = {e:g}" for e in every], lines
-
-
-def text(document: Mapping[str, Any]) -> str:
-    """The findings, and how many rows have each verdict."""
-    story = document["headline"]
-    counted = ", ".join(f"{n} {verdict}" for verdict, n in document["verdict_counts"].items())
-    return "\n".join(
-        textwrap.fill(line, 100) for line in (story["compared"], *story["findings"], counted)
-    )

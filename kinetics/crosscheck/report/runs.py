@@ -111,16 +111,6 @@ class Results(NamedTuple):
 
 
 # -- numbers of one run or solution ----------------------------------------------------------------
-def contact_value(number_density: float, dimension: int = 2) -> float:
-    """The pair correlation at contact, g(d), by which the mean free path is divided.
-
-    Of hard disks: D. Henderson, Mol. Phys. 30, 971 (1975); number_density in d^-2. Of hard spheres:
-    N. F. Carnahan and K. E. Starling, J. Chem. Phys. 51, 635 (1969); in d^-3.
-    """
-    x = math.pi * number_density / (2 * dimension)  # their share of the plane, or of space
-    return (1 - x / 2) / (1 - x) ** 3 if dimension == 3 else (1 - 7 * x / 16) / (1 - x) ** 2
-
-
 def rates(
     times: Array, averages: Mapping[str, Array], early: int, half_rate: float
 ) -> dict[str, Array]:
@@ -243,7 +233,6 @@ def cooling_case(
         "free_path": 0.5 / half_rate, "position": shares / np.diff(edges),
         "scaled_vdf": bin_average(last_vdf(found.kinetic), d),
     }  # fmt: skip
-    theory["contact"] = {"free_path": 0.5 / half_rate / contact_value(system.number_density, d)}
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
         names = ("cooling_rate", "a2")
