@@ -20,7 +20,7 @@ from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
 MEDIUM = ("scatterers", "density_order", "number_density")
-# columns of a Solution's data frame that are printed -> their heads
+# averages, and parts of vectors and tensors, that are printed -> their heads
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 PARTS = {
     "mean_velocity_x": "<v_x> [U]", "mean_displacement_x": "<x> [d]",
@@ -147,7 +147,7 @@ def solve(
     if as_json:
         options.print_json(found)
     else:
-        click.echo(state_text(found) if mode else text_over_time(result, found))
+        click.echo(state_text(found) if mode else text_over_time(found))
 
 
 def over_time(
@@ -194,11 +194,15 @@ def over_time(
     return solution, found
 
 
-def text_over_time(solution: Any, found: dict[str, Any]) -> str:
+def text_over_time(found: dict[str, Any]) -> str:
     """The same as tables, one row per time, and the status."""
-    heads, frame = {**HEADS, **PARTS, "captured": "captured"}, solution.to_dataframe()
-    shown = [n for n in heads if n in frame and (n in found or n.rpartition("_")[0] in found)]
-    tables = [{heads[name]: frame[name] for name in shown}]
+    shown = {head: found[name] for name, head in HEADS.items() if name in found}
+    for name, head in PARTS.items():
+        whole, _, axes = name.rpartition("_")
+        if whole in found:
+            shown[head] = found[whole][:, *map("xyz".index, axes)]
+    shown |= {"captured": found["captured"]} if "captured" in found else {}
+    tables = [shown]
     for points, (name, head) in DENSITIES.items():
         if name in found:
             columns = (head.format(options.written(float(x))) for x in found[points])
