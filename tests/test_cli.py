@@ -269,14 +269,14 @@ def test_files_that_hold_the_whole_result(lorentz: Any) -> None:
     with xarray.open_dataset("a.nc") as dataset:
         assert dataset.msd.values.tolist() == msd
         assert dataset.msd.attrs["units"] == "d^2"
-    assert sorted(os.listdir()) == ["A.H5", "a.nc"]
 
 
-@pytest.mark.parametrize("arguments", [(*SOLVE, "--speeds", "0.1,1"), ("solve", "--scaled")])
-def test_a_picture_of_a_solution(lorentz: Any, arguments: tuple[str, ...]) -> None:
-    plain = lorentz(*arguments)
-    for name in ("a.png", "a.svg"):
-        assert lorentz(*arguments, "-o", name) == plain
+def test_a_picture_of_a_solution(lorentz: Any) -> None:
+    for arguments, name in (
+        ((*SOLVE, "--speeds", "0.1,1"), "a.png"),
+        (("solve", "--scaled"), "a.svg"),
+    ):
+        assert lorentz(*arguments, "-o", name) == lorentz(*arguments)
         assert Path(name).stat().st_size > 5_000
 
 

@@ -161,9 +161,8 @@ def problems(effort: Effort) -> Iterator[Problem]:
         ("position", "<r^2>(t)", ("msd",), "short"),
         ("position", "kurtosis(t)", ("kurtosis",), "short"),
     )
-    for (case, name, outputs, to), e, start in product(
-        kept, effort.restitutions, references.STARTS
-    ):
+    variants = product(kept, effort.restitutions, references.STARTS)
+    for (case, name, outputs, to), e, start in variants:
         times = references.times(to)
         scene = Scene(e, DENSITY, initial=start, times=times, outputs=outputs)
         exact = [references.kept(n, e, start, to) + (n == "a2") for n in outputs]
@@ -171,8 +170,10 @@ def problems(effort: Effort) -> Iterator[Problem]:
         yield Problem(case, name, averages(outputs, solve, scene), exact)
     disks = Scene(E, DENSITY, times=np.geomspace(1.0, 1e8, 100), outputs=("msd",),
                   scatterers="hard disks")  # fmt: skip
-    name, solver = "<r^2>(t) among hard disks", averages(("msd",), solve, disks)
-    name += f", t <= 1e+08: e = {E:g}"
+    solver, name = (
+        averages(("msd",), solve, disks),
+        "<r^2>(t) among hard disks, t <= 1e+08: e = 0.7",
+    )
     yield Problem("position", name, solver, 1e-13, tolerances=TOLERANCES[:-2])
     place = Scene(0.6, DENSITY, times=[300.0], outputs=("position_density",))
     curve = lambda rtol: solve(place, rtol).scaled_position_density(RADII)[0]  # noqa: E731

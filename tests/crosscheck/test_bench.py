@@ -1,11 +1,7 @@
 """The benchmark: how it measures, that its other methods are right, and what its tables say."""
 
 import json
-import os
-import subprocess
-import sys
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -112,15 +108,3 @@ def test_every_section_has_its_table_and_failures_are_listed() -> None:
     assert text.count("\n## ") == 3
     assert "| disks | 1 | 0.25 | 4.2e+07 |" in text
     assert "| lost |" in text
-
-
-@pytest.mark.slow
-def test_neither_command_runs_a_module_of_the_folder_it_is_started_in(tmp_path: Path) -> None:
-    (tmp_path / "numpy.py").write_text("open('executed', 'w').close()")
-    for arguments in (
-        ["bench", "--quick", "--case", "field"],
-        ["stress", "--quick", "--group", "density"],
-    ):
-        command = [sys.executable, "-P", "-m", "kinetics.cli", *arguments]
-        subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
-    assert os.listdir(tmp_path) == ["numpy.py"]

@@ -204,7 +204,6 @@ def cooling_case(
     times = np.geomspace(min(1.0, last / 10), last, system.n_times)
     early = int(np.searchsorted(times, last / 10))
     seed, hard = system.seed + 2 * system.restitutions.index(e), f"hard {system.scatterers}"
-    free_media = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
     packed_media: Any = HardSpheres if d == 3 else HardDisks
 
     def followed(medium: Medium, seed: int, media: int, tracers: int) -> Ensemble:
@@ -216,13 +215,14 @@ def cooling_case(
 
     tell(f"e = {e:g}: {hard}")
     solving = beside.submit(_solutions, law, times, system)
-    medium = packed_media(system.number_density, count=system.count)
-    packed = followed(medium, seed + 1, system.media, system.tracers)
+    packed_medium = packed_media(system.number_density, count=system.count)
+    packed = followed(packed_medium, seed + 1, system.media, system.tracers)
     if not np.isfinite(packed.mean_free_path.value):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")
     tell(f"e = {e:g}: {FREE} particles")
     groups = min(100, system.free_tracers // 2)  # independent ones, for the jackknife
-    free = followed(free_media, seed, groups, system.free_tracers // groups)
+    medium = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
+    free = followed(medium, seed, groups, system.free_tracers // groups)
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
     found.early = early
@@ -307,8 +307,15 @@ def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]
     distances = np.linalg.norm(np.delete(by_group, [0, 1, 4], axis=-1), axis=-1)
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
+    # without one of the configurations, of whose sums the averages are made
+    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
+    rest = {name: array.sum(axis=0) - array for name, array in sums.items()}
+    parts = (
+        replace(run, arrays={**run.arrays, **{name: x[k][None] for name, x in rest.items()}})
+        for k in range(run.media)
+    )
+    without = [_over_time(part, early, half_rate) for part in parts]
     found = _over_time(run, early, half_rate)
-    without = [_over_time(part, early, half_rate) for part in _without_each(run)]
     slopes = {
         n: Measured(found[n], jackknife_error(np.array([row[n] for row in without])))
         for n in ("cooling_rate", "msd_slope")
@@ -320,16 +327,6 @@ def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]
         "position": scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
         "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
     }  # fmt: skip
-
-
-def _without_each(run: Ensemble) -> list[Ensemble]:
-    """The ensemble without one of its configurations, of whose sums its averages are made."""
-    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
-    rest = {name: array.sum(axis=0) - array for name, array in sums.items()}
-    return [
-        replace(run, arrays={**run.arrays, **{n: rest[n][k][None] for n in sums}})
-        for k in range(run.media)
-    ]
 
 
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------

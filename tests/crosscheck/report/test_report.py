@@ -117,12 +117,6 @@ def test_the_files(each: Any) -> None:
     assert (each.folder / f"{each.name}-points.csv").stat().st_size > 1000
 
 
-def test_the_terminal_is_100_columns_wide(each: Any) -> None:
-    text = each.report.text()
-    assert max(map(len, text.splitlines())) <= 100
-    assert all(word in text for word in each.report.document["verdict_counts"])
-
-
 def test_every_figure_has_words_units_and_ticks_that_do_not_collide(each: Any) -> None:
     dimensional = {"t", "r^2", "u", "v_z", "v^2", "D", "x", "y"}
     for drawn in each.report.figures:
@@ -206,19 +200,8 @@ def test_driven_tracers_are_judged_over_time_and_in_the_steady_state(made: Any, 
         assert drift == pytest.approx(state.mobility, rel=0.05)
 
 
-def test_driven_tracers_need_a_loss() -> None:
-    for name, e in (("bath", 1.0), ("viscoelastic", 0.0)):
-        with pytest.raises(ValueError, match=r"restitutions: got|b: got"):
-            Driven((e,), name=name)
-
-
-def test_a_quick_report_is_of_the_same_system_with_fewer_samples() -> None:
-    for system in (Cooling(), Driven(name="field"), Driven()):
-        quick = system.quick()
-        assert quick.stages <= system.stages
-        samples = "tracers" if isinstance(system, Cooling) else "most_tracers"
-        assert getattr(quick, samples) < getattr(system, samples)
-        assert len(quick.restitutions) <= len(system.restitutions)
+def test_a_quick_report_is_of_the_same_system() -> None:
+    assert Cooling().quick().media < Cooling().media
     assert Driven((0.3, 0.8), name="field").quick().restitutions == (0.3, 0.8)
 
 
