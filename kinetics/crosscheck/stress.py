@@ -233,18 +233,17 @@ def apart(found: Any, finer: Any) -> float:
             change, exact = np.abs(values - finer.values[name]), finer.values[name]
             relative = change / sizes.get(name, np.abs)(exact)
             errors.append(np.where(change < 1e-300, 0.0, relative))
+    outputs, both = found.scene.outputs, (found, finer)
     c, R = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)]), np.linspace(0.0, 8.0, 400)
-    outputs, k = found.scene.outputs, np.array([1e-3, 0.1, 2.0])
     for i, unit in enumerate(v0):
         if "speed_density" in outputs:
-            f, exact = (one.speed_density(unit * c)[i] for one in (found, finer))
+            f, exact = (one.speed_density(unit * c)[i] for one in both)
             errors.append((f - exact) * np.minimum(1.0, c / 1e-2) / exact.max())
         if "position_density" in outputs and found.times[i] > 0.0:
-            errors.append(np.subtract(*(x.scaled_position_density(R)[i] for x in (found, finer))))
-    if "intermediate_scattering" in outputs:
-        for at in (None, 0.3):
-            both = (one.intermediate_scattering(k, direction=at) for one in (found, finer))
-            errors.append(np.subtract(*both))
+            errors.append(np.subtract(*(one.scaled_position_density(R)[i] for one in both)))
+    for at in (None, 0.3) if "intermediate_scattering" in outputs else ():
+        k = [1e-3, 0.1, 2.0]
+        errors.append(np.subtract(*(x.intermediate_scattering(k, direction=at) for x in both)))
     return largest(*errors, 0.0)
 
 

@@ -16,7 +16,7 @@ from click.core import ParameterSource
 from kinetics.errors import InputError
 
 MOST_NUMBERS = 100_000  # of one range
-WIDTH = 100  # columns of a table
+WIDTH = 100  # columns of a line of words
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
     "of one component of the initial velocity), times in d/U, densities in d^-2 (in space d^-3)."
@@ -199,19 +199,14 @@ def written(value: Any, digits: int = 6) -> str:
 
 
 def columns(table: Mapping[str, Iterable[Any]]) -> str:
-    """A table of columns of numbers or texts by their heads; what is too wide goes on below."""
-    blocks: list[list[list[str]]] = [[]]
+    """A table of columns of numbers or texts by their heads, a line for each row."""
+    texts = []
     for head, column in table.items():
-        texts = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
-        texts = [text.rjust(max(map(len, texts))) for text in texts]
-        if sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
-            blocks.append(blocks[0][:1])
-        blocks[-1].append(texts)
-    lines = []
-    for block in blocks:
-        top, *others = ("  ".join(row) for row in zip(*block, strict=True))
-        lines += [click.style(top, bold=True), *others]
-    return "\n".join(lines)
+        cells = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
+        width = max(map(len, cells))
+        texts.append([cell.rjust(width) for cell in cells])
+    top, *rows = ("  ".join(row) for row in zip(*texts, strict=True))
+    return "\n".join([click.style(top, bold=True), *rows])
 
 
 @contextmanager
