@@ -227,6 +227,23 @@ def exact_rates(tangential: float, dimension: int) -> tuple[runs.Array, runs.Arr
     return e, np.array([state.cooling_rate for state in states])
 
 
+def gaussian_vdf(c: ArrayLike, dimension: int) -> runs.Array:
+    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
+    d = dimension
+    return np.asarray((d / 2 / math.pi) ** (d / 2) * np.exp(-d / 2 * np.square(c)))
+
+
+def limiting_drift(restitution: Any, dimension: int) -> Any:
+    """The drift in sqrt(g l) as collisions become elastic.
+
+    With eps = 1 - e^2 speeds are distributed as exp(-a v^4), which grows as eps, and
+    u = lambda(2) <v^3>/2.
+    """
+    d, (fall, loss) = dimension, ((2 / 9, 2 / 3) if dimension == 2 else (3 / 16, 1 / 2))
+    third = fall**-0.75 * math.gamma((3 + d) / 4) / math.gamma(d / 4)
+    return loss * third / 2 * (1.0 - np.square(restitution)) ** 0.25
+
+
 def cooling_rate(results: runs.Results) -> Made:
     """h over e, and over the exact rate of late times."""
     system: Any = results.system
@@ -292,7 +309,7 @@ def vdf(results: runs.Results) -> Made:
         sheet.line(ax, runs.KINETIC, c, runs.last_vdf(case.solved.kinetic)(c), e, named=False)
         for source, found in case.measured.items():
             sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
-        sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, case.dimension))
+        sheet.line(ax, "Gaussian", c, gaussian_vdf(c, case.dimension))
         first, equation = case.measured[hard]["scaled_vdf"], case.theory[runs.KINETIC]["scaled_vdf"]
         near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
     most, error, expected, e = max(near)
@@ -322,7 +339,7 @@ def position(results: runs.Results) -> Made:
             sheet.line(ax, "paper's integral", r, sonine.position_integral(r))
         else:  # as of c: a density in the plane or in space
             surface = d * runs.ball(d) * r ** (d - 1)
-            sheet.line(ax, "Gaussian", r, surface * runs.gaussian_vdf(r, d))
+            sheet.line(ax, "Gaussian", r, surface * gaussian_vdf(r, d))
     return sheet.done("scaled distance $R$", "$G(R)$"), {}
 
 
@@ -365,7 +382,7 @@ def _over_e(results: runs.Results, *names: str) -> _Sheet:
 def drift(results: runs.Results) -> Made:
     """Drift over e."""
     sheet, d = _over_e(results, "drift"), results.cases[0].dimension
-    sheet.line(sheet.axes[0], "limiting law", _FINE, runs.limiting_drift(_FINE, d))
+    sheet.line(sheet.axes[0], "limiting law", _FINE, limiting_drift(_FINE, d))
     return sheet.done(_RESTITUTION, "drift $u$  [√(gl)]", "over the solver"), {}
 
 

@@ -126,12 +126,6 @@ def ball(dimension: int) -> float:
     return math.pi if dimension == 2 else 4 * math.pi / 3
 
 
-def gaussian_vdf(c: ArrayLike, dimension: int) -> Array:
-    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
-    d = dimension
-    return np.asarray((d / 2 / math.pi) ** (d / 2) * np.exp(-d / 2 * np.square(c)))
-
-
 def bin_measure(dimension: int) -> Array:
     """Area, or volume, of each bin of c."""
     return np.asarray(ball(dimension) * np.diff(SPEED_EDGES**dimension))
@@ -450,14 +444,3 @@ def _steady_averages(
         found["energy"] = law.decay_rate(2.0) * s[3, 0] / gain
         found["fourth"] = law.decay_rate(4.0) * s[5, 0] / fourth
     return found
-
-
-def limiting_drift(restitution: Any, dimension: int) -> Any:
-    """The drift in sqrt(g l) as collisions become elastic.
-
-    With eps = 1 - e^2 speeds are distributed as exp(-a v^4), which grows as eps, and
-    u = lambda(2) <v^3>/2.
-    """
-    d, (fall, loss) = dimension, ((2 / 9, 2 / 3) if dimension == 2 else (3 / 16, 1 / 2))
-    third = fall**-0.75 * math.gamma((3 + d) / 4) / math.gamma(d / 4)
-    return loss * third / 2 * (1.0 - np.square(restitution)) ** 0.25
