@@ -76,11 +76,6 @@ def _large(value: sp.Expr, limit: float | sp.Float) -> bool:
     return value.is_infinite or bool(abs(value) > limit)
 
 
-def is_zero(expression: sp.Expr) -> bool:
-    """Whether an expression is exactly zero."""
-    return judge(expression) is Difference.NONE
-
-
 def _values(expression: sp.Expr, points: int, digits: int) -> list[sp.Expr]:
     """The expression at random points; its formal parts count as independent variables.
 

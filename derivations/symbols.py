@@ -67,7 +67,6 @@ hemi_c = _vector("c.sigma > 0", "half circle of sigma", latex=r"\mathbf{c}\cdot\
 # --- one collision
 y = _real("y", "impact parameter in units of d: uniform on [-1, 1]; in space y^2 on [0, 1]")
 theta = _real("theta", "angle between velocity and the line of centres")
-azimuth = _real("varphi", "azimuth about the velocity before the collision")
 chi = _real("chi", "deflection angle, between the velocities before and after a collision")
 chance = _function("P", "probability density of its argument over one collision")
 b = _real("b", "impact parameter")
@@ -252,11 +251,6 @@ diffusivity = _positive("D_r", "diffusion coefficient of the tracer")
 mobility = _positive("mu", "drift over a weak field")
 capture = _positive("v_c", "normal impact speed below which a tracer sticks")
 depth = _positive("Z_c", "distance along the field in which the share that moves falls by e")
-
-
-def meaning(name: str) -> str:
-    """What the symbol or function of this name stands for; KeyError if it is not in the table."""
-    return _MEANINGS[name]
 
 
 def table() -> tuple[tuple[str, str], ...]:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from kinetics.scene import Scene as Scene
     from kinetics.solution import Solution as Solution
     from kinetics.solution import solve as solve
+    from kinetics.solution import sweep as sweep
     from kinetics.states.kinds import AngularHarmonics as AngularHarmonics
     from kinetics.states.kinds import Beam as Beam
     from kinetics.states.kinds import Gaussian as Gaussian
@@ -54,7 +55,7 @@ _SHOWN = {
     "scaling.closed_form": "ScalingSolution",
     "scaling.scaled_vdf": "ScaledVDF solve_scaled",
     "scene": "Scene",
-    "solution": "Solution solve",
+    "solution": "Solution solve sweep",
     "states.kinds": """AngularHarmonics Beam Gaussian Monoenergetic PolarGrid SpeedDensity
         SpeedSamples SpeedTable VelocitySamples""",
 }

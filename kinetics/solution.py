@@ -5,14 +5,16 @@ from __future__ import annotations
 import textwrap
 import warnings
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinetics.densities.flights import Flights, speed_fronts
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
+from kinetics.moments import velocity
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
 from kinetics.numerics import FloatArray
@@ -35,6 +37,7 @@ from kinetics.validation import (
 )
 
 METHODS = ("spectral", "conservative")
+_FLIGHT_NODES = 4000  # of rough starts at 1e-3: shares within .06 % in a tenth of the time
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
 
@@ -76,6 +79,30 @@ def solve(
     if solution.status is not SolverStatus.CONVERGED:
         warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
     return solution
+
+
+def sweep(restitutions: ArrayLike, rtol: float | None = None, **scene: Any) -> Any:
+    """Averages over time for several restitutions, as one `xarray.Dataset` with that dimension.
+
+    restitutions : e, shape (n_restitutions,); scene : the other arguments of a Scene, with times
+    and outputs. Variables have the shape (n_restitutions, n_times, ...), with units; "status" and
+    "error_estimate" are (n_restitutions,). Warns and raises as :func:`solve` does.
+
+    >>> found = sweep([0.5, 0.9], times=[0.0, 1e3], outputs="thermal_speed")
+    >>> found.thermal_speed.dims, found.thermal_speed.sel(restitution=0.9).shape
+    (('restitution', 'time'), (2,))
+    """
+    import xarray
+
+    e = finite_line("restitutions", restitutions, low=0.0)
+    if e.size == 0:
+        refuse("restitutions", restitutions, "there must be one at least")
+    each = [solve(Scene(x, **scene), rtol) for x in e.tolist()]
+    along = xarray.Variable("restitution", e, {"long_name": "coefficient of restitution"})
+    found = xarray.concat([one.to_xarray() for one in each], along, combine_attrs="drop_conflicts")
+    found["status"] = "restitution", [one.status.name.lower() for one in each]
+    found["error_estimate"] = "restitution", [one.error_estimate for one in each]
+    return found
 
 
 def _solution(answer: Any, scene: Scene, *arguments: Any) -> Solution:
@@ -279,9 +306,22 @@ class Solution(Result):
         Without the tracers of :attr:`uncollided`. From smooth starts the error is at most rtol of
         the maximum for v above 1e-2 of the thermal speed, below it that of the density of ln v.
         From rough ones (sharp speeds, steps, noise: the plan says "conservative") its integral up
-        to v, with :attr:`uncollided`, is right to rtol; f itself is not at its steps.
+        to v, with :attr:`uncollided`, is right to rtol; f itself is not at its steps
+        (:attr:`speed_fronts`).
         """
         return np.asarray(self._velocities().speed_density(speeds(v)))
+
+    @property
+    def speed_fronts(self) -> FloatArray:
+        """Speeds in U, rising, at which :meth:`speed_density` may step or be infinite.
+
+        Of a start of sharp speeds (empty for others): those speeds, and the ends of what one and
+        two collisions make of them.
+        """
+        scene = self.scene
+        sharp = scene.state.profile(0) is None and not scene.field and scene.system is None
+        start = scene.state.harmonic(0, 1e-6) if sharp else None
+        return np.zeros(0) if start is None else speed_fronts(scene.law, start)
 
     @property
     def uncollided(self) -> FloatArray:
@@ -355,6 +395,59 @@ class Solution(Result):
         """
         found, r = self._moved(), rising_from_zero("edges", edges)
         return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
+
+    # -- free flights -------------------------------------------------------------------------
+
+    @cached_property
+    def _flights(self) -> Flights:
+        answer = self._without_field()
+        if self.scene.scatterers != "dilute":
+            refuse("scatterers", self.scene.scatterers, "free flights are of dilute ones only")
+        smooth = self.scene.state.smooth
+        rtol = min(max(self.rtol, 1e-6 if smooth else 1e-4), 1e-3)
+        nodes = None if smooth or rtol < 1e-3 else _FLIGHT_NODES
+
+        def solved(times: FloatArray) -> Solution:
+            scene = replace(self.scene, times=times, outputs=("speed_density",))
+            with warnings.catch_warnings():  # the number of collisions says how good it is
+                warnings.simplefilter("ignore", ToleranceWarning)
+                return _solution(answer_to(scene, rtol, None, nodes), scene, rtol, None, nodes)
+
+        found = Flights.of(solved, self.times, self.scene.mean_free_path)
+        known = velocity.collisions(answer.averages)[-1]
+        off = abs(float(found.longer_in_time(np.zeros(1))[-1, 0]) / max(known, 1e-300) - 1.0)
+        if off > 10.0 * rtol:
+            words = f"free flights: their number is off by {off:.1e}, against {10 * rtol:.1e}"
+            warnings.warn(words, ToleranceWarning, stacklevel=5)
+        return found
+
+    def free_time_fraction(self, edges: ArrayLike) -> FloatArray:
+        """Share of the completed flights whose duration in d/U is between the edges.
+
+        Shape (n_times, n_edges - 1). A flight is completed if a collision ends it up to the time;
+        the first one of a tracer begins at time 0. Each counts once, so that fast tracers count
+        more than slow ones: a histogram of all flights (free_time_histogram of `particles`). NaN at
+        time 0. Divided by the widths of the bins it is their mean density. Warns where the speed
+        densities give another number of collisions by ten times their tolerance: rtol, 1e-6 at
+        least, 1e-4 for rough starts. Raises InputError for edges that are negative or do not rise,
+        with a field, for driven tracers and for scatterers that are not dilute.
+        """
+        return self._flight_fraction(edges, "longer_in_time")
+
+    def free_path_fraction(self, edges: ArrayLike) -> FloatArray:
+        """Share of the same flights whose length in d is between the edges, as above.
+
+        Lengths tend to exp(-x/l), l the mean free path: as 1/t for e = 1, as 1/ln t below.
+        """
+        return self._flight_fraction(edges, "longer_in_length")
+
+    def _flight_fraction(self, edges: ArrayLike, kind: str) -> FloatArray:
+        x = rising_from_zero("edges", edges)
+        if self.times[-1] == 0.0:
+            return np.full((self.times.size, x.size - 1), np.nan)
+        number = getattr(self._flights, kind)(np.append(0.0, x) / self.scene.mean_free_path)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(-np.diff(number[:, 1:]) / number[:, :1])
 
     def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """How the density p = G(R)/(2 pi R), in space G(R)/(4 pi R^2), falls: exponent and rate.

@@ -34,7 +34,6 @@ from particles import (
     BoltzmannGrad,
     Ensemble,
     HardDisks,
-    HardSpheres,
     Poisson,
     PoissonSpheres,
     simulate,
@@ -49,39 +48,30 @@ BAD_INPUT = [
     # arguments; what the line must name: the argument, the value
     ("report -e 1.5", "restitution 1.5"),
     ("report -e 0.5 -e 0.5", "restitutions 0.5"),
-    ("report -t 1 -t 2", "until 2"),
-    ("report --number-density 0.9", "number_density 0.9"),
     ("report --field -e 1", "restitutions 1"),
     ("report --field --media 9", "media --system field"),
     ("nonsense", "nonsense"),
     ("solve --times -1,1", "times -1"),
     ("solve --times 1,two", "times two"),
     ("solve --times 1,2" + "x" * 5000, "times 1,2x"),
-    ("solve --until 5 --times 1,2", "times"),
-    ("solve --initial cold", "initial cold"),
     ("solve --initial a.csv", "initial a.csv"),
     ("solve --initial rest", "initial rest"),
-    ("solve --speed 2", "speed beam"),
+    ("solve --speed 2", "speed gaussian"),
     ("solve -o a.xlsx", ".csv .nc .h5"),
     ("solve --scaled -e 1", "restitution 1"),
     ("solve --scaled --times 1,2", "times --scaled"),
     ("solve --field-steady --scaled", "field_steady"),
     ("solve --field-steady --field-units 0,1,1", "field_units"),
-    ("solve --field-units 1,2,3", "field_units"),
     ("solve --steady", "bath_speed 0"),
-    ("solve --steady --heating 1 --times 1", "times --steady"),
     ("solve --heating 1 --outputs kurtosis", "outputs kurtosis"),
     ("solve -e 0.5 --viscoelastic 0.4", "restitution --viscoelastic"),
     ("simulate --times 3,2", "times"),
-    ("simulate --box-side 9", "--box-side"),
-    ("simulate --resume", "resume output"),
     ("simulate --resume -o a.h5md", "resume"),
     ("simulate --scatterers hard-spheres --dimension 2", "dimension 2"),
     ("simulate --count 1000000000000", "memory"),
     ("simulate --mass-ratio 2 --times 1", "mass_ratio HardDisks"),
     ("simulate --part 3", "part 3 K/N"),
     ("merge -o a.h5", "HDF5"),
-    ("solve --mass-ratio 2 --scatterers overlapping", "mass_ratio 2.0 scatterers"),
     ("explore -o no/such/a.html", "no/such"),
     ("derive --only nonsense", "nonsense"),
     ("derive --list --only B15", "only list"),
@@ -133,24 +123,19 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
-def test_every_option_has_help(name: str) -> None:
+def test_every_option_has_help_which_ends_with_an_example_of_known_ones(
+    lorentz: Any, name: str
+) -> None:
     command = cli.cli.get_command(click.Context(cli.cli), name)
     assert command is not None
     assert command.help
     assert command.get_short_help_str()
-    for parameter in command.params:
-        # what an argument is, the command's own text says: click has no help for arguments
-        assert not isinstance(parameter, click.Option) or parameter.help, parameter.name
-
-
-@pytest.mark.parametrize("name", cli.COMMANDS)
-def test_help_ends_with_an_example_whose_options_are_known(lorentz: Any, name: str) -> None:
+    # what an argument is, the command's own text says: click has no help for arguments
+    assert all(p.help for p in command.params if isinstance(p, click.Option))
     _, example = lorentz(name, "--help").split("Example:\n")
     assert example.count("\n") == 1
     first, told, *arguments = shlex.split(example)
     assert (first, told) == ("lorentz", name)
-    command = cli.cli.get_command(click.Context(cli.cli), name)
-    assert command is not None
     assert command.make_context(name, arguments).params
 
 
@@ -284,16 +269,15 @@ def test_files_that_hold_the_whole_result(lorentz: Any) -> None:
     with xarray.open_dataset("a.nc") as dataset:
         assert dataset.msd.values.tolist() == msd
         assert dataset.msd.attrs["units"] == "d^2"
-    assert sorted(os.listdir()) == ["A.H5", "a.nc"]
 
 
-@pytest.mark.parametrize("arguments", [(*SOLVE, "--speeds", "0.1,1"), ("solve", "--scaled")])
-def test_a_picture_of_a_solution(lorentz: Any, arguments: tuple[str, ...]) -> None:
-    plain = lorentz(*arguments)
-    for name in ("a.png", "a.svg"):
-        assert lorentz(*arguments, "-o", name, "--plot") == plain
+def test_a_picture_of_a_solution(lorentz: Any) -> None:
+    for arguments, name in (
+        ((*SOLVE, "--speeds", "0.1,1"), "a.png"),
+        (("solve", "--scaled"), "a.svg"),
+    ):
+        assert lorentz(*arguments, "-o", name) == lorentz(*arguments)
         assert Path(name).stat().st_size > 5_000
-    assert "-o" in lorentz.refused(*arguments, "--plot")  # no window is here
 
 
 def test_the_file_of_a_run_holds_what_python_gives(lorentz: Any) -> None:
@@ -338,7 +322,6 @@ def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
     ("options", "medium"),
     [
         ("--scatterers dilute --dimension 3", BoltzmannGrad(0.04, dimension=3)),
-        ("--scatterers hard-spheres --count 100", HardSpheres(0.04, count=100)),
         ("--scatterers overlapping-spheres --count 100", PoissonSpheres(0.04, count=100)),
         ("--scatterers overlapping --count 100", Poisson(0.04, 100)),
     ],
@@ -353,15 +336,7 @@ def test_media(lorentz: Any, options: str, medium: Any) -> None:
     assert found["statuses"]["finished"] == 6
 
 
-def test_scatterers_by_a_file_and_by_their_word(lorentz: Any) -> None:
-    Path("disks.csv").write_text("x,y\n3,3\n1,8\n8,2\n")
-    arguments = ["simulate", "--positions", "disks.csv", "--media", "2", "--times", ""]
-    found = lorentz.json(*arguments, "--max-collisions", "9", "--box-side", "10")
-    assert (found["number_density"], found["medium"]) == (0.03, "positions")
-    assert found["statuses"]["collision_cap"] == 200
-    assert "mean free path" in lorentz(*arguments, "--max-collisions", "9", "--box-side", "10")
-    Path("disks.csv").write_bytes(bytes(range(256)))
-    assert "disks.csv" in lorentz.refused(*arguments, "--box-side", "10")
+def test_a_space_in_a_word_may_be_a_hyphen(lorentz: Any) -> None:
     for word in ("hard-disks", "hard disks"):
         found = lorentz.json("solve", "--times", "1", "--scatterers", word)
         assert found["scatterers"] == "hard disks"
@@ -390,9 +365,7 @@ def test_scatterers_that_a_collision_sets_in_motion(lorentz: Any) -> None:
     exact = ScalingSolution(1.0, dimension=3, mass_ratio=0.5)
     found = lorentz.json("solve", *LIGHT, "--dimension", "3", "--scaled")
     assert found["cooling_rate"] == pytest.approx(exact.cooling_rate, rel=1e-10)
-    found = lorentz.json("solve", *LIGHT, "--field-steady")
-    assert found["drift"] == pytest.approx(solve_field(1.0, mass_ratio=0.5).drift, rel=1e-10)
-    assert found["mass_ratio"] == lorentz.json("solve", *LIGHT, "--times", "1")["mass_ratio"] == 0.5
+    assert lorentz.json("solve", *LIGHT, "--times", "1")["mass_ratio"] == 0.5
     # strict JSON has no infinity, which is the default
     assert "mass_ratio" not in lorentz.json("solve", "--times", "1", "--mass-ratio", "inf")
     assert lorentz.json(*TINY, *LIGHT)["mass_ratio"] == 0.5
@@ -461,15 +434,12 @@ def test_a_stream_that_takes_nothing_makes_no_traceback(
     assert done.stderr.startswith("lorentz: " * lines)
 
 
-@pytest.mark.parametrize("error", [MemoryError("834 GiB"), ValueError("two\nlines"), OSError("x")])
-def test_whatever_stops_a_command_is_one_line(
-    lorentz: Any, monkeypatch: pytest.MonkeyPatch, error: Exception
-) -> None:
+def test_what_stops_a_command_is_one_line(lorentz: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: Any, **__: Any) -> None:
-        raise error
+        raise MemoryError("834 GiB")
 
     monkeypatch.setattr(particles, "simulate", fail)
-    assert str(error).split()[-1] in lorentz.refused("simulate")
+    assert "834 GiB" in lorentz.refused("simulate")
 
 
 def test_warnings_are_one_line_and_numpys_are_not_shown() -> None:

@@ -1,6 +1,5 @@
 """One collision with a tangential restitution, in the plane and in space; beyond the paper.
 
-The rule is taken from the vectors, the measure of the impact parameter y from a uniform flux.
 In the plane y is uniform on [-1, 1]; in space y^2 is uniform on [0, 1], so that s^2 is uniform
 between e^2 and e_t^2: every average in space is an elementary integral over s.
 """
@@ -15,127 +14,64 @@ from .. import symbols as s
 from ..formal import Avg, Int, dot, eq
 from ..premises import (
     collision_matrix,
-    contact,
-    cross_section,
     flux_per_angle,
-    flux_per_impact,
-    in_sines,
+    impact_density,
     mean_free_path,
+    one_collision,
+    over_impact,
+    space_average,
+    velocity_after,
 )
 from .any_dimension import cooling_rate
-from .record import Derived, derives, must, result, row, zero
+from .record import Derived, derives, result, row, zero
 
 
-@derives("beyond:rule")
-def _rule() -> Derived:
+def _rule() -> sp.Eq:
     matrix = collision_matrix(s.et)
     normal = dot(s.bv, s.sigma) * s.sigma
     after = matrix[1, 1] * (s.bv - normal) + matrix[0, 0] * normal
-    return result(eq(s.bvp, sp.collect(sp.expand(after), normal)))
+    return eq(s.bvp, sp.collect(sp.expand(after), normal))
 
 
-@cache
-def velocity_after(dimension: int) -> sp.Matrix:
-    """v'/|v| for a velocity along the last axis, in the angles of the contact."""
-    normal, _ = contact(dimension)
-    before = sp.Matrix([0] * (dimension - 1) + [1])
-    matrix = collision_matrix(s.et)
-    along = before.dot(normal) * normal
-    return matrix[1, 1] * (before - along) + matrix[0, 0] * along
-
-
-@cache
-def one_collision(dimension: int) -> tuple[sp.Expr, sp.Expr]:
-    """(s^2, s cos(chi)) as polynomials in y = sin(theta)."""
-    after = velocity_after(dimension)
-
-    def in_impact_parameter(expression: sp.Expr) -> sp.Expr:
-        return in_sines(expression, *contact(dimension)[1]).subs(sp.sin(s.theta), s.y)
-
-    return in_impact_parameter(after.dot(after)), in_impact_parameter(after[-1])
-
-
-@cache
-def _polynomials() -> tuple[sp.Expr, sp.Expr]:
-    """(s^2, s cos(chi)) in y, the same in the plane and in space."""
-    must(one_collision(2) == one_collision(3), "space is not the plane of v and sigma")
-    return one_collision(2)
-
-
-@derives("beyond:one-collision")
-def _one_collision() -> Derived:
-    square, along = _polynomials()
-    smooth = {s.e: s.e / s.et, s.et: 1}
-    smooth_square, smooth_along = (part.subs(smooth, simultaneous=True) for part in (square, along))
-    scaled = (sp.expand(square - s.et**2 * smooth_square), sp.expand(along - s.et * smooth_along))
-    must(scaled == (0, 0), "e_t is not a scale of the speed alone")
-    return result(
-        sp.Tuple(eq(s.s**2, square), eq(s.s * sp.cos(s.chi), along)),
-        ("v'/|v| in the plane, v along the last axis", sp.Tuple(*velocity_after(2))),
-        note="But for a factor both depend on e/e_t alone: s(e, e_t) = e_t s(e/e_t, 1), and the "
-        "deflection is that of the restitution e/e_t with e_t = 1.",
-    )
-
-
-@cache
-def impact_density(dimension: int) -> sp.Expr:
-    """The probability density of y: on [-1, 1] in the plane, on [0, 1] in space."""
-    normal, angles = contact(dimension)
-    across = normal[: dimension - 1, 0]  # the part of the normal across the velocity
-    element = in_sines(across.jacobian(angles).det(), *angles[1:])
-    zero(flux_per_angle(dimension) - element, "the flux is not uniform over the cross section")
-    return flux_per_impact(dimension) / cross_section(dimension)
-
-
+row("beyond:rule", _rule)
+row(
+    "beyond:one-collision",
+    lambda: (
+        sp.Tuple(eq(s.s**2, one_collision()[0]), eq(s.s * sp.cos(s.chi), one_collision()[1])),
+        ("v'/|v|, v along the last axis", sp.Tuple(*velocity_after())),
+    ),
+    note="But for a factor both depend on e/e_t alone: s(e, e_t) = e_t s(e/e_t, 1), and the "
+    "deflection is that of the restitution e/e_t with e_t = 1.",
+)
 row(
     "beyond:measure-plane",
     lambda: sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, mean_free_path(2))),
     "collisions per angle: flux through the circle, over d rho0 |v|",
 )
-
-
-@derives("beyond:measure-space")
-def _measure_space() -> Derived:
-    squared = impact_density(3) / sp.diff(s.y**2, s.y)  # per unit of y^2
-    return result(
+row(
+    "beyond:measure-space",
+    lambda: (
         sp.Tuple(
             eq(s.chance(s.y), impact_density(3)),
-            eq(s.chance(s.y**2), squared),
+            eq(s.chance(s.y**2), impact_density(3) / sp.diff(s.y**2, s.y)),
             eq(s.l, mean_free_path(3)),
         ),
         ("collisions per angle: flux through the sphere, over d^2 rho0 |v|", flux_per_angle(3)),
-        note="Here y runs from 0 to 1; the azimuth about v is uniform.",
-    )
-
-
-@cache
-def plane_average(weight: sp.Expr) -> sp.Expr:
-    """The average over a collision in the plane of a function of y."""
-    return sp.integrate(sp.expand(weight) * impact_density(2), (s.y, -1, 1))
-
-
-@cache
-def space_average(weight: sp.Expr) -> sp.Expr:
-    """The average over a collision in space of a function of s and y, with e_t != e."""
-    square, _ = _polynomials()
-    in_ratio = sp.cancel((s.s**2 - square.coeff(s.y, 0)) / square.coeff(s.y, 2))  # y^2
-    per_ratio = impact_density(3) / (2 * s.y) * sp.diff(in_ratio, s.s)
-    integrand = sp.expand(sp.cancel(per_ratio) * weight.subs(s.y, sp.sqrt(in_ratio)))
-    return sum(sp.integrate(term, (s.s, s.e, s.et)) for term in sp.Add.make_args(integrand))
+    ),
+    note="Here y runs from 0 to 1; the azimuth about v is uniform.",
+)
 
 
 @derives("beyond:plane-equal")
 def _plane_equal() -> Derived:
-    square, along = (part.subs(s.et, s.e) for part in _polynomials())
+    square, along = (part.subs(s.et, s.e) for part in one_collision())
     ratio = sp.sqrt(square)
-    cosine = sp.cancel(along / ratio)
     return result(
         sp.Tuple(
-            eq(Avg(s.s**s.p), plane_average(ratio**s.p)),
-            eq(s.klog, plane_average(-sp.log(ratio))),
-            eq(s.cos_chi, plane_average(cosine)),
+            eq(Avg(s.s**s.p), over_impact(ratio**s.p)),
+            eq(s.klog, over_impact(-sp.log(ratio))),
+            eq(s.cos_chi, over_impact(sp.cancel(along / ratio))),
         ),
-        ("s with e_t = e does not depend on y", ratio),
         note="Every collision multiplies the speed by e and deflects as an elastic one.",
     )
 
@@ -164,17 +100,16 @@ def space_log_loss() -> sp.Expr:
     return sp.cancel(rest) + sum(parts)
 
 
-@derives("beyond:space-log")
-def _space_log() -> Derived:
-    smooth = space_log_loss().subs(s.et, 1)
-    zero(-sp.diff(space_power(), s.p).subs(s.p, 0) - space_log_loss(), "kappa is not lambda'(0)")
-    return result(sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, smooth)))
+row(
+    "beyond:space-log",
+    lambda: sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, space_log_loss().subs(s.et, 1))),
+)
 
 
 @cache
-def space_cosine() -> sp.Expr:
+def space_cosine(least: sp.Expr = s.e) -> sp.Expr:
     """The mean cosine of the deflection in space, in e and e_t."""
-    return sp.factor(space_average(_polynomials()[1] / s.s))
+    return sp.factor(space_average(one_collision()[1] / s.s, least))
 
 
 row(
@@ -186,19 +121,13 @@ row(
 
 @derives("beyond:space-isotropic")
 def _space_isotropic() -> Derived:
-    square, along = (part.subs(s.et, s.e) for part in _polynomials())
-    cosine = sp.cancel(along / sp.sqrt(square))
-    density = sp.cancel(impact_density(3) / sp.diff(cosine, s.y))
-    ends = cosine.subs(s.y, 0), cosine.subs(s.y, 1)
-    must(ends == (-1, 1), "cos(chi) does not run from -1 to 1")
+    square, along = (part.subs(s.et, s.e) for part in one_collision())
+    cosine = sp.cancel(along / sp.sqrt(square))  # from -1 at y = 0 to 1 at y = 1
     modes = [sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4)]
-    means = [
-        sp.integrate(sp.expand(mode.subs(sp.cos(s.chi), cosine)) * impact_density(3), (s.y, 0, 1))
-        for mode in modes
-    ]
+    means = [over_impact(mode.subs(sp.cos(s.chi), cosine), 3) for mode in modes]
     return result(
         sp.Tuple(
-            eq(s.chance(sp.cos(s.chi)), density),
+            eq(s.chance(sp.cos(s.chi)), sp.cancel(impact_density(3) / sp.diff(cosine, s.y))),
             *(eq(Avg(mode), mean) for mode, mean in zip(modes, means, strict=True)),
         ),
         ("cos(chi) with e_t = e", cosine),
@@ -210,104 +139,80 @@ def _space_isotropic() -> Derived:
 @cache
 def space_cooling_rate() -> sp.Expr:
     """h(e) of smooth spheres, e_t = 1."""
-    smooth = {s.klog: space_log_loss().subs(s.et, 1), s.lam(1): _smooth_loss_one()}
-    return cooling_rate().subs(smooth)
+    loss_one = sp.factor(1 - space_power().subs(s.p, 1).subs(s.et, 1))
+    return cooling_rate().subs({s.klog: space_log_loss().subs(s.et, 1), s.lam(1): loss_one})
 
 
-def _smooth_loss_one() -> sp.Expr:
-    """lambda(1) of smooth spheres."""
-    return sp.factor(1 - space_power().subs(s.p, 1).subs(s.et, 1))
+row(
+    "beyond:space-cooling",
+    lambda: eq(s.h, space_cooling_rate()),
+    note="With v0 the root mean square speed, as in the plane: dv0/dt = -h v0^2/(2 l).",
+    numbers={
+        "h at e = {e}": lambda e: space_cooling_rate().subs(s.e, sp.Rational(str(e))).evalf(20)
+    },
+    at=(0.4, 0.7, 0.9),
+)
 
 
-@derives("beyond:space-cooling")
-def _space_cooling() -> Derived:
-    def rate(e: float) -> sp.Expr:
-        return space_cooling_rate().subs(s.e, sp.Rational(str(e))).evalf(20)
-
-    return result(
-        eq(s.h, space_cooling_rate()),
-        ("kappa with e_t = 1", space_log_loss().subs(s.et, 1)),
-        note="With v0 the root mean square speed, as in the plane: dv0/dt = -h v0^2/(2 l).",
-        numbers={"h at e = {e}": rate},
-        at=(0.4, 0.7, 0.9),
-    )
-
-
-def _loss_at_e_zero(dimension: int) -> sp.Expr:
-    """lambda(p) of smooth scatterers at e = 0, where s = |y|."""
-    return sp.factor(1 - sp.integrate(s.y**s.p * speed_at_e_zero(dimension), (s.y, 0, 1)))
+# -- the scaling solution at e = 0, where s = |y| -------------------------------------------------
 
 
 def speed_at_e_zero(dimension: int) -> sp.Expr:
     """The density of s = |y| at e = 0."""
-    must(_polynomials()[0].subs({s.e: 0, s.et: 1}) == s.y**2, "s is not |y|")
     return impact_density(dimension) * (2 if dimension == 2 else 1)  # both signs of y
+
+
+def _loss_at_e_zero(dimension: int) -> sp.Expr:
+    """lambda(p) of smooth scatterers at e = 0."""
+    return sp.factor(1 - sp.integrate(s.y**s.p * speed_at_e_zero(dimension), (s.y, 0, 1)))
+
+
+def _shell(dimension: int) -> sp.Expr:
+    return 2 * (dimension - 1) * sp.pi * s.c ** (dimension - 1)
 
 
 @cache
 def e_zero_solution(dimension: int) -> sp.Expr:
-    """F(c) of smooth scatterers at e = 0, where Y has the density y^(D-2) exp(-y)."""
-    order, loss = sp.Symbol("order", positive=True), _loss_at_e_zero(dimension)
-    found = sp.gamma(order + dimension - 1)  # the integral of y^order y^(D-2) exp(-y)
-    ratio = sp.gammasimp(found.subs(order, order + 1) / found)
-    # E[Y^(n+1)] = n E[Y^n]/lambda(n), and E[Y] = 1/kappa (beyond:moments)
-    zero(ratio - order / loss.subs(s.p, order), "not the moments of Y")
-    must(found.subs(order, 1) * sp.diff(loss, s.p).subs(s.p, 0) == 1, "not the mean of Y")
-    scale = sp.sqrt(found.subs(order, 2))  # c = Y/sqrt(E[Y^2])
-    density = scale * (s.x ** (dimension - 2) * sp.exp(-s.x)).subs(s.x, scale * s.c)
-    return density / _shell(s.c, dimension)
+    """F(c) of smooth scatterers at e = 0.
 
-
-def _shell(radius: sp.Expr, dimension: int) -> sp.Expr:
-    return 2 * (dimension - 1) * sp.pi * radius ** (dimension - 1)
+    E[Y^(p+1)]/E[Y^p] = p/lambda(p) (beyond:moments) is p + 1 in the plane and p + 2 in space: Y has
+    the density y^(k-1) exp(-y), k = 1 and 2, over its integral.
+    """
+    shape = sp.cancel(s.p / _loss_at_e_zero(dimension)) - s.p
+    density = s.x ** (shape - 1) * sp.exp(-s.x) / sp.gamma(shape)
+    scale = sp.sqrt(shape * (shape + 1))  # c = Y/sqrt(E[Y^2])
+    return scale * density.subs(s.x, scale * s.c) / _shell(dimension)
 
 
 @cache
-def e_zero_residual(dimension: int) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
-    """(gain, loss, h, residual) of the scaled equation at e = 0 with that F inserted.
-
-    A tracer of speed u leaves a collision with speed u |y|; all per unit of volume of velocity,
-    with the rate of collisions u (l = 1).
-    """
-    u, shape = sp.Symbol("u", positive=True), e_zero_solution(dimension)
-    after = speed_at_e_zero(dimension).subs(s.y, s.c / u) / u
-    arriving = _shell(u, dimension) * shape.subs(s.c, u) * u * after
-    gain = sp.integrate(arriving, (u, s.c, sp.oo)) / _shell(s.c, dimension)
-    third = sp.integrate(_shell(s.c, dimension) * s.c**3 * shape, (s.c, 0, sp.oo))
-    rate = _loss_at_e_zero(dimension).subs(s.p, 2) * third
-    right = rate / 2 * (dimension * shape + s.c * sp.diff(shape, s.c))
-    return gain, s.c * shape, rate, sp.simplify(gain - s.c * shape - right)
+def _speed_moment(order: int, dimension: int) -> sp.Expr:
+    """<c^order> of that."""
+    weight = _shell(dimension) * s.c**order
+    return sp.integrate(weight * e_zero_solution(dimension), (s.c, 0, sp.oo))
 
 
-def _e_zero(dimension: int) -> tuple[sp.Eq, sp.Expr]:
-    _, _, rate, residual = e_zero_residual(dimension)
-    must(residual == 0, f"the scaled equation at e = 0 leaves {residual}")
-    return eq(s.F(s.bc), e_zero_solution(dimension)), rate
+def _rate_at_e_zero(dimension: int) -> sp.Expr:
+    """h = lambda(2) <c^3>."""
+    return _loss_at_e_zero(dimension).subs(s.p, 2) * _speed_moment(3, dimension)
 
 
-@derives("beyond:e-zero")
-def _plane_e_zero() -> Derived:
-    shape, rate = _e_zero(2)
-    return result(sp.Tuple(shape, eq(s.M2 / 2, rate)), "Y is exponential; h = lambda(2) <c^3>")
-
-
-@derives("beyond:space-e-zero")
-def _space_e_zero() -> Derived:
-    shape, rate = _e_zero(3)
-    norm, second = (
-        sp.integrate(_shell(s.c, 3) * s.c**order * shape.rhs, (s.c, 0, sp.oo)) for order in (0, 2)
-    )
-    return result(
-        sp.Tuple(
-            eq(s.lam(s.p), _loss_at_e_zero(3)),
-            shape,
-            eq(Int(s.F(s.bc), s.bc), norm),
-            eq(Avg(s.c**2), second),
-            eq(s.h, rate),
-        ),
-        "Y has the density y exp(-y); h = lambda(2) <c^3>",
-        numbers={"h at e = 0": rate},
-    )
+row(
+    "beyond:e-zero",
+    lambda: sp.Tuple(eq(s.F(s.bc), e_zero_solution(2)), eq(s.M2 / 2, _rate_at_e_zero(2))),
+    "Y is exponential; h = lambda(2) <c^3>",
+)
+row(
+    "beyond:space-e-zero",
+    lambda: sp.Tuple(
+        eq(s.lam(s.p), _loss_at_e_zero(3)),
+        eq(s.F(s.bc), e_zero_solution(3)),
+        eq(Int(s.F(s.bc), s.bc), _speed_moment(0, 3)),
+        eq(Avg(s.c**2), _speed_moment(2, 3)),
+        eq(s.h, _rate_at_e_zero(3)),
+    ),
+    "Y has the density y exp(-y); h = lambda(2) <c^3>",
+    numbers={"h at e = 0": lambda: _rate_at_e_zero(3)},
+)
 
 
 @derives("beyond:spin-moments")
@@ -316,18 +221,16 @@ def _spin_moments() -> Derived:
     normal, along, push = sp.symbols("v_n v_t J", real=True)
     rim = along + s.spin
     (push_,) = sp.solve(rim + push * (1 + 1 / s.inertia) + s.rolling * rim, push)
-    after = (s.e * normal) ** 2 + (along + push_) ** 2, (s.spin + push_ / s.inertia) ** 2
     means = []
-    for square in after:
+    for square in ((s.e * normal) ** 2 + (along + push_) ** 2, (s.spin + push_ / s.inertia) ** 2):
         # an impact to the left is as likely as one to the right: v_t u is 0 on average
         part = sp.expand(square).subs(normal**2, (1 - s.y**2) * s.v**2)
-        part = part.subs(along**2, s.y**2 * s.v**2).subs(along, 0)
-        mean = sp.expand(sp.integrate(part * impact_density(2), (s.y, -1, 1)))
-        by = [mean.coeff(one, 2) * Avg(one**2) for one in (s.v, s.spin)]
-        means.append(sum(sp.factor(one) for one in by))
-    elastic = [mean.subs({s.e: 1, s.rolling: 1}) for mean in means]
-    energy = sp.simplify(elastic[0] + s.inertia * elastic[1])
-    zero(sp.expand(energy - Avg(s.v**2) - s.inertia * Avg(s.spin**2)), "energy is not kept")
+        mean = sp.expand(over_impact(part.subs(along**2, s.y**2 * s.v**2).subs(along, 0)))
+        means.append(sum(sp.factor(mean.coeff(x, 2)) * Avg(x**2) for x in (s.v, s.spin)))
+    elastic = sum(
+        k * mean.subs({s.e: 1, s.rolling: 1}) for k, mean in zip((1, s.inertia), means, strict=True)
+    )
+    zero(elastic - Avg(s.v**2) - s.inertia * Avg(s.spin**2), "energy is not kept")
     return result(
         sp.Tuple(eq(Avg(s.speed_after**2), means[0]), eq(Avg(s.spin_after**2), means[1])),
         "second route: at e = 1 and beta = 1, v^2 + k u^2 is kept",

@@ -13,7 +13,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, Dot, Int, Lam, Measure, Partial, chain, dot, eq, linear
 from ..premises import collision_matrix
-from .record import Derived, Status, defines, derives, must, result, row
+from .record import Derived, Status, defines, derives, result, row
 
 _P = s.pd(s.br, s.bv, s.t)
 _P_PRE = s.pd(s.br, s.bvs, s.t)
@@ -177,7 +177,6 @@ row("beyond:mass", lambda: eq(Int(Lam(s.X(s.bv)), s.bv), mass_change()))
 @derives("beyond:angular-average")
 def _angular_average() -> Derived:
     # v.sigma dsigma = v cos(theta) dtheta = v dy with y = sin(theta), -1 < y < 1
-    must(sp.diff(sp.sin(s.theta), s.theta) == sp.cos(s.theta), "dy is not cos(theta) dtheta")
     total = sp.integrate(sp.cos(s.theta), (s.theta, -sp.pi / 2, sp.pi / 2))
     # |v'|^p - |v|^p averages to -lambda(p) |v|^p; the rate brings one more power of |v|
     return result(

@@ -95,15 +95,10 @@ def result(
     return Derived(formula, tuple(taken), note, status, holds, tuple(found))
 
 
-def must(hold: bool, else_: str) -> None:
-    """What a derivation relies on: ArithmeticError with the other case unless it holds."""
-    if not hold:
-        raise ArithmeticError(else_)
-
-
 def zero(expression: sp.Expr, else_: str) -> None:
-    """That an expression is zero, as :func:`must`; the cheap simplifications come first."""
-    must(any(way(expression) == 0 for way in (sp.expand, sp.cancel, sp.simplify)), else_)
+    """What a derivation relies on: ArithmeticError with the other case unless this is zero."""
+    if all(way(expression) != 0 for way in (sp.expand, sp.cancel, sp.simplify)):
+        raise ArithmeticError(else_)
 
 
 REGISTRY: dict[str, Callable[[], Derived]] = {}

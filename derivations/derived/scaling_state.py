@@ -7,6 +7,7 @@ lambda(p) = E[1 - s^p]. The closed forms are sympy expressions in e (and p).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 import mpmath as mp
@@ -15,100 +16,74 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import eq
 from ..premises import free_path, loss, parallel_component, speed_ratio_squared
-from .record import Derived, derives, must, result, row, zero
-from .values import a2_value, diffusion_slope_value
-
-B = sp.Symbol("b", positive=True)
-"""sqrt(1 - e^2), kept as a symbol while an integral is done."""
+from .record import Derived, derives, result, row, zero
 
 
 @cache
-def _square() -> sp.Expr:
-    """s^2 with b in place of e where it multiplies y^2."""
-    square = s.e**2 + B**2 * s.y**2
-    zero(square.subs(B, sp.sqrt(1 - s.e**2)) - speed_ratio_squared(), "b^2 is not 1 - e^2")
-    return square
+def plane_average(weight: sp.Expr) -> sp.Expr:
+    """E of a function of s and y among smooth disks, term by term."""
+    b = sp.Symbol("b", positive=True)
+    terms = sp.Add.make_args(sp.expand(weight.subs(s.s, sp.sqrt(s.e**2 + b**2 * s.y**2))))
+    total = sum(sp.integrate(term, (s.y, 0, 1)) for term in terms)
+    return total.subs(b, sp.sqrt(1 - s.e**2))
 
 
 def _finish(integral: sp.Expr) -> sp.Expr:
-    """b put back; asinh(b/e) and atan(b/e) in terms of b and e alone."""
-    root = sp.sqrt(1 - s.e**2)
-    # one to one on the range of the argument: equal if their tanh (their cosine) are equal
-    zero(sp.tanh(sp.asinh(root / s.e)) - root, "asinh(b/e) is not atanh(b)")
-    zero(sp.cos(sp.atan(root / s.e)) - s.e, "atan(b/e) is not acos(e)")
-    plain = integral.subs({sp.asinh(B / s.e): sp.atanh(B), sp.atan(B / s.e): sp.acos(s.e)})
-    return sp.simplify(plain.subs(B, root))
+    """asinh(b/e) and atan(b/e) in terms of b and e alone."""
+    b = sp.sqrt(1 - s.e**2)
+    plain = integral.subs({sp.asinh(b / s.e): sp.atanh(b), sp.atan(b / s.e): sp.acos(s.e)})
+    return sp.simplify(plain)
 
 
 @cache
 def loss_one() -> sp.Expr:
     """lambda(1) = 1 - E[s]."""
-    return 1 - _finish(sp.integrate(sp.sqrt(_square()), (s.y, 0, 1)))
-
-
-@cache
-def loss_two() -> sp.Expr:
-    """lambda(2) = 1 - E[s^2]."""
-    return sp.factor(1 - sp.integrate(speed_ratio_squared(), (s.y, 0, 1)))
+    return 1 - _finish(plane_average(s.s))
 
 
 @cache
 def mean_log_loss() -> sp.Expr:
     """The mean log loss kappa = E[-ln s]."""
-    return _finish(-sp.integrate(sp.log(_square()), (s.y, 0, 1)) / 2)
+    return _finish(plane_average(-sp.log(s.s**2) / 2))
 
 
 @cache
 def mean_cosine() -> sp.Expr:
     """<cos chi> = E[(v'.v/v^2)/s]."""
-    parallel = sp.Poly(parallel_component(), s.y)
-    total = sum(
-        coefficient * sp.integrate(s.y**power / sp.sqrt(_square()), (s.y, 0, 1))
-        for (power,), coefficient in parallel.terms()
-    )
-    return _finish(sp.expand(total))
-
-
-@cache
-def coefficient_ratio() -> sp.Expr:
-    """Coefficient k + 1 over coefficient k of E[s^p] as a series in 1 - e^2.
-
-    s^2 = 1 - (1 - e^2)(1 - y^2): the binomial series gives (p/2 - k)/(k + 1), with a minus sign,
-    and I_k = E[(1 - y^2)^k] obeys I_(k+1) = 2 (k + 1)(I_k - I_(k+1)) by parts.
-    """
-    zero(1 - (1 - s.e**2) * (1 - s.y**2) - speed_ratio_squared(), "another s^2")
-    binomial = sp.combsimp(sp.binomial(s.p / 2, s.k + 1) / sp.binomial(s.p / 2, s.k))
-    ratio = sp.Symbol("ratio")
-    # boundary terms vanish; the remainder is y times the derivative of the power
-    derivative = sp.cancel(-s.y * sp.diff((1 - s.y**2) ** (s.k + 1), s.y) / (1 - s.y**2) ** s.k)
-    factor = sp.cancel(derivative / s.y**2)  # of y^2 (1 - y^2)^k, with y^2 = 1 - (1 - y^2)
-    (angle,) = sp.solve(ratio - factor * (1 - ratio), ratio)
-    return sp.factor(sp.simplify(-binomial * angle))
+    return _finish(sp.expand(plane_average(parallel_component() / s.s)))
 
 
 @cache
 def mean_ratio_power() -> sp.Expr:
     """E[s^p] for every real p, 0 < e <= 1 (p > -1 at e = 0), as a 2F1.
 
-    Zeros and poles in k of the ratio of its coefficients are the parameters: no table is used.
-    The coefficient of order 0 is 1, and every series with that ratio is this function.
+    With x = 1 - y^2 it is the integral of (1 - x)^(-1/2) (1 - (1 - e^2) x)^(p/2)/2 over x from 0
+    to 1: Euler's integral, of x^(b-1) (1 - x)^(c-b-1) (1 - z x)^(-a), with b = 1 and c = 3/2.
     """
-    numerator, denominator = (sp.Poly(part, s.k) for part in sp.fraction(coefficient_ratio()))
-    must(sp.simplify(numerator.LC() / denominator.LC()) == 1, "not in 1 - e^2")
-    upper = [-root for root in sp.roots(numerator)]
-    lower = [-root for root in sp.roots(denominator)]
-    # the ratio of a 2F1 has k + 1 below; where it has cancelled, 1 is an upper parameter
-    if sp.Integer(1) in lower:
-        lower.remove(sp.Integer(1))
-    else:
-        upper.append(sp.Integer(1))
-    return sp.hyper(sorted(upper, key=sp.default_sort_key), lower, 1 - s.e**2)
+    argument = -sp.diff(speed_ratio_squared().subs(s.y, sp.sqrt(1 - s.x)), s.x)
+    return sp.hyper((1, -s.p / 2), (sp.Rational(3, 2),), sp.expand(argument))
+
+
+@cache
+def exact_function(formula: sp.Expr) -> Callable[[mp.mpf], mp.mpf]:
+    """A formula in e, kappa, <cos chi> and the lambda(p) as a function of e."""
+    known = {s.klog: mean_log_loss(), s.cos_chi: mean_cosine()}
+    losses = {
+        loss_: 1 - mean_ratio_power().subs(s.p, loss_.args[0]) for loss_ in formula.atoms(s.lam)
+    }
+    return sp.lambdify(s.e, formula.subs(known | losses), "mpmath")
+
+
+def exact_value(formula: sp.Expr, restitution: float) -> mp.mpf:
+    """Such a formula at one restitution, to 30 digits."""
+    with mp.workdps(30):
+        return exact_function(formula)(mp.mpf(restitution))
 
 
 row(
     "beyond:loss-p",
     lambda: eq(s.lam(s.p), 1 - mean_ratio_power()),
-    "s^2 in powers of 1 - e^2",
+    "Euler's integral in x = 1 - y^2, where s^2 = 1 - (1 - e^2) x",
     note="Converges for 0 < e <= 1. By Pfaff's transformation it is 1 - e^p 2F1(-p/2, 1/2; 3/2; "
     "-(1 - e^2)/e^2).",
 )
@@ -131,7 +106,7 @@ def _loss_even() -> Derived:
 
 
 row("beyond:loss-1", lambda: eq(s.lam(1), loss_one()))
-row("beyond:loss-2", lambda: eq(s.lam(2), loss_two()), "E[1 - s^2]")
+row("beyond:loss-2", lambda: eq(s.lam(2), loss(2)), "E[1 - s^2]")
 row("beyond:log-loss", lambda: eq(s.klog, mean_log_loss()))
 row("beyond:cosine", lambda: eq(s.cos_chi, mean_cosine()))
 
@@ -141,11 +116,10 @@ def _moments() -> Derived:
     scaled = s.MY(s.p) * s.t ** (-s.p)
     loss_term = -s.lam(s.p) * s.MY(s.p + 1) * s.t ** (-(s.p + 1))
     (following,) = sp.solve(sp.diff(scaled, s.t) - loss_term, s.MY(s.p + 1))
-    # p -> 0: p/lambda(p) -> 1/E[-ln s], since d(1 - s^p)/dp = -ln s there
-    first = sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0)
-    start = 1 / s.klog if first == -sp.log(s.s) else sp.nan
+    # as p -> 0, lambda(p)/p tends to E[-ln s]
+    first = sp.limit((1 - s.s**s.p) / s.p, s.p, 0).subs(-sp.log(s.s), s.klog)
     return result(
-        sp.Tuple(eq(s.MY(1), start), eq(s.MY(s.p + 1), sp.simplify(following))),
+        sp.Tuple(eq(s.MY(1), 1 / first), eq(s.MY(s.p + 1), sp.simplify(following))),
         "weak form of an isotropic VDF with l = 1: d<v^p>/dt = -lambda(p) <v^(p+1)>",
         note="Hence E[Y^n] = (n-1)!/(kappa lambda(1) ... lambda(n-1)): all moments exist for e < "
         "1.",
@@ -161,34 +135,52 @@ def moment(order: int) -> sp.Expr:
     return value
 
 
-row(
-    "beyond:cooling-rate",
-    lambda: eq(s.h, sp.simplify(s.lam(2) * (moment(3) / moment(2) ** sp.Rational(3, 2)))),
-    "h = M_2/2 = lambda(2) <c^3>",
-)
+@cache
+def cooling_rate() -> sp.Expr:
+    """h = M_2/2 = lambda(2) <c^3>."""
+    return sp.simplify(s.lam(2) * moment(3) / moment(2) ** sp.Rational(3, 2))
+
+
+def cooling_rate_value(restitution: float) -> mp.mpf:
+    """h(e)."""
+    return exact_value(cooling_rate(), restitution)
+
+
+row("beyond:cooling-rate", lambda: eq(s.h, cooling_rate()), "h = M_2/2 = lambda(2) <c^3>")
 
 
 @cache
 def largest_cooling_ratio() -> tuple[float, float]:
     """(e, h/(1 - e)) where h/(1 - e) is largest: it rises from sqrt(2) before it falls to 4/3."""
-    rate = 2 * sp.sqrt(mean_log_loss() * loss_one()) / (1 - s.e)
-    ratio = sp.lambdify(s.e, rate, "mpmath")
+    ratio = exact_function(cooling_rate() / (1 - s.e))
     with mp.workdps(30):
         place = mp.findroot(lambda value: mp.diff(ratio, value), 0.15)
         return float(place), float(ratio(place))
 
 
-@derives("beyond:a2")
-def _a2() -> Derived:
-    fourth = moment(4) / moment(2) ** 2
+@cache
+def a2() -> sp.Expr:
+    """<c^4>/2 - 1."""
+    return sp.simplify(moment(4) / moment(2) ** 2 / 2 - 1)
+
+
+def a2_value(restitution: float) -> mp.mpf:
+    """The exact a_2."""
+    return exact_value(a2(), restitution)
+
+
+def _restitution_of_no_a2() -> float:
     with mp.workdps(20):
-        place = mp.findroot(lambda z: a2_value(str(z)), (0.55, 0.65), solver="secant", tol=1e-14)
-    return result(
-        eq(s.a2, sp.simplify(fourth / 2 - 1)),
-        ("<c^4> = E[Y^4]/E[Y^2]^2", fourth),
-        note="Exists for every e in [0, 1).",
-        numbers={"restitution at which a_2 = 0": place},
-    )
+        return float(mp.findroot(exact_function(a2()), 0.59))
+
+
+row(
+    "beyond:a2",
+    lambda: eq(s.a2, a2()),
+    "<c^4> = E[Y^4]/E[Y^2]^2",
+    note="Exists for every e in [0, 1).",
+    numbers={"restitution at which a_2 = 0": _restitution_of_no_a2},
+)
 
 
 @cache
@@ -234,13 +226,12 @@ def _cooling_small_e() -> Derived:
 @derives("beyond:a2-limits")
 def _a2_limits() -> Derived:
     w = sp.Symbol("w", positive=True)
-    exact = 3 * s.klog * s.lam(1) / (s.lam(2) * s.lam(3)) - 1
     dead = {s.lam(i): sp.Rational(i, i + 1) for i in (1, 2, 3)}  # e = 0: s = y, E[y^p] = 1/(p + 1)
-    at_zero = exact.subs(dead).subs(s.klog, -sp.integrate(sp.log(s.y), (s.y, 0, 1)))
+    at_zero = a2().subs(dead).subs(s.klog, -sp.integrate(sp.log(s.y), (s.y, 0, 1)))
     log_loss, first = _series_near_one(3)
     cubic = sp.Rational(3, 2) * w * sp.integrate(1 - s.y**2, (s.y, 0, 1))  # 1 - (1 - w(..))^(3/2)
     second = w * sp.integrate(1 - s.y**2, (s.y, 0, 1))
-    near_one = exact.subs({s.klog: log_loss, s.lam(1): first, s.lam(2): second, s.lam(3): cubic})
+    near_one = a2().subs({s.klog: log_loss, s.lam(1): first, s.lam(2): second, s.lam(3): cubic})
     return result(sp.Tuple(eq(s.a2, at_zero), eq(s.a2, sp.limit(near_one, w, 0))))
 
 
@@ -280,19 +271,30 @@ def _ring() -> Derived:
     )
 
 
-@derives("beyond:slope")
-def _slope() -> Derived:
-    # d<v^p v.r>/dt = <v^(p+2)> - nu(p) <v^(p+1) v.r>, <v^p v.r> = A(p) t^(-p-1), at p = -1:
+@cache
+def slope() -> sp.Expr:
+    """d<r^2>/d ln t over l^2, from the flux.
+
+    d<v^p v.r>/dt = <v^(p+2)> - nu(p) <v^(p+1) v.r>, <v^p v.r> = A(p) t^(-p-1), at p = -1.
+    """
     flux = sp.Symbol("A_0")
     (solution,) = sp.solve(moment(1) - (1 - s.cos_chi) * flux, flux)
-    # random flights, with c/(1 - c) the sum of c^n over n >= 1
-    first, second = free_path(1), free_path(2)
-    per_flight = second + 2 * first**2 * s.cos_chi / (1 - s.cos_chi)
-    flights = moment(1)  # d N/d ln t = <v> t/l
-    zero(per_flight * flights - 2 * solution, "the flux hierarchy and the random flights disagree")
+    return 2 * solution
+
+
+def slope_value(restitution: float) -> mp.mpf:
+    """The exact slope."""
+    return exact_value(slope(), restitution)
+
+
+@derives("beyond:slope")
+def _slope() -> Derived:
+    # random flights, with c/(1 - c) the sum of c^n over n >= 1; d N/d ln t = <v> t/l
+    per_flight = free_path(2) + 2 * free_path(1) ** 2 * s.cos_chi / (1 - s.cos_chi)
+    zero(per_flight * moment(1) - slope(), "the flux hierarchy and the random flights disagree")
     return result(
-        eq(s.slope, 2 * solution),
+        eq(s.slope, slope()),
         ("second route: <r^2> per free flight, with persistence", per_flight),
-        numbers={"slope at e = {e}": diffusion_slope_value},
+        numbers={"slope at e = {e}": slope_value},
         at=(0.2, 0.5, 0.9),
     )

@@ -6,9 +6,8 @@ from math import pi, sqrt
 
 from .diffusion import sonine_slope
 from .record import Status, defines, row
-from .scaling_state import largest_cooling_ratio
+from .scaling_state import a2_value, cooling_rate_value, largest_cooling_ratio, slope_value
 from .sonine import SONINE_AND_EXACT, at_restitution, roots
-from .values import a2_value, cooling_rate_value, diffusion_slope_value
 
 row(
     "statement:h-linear",
@@ -72,7 +71,7 @@ row(
     "statement:log-msd",
     note="<r^2> grows as 2 l^2 ln t/[kappa (1 - <cos chi>)]: to the first power of ln t.",
     holds=True,
-    numbers={"slope at e = {e} (l^2)": diffusion_slope_value},
+    numbers={"slope at e = {e} (l^2)": slope_value},
 )
 row(
     "statement:universal-g",
@@ -127,8 +126,6 @@ row(
     "soninediffuse",
     note="The deviation that the paper reports is that of the first Sonine approximation.",
     status=Status.FIGURE,
-    numbers={
-        "slope at e = {e}, Sonine over exact": lambda e: sonine_slope(e) / diffusion_slope_value(e)
-    },
+    numbers={"slope at e = {e}, Sonine over exact": lambda e: sonine_slope(e) / slope_value(e)},
     at=(0.6, 0.7, 0.9),
 )

@@ -13,9 +13,10 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, eq
+from ..premises import over_impact, parallel_component, space_average, speed_ratio_squared
 from .any_dimension import COSINE, harmonic, share
-from .any_law import impact_density, one_collision
-from .record import Derived, derives, must, result, zero
+from .record import Derived, derives, result
+from .scaling_state import plane_average
 
 _COS = sp.cos(s.theta_z)
 _ROWS, _PARTS = (s.row0, s.row1, s.row2), (s.f0, s.f1, s.f2, s.f3)
@@ -75,8 +76,7 @@ def moment_row(dimension: int, m: int) -> sp.Expr:
 
 @derives("beyond:field-moments")
 def _moments() -> Derived:
-    zeroth = moment_row(2, 0)
-    must(zeroth == moment_row(3, 0), "the moments of the speed know the dimension")
+    (zeroth,) = {moment_row(dimension, 0) for dimension in (2, 3)}  # the same in both
     first = {dimension: moment_row(dimension, 1) for dimension in (2, 3)}
     return result(
         sp.Tuple(
@@ -91,75 +91,44 @@ def _moments() -> Derived:
 def _exact() -> Derived:
     speed, cos = moment_row(2, 0), _COS
     one = {Avg(sp.Integer(1)): sp.Integer(1)}
+    (first,) = {moment_row(dimension, 1).subs(s.p, 1).subs(one) for dimension in (2, 3)}
 
     def of_power(p: int) -> sp.Expr:
         return sp.powsimp(speed.subs(s.p, p)).subs(one)
 
     # p -> 0: lambda(p)/p tends to kappa; p = -1: lambda(-1) = 1 - E[1/s]
-    limit = sp.limit((1 - s.s**s.p) / s.p, s.p, 0)
-    must(limit == -sp.log(s.s), "lambda(p)/p does not tend to E[-ln s]")
-    for dimension in (2, 3):
-        first = moment_row(dimension, 1).subs(s.p, 1).subs(one)
-        must(first == 1, "harmonic 2 counts")
     inverse = sp.cancel(of_power(-1) / Avg(cos / s.v**2))
     return result(
         sp.Tuple(
-            eq(Avg(s.v**2 * cos), 1 / s.lam1(1)),
+            eq(Avg(s.v**2 * cos), first / s.lam1(1)),
             eq(Avg(s.v * cos), s.lam(2) * Avg(s.v**3) / sp.cancel(of_power(2) / Avg(s.v * cos))),
             eq(Avg(s.v**4), of_power(3) / s.lam(3)),
             eq(Avg(cos), s.lam(1) * Avg(s.v**2) / sp.cancel(of_power(1) / Avg(cos))),
             eq(Avg(cos / s.v), s.klog * Avg(s.v)),
             eq(Avg(cos / s.v**2), (1 - Avg(1 / s.s)) / inverse),
         ),
-        "row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1",
+        "row 1 with p = 1, row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1",
         note="In the plane and in space, for every law. The last needs E[1/s] to exist.",
     )
 
 
-def over_impact(dimension: int, weight: sp.Expr) -> sp.Expr:
-    """The average over a collision of a polynomial in y."""
-    low = -1 if dimension == 2 else 0
-    return sp.integrate(sp.expand(weight) * impact_density(dimension), (s.y, low, 1))
-
-
-@cache
-def _smooth(dimension: int) -> tuple[sp.Expr, sp.Expr]:
-    """(s^2, s cos(chi)) of smooth scatterers."""
-    square, along = one_collision(dimension)
-    return square.subs(s.et, 1), along.subs(s.et, 1)
-
-
-def _inverse_ratio(dimension: int) -> sp.Expr:
-    """E[1/s] of smooth scatterers."""
-    width = 1 - s.e**2
-    if dimension == 3:  # s^2 is uniform from e^2 to 1
-        return sp.factor(sp.integrate(2 * s.s / width / s.s, (s.s, s.e, 1)))
-    # y = e sinh(u)/b makes s = e cosh(u), b^2 = 1 - e^2
-    b, u = sp.sqrt(width), sp.Symbol("u", positive=True)
-    y = s.e * sp.sinh(u) / b
-    square = sp.expand(_smooth(2)[0].subs(s.y, y)) - s.e**2 * sp.cosh(u) ** 2
-    zero(square.rewrite(sp.exp), "s is not e cosh(u)")
-    integrand = sp.cancel(sp.diff(y, u) / (s.e * sp.cosh(u)))
-    return sp.integrate(integrand, (u, 0, sp.asinh(b / s.e)))
-
-
 @derives("beyond:field-closed")
 def _closed() -> Derived:
+    inverse = plane_average(1 / s.s), sp.factor(space_average(1 / s.s).subs(s.et, 1))  # E[1/s]
     rows = []
     for dimension in (2, 3):
-        rate = 1 - over_impact(dimension, _smooth(dimension)[1])
+        rate = over_impact(1 - parallel_component(), dimension)
         rows.append(eq(Avg(s.v**2 * _COS), sp.factor(1 / rate)))
-        rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
+        rows.append(eq(Avg(_COS / s.v**2), inverse[dimension - 2] - 1))
     return result(sp.Tuple(*rows))
 
 
 @cache
 def _near_elastic(dimension: int) -> tuple[sp.Expr, sp.Expr]:
     """(kappa, lambda_1(0)) to leading order in 1 - e^2."""
-    square, along = _smooth(dimension)
-    lost = sp.factor(over_impact(dimension, 1 - square) / 2)  # -ln s = (1 - s^2)/2 + ...
+    lost = over_impact(1 - speed_ratio_squared(), dimension) / 2  # -ln s = (1 - s^2)/2 + ...
     kappa = lost.subs(s.e, sp.sqrt(1 - s.deficit))
-    return sp.simplify(kappa), 1 - over_impact(dimension, along.subs(s.e, 1))
+    return sp.simplify(kappa), over_impact(1 - parallel_component(), dimension).subs(s.e, 1)
 
 
 @cache

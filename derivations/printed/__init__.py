@@ -52,10 +52,7 @@ class PrintedEquation:
 
 
 def read_equations(text: str, formulas: Mapping[str, sp.Basic]) -> Iterator[PrintedEquation]:
-    """The equations of a text in the form of ``paper.tex``, each with its transcription.
-
-    Raises ValueError for LaTeX without transcription, and the reverse.
-    """
+    """The equations of a text in the form of ``paper.tex``, each with its transcription."""
     section = ""
     for block in re.split(r"\n(?=%%? )", text):
         head, _, body = block.partition("\n")
@@ -65,8 +62,6 @@ def read_equations(text: str, formulas: Mapping[str, sp.Basic]) -> Iterator[Prin
             name, title = head[2:].split(": ", 1)
             label, _, number = name.removesuffix(")").partition(" (")
             source = " ".join(body.split())
-            if bool(source) is not (label in formulas):
-                raise ValueError(f"label {label!r}: LaTeX and transcription must both be there")
             yield PrintedEquation(label, title, section, source, formulas.get(label), number)
 
 

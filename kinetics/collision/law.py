@@ -223,6 +223,11 @@ class CollisionLaw:
         return max(part.losses[1] for part in self._parts)
 
     @property
+    def loss_ends(self) -> tuple[float, ...]:
+        """The least and the largest -ln s of each part of the law: its density steps there."""
+        return tuple(loss for part in self._parts for loss in part.losses)
+
+    @property
     def least_ratio(self) -> float:
         """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
         return math.exp(-self.largest_loss)
@@ -372,30 +377,25 @@ class CollisionLaw:
         # bounces beyond the nodes deflect by pi/2, as the first node does
         return np.asarray(rate if m % 2 else rate - self._beyond(z) * (1.0 - gone[0]))
 
-    def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any], m: int = 0) -> NDArray[Any]:
-        """lambda_m(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
+    def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
+        """lambda(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
         at = z[:, None] + offsets
-        # 1 - s^(z + d) c = (1 - s^z) s^d c + 1 - s^d + s^d (1 - c), c = cos(m chi): a product of
-        # matrices in place of exponentials
-        q = self.quadrature_for(_size(at), m)
-        gone = q.harmonic_loss(m)
-        lost = _lost_powers(z, q.log_loss)
+        q = self.quadrature_for(_size(at))
+        # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
         rest = np.multiply.outer(q.log_loss, offsets)
-        power = q.weight[:, None] * np.exp(-rest)
-        rate = lost @ ((1.0 - gone)[:, None] * power) - q.weight @ np.expm1(-rest) + gone @ power
-        if m % 2 == 0:  # as in `_lost`
-            rate = rate - self._beyond(at) * (1.0 - gone[0])
-        return self.met_again(at, rate, m)
+        lost = _lost_powers(z, q.log_loss) @ (q.weight[:, None] * np.exp(-rest))
+        rate = lost - q.weight @ np.expm1(-rest) - self._beyond(at)
+        return self.met_again(at, rate, 0)
 
-    def decay_taylor(self, z: NDArray[Any], orders: int, m: int = 0) -> list[NDArray[Any]]:
-        """Taylor coefficients of lambda_m at z (n,), of the orders 0 to orders - 1, each (n,)."""
-        q = self.quadrature_for(_size(z), m)
+    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
+        q = self.quadrature_for(_size(z))
         power = np.exp(-np.multiply.outer(z, q.log_loss))
-        order, weight = np.arange(1.0, orders), q.weight * q.harmonic(m)
-        factors = weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
+        order = np.arange(1.0, orders)
+        factors = q.weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
         # a complex matrix times a real one would be taken apart for each column
         slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
-        return self.taylor_met_again(z, [self._lost(z, m), *(-slopes.T)], m)
+        return self.taylor_met_again(z, [self._lost(z), *(-slopes.T)], 0)
 
     @cached_property
     def mean_log_loss(self) -> float:

@@ -1,8 +1,8 @@
 """The benchmark: run time of the solver against its error, and of the particles.
 
-A piece of `Work` is one problem at one setting; `CASES` list the works of a part of the benchmark;
-`measure` makes a row of one, a dictionary; `BenchReport` makes tables of the rows. Speed from
-version to version: see ``tests/benchmarks``.
+`problems` is the table of what is solved; a piece of `Work` is one problem at one setting, of which
+`measure` makes a row, a dictionary; `BenchReport` makes tables of the rows. Speed from version to
+version: see ``tests/benchmarks``.
 
 Errors are relative to references of 1e-12 or better; of G(R), <r^2> among hard disks and driven
 tracers, of which nothing else is known, to a tighter solution.
@@ -42,6 +42,7 @@ SPECTRAL = "spectral"
 
 DENSITY = 0.04  # scatterers per d^2, of the paper: l = MEAN_FREE_PATH
 E = 0.7
+CASES = ("scaled", "cooling", "position", "field", "driven", "particles")
 TOLERANCES = tuple(10.0**-k for k in range(2, 13))
 SPEEDS = np.linspace(0.1, 4.0, 391)  # c at which F(c) is compared
 RADII = np.linspace(0.0, 6.0, 200)  # R at which G(R) is compared
@@ -115,102 +116,95 @@ def measure(
     })  # fmt: skip
 
 
-def sweep(problem: str, error: Any, solve_to: Any, tolerances: Iterable[float]) -> Iterator[Work]:
-    """Works on one problem; solve_to : a function of rtol, whose result has the error."""
-    for x in tolerances:
-        yield Work("precision", problem, SPECTRAL, partial(solve_to, x), "rtol", x, error)
-
-
+# -- problems: run time against error -------------------------------------------------------------
 def relative(value: Any, exact: Any) -> float:
     """The largest relative error."""
     with np.errstate(all="ignore"):
         return float(np.max(np.abs(np.asarray(value) / np.asarray(exact) - 1.0)))
 
 
-def over_largest(value: Any, exact: FloatArray) -> float:
+def over_largest(value: Any, exact: Any) -> float:
     """The largest difference over the largest value."""
-    return float(np.max(np.abs(value - exact)) / exact.max())
+    return float(np.max(np.abs(value - exact)) / np.max(exact))
 
 
-def averages_of(found: Any, names: Iterable[str]) -> FloatArray:
-    """Averages of a Solution or of a steady state, a2 as 1 + a2."""
-    return np.array([getattr(found, n) + (n == "a2") for n in names])
+class Problem(NamedTuple):
+    """What is solved for each of the tolerances, and compared with the exact values."""
+
+    case: str
+    name: str  # the question, and after ": " its variant
+    solve_to: Callable[[float], FloatArray]
+    exact: Any  # a number: the rtol of a solution that is taken for exact
+    error: Callable[..., float] = relative
+    tolerances: tuple[float, ...] = TOLERANCES
 
 
-# -- problems: run time against error -------------------------------------------------------------
-def scaled(effort: Effort) -> Iterator[Work]:
-    """F(c) of the scaling state against `ScalingSolution`."""
+def averages(names: Iterable[str], solver: Callable[..., Any], *asked: Any, **more: Any) -> Any:
+    """A function of rtol that gives averages of what solver(*asked, **more, rtol=rtol) gives."""
+
+    def found(rtol: float) -> FloatArray:
+        result = solver(*asked, **more, rtol=rtol)
+        return np.array([getattr(result, n) + (n == "a2") for n in names])  # 1 + a2 is never 0
+
+    return found
+
+
+def problems(effort: Effort) -> Iterator[Problem]:
+    """Every problem; nothing is solved yet."""
     for e in effort.restitutions:
-        error = partial(over_largest, exact=ScalingSolution(e).vdf(SPEEDS))
-        found = lambda x, e=e: solve_scaled(e, x).vdf(SPEEDS)  # noqa: E731
-        yield from sweep(f"scaled F(c): e = {e:g}", error, found, TOLERANCES)
-
-
-def solved(scene: Scene, outputs: Iterable[str], rtol: float) -> FloatArray:
-    """Averages of a scene."""
-    return averages_of(solve(scene, rtol), outputs)
-
-
-def averages(effort: Effort, name: str, outputs: tuple[str, ...], horizon: str) -> Iterator[Work]:
-    """Averages over time from both starts of the paper, against kept references."""
-    times = references.times(horizon)
-    for e, start in ((e, start) for e in effort.restitutions for start in references.STARTS):
-        exact = [references.kept(n, e, start, horizon) + (n == "a2") for n in outputs]
+        vdf = lambda rtol, e=e: solve_scaled(e, rtol).vdf(SPEEDS)  # noqa: E731
+        known = ScalingSolution(e).vdf(SPEEDS)
+        yield Problem("scaled", f"scaled F(c): e = {e:g}", vdf, known, over_largest)
+    kept = (
+        ("cooling", "v0(t), a2(t)", ("thermal_speed", "a2"), "short"),
+        ("cooling", "v0(t), a2(t)", ("thermal_speed", "a2"), "long"),
+        ("position", "<r^2>(t)", ("msd",), "short"),
+        ("position", "kurtosis(t)", ("kurtosis",), "short"),
+    )
+    variants = product(kept, effort.restitutions, references.STARTS)
+    for (case, name, outputs, to), e, start in variants:
+        times = references.times(to)
         scene = Scene(e, DENSITY, initial=start, times=times, outputs=outputs)
-        yield from sweep(
-            f"{name}, t <= {times[-1]:.0e}: {start}, e = {e:g}", partial(relative, exact=exact),
-            partial(solved, scene, outputs), TOLERANCES,
-        )  # fmt: skip
-
-
-def cooling(effort: Effort) -> Iterator[Work]:
-    """v0(t) and a2(t) over a short and a long time."""
-    for horizon in references.HORIZONS:
-        yield from averages(effort, "v0(t), a2(t)", ("thermal_speed", "a2"), horizon)
-
-
-def position(effort: Effort) -> Iterator[Work]:
-    """<r^2>(t) and kurtosis(t), <r^2>(t) among hard disks, and G(R) at e = 0.6, t = 300."""
-    yield from averages(effort, "<r^2>(t)", ("msd",), "short")
-    yield from averages(effort, "kurtosis(t)", ("kurtosis",), "short")
+        exact = [references.kept(n, e, start, to) + (n == "a2") for n in outputs]
+        name = f"{name}, t <= {times[-1]:.0e}: {start}, e = {e:g}"
+        yield Problem(case, name, averages(outputs, solve, scene), exact)
     disks = Scene(E, DENSITY, times=np.geomspace(1.0, 1e8, 100), outputs=("msd",),
                   scatterers="hard disks")  # fmt: skip
-    yield from sweep(
-        f"<r^2>(t) among hard disks, t <= 1e+08: e = {E:g}",
-        partial(relative, exact=solved(disks, ("msd",), 1e-13)), partial(solved, disks, ("msd",)),
-        TOLERANCES[:-2],
-    )  # fmt: skip
-    scene = Scene(0.6, DENSITY, times=[300.0], outputs=("position_density",))
-
-    def curve(rtol: float) -> FloatArray:
-        return np.asarray(solve(scene, rtol).scaled_position_density(RADII)[0])
-
-    exact = curve(1e-7 if effort.quick else 1e-8)
-    tolerances = (1e-2, 1e-4, 1e-5) if effort.quick else TOLERANCES[:6]
-    error = partial(over_largest, exact=exact)
-    yield from sweep("G(R): gaussian, t = 300, e = 0.6", error, curve, tolerances)
-
-
-def in_field(effort: Effort) -> Iterator[Work]:
-    """The steady state in a uniform field against digits of a program of its own, l = g = 1."""
+    solver, name = (
+        averages(("msd",), solve, disks),
+        "<r^2>(t) among hard disks, t <= 1e+08: e = 0.7",
+    )
+    yield Problem("position", name, solver, 1e-13, tolerances=TOLERANCES[:-2])
+    place = Scene(0.6, DENSITY, times=[300.0], outputs=("position_density",))
+    curve = lambda rtol: solve(place, rtol).scaled_position_density(RADII)[0]  # noqa: E731
+    best, some = (1e-7, (1e-2, 1e-4, 1e-5)) if effort.quick else (1e-8, TOLERANCES[:6])
+    yield Problem("position", "G(R): gaussian, t = 300, e = 0.6", curve, best, over_largest, some)
+    # digits of a program of its own, l = g = 1
     steady = {"drift": 0.501926119920, "mean_square_speed": 1.702146383757,
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
-    yield from sweep(
-        f"steady state in a field: e = {E:g}", partial(relative, exact=[*steady.values()]),
-        lambda x: averages_of(solve_field(E, rtol=x), steady), TOLERANCES[:9],
-    )  # fmt: skip
+    solver, name = averages(steady, solve_field, E), f"steady state in a field: e = {E:g}"
+    yield Problem("field", name, solver, [*steady.values()], tolerances=TOLERANCES[:9])
+    drives: dict[str, Row] = {
+        "a bath": {"bath_speed": 1.0, "mass_ratio": 4.0},
+        "noise": {"heating": 1.0},
+    }
+    for drive, system in drives.items():
+        solver = averages(("thermal_speed", "diffusion_coefficient"), solve_steady, E, **system)
+        name = f"steady state, {drive}: e = {E:g}"
+        yield Problem("driven", name, solver, 1e-12, tolerances=TOLERANCES[:9])
 
 
-def driven(effort: Effort) -> Iterator[Work]:
-    """Steady states in a bath and under noise, against tighter ones."""
-    names = ("thermal_speed", "diffusion_coefficient")
-    for name, system in (
-        ("a bath", {"bath_speed": 1.0, "mass_ratio": 4.0}),
-        ("noise", {"heating": 1.0}),
-    ):
-        found = lambda x, system=system: averages_of(solve_steady(E, **system, rtol=x), names)  # noqa: E731
-        error = partial(relative, exact=found(1e-12))
-        yield from sweep(f"steady state, {name}: e = {E:g}", error, found, TOLERANCES[:9])
+def works(case: str, effort: Effort) -> Iterator[Work]:
+    """The works of a case."""
+    if case == "particles":
+        yield from throughput(effort)
+    for one in problems(effort):
+        if one.case == case:
+            exact = one.solve_to(one.exact) if isinstance(one.exact, float) else one.exact
+            error = partial(one.error, exact=exact)
+            for x in one.tolerances:
+                call = partial(one.solve_to, x)
+                yield Work("precision", one.name, SPECTRAL, call, "rtol", x, error)
 
 
 # -- particles ------------------------------------------------------------------------------------
@@ -239,12 +233,6 @@ def throughput(effort: Effort) -> Iterator[Work]:
         yield Work("particles", name, part, call, "collisions", collisions, threads=threads)
 
 
-CASES: dict[str, Callable[[Effort], Iterator[Work]]] = {
-    "scaled": scaled, "cooling": cooling, "position": position, "field": in_field,
-    "driven": driven, "particles": throughput,
-}  # fmt: skip
-
-
 # -- run ------------------------------------------------------------------------------------------
 def run_bench(
     quick: bool = False, cases: Iterable[str] | None = None,
@@ -260,7 +248,7 @@ def run_bench(
         warnings.simplefilter("ignore", ToleranceWarning)  # the error is measured
         for name in names:
             progress(name, len(names))
-            records += [measure(work, effort) for work in CASES[name](effort)]
+            records += [measure(work, effort) for work in works(name, effort)]
     return BenchReport(records, quick, names, about, time.perf_counter() - begin)
 
 

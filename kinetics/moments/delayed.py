@@ -2,26 +2,32 @@ r"""Averages at a finite density: a tracer comes back to a scatterer after a fli
 
 The operator of returns (:mod:`kinetics.collision.medium`) acts at once; a real return is a loop of
 some path y, half of it before the bounce straight back and half at e times the speed. In the clock
-T = u t/l it takes y c, c = (1 + 1/e)/2, and of the time left the tracer keeps e (T - y c). With K
-one collision, for an observable of degree 0,
+T = u t/l it takes y c, c = (1 + 1/e)/2, at the speed that the loop begins with, and of the time
+left the tracer keeps e (T - y c). With K one collision, for an observable of degree 0,
 
     dY/dT = (K - 1) U + sources,    U = Y + V,
     V(T) = (-1)^m int dy k(y) W(e (T - y c)),    W = (K - 1) U.
 
-Near pairs of scatterers have k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on, 0.6 being the mean
-corridor that is known to be empty. The rest of eps, of loops of the size of l, is spread as
-exp(-0.9 y/b) - exp(-1.1 y/b), b fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at
-once: with a delay a_2 is some 60 n per cent off, without it half of that at most. All of k is a sum
-of exponentials w exp(-s y), and V one of modes Z, with c dZ/dT = W(e T) - s Z.
+Loops between near pairs of scatterers have k = (2 e/(1 + e)) n exp(-0.6 y)/y from y = 2 n on (one
+neighbour and back), 0.6 being the mean corridor that is known to be empty; what is flown of them is
+y - 2 n. The rest of eps, of loops of the size of l, is spread as exp(-0.9 y/b) - exp(-1.1 y/b),
+nearly y exp(-y/b). The integral of k is eps: the late <r^2> grows as with returns at once. b is
+fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at once: with a delay a_2 is some
+60 n per cent off, without it half of that at most.
+
+All of k is a sum of exponentials w exp(-s y), so that V is one of modes Z, V = (-1)^m sum w Z, with
+c dZ/dT = W(e T) - s Z. On panels in X = ln T collocation makes small matrices of that.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium
@@ -35,6 +41,7 @@ _LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over
 _APART = 0.1  # of two rates about 1/b: exp(-0.9 y/b) - exp(-1.1 y/b) is nearly 0.2 (y/b) exp(-y/b)
 _MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
 _SLOWEST, _FASTEST = 0.02, 12.0  # rates per l, and per 2 n, between which they are
+_BY_VECTORS = 16  # nodes up to which eigenvectors lose no more than 1e-12
 _TERMS = 24  # of power series, up to where the fastest loops have fallen to 1/e
 _SHORTEST = 1e-3  # in l: near loops that are shorter are taken to be so long
 
@@ -80,16 +87,33 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
     return np.append(rate, far), weights
 
 
+@lru_cache(maxsize=16)
+def _slopes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
+    """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that."""
+    rule = PanelRule(nodes, width)
+    slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
+    value, vector = np.linalg.eig(slopes[:, 1:])
+    return slopes, value, vector, np.linalg.inv(vector)
+
+
 def _responses(
     rule: PanelRule, pull: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes):
-    its weighted sums over modes, what is left of 1 at the first node, and its last rows.
+    """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes).
+
+    The weighted sums of R over modes, (n_panels, n_kinds, nodes - 1, nodes - 1), what is left of 1
+    at the first node, and the last rows of R, (n_panels, n_modes, nodes - 1) each.
     """
-    slopes = np.exp(-rule.width * rule.local)[1:, None] * rule.derivative[1:]
-    every: Any = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * np.eye(rule.nodes - 1))
-    summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
-    return summed, np.asarray(-every @ slopes[:, 0]), every[:, :, -1]
+    slopes, value, vector, back = _slopes(rule.nodes, rule.width)
+    if rule.nodes > _BY_VECTORS:
+        one = np.eye(rule.nodes - 1)
+        every: Any = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * one)
+        summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
+        return summed, np.asarray(-every @ slopes[:, 0]), every[:, :, -1]
+    inverse = 1.0 / (value + pull[:, :, None])
+    decay = -((inverse * (back @ slopes[:, 0])) @ vector.T).real
+    summed = ((vector * (weights @ inverse)[:, :, None]) @ back).real
+    return summed, decay, ((inverse * vector[-1]) @ back).real
 
 
 class Loops:
@@ -99,8 +123,13 @@ class Loops:
     (f, z), and the modes where it ends are ``kept`` z + ``gained`` @ f; f itself is ``below`` @ W
     on the ``reach`` panels below + ``inside`` @ W on the panel.
 
-    start, count : X where the panels begin, not above `series_end`, and how many there are
-    shares : factors of kinds of loops, (m, n_kinds), for the harmonics m
+    medium : the scatterers, e > 0
+    rule : the collocation of a panel
+    start : X where the panels begin, not above `series_end`
+    count : how many panels there are, at most
+    harmonics : the m that are asked for
+
+    shares : factors of kinds of loops, (m, n_kinds); of one harmonic all loops are of one kind
     weights : of modes, (n_kinds, n_modes)
     come, kept, gained : of each panel, (n_panels, n_kinds, nodes, nodes + n_modes), (n_panels,
         n_modes), (n_panels, n_modes, nodes)
@@ -122,6 +151,8 @@ class Loops:
         # near and far loops together are eps
         shares = [((-1.0) ** m, (-1.0) ** m * (medium.returns(m) - near)) for m in harmonics]
         self.shares, self.weights = np.array(shares), weights
+        if len(shares) == 1:
+            self.weights, self.shares = self.shares @ weights, np.ones((1, 1))
         n, width = rule.nodes, rule.width
         unit = np.exp(start + width * np.arange(count)) / self._pace  # T/c where a panel begins
         power = np.exp(degree * width * rule.local)
@@ -150,7 +181,8 @@ class Loops:
 class Returns:
     """Returns that take time: V, of which collisions act on U = Y + V, made of W = (K - 1) U.
 
-    lost, modes : power series of W and of the modes below all panels, over T^degree, of the
+    loops : what they bring to the panels
+    lost, modes : power series of W and of the modes below all panels, both over T^degree, of the
         harmonics that are not zero there: shapes (n_terms, m, n_k) and (n_terms, n_modes, m, n_k)
     """
 
@@ -218,17 +250,16 @@ class DelayedReturns(BackwardEquation):
             self._kept[key] = Loops(self.law.medium, self.rule, self.start, self.count, one, degree)
         return self._kept[key]
 
-    def _early(self, y: Observable) -> tuple[FloatArray, ...]:
+    def _early(self, y: Observable) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Power series of Y, U, W, (n_terms,), and of the modes, (n_terms, n_modes), over T^p."""
         if y not in self._kept:
             drive, rates = self._series_of_sources(y)
             loops = self._loops(y.harmonic, y.degree)
-            weights = (loops.shares @ loops.weights)[0]
-            modes, value = [np.zeros(weights.size)], [float(y.is_power)]
+            modes, value = [np.zeros(loops.kept.shape[1])], [float(y.is_power)]
             total, lost = [], []
             known = zip(drive[:_TERMS].tolist(), rates[:_TERMS].tolist(), strict=True)
             for k, (source, rate) in enumerate(known, 1):
-                total.append(value[-1] + float(weights @ modes[-1]))
+                total.append(value[-1] + float(loops.weights[0] @ modes[-1]))
                 lost.append(-rate * total[-1])
                 value.append((source + lost[-1]) / k)
                 modes.append(loops.term(k, modes[-1], lost[-1]))
@@ -240,31 +271,62 @@ class DelayedReturns(BackwardEquation):
         """Coefficients a_k of y = T^p sum_k a_k T^k."""
         return super().series(y) if self._at_once(y.harmonic) else self._early(y)[0]
 
+    def _step(self, m: int, degree: float) -> FloatArray:
+        """What each panel makes of all that it is linear in, (n_panels, n_to, n_from).
+
+        From Y where it begins, the gain from U below, f from W below, the modes, and the sources;
+        to U, W, the modes where it ends, and Y.
+        """
+        key = m, degree, self.count
+        if key not in self._kept:
+            (loss, _), loops, n = self._kernel(m), self._loops(m, degree), self.nodes
+            one, modes = np.eye(n), loops.kept.shape[1]
+            gains, f, z = slice(1, n + 1), slice(n + 1, 2 * n + 1), slice(2 * n + 1, -n)
+            here = loops.come[:, 0, :, :n] @ loops.inside
+            inverse = np.linalg.inv(one + here @ loss)
+            added = np.zeros((self.count, n, 1 + 3 * n + modes))
+            added[:, :, gains], added[:, :, n + 1 : -n] = here, loops.come[:, 0]
+            added = inverse @ added
+            matrix, rate = self._rows(degree)
+            matrix += rate[:, :, None] * (loss @ inverse)
+            matrix[:, 0] = one[0]
+            right = -loss @ added
+            right[:, :, gains] += one
+            right[:, :, -n:] += one
+            right *= rate[:, :, None]
+            right[:, 0] = np.eye(1, right.shape[2])
+            value = np.linalg.inv(matrix) @ right
+            total = inverse @ value + added
+            lost = -loss @ total
+            lost[:, :, gains] += one
+            after = loops.gained @ (loops.inside @ lost)
+            after[:, :, f] += loops.gained
+            after[:, :, z] += loops.kept[:, :, None] * np.eye(modes)
+            self._kept[key] = np.concatenate([total, lost, after, value], axis=1)
+        return self._kept[key]
+
     def _solve(self, y: Observable) -> FloatArray:
         if self._at_once(y.harmonic):
             return super()._solve(y)
-        key = y, self.count
-        if key not in self._kept:
-            self._kept[key] = self._panel_by_panel(y)
-        return self._kept[key]
-
-    def _panel_by_panel(self, y: Observable) -> FloatArray:
-        (loss, gain), n = self._kernel(y.harmonic), self.nodes
+        gain, loops = self._kernel(y.harmonic)[1], self._loops(y.harmonic, y.degree)
+        n, step = self.nodes, self._step(y.harmonic, y.degree)
+        reach = max(gain.shape[1] // n, loops.reach)
         value, total, lost, modes = self._early(y)
-        loops, reach = self._loops(y.harmonic, y.degree), gain.shape[1] // n
-        returns = Returns(loops, lost[:, None, None], modes[:, :, None, None])
-        table = np.empty((reach + self.count, n))  # U
-        table[:reach] = power_series(y.degree, self._nodes_from(-reach)[:reach], total)
-        first = power_series(y.degree, np.array(self.start), value)
-        drive, (matrix, rate) = self._driven(y), self._rows(y.degree)
-        found = np.empty((self.count, n))
+        x, begin = self._nodes_from(-reach)[:reach], np.array(self.start)
+        table = np.empty((2, reach + self.count, n))  # U and W
+        table[0, :reach] = power_series(y.degree, x, total)
+        table[1, :reach] = power_series(y.degree, x, lost)
+        state = np.zeros(step.shape[2] - n)
+        state[0] = power_series(y.degree, begin, value)
+        state[2 * n + 1 :] = power_series(y.degree, begin, modes)
+        driven = (step[:, :, -n:] @ self._driven(y)[:, :, None])[:, :, 0]
+        step, found = step[:, :, :-n], np.empty((self.count, n))
+        above, last = reach - gain.shape[1] // n, reach - loops.reach
         for j in range(self.count):
-            come = gain @ table[j : j + reach].ravel()
-            reduced, known = returns.begin(j, loss[None], come[None, :, None])
-            left = matrix[j] + rate[j][:, None] * reduced[0]
-            right = rate[j] * (known[0, :, 0] + drive[j])
-            left[0], right[0] = np.eye(1, n)[0], first
-            found[j] = np.linalg.solve(left, right)
-            first = found[j, -1]
-            table[reach + j] = returns.end(j, found[j][None, :, None])[0, :, 0]
+            state[1 : n + 1] = gain @ table[0, above + j : reach + j].ravel()
+            state[n + 1 : 2 * n + 1] = loops.below @ table[1, last + j : reach + j].ravel()
+            after = step[j] @ state + driven[j]
+            table[:, reach + j] = after[: 2 * n].reshape(2, n)
+            state[2 * n + 1 :] = after[2 * n : -n]
+            found[j], state[0] = after[-n:], after[-1]
         return found

@@ -23,7 +23,7 @@ from kinetics.moments.backward import (
 )
 from kinetics.moments.delayed import DelayedReturns, met_again
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import panel_rule
+from kinetics.numerics.chebyshev import PanelRule, panel_rule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 from kinetics.validation import real_number, whole_number
@@ -31,7 +31,6 @@ from kinetics.validation import real_number, whole_number
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.
 _NODES, _PER_POWER, _PER_DIGIT, _PER_DELAY = 2.0, 0.75, 1.12, 2
-_MORE_NODES = 2  # of a panel in ln t: a node is about a digit, and a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 
 
@@ -56,7 +55,8 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _powers: dict[tuple[float, int], NDArray[Any]] = field(
+    # powers by p and m, and matrices by the points that they average over
+    _kept: dict[tuple[Any, Any], NDArray[Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -142,9 +142,9 @@ class Averages:
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
-        if (p, m) not in self._powers:
-            self._powers[p, m] = self.average(speed_power(p, m))
-        return self._powers[p, m]
+        if (p, m) not in self._kept:
+            self._kept[p, m] = self.average(speed_power(p, m))
+        return self._kept[p, m]
 
     def average(
         self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
@@ -170,26 +170,53 @@ class Averages:
         return self._at_times(LogMeasure(found.x, w), y, leading)
 
     def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
-        """The average at all times, (n_times,); where there are many, by interpolation in ln t."""
+        """The average at all times, (n_times,); where there are many, most by interpolation."""
+        equation, width, p = self.equation, self.width, y.degree + leading
         late = np.isfinite(self.log_stretch)
-        stretch, p = self.log_stretch[late], y.degree + leading
-        rule = panel_rule(self.equation.nodes + _MORE_NODES, self.width)
-        count = int(np.ptp(stretch) / self.width) + 1 if stretch.size else 0
-        if stretch.size <= 2 * count * rule.nodes:
+        stretch = self.log_stretch[late]
+        # a node is about one digit: with two more a hundredth of rtol remains
+        rule = panel_rule(equation.nodes + 2, width)
+        level = (stretch + points.x.max() - equation.start) / width
+        which = np.ceil(level).astype(int) - 1
+        first, count = (int(which[0]), int(which[-1] - which[0]) + 1) if which.size else (0, 0)
+        reach = 2 + int((points.x.max() - points.x.min()) / width)
+        if rule.nodes * (points.x.size + count * reach) >= points.x.size * stretch.size:
             return self._at(points, y, leading, self.log_stretch)
-        begin = stretch[-1] - self.width * np.arange(count, 0, -1)
-        level = (stretch - begin[0]) / self.width
-        panel = np.minimum(level.astype(int), count - 1)
-        x = begin[:, None] + self.width * rule.local
-        # v_ref has a kink in ln t: a unit of their own for each panel
-        unit = self._reference(begin)
-        table = self._at(points, y, leading, x.ravel()).reshape(x.shape)
-        table = table * np.exp(p * (self._reference(x) - unit[:, None]))
-        out = np.empty(self.times.shape, dtype=table.dtype)
-        out[late] = np.einsum("ij,ij->i", rule.rows(level - panel), table[panel])
-        out[late] *= np.exp(p * (unit[panel] - self._reference(stretch)))
+        # powers of T as their unit, where each panel begins; v_ref has a kink in ln t
+        panel = first + 1 - reach + np.arange(count + reach - 1)
+        begin = equation.start + width * panel
+        x = begin[:, None] + width * equation.rule.local
+        value, low = equation.at(y, x, leading)
+        low_begin = np.where(panel < 0, begin, 0.0)
+        unit = begin[reach - 1 :] - points.x.max()
+        unit += self._reference(unit)
+        window = np.arange(count)[:, None] + np.arange(reach)
+        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+            value *= np.exp(p * (np.where(low, x, 0.0) - low_begin[:, None]))
+            scale = np.exp(p * (low_begin[window] - unit[:, None]))
+        key = points.x.tobytes(), points.weight.tobytes()
+        if key not in self._kept:  # most observables of a scene share them
+            self._kept[key] = self._rows_of(points, rule, reach)
+        values = (value[window] * scale[:, :, None]).reshape(count, -1) @ self._kept[key]
+        back = np.exp(p * (unit[which - first] - stretch - self._reference(stretch)))
+        out = np.empty(self.times.shape, dtype=values.dtype)
+        out[late] = np.einsum("ij,ij->i", rule.rows(level - which), values[which - first]) * back
         out[~late] = self._at(points, y, leading, self.log_stretch[~late])
         return out
+
+    def _rows_of(self, points: LogMeasure, rule: PanelRule, reach: int) -> NDArray[Any]:
+        """The average at the nodes of a panel in ln t from y in so many panels up to that in X."""
+        inner, order = self.equation.rule, np.argsort(points.x)
+        out = np.zeros((rule.nodes * reach, inner.nodes), dtype=points.weight.dtype)
+        for part in np.array_split(order, 1 + order.size * rule.nodes // _PIECE):
+            place = rule.local[:, None] + (points.x[part] - points.x.max()) / self.width
+            below = np.minimum(np.floor(place), 0.0)
+            rows = inner.shares((place - below).ravel())
+            weight = np.tile(points.weight[part], rule.nodes) / np.einsum("ij->i", rows)
+            into = np.arange(1, rule.nodes + 1)[:, None] * reach - 1 + below.astype(int)
+            found, begin = np.unique(into, return_index=True)  # it rises
+            out[found] += np.add.reduceat(weight[:, None] * rows, begin, axis=0)
+        return out.reshape(rule.nodes, -1).T
 
     def _at(
         self, points: LogMeasure, y: Observable, leading: int, log_stretch: FloatArray

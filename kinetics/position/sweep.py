@@ -2,12 +2,13 @@
 
 How far to go, and how exactly, follows from what F does to G(R): F that is missing or wrong around
 the wave number k changes G(R) by about k sigma times as much, sigma = sqrt(<r^2>). There is a
-budget of work, and what is left unknown is the error estimate.
+budget of work; within it the best result is kept, and what is left unknown is the error estimate.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,9 +20,10 @@ from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
-# The work of all times, in squares of the sizes of the systems, 1 to 7 seconds; and the K, or K T
-# for densities, up to which F is solved at most.
-_MOST_WORK, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 8.0, 60.0
+# The work of all times at one tolerance, in squares of the sizes of the systems, 1 to 7 seconds.
+# Where it is not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to
+# ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
+_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 0.04, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 _FEW = 0.01  # collided tracers below this share of rtol are left out
@@ -64,6 +66,23 @@ def solve_displacement(
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
     system = Scattering(law, mean_free_path, state, times)
+    asked = _attempt(system, root_mean_square, rtol)
+    if asked.error_estimate <= _ENOUGH * rtol:
+        return asked
+    # looser ones, up to the first that is missed: the same for all that ask for more than this one
+    count, tried = math.log10(_LOOSEST / rtol) - 1e-9, []
+    for aim in (*(_LOOSEST * 0.1 ** np.arange(count)), rtol):
+        tried.append(asked if aim == rtol else _attempt(system, root_mean_square, float(aim)))
+        if tried[-1].error_estimate > _ENOUGH * aim:
+            break
+    best = min(tried, key=lambda one: one.error_estimate)
+    return replace(best, systems=dict(system.systems))
+
+
+def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> Displacement:
+    """`solve_displacement` within the work of one tolerance."""
+    law, mean_free_path = system.law, system.mean_free_path
+    state, times, most = system.state, system.times, system.work + _MOST_WORK
     uncollided = Uncollided(state, mean_free_path, times)
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed
@@ -71,7 +90,7 @@ def solve_displacement(
     width = root_mean_square / mean_free_path
     sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
     for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
-        sweep.run((_MOST_WORK - system.work) / left)
+        sweep.run((most - system.work) / left)
     tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(width.size)]
     return Displacement(
         uncollided,
@@ -115,6 +134,8 @@ class _Sweep:
         self.sharp = any(system.flying(i) > _FEW * rtol for i in which)
         self.enough = rtol if self.sharp else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
+        # the least that was missed of each time, its tail then, and the number of panels
+        self._best: dict[int, tuple[float, PowerTail | None, int]] = {}
         # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
         law, profile = system.law, system.state.profile(0)
         slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
@@ -156,6 +177,13 @@ class _Sweep:
             work, done = self.system.work - done, self.system.work
             if done - begin + step**2 * work > most_work:
                 break
+        # where more wave numbers left more of G(R) unknown, go back to those that left least; but
+        # beside a front all of them are better
+        for i, (missed, tail, count) in self._best.items():
+            if missed < self.missed[i] and not (self.sharp and missed > _TAPERED):
+                self.missed[i], self.tails[i] = missed, tail
+                later = [panel.without(i) for panel in self.panels[count:]]
+                self.panels[count:] = [panel for panel in later if panel.which.size]
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where G is hardly known, else infinite, (n_times,)."""
@@ -173,6 +201,8 @@ class _Sweep:
             share = max(1.0, self.width[i] * high)
             self._solved_error[i] = max(self._solved_error[i], error * share)
             self.missed[i] = left * share + self._solved_error[i]
+            if self.missed[i] < self._best.get(i, (math.inf,))[0]:
+                self._best[i] = float(self.missed[i]), self.tails[i], len(self.panels)
         self.active = self.active[self.missed[self.active] > self.enough]
 
     def _interval(

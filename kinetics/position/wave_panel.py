@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -42,6 +42,11 @@ class WavePanel(Value):
         """F at the wave numbers at one of the times; None where it is negligible."""
         place = np.nonzero(self.which == time)[0]
         return None if place.size == 0 else np.asarray(self.values[place[0]])
+
+    def without(self, time: int) -> WavePanel:
+        """The same for the other times."""
+        others = self.which != time
+        return replace(self, which=self.which[others], values=self.values[others])
 
     def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gauss nodes and weights in K, shape (points,) each, and the polynomial f there."""

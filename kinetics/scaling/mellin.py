@@ -61,15 +61,15 @@ def _rho(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.where(zero, 0.0, np.log(ratio)))
 
 
-def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any], m: int = 0) -> list[NDArray[Any]]:
-    """Taylor coefficients of rho at z (n,), up to order 11; of `log_moment_on_line`, m > 0."""
+def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
+    """Taylor coefficients of rho at z (n,), up to order 11."""
     p, orders = law.uniform_power, range(1, MOST_ORDERS)
-    if p and not m:
+    if p:
         return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
-    rate, base = law.decay_taylor(z, MOST_ORDERS, m), z + float(m > 0)
+    rate = law.decay_taylor(z, MOST_ORDERS)
     of_rate = taylor_of_log([c / rate[0] for c in rate])  # lambda < 0 for z < 0
-    rest = [-((-1.0 / base) ** n) / n - of_rate[n] for n in orders]
-    return [np.log(law.mean_log_loss * base / rate[0]), *rest]
+    rest = [-((-1.0 / z) ** n) / n - of_rate[n] for n in orders]
+    return [np.log(law.mean_log_loss * z / rate[0]), *rest]
 
 
 def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
@@ -93,33 +93,25 @@ def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
     return max(_START, math.ceil(_START - a))
 
 
-def _from(
-    law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any], m: int = 0
-) -> NDArray[Any]:
+def _from(law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any]) -> NDArray[Any]:
     """ln A at ``top`` (n,), from the integral of rho from n up to there, by Euler-Maclaurin."""
     known = _rho(law, np.arange(1.0, n)).sum()  # ln A(n)
     begin = _taylor_of_rho(law, np.array([float(n)]))
-    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top, m)))
+    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top)))
 
 
-def log_moment_on_line(
-    law: CollisionLaw, a: float, step: float, count: int, m: int = 0
-) -> ComplexArray:
-    """ln A(a + i n step), n = 0 ... count - 1; with lambda_m/(z + 1) in place of lambda/z, m > 0.
-
-    For m > 0 up to a constant.
-    """
+def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) -> ComplexArray:
+    """ln A(a + i n step), n = 0 ... count - 1."""
     z = a + 1j * step * np.arange(count)
     shift = _shift(law, a, step * count)
     node, weight = gauss_legendre(10)
     offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
     at = z[:, None] + offsets
-    zero = (at == 0.0) & (m == 0)
-    rate = np.where(zero, 1.0, law.decay_rates(z, offsets, m))
-    rho = np.log(np.where(zero, 1.0, law.mean_log_loss * (at + float(m > 0)) / rate))
+    rate = np.where(at == 0.0, 1.0, law.decay_rates(z, offsets))
+    rho = np.log(np.where(at == 0.0, 1.0, law.mean_log_loss * at / rate))
     path = np.full(count, complex(_integral(law, float(shift), a + shift)))
     path[1:] = path[0] + 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
-    return np.asarray(_from(law, shift, path, z + shift, m) - rho[:, :shift].sum(axis=1))
+    return np.asarray(_from(law, shift, path, z + shift) - rho[:, :shift].sum(axis=1))
 
 
 def _integral(law: CollisionLaw, low: float, high: float) -> float:
@@ -235,7 +227,7 @@ def _line(law: CollisionLaw, a: float, scale: float) -> Line:
     count = 1
     while np.max(np.abs(samples[-1][-4:])) >= math.exp(-_NEGLIGIBLE) and count <= _MOST_SAMPLES:
         block = max(32, count)
-        samples.append(np.exp(log_moment_on_line(law, a, step, count + block)[count:] - log_a))
+        samples.append(np.exp(_log_moment_on_line(law, a, step, count + block)[count:] - log_a))
         count += block
     return Line(a, mean, math.sqrt(variance), step, log_a, np.concatenate(samples))
 
@@ -256,6 +248,6 @@ def extent_of(law: CollisionLaw, depth: float) -> tuple[float, float]:
     # Chernoff's bound; a density of x falls as e^-(e^x), and its own factor e^x is allowed for
     right = float(np.min((log_moment(law, p) + depth + _OWN_FACTOR) / p))
     step, count = 0.5 / deviation, 32
-    while (size := log_moment_on_line(law, 0.0, step, count).real)[-1] > -depth and count < 1000:
+    while (size := _log_moment_on_line(law, 0.0, step, count).real)[-1] > -depth and count < 1000:
         count *= 2
     return right - math.log(law.mean_log_loss), step * float(np.count_nonzero(size > -depth))

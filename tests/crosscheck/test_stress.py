@@ -39,7 +39,6 @@ from kinetics.crosscheck.stress import (
         (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (1e-12, 1e-13)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (math.nan, 1.0)}), 0.0, BROKEN),
-        (Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 0.0)}), 0.0, HOLDS),
         (Outcome(), 0.0, HOLDS),
         (Outcome(1e-8, 1e-9), 2 * LONGEST, BROKEN),
     ],
@@ -56,19 +55,15 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
         warnings.warn("careful", RuntimeWarning, stacklevel=1)
         return Outcome()
 
+    def violates() -> Outcome:
+        return Outcome(invariants={"a": (1e-3, 1.0), "b": (math.nan, 0.0)})
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a user's own filters must not hide one
-        found = [attempt(Case("g", "n", work)) for work in (refuses, warns, lambda: 1 // 0)]  # type: ignore[list-item]
+        found = [attempt(Case("g", "n", work)) for work in (refuses, warns, violates)]
     assert [c["verdict"] for c in found] == [BROKEN] * 3
-    assert [c["note"].split(":")[0] for c in found] == [
-        "InputError", "RuntimeWarning", "ZeroDivisionError",
-    ]  # fmt: skip
-
-
-def test_what_is_violated_is_shown() -> None:
-    kept = {"a": (1e-3, 1.0), "b": (math.nan, 0.0)}
-    case = attempt(Case("g", "n", lambda: Outcome(invariants=kept)))
-    assert (case["verdict"], case["invariant"]) == (BROKEN, "b")
+    assert [c["note"].split(":")[0] for c in found] == ["InputError", "RuntimeWarning", ""]
+    assert [c["invariant"] for c in found] == ["", "", "b"]
 
 
 def named(group: str, *parts: str) -> Case:
@@ -78,7 +73,7 @@ def named(group: str, *parts: str) -> Case:
 
 
 # 1e-3 is asked, or more
-LOOSE = ("conservative density", "position density", "over time in a field")
+LOOSE = ("position density", "over time in a field")
 DISKS, ROUGH = "=0.7),", "(restitution=0.7, tangential_restitution=0.8, dimension=3)"
 BEGIN = "start = gaussian"
 
@@ -113,12 +108,9 @@ def wrong(factor: float, only: int) -> Callable[..., Any]:
     [
         ("cooling", (DISKS, BEGIN, "times = 100")),
         ("cooling", (DISKS, "start = speed 1e150")),
-        ("cooling", (DISKS, BEGIN, "diameter")),
-        ("averages", (DISKS, BEGIN)),
         ("averages", (ROUGH, BEGIN)),
         ("averages", ("CollisionLaw(restitution=1.0)", BEGIN)),
         ("spectral density", (DISKS, "nodes = 512")),
-        ("conservative density", (DISKS, BEGIN, "nodes = 512")),
         ("position density", (DISKS, "times = 1e-300")),
         ("scattering function", (DISKS, BEGIN, "times = 1.0")),
         ("over time in a field", (DISKS,)),
@@ -140,9 +132,7 @@ def test_a_wrong_answer_is_found(
     [
         ("scaled equation", (DISKS, "rtol = 0.0001")),
         ("steady state", ("=0.0)",)),
-        ("grazing", ("e = 0.5, gap = -1e-08",)),
         ("density", ("=0.8, dimension=3)", "HardSpheres")),
-        ("many collisions", ("=0.9, tangential_restitution=0.8)",)),
     ],
 )
 def test_a_case_of_each_other_group(group: str, parts: tuple[str, ...]) -> None:
@@ -208,12 +198,14 @@ def test_an_interruption_reports_what_has_been_run(
     assert signal.getsignal(signal.SIGINT) is handler
 
 
-@pytest.mark.parametrize("kind", ["bath", "noise", "field"])
+@pytest.mark.parametrize(
+    "drive", [{"bath_speed": 0.5}, {"heating": 0.1, "drag": 0.1}, {"field": 0.2, "drag": 0.1}]
+)
 def test_the_balances_of_driven_tracers_see_a_wrong_answer(
-    monkeypatch: pytest.MonkeyPatch, kind: str
+    monkeypatch: pytest.MonkeyPatch, drive: dict[str, float]
 ) -> None:
-    found = stress.driven(kind, 1, 1e-6)
-    assert judge(found, 0.0) in ACCEPTED
+    system = {"restitution": 0.6, "mass_ratio": 3.0, "dimension": 3} | drive
+    assert judge(stress.driven(1e-6, **system), 0.0) in ACCEPTED
     right = kinetics.solve_steady
 
     def wrong(restitution: float, **system: Any) -> Any:  # converged, of other collisions
@@ -222,4 +214,4 @@ def test_the_balances_of_driven_tracers_see_a_wrong_answer(
         return state
 
     monkeypatch.setattr(kinetics, "solve_steady", wrong)
-    assert judge(stress.driven(kind, 1, 1e-6), 0.0) == BROKEN
+    assert judge(stress.driven(1e-6, **system), 0.0) == BROKEN

@@ -3,18 +3,19 @@
 import ast
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import sympy as sp
 
 import derivations
-from derivations import Check, Status, report_subset, verify
+from derivations import Check, Status, verify
 from derivations import symbols as sy
 from derivations.checks import Difference, check, compare, judge
 from derivations.derived import REGISTRY
 from derivations.derived.record import result
-from derivations.formal import dot, eq
+from derivations.formal import eq
 from derivations.printed import ROWS
 
 E = sy.e
@@ -83,36 +84,16 @@ def test_a_row_says_what_its_status_promises(rows: Rows) -> None:
         ("compare1", "threshold restitution", 0.58157),
         ("beyond:a2", "restitution at which a_2 = 0", 0.5929352),
         ("statement:h-linear", "largest h/(1 - e)", 1.42968),
-        ("statement:h-linear", "restitution at which it is largest", 0.1464),
-        ("beyond:slope", "slope at e = 0.9", 22.294),
         ("beyond:slope", "slope at e = 0.5", 4.435),
-        ("beyond:slope", "slope at e = 0.2", 3.080),
-        ("beyond:space-cooling", "h at e = 0.4", 0.57859),
         ("beyond:space-cooling", "h at e = 0.9", 0.09994),
-        ("sonine12", "exact a_2 at e = 0.9", -0.412),
         ("sonine12", "Sonine a_2 at e = 0.9", -0.181),
         ("ad7", "their ratio", 0.8488),
-        ("beyond:position", "flatness of the K_0 form", 4.0),
         ("msd", "slope at e = 0.4, with the paper's l = 13.5 d (l^2)", 3.0286),
     ],
 )
 def test_numbers_that_were_known_before(label: str, name: str, value: float, rows: Rows) -> None:
     found = {number.name: number.value for number in rows[label].numbers}
     assert found[name] == pytest.approx(value, abs=5.1e-4)  # half of the last digit of most
-
-
-def test_the_second_order_of_continuity_has_both_fluxes() -> None:
-    """It is a step only: no row is judged by it."""
-    zeroth, first = (sp.Function(f"J_vec_{k}")(sy.br, sy.t) for k in (0, 1))
-    found = check("diffuse7").steps[-1].formula
-    assert found.rhs == -dot(sy.nabla0, first) - dot(sy.nabla1, zeroth)
-
-
-def test_the_report_subset_is_judged_as_the_whole_is(rows: Rows) -> None:
-    for row in verify(report_subset):
-        assert row == rows[row.label]
-        assert row.printed_latex
-        assert row.derived_latex
 
 
 @pytest.mark.parametrize("labels", [["sonine99"], "sonine9", 3])
@@ -196,13 +177,29 @@ def test_the_verdict_follows_the_comparison(
 # -- a verified row says something: change a coefficient of what is stated and it turns ------------
 
 
+def every_mutant(node: sp.Basic) -> Iterator[sp.Basic]:
+    """Every formula with one number changed, or with one term (coefficient 1) doubled."""
+    if isinstance(node, sp.Number):
+        yield node + 1
+        return
+    for index, argument in enumerate(node.args):
+        changed = list(every_mutant(argument))
+        if isinstance(node, sp.Add | sp.Eq | sp.Le) and argument != 0:
+            changed.append(2 * argument)
+        for mutant in changed:
+            arguments = list(node.args)
+            arguments[index] = mutant
+            options = {"evaluate": False} if isinstance(node, sp.Eq | sp.Le) else {}
+            yield node.func(*arguments, **options)
+
+
 @pytest.mark.parametrize("tried", [1, pytest.param(None, marks=pytest.mark.slow, id="all")])
 def test_a_changed_coefficient_turns_a_verified_row_to_erratum(
-    rows: Rows, mutants, tried: int | None
+    rows: Rows, tried: int | None
 ) -> None:
     for label in labels(rows, Status.VERIFIED):
         formula = ROWS[label].formula
-        changed = [mutant for mutant in mutants(formula) if mutant != formula]
+        changed = [mutant for mutant in every_mutant(formula) if mutant != formula]
         assert len(changed) >= 2
         accepted = [m for m in changed[:tried] if check(label, m).status is not Status.ERRATUM]
         assert not accepted, label

@@ -21,7 +21,6 @@ TEXTS = st.sampled_from([
     "1" * 5000, "x" * 1000, "\x1b[31m", "None", "[]", "/", ".", "..", "no/such/file", "data.csv",
 ])  # fmt: skip
 FILES = {
-    "places.csv": b"x,y\n3,3\n1,8\n8,2\n",
     "data.csv": b"time,x,y,vx,vy\n0,0,0,1,0\n",
     "binary.csv": bytes(range(256)) * 3,
     "empty.csv": b"",
@@ -61,8 +60,7 @@ simulate = words(
     "simulate", always=("count", "media", "tracers", "max_collisions"), **system,
     count=["80", "100"], media=["1", "2"], tracers=["1", "2"], max_collisions=["1", "100"],
     scatterers=["hard-disks", "overlapping", "dilute"], times=several(0.1, 9.0),
-    positions=["places.csv", "data.csv", "binary.csv"], box_side=["10"], o=["run.h5", "a.h5md"],
-    observables=["positions", "msd,positions", "finals"], workers=["1"],
+    o=["run.h5", "a.h5md"], observables=["positions", "msd,positions", "finals"], workers=["1"],
 )  # fmt: skip
 compare = st.sampled_from(["empty.csv", "binary.csv", "huge.csv", "no.csv"]).flatmap(
     lambda name: words("compare", name, **system, speed_unit=["1", "data"], o=["page.html"])

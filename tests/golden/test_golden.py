@@ -17,7 +17,7 @@ NAMES = {
     "kinetics": """AngularHarmonics Beam CollisionLaw FieldState Gaussian InputError Monoenergetic
         PolarGrid ScaledVDF ScalingSolution Scene Solution SolverStatus SpeedDensity SpeedSamples
         SpeedTable ToleranceWarning VelocitySamples __version__ compare fit load solve solve_field
-        solve_scaled sonine""",
+        solve_scaled sonine solve_steady sweep Viscoelastic DrivenState""",
     "particles": """OBSERVABLES BoltzmannGrad Ensemble Estimate HardDisks HardSpheres Histogram
         Medium Poisson PoissonSpheres Positions Statuses load simulate""",
     "derivations": "verify printed_equation",

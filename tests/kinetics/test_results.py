@@ -29,6 +29,7 @@ from kinetics import (
     load,
     solve,
     solve_scaled,
+    sweep,
 )  # fmt: skip
 from kinetics.outputs import OUTPUTS
 from kinetics.results import Value, write_whole
@@ -347,3 +348,18 @@ def test_links_are_followed_and_nothing_but_files_is_written(tmp_path: Path) -> 
     for name in ("pipe", "null", "", os.path.join("none", "a.h5")):
         refused(lambda n=name: scene.save(tmp_path / n), "path")
         refused(lambda n=name: load(tmp_path / n), "path")
+
+
+def test_a_sweep_has_the_restitution_as_a_dimension() -> None:
+    asked: Any = {"times": [1.0, 50.0], "outputs": ("msd", "mean_velocity"), "initial": Beam(0.3)}
+    found = sweep([0.9, 0.2], 1e-8, **asked)
+    assert dict(found.sizes) == {"restitution": 2, "time": 2, "component": 2}
+    for e in (0.9, 0.2):
+        alone = solve(Scene(e, **asked), 1e-8)
+        np.testing.assert_array_equal(found.msd.sel(restitution=e), alone.msd)
+        np.testing.assert_array_equal(found.mean_velocity.sel(restitution=e), alone.mean_velocity)
+    assert found.msd.attrs["units"] == "d^2"
+    assert found.status.values.tolist() == ["converged"] * 2
+    for wrong in ([], [1.2], "a"):
+        with pytest.raises(InputError, match="restitution"):
+            sweep(wrong, **asked)

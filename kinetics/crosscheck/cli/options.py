@@ -3,7 +3,7 @@
 import math
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -16,7 +16,7 @@ from click.core import ParameterSource
 from kinetics.errors import InputError
 
 MOST_NUMBERS = 100_000  # of one range
-WIDTH = 100  # columns of a table
+WIDTH = 100  # columns of a line of words
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
     "of one component of the initial velocity), times in d/U, densities in d^-2 (in space d^-3)."
@@ -195,26 +195,18 @@ def written(value: Any, digits: int = 6) -> str:
     """A number as a physicist writes it: 0.0123, 1e6, 4.5e-7; other values as text."""
     if not isinstance(value, float):
         return str(value)
-    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
-    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    return re.sub(r"e([+-])0*", lambda e: "e" + e[1].strip("+"), f"{value:.{digits}g}")
 
 
-def columns(heads: Sequence[str], values: Iterable[Iterable[Any]]) -> str:
-    """A table, a column of numbers or texts per head; what is too wide goes on in one below."""
-    blocks: list[list[list[str]]] = []
-    for head, column in zip(heads, values, strict=True):
-        texts = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
-        texts = [text.rjust(max(map(len, texts))) for text in texts]
-        if not blocks:
-            blocks, first = [[]], texts
-        elif sum(len(c[0]) + 2 for c in blocks[-1]) + len(texts[0]) > WIDTH:
-            blocks.append([first])
-        blocks[-1].append(texts)
-    lines = []
-    for block in blocks:
-        top, *others = ("  ".join(row) for row in zip(*block, strict=True))
-        lines += [click.style(top, bold=True), *others]
-    return "\n".join(lines)
+def columns(table: Mapping[str, Iterable[Any]]) -> str:
+    """A table of columns of numbers or texts by their heads, a line for each row."""
+    texts = []
+    for head, column in table.items():
+        cells = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
+        width = max(map(len, cells))
+        texts.append([cell.rjust(width) for cell in cells])
+    top, *rows = ("  ".join(row) for row in zip(*texts, strict=True))
+    return "\n".join([click.style(top, bold=True), *rows])
 
 
 @contextmanager

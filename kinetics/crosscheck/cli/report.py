@@ -60,9 +60,15 @@ def report(
     """
     # fmt: on
     from kinetics.crosscheck import report as work
-    from kinetics.crosscheck.report.systems import DRIVEN, Cooling
+    from kinetics.crosscheck.report.systems import Cooling, Driven
 
-    asked: Any = Cooling(**system) if kind == "disks" else DRIVEN[kind](**_given(system, kind))
+    if kind == "disks":
+        asked: Any = Cooling(**system)
+    else:
+        nothing = [name for name in system if name not in _OF_DRIVEN]
+        options.refuse_given(nothing, f"--system {kind}")
+        given = {name: system[name] for name in _OF_DRIVEN if options.given([name])}
+        asked = Driven(name=kind, **given)
     asked = asked.quick() if quick else asked
     with options.progress(asked.stages) as tell:
         found = work.make_report(asked, tell)
@@ -77,9 +83,3 @@ def report(
 
 _OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 """Options of the report on the system that the others have too."""
-
-
-def _given(system: dict[str, Any], kind: str) -> dict[str, Any]:
-    """The options that the user gave; click.UsageError for those that the system does not have."""
-    options.refuse_given([name for name in system if name not in _OF_DRIVEN], f"--system {kind}")
-    return {name: system[name] for name in _OF_DRIVEN if options.given([name])}

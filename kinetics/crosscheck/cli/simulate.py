@@ -22,11 +22,13 @@ IN_FIELD = {
     "drift": "<v_x> [U]", "thermal_speed": "v0 [U]", "dispersion_parallel": "var x [d^2]",
     "dispersion_perpendicular": "var y [d^2]", "collisions": "collisions",
 }  # fmt: skip
-DISPERSION = ("dispersion", "dispersion_parallel", "dispersion_perpendicular")
+# those that a document has beside ESTIMATES
+OF_A_FIELD = (
+    "drift_of_moving", "trapped_fraction", "drift", "mean_velocity", "velocity_tensor",
+    "mean_displacement", "dispersion", "dispersion_parallel", "dispersion_perpendicular",
+)  # fmt: skip
 ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
-ARGUMENTS = ("media", "tracers", "max_collisions", "seed")
 MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "dilute")
-OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
 
 
 # fmt: off
@@ -42,9 +44,6 @@ OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
 @options.mass_option
 @options.density_option
 @option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
-@option("--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
-        help="Scatterers where this file says: columns x and y. Needs --box-side.")
-@option("--box-side", type=float, help="Side of the periodic box of --positions.")
 @option("--dimension", type=int,
         help="Of --scatterers dilute: 2 for disks, as it is if not given, 3 for spheres. Others "
         "have their own. Densities of spheres are in d^-3.")
@@ -73,8 +72,9 @@ OF_THE_MEDIUM = ("scatterers", "count", "positions", "box_side", "dimension")
 @options.workers_option
 @options.json_option
 def simulate(
-    until: float | None, number_density: float, times: tuple[float, ...],
-    observables: str, output: Path | None, as_json: bool, viscoelastic: float | None,
+    until: float | None, number_density: float, scatterers: str, count: int,
+    dimension: int | None, times: tuple[float, ...], observables: str, output: Path | None,
+    as_json: bool, viscoelastic: float | None,
     **arguments: Any,
 ) -> None:
     """Follow particles from collision to collision; every estimate with its standard error.
@@ -84,18 +84,16 @@ def simulate(
     # fmt: on
     import particles
 
-    times = options.times_until(times, until)
     names = options.names_in(observables)
-    told = arguments["restitution"]
-    arguments["restitution"] = options.impact_law(viscoelastic, "particles", told)
+    law = options.impact_law(viscoelastic, "particles", arguments["restitution"])
+    arguments |= {"restitution": law, "times": options.times_until(times, until) or None}
     h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     if h5md is not None:
         if arguments["resume"]:
             raise InputError("--resume: an H5MD file is written at the end; give --output FILE.h5")
         _require_new(h5md)
         output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
-    described = {name: arguments.pop(name) for name in OF_THE_MEDIUM}
-    medium = make_medium(number_density, **described)
+    medium = make_medium(scatterers, number_density, count, dimension)
     with _saying_how_to_go_on(output) as told, options.progress(arguments["media"]) as tell:
 
         def progress(done: int, total: int) -> None:
@@ -103,9 +101,8 @@ def simulate(
             tell("configurations", total, done)
 
         run = particles.simulate(
-            medium, times=times or None, observables=names or None, output=output,
-            progress=progress, **arguments,
-        )  # fmt: skip
+            medium, observables=names or None, output=output, progress=progress, **arguments
+        )
     if h5md is not None:
         run.write_h5md(h5md)
     _show(run, as_json)
@@ -144,25 +141,18 @@ def _show(run: Any, as_json: bool) -> None:
         click.echo(_text(run))
 
 
-def make_medium(
-    number_density: float, scatterers: str, count: int, positions: Path | None,
-    box_side: float | None, dimension: int | None,
-) -> Any:  # fmt: skip
+def make_medium(word: str, number_density: float, count: int, dimension: int | None) -> Any:
     """The medium that the options describe. Raises InputError where they do not fit."""
     import particles
 
-    if (positions is None) != (box_side is None):
-        raise InputError("--positions and --box-side: give both or neither")
-    if scatterers == "dilute" and positions is None:
+    if word == "dilute":
         chosen: Any = 2 if dimension is None else dimension
         return particles.BoltzmannGrad(number_density, dimension=chosen)
-    own = 3 if scatterers.endswith("spheres") and positions is None else 2
+    own = 3 if word.endswith("spheres") else 2
     if dimension not in (None, own):
         others = "dilute" + ", hard or overlapping spheres" * (own == 2)
         raise InputError(f"dimension: got {dimension}; it must be {own} unless these are {others}")
-    if positions is not None and box_side is not None:
-        return particles.Positions.from_csv(positions, box_side)
-    made = next(kind for kind in get_args(particles.Medium) if kind.scatterers == scatterers)
+    made = next(kind for kind in get_args(particles.Medium) if kind.scatterers == word)
     return made(number_density, count=count)
 
 
@@ -183,26 +173,23 @@ def _saying_how_to_go_on(output: Path | None) -> Iterator[dict[str, int]]:
 
 def _document(run: Any) -> dict[str, Any]:
     """What --json prints."""
-    estimates = ["mean_free_path", *ESTIMATES]
-    if run.field:
-        estimates += ["drift_of_moving", "trapped_fraction", "drift", "mean_velocity"]
-        estimates += ["velocity_tensor", "mean_displacement", *DISPERSION]
-    estimates += ["passed", "mean_passage_time"] if run.plan.depth is not None else []
-    estimates += ["trapped_fraction"] if run.plan.capture_speed and not run.field else []
-    law = ["tangential_restitution", "number_density", "field"]
-    law += [name for name in options.DRIVES if getattr(run, name)]
-    law += ["mass_ratio"] if math.isfinite(run.mass_ratio) else []  # JSON has no infinity
-    plan, scatterers = run.plan, run.medium.scatterers
+    plan, scatterers, moves = run.plan, run.medium.scatterers, math.isfinite(run.mass_ratio)
+    estimates = ["mean_free_path", *ESTIMATES, *(OF_A_FIELD if run.field else ())]
+    estimates += ["passed", "mean_passage_time"] if plan.depth is not None else []
+    estimates += ["trapped_fraction"] if plan.capture_speed and not run.field else []
+    law = ["tangential_restitution", "number_density", "field", "times", "samples", "missing"]
+    law += ["trapped", *(name for name in options.DRIVES if getattr(run, name))]
+    law += ["mass_ratio"] if moves else []  # JSON has no infinity
     initial = "rest" if plan.rest else "monoenergetic" if plan.monoenergetic else "gaussian"
     return {
         "medium": scatterers, "scatterers": scatterers, **options.law_keys(run.restitution),
-        **{name: getattr(run, name) for name in law}, "dimension": run.medium.dimension,
+        "dimension": run.medium.dimension, **{name: getattr(run, name) for name in law},
         "initial": initial if plan.velocities is None else None,
-        **{name: getattr(plan, name) for name in ARGUMENTS},
+        **{name: getattr(plan, name) for name in ("media", "tracers", "max_collisions", "seed")},
         **({"part": plan.part} if plan.part else {}),
         "statuses": {name: getattr(run.statuses, name) for name in ENDS},
-        **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
-        **{name: _value_and_error(getattr(run, name)) for name in estimates},
+        **{name: {"value": x.value, "error": x.error}
+           for name in estimates for x in [getattr(run, name)]},
     }  # fmt: skip
 
 
@@ -210,23 +197,16 @@ def _text(run: Any) -> str:
     """The estimates as a table, one row for each time, the mean free path, how tracers ended."""
     from kinetics.crosscheck.words import number
 
-    def line(what: str, estimate: Any, unit: str) -> str:
-        return f"{what}: {number(float(estimate.value), float(estimate.error))} {unit}"
-
-    lines = []
-    shown, depth = dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
-    shown |= {} if depth is None else {"passed": f"passed {depth:g} d"}
-    if run.times.size:
-        found = (_value_and_error(getattr(run, name)).values() for name in shown)
-        values = [list(map(number, *one)) for one in found]
-        lines.append(options.columns(["t [d/U]", *shown.values()], [run.times, *values]))
-    lines.append(line("mean free path", run.mean_free_path, "d"))
+    lines, shown, depth = [], dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
+    single = {"mean free path: {} d": run.mean_free_path}
     if depth is not None and run.times.size:
-        lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))
+        shown["passed"] = f"passed {depth:g} d"
+        single["mean time of the first passage: {} d/U"] = run.mean_passage_time
+    if run.times.size:
+        found = {head: getattr(run, name) for name, head in shown.items()}
+        table = {head: list(map(number, x.value, x.error)) for head, x in found.items()}
+        lines.append(options.columns({"t [d/U]": run.times, **table}))
+    lines += [text.format(number(float(x.value), float(x.error))) for text, x in single.items()]
     names = [name for name in ENDS if name != "captured" or run.capture_speed]
     ends = (f"{getattr(run.statuses, name)} {name}" for name in names)
     return "\n".join([*lines, f"tracers: {', '.join(ends)}"])
-
-
-def _value_and_error(estimate: Any) -> dict[str, Any]:
-    return {"value": estimate.value, "error": estimate.error}

@@ -1,7 +1,5 @@
 """The page: its tables, its script and its style in one HTML file."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -16,12 +16,10 @@ Of F(c) the logarithm of the density of ln(c)/w is kept, w = sqrt((1 - e^2)/5): 
 Gaussian of width 1.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from typing import Any
 
@@ -51,8 +49,6 @@ POWERS = {
 divided out of their tables."""
 WIDTHS = {DILUTE: (-6.0, 6.0), HARD: (-3.0, 5.0)}
 """Of ln(c)/w, between which F(c) is kept. Below, that of hard disks may be negative."""
-_OF_TIMES = (math.log(TIMES[0]), math.log(TIMES[1]))
-_OF_DENSITIES = (math.sqrt(DENSITIES[0]), math.sqrt(DENSITIES[1]))
 
 
 @dataclass(frozen=True)
@@ -72,9 +68,9 @@ class Table:
         x = place_of(e)
         panel = min(int(np.searchsorted(self.breaks[1:], x)), len(self.breaks) - 2)
         found = UNIT * self.coefficients[panel]
-        first = (x, self.breaks[panel : panel + 2])
-        axes: list[Any] = [first, *zip(points, self.ends, strict=True)]
-        for place, (low, high) in axes:  # the first axis goes, its points come last
+        ends = (self.breaks[panel : panel + 2], *self.ends)
+        for place, (low, high) in zip((x, *points), ends, strict=True):
+            # the first axis goes, its points come last
             scaled = (2.0 * np.atleast_1d(place) - low - high) / (high - low)
             found = np.tensordot(found, chebvander(scaled, len(found) - 1), (0, 1))
         return np.asarray(found[0])
@@ -172,25 +168,23 @@ def solved(e: float, n: float | None, t: Array) -> Array:
 
 def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     """Every table of the page, by name. tell : is called with what is begun."""
-    one, breaks = (0.0, 1.0), (0.0, 0.2, 1.0)
-    log_t, root_n, small_n = (*_OF_TIMES, 48), (*_OF_DENSITIES, 6), (*_OF_DENSITIES, 5)
+    breaks, ends_of_n = (0.0, 0.2, 1.0), (math.sqrt(DENSITIES[0]), math.sqrt(DENSITIES[1]))
+    log_t, root_n = (math.log(TIMES[0]), math.log(TIMES[1]), 48), (*ends_of_n, 6)
     xi, hard_xi = (*WIDTHS[DILUTE], 40), (*WIDTHS[HARD], 32)
     tell("dilute scatterers")
-    found = tables(("v0", "msd"), lambda e, s: _over_factors(e, None, s), one, 24, log_t)
-    found |= tables(("ln F",), lambda e, s: _log_density(e, None, s), one, 40, xi)
+    found = tables(("v0", "msd"), lambda e, s: _over_factors(e, None, s), (0.0, 1.0), 24, log_t)
+    found |= tables(("ln F",), lambda e, s: _log_density(e, None, s), (0.0, 1.0), 40, xi)
     tell("hard disks: v0, <r^2>")
     # H/(1 - e) has a limit for e -> 1
     limits = _at_each(lambda e, n: np.array(rates(e, n)) / [1.0 - e, 1.0])
     found |= tables(("hard H", "hard A"), limits, breaks, 16, root_n)
     found |= tables(("hard v0", "hard msd"), _at_each(_over_factors), breaks, 16, root_n, log_t)
     tell("hard disks: F(c)")
-    found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, small_n, hard_xi)
+    found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, (*ends_of_n, 5), hard_xi)
     tell("steady states of driven tracers")
     for drive, powers in POWERS.items():
-        found |= tables(
-            [f"{drive} {name}" for name in powers],
-            lambda e, drive=drive: steady(drive, e) / _powers(drive, e), (0.0, HIGHEST_DRIVEN), 20,
-        )  # fmt: skip
+        scaled = partial(_scaled_steady, drive)
+        found |= tables([f"{drive} {name}" for name in powers], scaled, (0.0, HIGHEST_DRIVEN), 20)
     return found
 
 
@@ -221,8 +215,8 @@ def _log_density(e: float, n: float | None, xi: Array) -> Array:
     return np.log(np.maximum(scaled_density(e, n, xi), 1e-280))[None]
 
 
-def _powers(drive: str, e: float) -> Array:
-    return (1.0 - e) ** np.array([*POWERS[drive].values()])
+def _scaled_steady(drive: str, e: float) -> Array:
+    return steady(drive, e) / (1.0 - e) ** np.array([*POWERS[drive].values()])
 
 
 def steady(drive: str, e: float) -> Array:

@@ -5,8 +5,10 @@ Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs
 words, `page.py` the HTML page.
 """
 
+import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -42,7 +44,7 @@ class Report:
             **page.head(system),
             "headline": {k: page.with_numbers(v) for k, v in headline.items()},
             "claims": story.claims,
-            "settings": asdict(system),
+            "settings": {n: x for n, x in vars(system).items() if n != "stages"},
             "verdicts": {word.value: text for word, text in MEANING.items()},
             "verdict_counts": rows.counts(self.table),
             "rows": rows.records(self.table),
@@ -56,9 +58,10 @@ class Report:
 
     def text(self) -> str:
         """What the terminal shows: the findings, and how many rows have each verdict."""
-        from kinetics.crosscheck.report import page
-
-        return page.text(self.document)
+        story = self.document["headline"]
+        counted = (f"{n} {verdict}" for verdict, n in self.document["verdict_counts"].items())
+        lines = (story["compared"], *story["findings"], ", ".join(counted))
+        return "\n".join(textwrap.fill(line, 100) for line in lines)
 
     def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
         """Write the page, its JSON, its tables and figures in these formats, or nothing; paths."""
@@ -83,17 +86,15 @@ def make_report(system: Any, progress: Callable[[str], None] | None = None) -> R
 
     progress is called with each stage. ValueError for what cannot be simulated.
     """
-    from kinetics.crosscheck.report import page
+    from kinetics.crosscheck.report import figures, page, rows, runs, story
 
     tell = progress or (lambda stage: None)
-    with page.algebra(system) as waiting:
-        from kinetics.crosscheck.report import figures, rows, runs, story
-
+    with ThreadPoolExecutor(1) as beside:
+        deriving = beside.submit(page.algebra, system)
         results = runs.gather(system, tell)
         tell("comparing")
         table = rows.comparisons(results)
-        drawn = figures.figures(results)
-        checks = waiting()
+        drawn, checks = figures.figures(results), deriving.result()
     return Report(results, table, story.tell(results, table, checks), drawn, checks)
 
 

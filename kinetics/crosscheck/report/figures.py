@@ -123,7 +123,7 @@ class _Sheet:
         """A line; its key is in the legend only if `named`."""
         stroke = {"linestyle": _DASHES.get(source, "-")}
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        ax.plot(x, y, color=self.style(key)[0], **stroke, linewidth=1.5)
+        ax.plot(x, y, color=self.style(key)[0], **stroke)
         self._enter(source, stroke, key, named)
 
     def points(
@@ -175,7 +175,6 @@ class _Sheet:
         self.figure.legend(
             handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
             labels=list(self._legend), loc="outside upper left", ncols=3,
-            handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
         )  # fmt: skip
         return self.figure
 
@@ -185,20 +184,25 @@ def figures(results: runs.Results) -> list[Drawn]:
 
     The "figures" of `kept` have title and caption of each, in which "{words}" are filled.
     """
-    chosen: list[Callable[[runs.Results], Made]] = [msd, position, kurtosis]
+    cases, chosen = results.cases, {"msd": msd, "position": position, "kurtosis": kurtosis}
     if isinstance(results.system, Driven):
-        chosen = [thermal_speed, spread]
+        decays = cases[0].solved is None
+        chosen = {
+            "thermal_speed": _driven("thermal_speed", "$v_0$  [U]", "log" if decays else "linear"),
+            "spread": _driven("msd", r"$\langle r^2\rangle$  [l²]"),
+        }
         if "field" in results.system.drive:
-            chosen = [drift, dispersion, from_rest]
+            falling = _driven("drift_from_rest", "$⟨v_z⟩$  [√(gl)]", time="[√(l/g)]")
+            chosen = {"drift": drift, "dispersion": dispersion, "from_rest": falling}
     elif results.cooling:
-        chosen = [cooling_rate, msd, vdf, position, kurtosis]
+        chosen = {"cooling_rate": cooling_rate, "msd": msd, "vdf": vdf, **chosen}
     drawn = []
     with mpl.rc_context(fname=STYLE):
-        for make in chosen:
+        for name, make in chosen.items():
             figure, words = make(results)
-            title, caption = kept()["figures"][make.__name__]
-            name, caption = make.__name__.replace("_", "-"), caption.format(**words).strip()
-            drawn.append(Drawn(name, title, caption, figure))
+            title, caption = kept()["figures"][name]
+            caption = caption.format(**words).strip()
+            drawn.append(Drawn(name.replace("_", "-"), title, caption, figure))
     return drawn
 
 
@@ -221,6 +225,23 @@ def exact_rates(tangential: float, dimension: int) -> tuple[runs.Array, runs.Arr
     e = np.sort([*np.linspace(0.0, 0.99, 67), 0.999, sonine.THRESHOLD_RESTITUTION + 1e-12])
     states = (ScalingSolution(float(x), tangential, dimension) for x in e)
     return e, np.array([state.cooling_rate for state in states])
+
+
+def gaussian_vdf(c: ArrayLike, dimension: int) -> runs.Array:
+    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
+    d = dimension
+    return np.asarray((d / 2 / math.pi) ** (d / 2) * np.exp(-d / 2 * np.square(c)))
+
+
+def limiting_drift(restitution: Any, dimension: int) -> Any:
+    """The drift in sqrt(g l) as collisions become elastic.
+
+    With eps = 1 - e^2 speeds are distributed as exp(-a v^4), which grows as eps, and
+    u = lambda(2) <v^3>/2.
+    """
+    d, (fall, loss) = dimension, ((2 / 9, 2 / 3) if dimension == 2 else (3 / 16, 1 / 2))
+    third = fall**-0.75 * math.gamma((3 + d) / 4) / math.gamma(d / 4)
+    return loss * third / 2 * (1.0 - np.square(restitution)) ** 0.25
 
 
 def cooling_rate(results: runs.Results) -> Made:
@@ -288,7 +309,7 @@ def vdf(results: runs.Results) -> Made:
         sheet.line(ax, runs.KINETIC, c, runs.last_vdf(case.solved.kinetic)(c), e, named=False)
         for source, found in case.measured.items():
             sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
-        sheet.line(ax, "Gaussian", c, runs.gaussian_vdf(c, case.dimension))
+        sheet.line(ax, "Gaussian", c, gaussian_vdf(c, case.dimension))
         first, equation = case.measured[hard]["scaled_vdf"], case.theory[runs.KINETIC]["scaled_vdf"]
         near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
     most, error, expected, e = max(near)
@@ -318,7 +339,7 @@ def position(results: runs.Results) -> Made:
             sheet.line(ax, "paper's integral", r, sonine.position_integral(r))
         else:  # as of c: a density in the plane or in space
             surface = d * runs.ball(d) * r ** (d - 1)
-            sheet.line(ax, "Gaussian", r, surface * runs.gaussian_vdf(r, d))
+            sheet.line(ax, "Gaussian", r, surface * gaussian_vdf(r, d))
     return sheet.done("scaled distance $R$", "$G(R)$"), {}
 
 
@@ -347,11 +368,9 @@ def _over_e(results: runs.Results, *names: str) -> _Sheet:
     e = np.array([case.restitution for case in results.cases])
     for k, name in enumerate(names):
         found = [case.measured[runs.FREE][name] for case in results.cases]
-        measured = runs.Measured(
-            *(np.array([getattr(x, n) for x in found]) for n in ("value", "error"))
-        )
+        value, error = (np.array([getattr(x, n) for x in found]) for n in ("value", "error"))
+        measured, group = runs.Measured(value, error), (OBSERVABLES[name][1], k)
         solved = np.array([case.theory[runs.SOLVER][name] for case in results.cases])
-        group = (OBSERVABLES[name][1], k)
         sheet.line(top, runs.SOLVER, e, solved, group)
         sheet.points(top, runs.FREE, e, measured, group)
         sheet.points(below, runs.FREE, e + 0.004 * k, measured / solved, group)
@@ -363,7 +382,7 @@ def _over_e(results: runs.Results, *names: str) -> _Sheet:
 def drift(results: runs.Results) -> Made:
     """Drift over e."""
     sheet, d = _over_e(results, "drift"), results.cases[0].dimension
-    sheet.line(sheet.axes[0], "limiting law", _FINE, runs.limiting_drift(_FINE, d))
+    sheet.line(sheet.axes[0], "limiting law", _FINE, limiting_drift(_FINE, d))
     return sheet.done(_RESTITUTION, "drift $u$  [√(gl)]", "over the solver"), {}
 
 
@@ -373,20 +392,11 @@ def dispersion(results: runs.Results) -> Made:
     return sheet.done(_RESTITUTION, "$D$  [√(gl³)]", "over the solver"), {}
 
 
-def from_rest(results: runs.Results) -> Made:
-    """Approach to the steady state."""
-    sheet = _over_time(results, "drift_from_rest", runs.SOLVER, runs.FREE, "log")
-    return sheet.done("time $t$  [√(l/g)]", "$⟨v_z⟩$  [√(gl)]", "over the solver"), {}
+def _driven(name: str, y: str, scale: str = "log", time: str = "[l/U]") -> Callable[..., Made]:
+    """The figure of an average over time, and of particles over the solver."""
 
+    def made(results: runs.Results) -> Made:
+        sheet = _over_time(results, name, runs.SOLVER, runs.FREE, scale)
+        return sheet.done(f"time $t$  {time}", y, "over the solver"), {}
 
-def thermal_speed(results: runs.Results) -> Made:
-    """v0(t), and particles over the solver."""
-    scale = "log" if results.cases[0].solved is None else "linear"
-    sheet = _over_time(results, "thermal_speed", runs.SOLVER, runs.FREE, scale)
-    return sheet.done("time $t$  [l/U]", "$v_0$  [U]", "over the solver"), {}
-
-
-def spread(results: runs.Results) -> Made:
-    """<r^2>(t), and particles over the solver."""
-    sheet = _over_time(results, "msd", runs.SOLVER, runs.FREE, "log")
-    return sheet.done("time $t$  [l/U]", r"$\langle r^2\rangle$  [l²]", "over the solver"), {}
+    return made

@@ -1,18 +1,7 @@
-"""The report as one HTML page with nothing beside it and as text, and the formulas that it shows.
+"""The report as one HTML page with nothing beside it and as text, and the formulas on it."""
 
-    python -m kinetics.crosscheck.report.page LABEL ...
-
-prints the rows of these labels of `derivations` (none: those of the paper's report) as JSON.
-"""
-
-import json
-import os
 import re
-import subprocess
-import sys
-import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import repeat
 from typing import Any
 
@@ -23,43 +12,14 @@ _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", 
 """Labels of the paper that are words or symbols too: they are labels only after "eq."."""
 
 
-@contextmanager
-def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
-    """Derive the formulas of the report in a process of its own; gives a function that waits.
+def algebra(system: Any) -> list[dict[str, Any]]:
+    """The formulas of the report, derived: title, status, note, and both as text and as MathML."""
+    from derivations import report_subset, verify
 
-    It ends with the context; RuntimeError if it fails. A system may have none.
-    """
-    more: Sequence[str] | None = getattr(system, "algebra", None)
-    if more is None:
-        more = () if system.is_papers_law else kept()["algebra"][str(system.dimension)]
-    elif not more:
-        yield list
-        return
-    command = [sys.executable, "-P", "-m", __name__, *(f"beyond:{name}" for name in more or ())]
-    # the child must find the packages where this process did, installed or not, and Ctrl-C reach
-    # this process alone, which then ends the child
-    path = os.pathsep.join(filter(None, sys.path))
-    with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True, env=dict(os.environ, PYTHONPATH=path), start_new_session=True,
-    ) as process:  # fmt: skip
-
-        def wait() -> list[dict[str, Any]]:
-            out, err = process.communicate()
-            if process.returncode:
-                raise RuntimeError(f"the derivations failed: {err.strip().rpartition(chr(10))[2]}")
-            return list(json.loads(out))
-
-        try:
-            yield wait
-        finally:
-            process.kill()
-
-
-def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
-    """One row per label: title, status, note, and both formulas as sympy's text and as MathML."""
-    from derivations import verify
-
+    labels: Iterable[str] = report_subset
+    if not system.is_papers_law:
+        of = system.name if system.name != "report" else str(system.dimension)
+        labels = [f"beyond:{name}" for name in kept()["algebra"][of]]
     names = ("label", "title", "proof", "note", "printed_mathml", "derived_mathml")
     return [
         {name: getattr(check, name) for name in names}
@@ -69,7 +29,7 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
             "derived": "" if check.derived is None else str(check.derived),
             "numbers": {each.name: float(each.value) for each in check.numbers},
         }
-        for check in verify(labels)
+        for check in (verify(labels) if labels else ())
     ]
 
 
@@ -77,7 +37,9 @@ def with_numbers(text: Any) -> Any:
     """A text, or several, with the numbers of the paper's equations in place of their labels."""
     if not isinstance(text, str):
         return [with_numbers(each) for each in text]
-    numbers = kept()["numbers"]
+    from derivations.printed import ROWS
+
+    numbers = {label: row.number for label, row in ROWS.items() if row.number}
     every = sorted(numbers, key=len, reverse=True)
     sure = [label for label in every if label not in _WORDS]
     for start, known in ((r"\b(?:eq\. |label )", every), (r"(?<![\w:])", sure)):
@@ -119,6 +81,9 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
+    from derivations import printed_equation
+    from derivations.printers import mathml
+
     # Formulas are of this package's own printer, figures are matplotlib's with escaped texts:
     # nothing of a user's goes in unescaped.
     loader = PackageLoader("kinetics.crosscheck")
@@ -130,7 +95,10 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
     below = kept()["below"]["paper" if papers_law else str(dimension)] if cools else ()
 
     def equation(name: str) -> tuple[str, Markup]:
-        return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))
+        words, *labels = kept()["equations"][name]
+        # ascending powers read better: 1 - e^2
+        printed = (mathml(printed_equation(x).formula, "rev-lex", "block") for x in labels)
+        return words, Markup("".join(printed))
 
     return made.get_template("report.html.j2").render(
         doc=document, chance=chance, formula=Markup, deviation=deviation,
@@ -169,18 +137,3 @@ def _verdicts(document: Mapping[str, Any]) -> tuple[list[str], list[list[Any]]]:
     for heading, whos in groups.items():
         lines += [[heading], *([w, *map(x.get, every, repeat("–"))] for w, x in whos.items())]
     return [f"{document['parameter']} = {e:g}" for e in every], lines
-
-
-def text(document: Mapping[str, Any]) -> str:
-    """The findings, and how many rows have each verdict."""
-    story = document["headline"]
-    counted = ", ".join(f"{n} {verdict}" for verdict, n in document["verdict_counts"].items())
-    return "\n".join(
-        textwrap.fill(line, 100) for line in (story["compared"], *story["findings"], counted)
-    )
-
-
-if __name__ == "__main__":
-    from derivations import report_subset
-
-    json.dump(algebra_rows(sys.argv[1:] or report_subset), sys.stdout)

@@ -111,16 +111,6 @@ class Results(NamedTuple):
 
 
 # -- numbers of one run or solution ----------------------------------------------------------------
-def contact_value(number_density: float, dimension: int = 2) -> float:
-    """The pair correlation at contact, g(d), by which the mean free path is divided.
-
-    Of hard disks: D. Henderson, Mol. Phys. 30, 971 (1975); number_density in d^-2. Of hard spheres:
-    N. F. Carnahan and K. E. Starling, J. Chem. Phys. 51, 635 (1969); in d^-3.
-    """
-    x = math.pi * number_density / (2 * dimension)  # their share of the plane, or of space
-    return (1 - x / 2) / (1 - x) ** 3 if dimension == 3 else (1 - 7 * x / 16) / (1 - x) ** 2
-
-
 def rates(
     times: Array, averages: Mapping[str, Array], early: int, half_rate: float
 ) -> dict[str, Array]:
@@ -134,12 +124,6 @@ def rates(
 def ball(dimension: int) -> float:
     """Area of the unit circle, or volume of the unit sphere."""
     return math.pi if dimension == 2 else 4 * math.pi / 3
-
-
-def gaussian_vdf(c: ArrayLike, dimension: int) -> Array:
-    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
-    d = dimension
-    return np.asarray((d / 2 / math.pi) ** (d / 2) * np.exp(-d / 2 * np.square(c)))
 
 
 def bin_measure(dimension: int) -> Array:
@@ -214,7 +198,6 @@ def cooling_case(
     times = np.geomspace(min(1.0, last / 10), last, system.n_times)
     early = int(np.searchsorted(times, last / 10))
     seed, hard = system.seed + 2 * system.restitutions.index(e), f"hard {system.scatterers}"
-    free_media = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
     packed_media: Any = HardSpheres if d == 3 else HardDisks
 
     def followed(medium: Medium, seed: int, media: int, tracers: int) -> Ensemble:
@@ -226,13 +209,14 @@ def cooling_case(
 
     tell(f"e = {e:g}: {hard}")
     solving = beside.submit(_solutions, law, times, system)
-    medium = packed_media(system.number_density, count=system.count)
-    packed = followed(medium, seed + 1, system.media, system.tracers)
+    packed_medium = packed_media(system.number_density, count=system.count)
+    packed = followed(packed_medium, seed + 1, system.media, system.tracers)
     if not np.isfinite(packed.mean_free_path.value):
         refuse("until", last, f"no tracer among {hard} has collided by then, some must")
     tell(f"e = {e:g}: {FREE} particles")
     groups = min(100, system.free_tracers // 2)  # independent ones, for the jackknife
-    free = followed(free_media, seed, groups, system.free_tracers // groups)
+    medium = BoltzmannGrad(system.number_density, dimension=3 if d == 3 else 2)
+    free = followed(medium, seed, groups, system.free_tracers // groups)
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
     found.early = early
@@ -243,7 +227,6 @@ def cooling_case(
         "free_path": 0.5 / half_rate, "position": shares / np.diff(edges),
         "scaled_vdf": bin_average(last_vdf(found.kinetic), d),
     }  # fmt: skip
-    theory["contact"] = {"free_path": 0.5 / half_rate / contact_value(system.number_density, d)}
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
         names = ("cooling_rate", "a2")
@@ -288,10 +271,6 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     return found
 
 
-def _slope(times: Array, msd: Array) -> float:
-    return float((msd[-1] - msd[0]) / np.log(times[-1] / times[0]))
-
-
 def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
     """What the paper's formulas say."""
     found: dict[str, dict[str, Any]] = {
@@ -302,7 +281,8 @@ def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]
     for source, msd in ((FIT, sonine.msd_random_walk), (SONINE, sonine.msd_sonine)):
         found[source]["msd"] = msd(times, e, density)
         if e < 1:
-            found[source]["msd_slope"] = _slope(late, msd(late, e, density))
+            rise = np.diff(msd(late, e, density)) / np.diff(np.log(late))
+            found[source]["msd_slope"] = float(rise[0])
     return found
 
 
@@ -316,15 +296,20 @@ def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
 def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]:
     """All that is measured."""
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
-    log_speed, _, *place = np.moveaxis(by_group, -1, 0)
-    place.pop(2)  # collisions
-    speeds, distances = np.exp(log_speed), np.hypot(*place[:2])
+    # columns: ln v, the direction of v, x, y, collisions, in space z
+    speeds = np.exp(by_group[..., 0])
+    distances = np.linalg.norm(np.delete(by_group, [0, 1, 4], axis=-1), axis=-1)
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
-    for third in place[2:]:
-        distances = np.hypot(distances, third)
+    # without one of the configurations, of whose sums the averages are made
+    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
+    rest = {name: array.sum(axis=0) - array for name, array in sums.items()}
+    parts = (
+        replace(run, arrays={**run.arrays, **{name: x[k][None] for name, x in rest.items()}})
+        for k in range(run.media)
+    )
+    without = [_over_time(part, early, half_rate) for part in parts]
     found = _over_time(run, early, half_rate)
-    without = [_over_time(part, early, half_rate) for part in _without_each(run)]
     slopes = {
         n: Measured(found[n], jackknife_error(np.array([row[n] for row in without])))
         for n in ("cooling_rate", "msd_slope")
@@ -336,16 +321,6 @@ def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]
         "position": scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
         "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
     }  # fmt: skip
-
-
-def _without_each(run: Ensemble) -> list[Ensemble]:
-    """The ensemble without one of its configurations, of whose sums its averages are made."""
-    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
-    rest = {name: array.sum(axis=0) - array for name, array in sums.items()}
-    return [
-        replace(run, arrays={**run.arrays, **{n: rest[n][k][None] for n in sums}})
-        for k in range(run.media)
-    ]
 
 
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------
@@ -387,16 +362,15 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
     theory: dict[str, dict[str, Any]] = {SOLVER: said, EXACT: {}}
     if state is not None:
         elapsed = float(times[-1] - times[first])
-        ends = _vectors(run, "positions")[[first, -1]]
         s: dict[Any, Any] = _moments(_vectors(run, "velocities")[first:])
         exact: dict[Any, Any] = {(p, k): state.moment(float(p), k) for p, k in s}
-        s |= _growth(ends)
+        s |= _growth(run, first)
         spread = (state.diffusion_parallel, state.diffusion_perpendicular)
         exact |= {"x": state.drift * elapsed, "xx": 2 * elapsed * spread[0]}
         exact |= {"yy": 2 * elapsed * spread[1]}
         if "field" not in drive:  # the drift in a weak one
             weak = {"field": WEAK_FIELD}
-            s["u"] = _growth(_vectors(followed(times[[first, -1]], 1, **weak), "positions"))["x"]
+            s["u"] = _growth(followed(times[[first, -1]], 1, **weak), 0)["x"]
             exact["u"] = kinetics.solve_steady(law, d, **drive, **weak, rtol=1e-6).drift * elapsed
         quantities: Any = partial(_steady_averages, elapsed, parameter, system)
         measured |= jackknifed(s, quantities)
@@ -432,16 +406,16 @@ def _moments(v: Array) -> dict[Any, Array]:
     return {key: x.mean(axis=(0, 2)) for key, x in every.items()}
 
 
-def _growth(r: Array) -> dict[Any, Array]:
-    """Growth of <x>, of the variance of x, and of <y^2>, from one time to another, of each group.
+def _growth(run: Ensemble, first: int) -> dict[Any, Array]:
+    """Growth of <x>, of the variance of x, and of <y^2>, from this time to the last, of each group.
 
     Groups share the law: their means of x differ by chance alone, which the variance leaves out.
     """
-    mean, x = r[..., 0].mean(axis=2), r[..., 0]
+    r = _vectors(run, "positions")[[first, -1]]
+    x = r[..., 0]
     variance = (x - x.mean(axis=(1, 2), keepdims=True)) ** 2
-    across = (r[..., 1:] ** 2).mean(axis=-1)
-    both = {"xx": variance.mean(axis=2), "yy": across.mean(axis=2), "x": mean}
-    return {key: x[1] - x[0] for key, x in both.items()}
+    both = {"x": x, "xx": variance, "yy": (r[..., 1:] ** 2).mean(axis=-1)}
+    return {key: np.diff(each.mean(axis=2), axis=0)[0] for key, each in both.items()}
 
 
 def _steady_averages(
@@ -470,14 +444,3 @@ def _steady_averages(
         found["energy"] = law.decay_rate(2.0) * s[3, 0] / gain
         found["fourth"] = law.decay_rate(4.0) * s[5, 0] / fourth
     return found
-
-
-def limiting_drift(restitution: Any, dimension: int) -> Any:
-    """The drift in sqrt(g l) as collisions become elastic.
-
-    With eps = 1 - e^2 speeds are distributed as exp(-a v^4), which grows as eps, and
-    u = lambda(2) <v^3>/2.
-    """
-    d, (fall, loss) = dimension, ((2 / 9, 2 / 3) if dimension == 2 else (3 / 16, 1 / 2))
-    third = fall**-0.75 * math.gamma((3 + d) / 4) / math.gamma(d / 4)
-    return loss * third / 2 * (1.0 - np.square(restitution)) ** 0.25

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kinetics.crosscheck.report import runs
-from kinetics.crosscheck.report.figures import exact_rates
+from kinetics.crosscheck.report.figures import exact_rates, limiting_drift
 from kinetics.crosscheck.report.rows import OBSERVABLES, kept
 from kinetics.crosscheck.report.systems import Driven
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
@@ -229,7 +229,7 @@ def _driven(results: runs.Results, table: Any) -> Story:
     }
     system: Any = results.system
     words |= {"of": system.scatterers, **system.drive}
-    words |= {"constant": f"{runs.limiting_drift(0.0, system.dimension):.4f}"}
+    words |= {"constant": f"{limiting_drift(0.0, system.dimension):.4f}"}
     what, first, last = (t.format(**words) for t in _WORDS["driven"][system.name])
     compared, agree = _WORDS["driven"]["compared"].format(what=what), agreement(table)
     return Story(compared, [first, agree, last], f"Finding: {agree}", tables={"summary": records})

@@ -6,8 +6,8 @@ file takes any. InputError for what cannot be used.
 """
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple, Self
 
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.driven.restitution import Viscoelastic
@@ -17,7 +17,6 @@ SCATTERERS = {2: "disks", 3: "spheres"}
 PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of its figures 5 and 6)."""
 OTHER_FINAL_TIME = 1000.0  # final time in d/U of a restitution that the paper does not have
-FIELD_RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
 
 
 def half_cross_section(dimension: int) -> float:
@@ -31,10 +30,10 @@ class _System:
     rtol: float = 1e-10  # asked of the solver
     seed: int = 1
     workers: int | None = None  # threads
+    name: str = "report"  # of its files
 
-    name: ClassVar[str] = "report"  # of its files
     is_papers_law: ClassVar[Any] = False  # are scatterers smooth disks, as those of the paper?
-    parameter: ClassVar[str] = "e"  # what `restitutions` are
+    parameter: ClassVar[Any] = "e"  # what `restitutions` are
     _least: ClassVar[Any] = {}  # of counts
     # of a quick report: counts at most, and tolerances at least
     _quick: ClassVar[Any] = {}
@@ -125,29 +124,50 @@ class Cooling(_System):
         return self.number_density * half_cross_section(self.dimension)
 
 
+class Drive(NamedTuple):
+    """What drives tracers, as a Scene and `simulate` take it, and what is then usual."""
+
+    drive: dict[str, Any]
+    initial: str
+    restitutions: tuple[float, ...]
+    collisions: int  # about so many in each run, which sets its tracers
+
+
+DRIVES = {
+    "field": Drive({"field": 1.0}, "rest", (
+        0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98,
+    ), 8_000_000),
+    # scatterers that move, infinitely heavy
+    "bath": Drive({"bath_speed": 1.0}, "gaussian", (0.5,), 10_000_000),
+    # noise takes many short steps
+    "heated": Drive({"heating": 1.0}, "gaussian", (0.5,), 2_000_000),
+    # nothing drives, and the restitution falls with the impact speed; these are b
+    "viscoelastic": Drive({}, "gaussian", (0.45,), 10_000_000),
+}  # fmt: skip
+
+
 @dataclass
 class Driven(_System):
-    """Tracers of the dilute limit that something drives, from a Gaussian start or from rest.
+    """Tracers of the dilute limit that something drives, one of `DRIVES` by name.
 
-    Lengths are in l, times in l/U. Restitutions below 1; of viscoelastic impacts they are b.
+    Lengths are in l, times in l/U, in a field sqrt(g l) and sqrt(l/g). Restitutions below 1.
     """
 
     rtol: float = 1e-8
+    name: str = "bath"
     time_rtol: float = 1e-6  # asked of the solver over time
     dimension: int = 2
-    collisions: int = 10_000_000  # about so many in each run, which sets its tracers
+    collisions: int = 0  # 0: as usual
     most_tracers: int = 200_000
     groups: int = 100  # independent ones of tracers, behind the errors
-    drive: dict[str, Any] = field(default_factory=dict)  # as a Scene and `simulate` take it
 
-    initial: ClassVar[str] = "gaussian"
-    default: ClassVar[tuple[float, ...]] = (0.5,)
-    algebra: ClassVar[tuple[str, ...]] = ()  # labels of derivations
     _least: ClassVar[Any] = {"groups": 10, "collisions": 1, "most_tracers": 100}
     _quick: ClassVar[Any] = {"collisions": 500_000, "most_tracers": 10_000, "time_rtol": 1e-5}
 
     def __post_init__(self) -> None:
-        self._check(self.default)
+        self.drive, self.initial, usual, collisions = DRIVES[self.name]
+        self.collisions = self.collisions or collisions
+        self._check(usual)
         self.restitutions = tuple(sorted(self.restitutions))
         if self.restitutions[-1] == 1.0 and self.drive:
             allowed = "each must be below 1: elastic tracers reach no steady state"
@@ -157,54 +177,21 @@ class Driven(_System):
             self.law(x)
         self.stages = 2 * len(self.restitutions) + 2
 
+    @property
+    def parameter(self) -> str:
+        """What `restitutions` are."""
+        return "e" if self.drive else "b"
+
     def law(self, restitution: float) -> Any:
         """The restitution, as a Scene and `simulate` take it."""
         return restitution if self.drive else Viscoelastic(restitution)
 
-
-@dataclass
-class Falling(Driven):
-    """Tracers that fall from rest in a uniform field, in sqrt(g l) and sqrt(l/g)."""
-
-    collisions: int = 8_000_000
-    drive: dict[str, Any] = field(default_factory=lambda: {"field": 1.0})
-    name = "field"
-    initial = "rest"
-    default = FIELD_RESTITUTIONS
-
-    def quick(self) -> "Falling":
+    def quick(self) -> Self:
         """The same with fewer samples, and fewer restitutions unless others were asked for."""
-        few = (0.0, 0.5, 0.9) if self.restitutions == FIELD_RESTITUTIONS else self.restitutions
-        return super(Falling, replace(self, restitutions=few)).quick()
+        usual, few = DRIVES[self.name].restitutions, self.restitutions
+        if few == usual and len(usual) > 3:
+            few = (0.0, 0.5, 0.9)
+        return super(Driven, replace(self, restitutions=few)).quick()
 
 
-@dataclass
-class Bath(Driven):
-    """Scatterers that move, infinitely heavy, with Gaussian velocities."""
-
-    drive: dict[str, Any] = field(default_factory=lambda: {"bath_speed": 1.0})
-    name = "bath"
-    algebra = ("bath-temperature", "bath-einstein")
-
-
-@dataclass
-class Heated(Driven):
-    """White noise acts on the tracers."""
-
-    collisions: int = 2_000_000  # noise takes many short steps
-    drive: dict[str, Any] = field(default_factory=lambda: {"heating": 1.0})
-    name = "heated"
-    algebra = ("heated-moments",)
-
-
-@dataclass
-class SoftSpheres(Driven):
-    """Viscoelastic impacts: the restitution falls with the impact speed, and nothing drives."""
-
-    name = "viscoelastic"
-    parameter = "b"
-    default = (0.45,)
-
-
-DRIVEN: dict[str, type[Driven]] = {kind.name: kind for kind in (Falling, Bath, Heated, SoftSpheres)}
 System = Cooling | Driven

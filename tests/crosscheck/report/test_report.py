@@ -14,11 +14,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from pages import Page, check_alone, check_in_browser
 
-from derivations import printed_equation
-from derivations.printers import mathml
 from kinetics.crosscheck.report import figures, page, rows
 from kinetics.crosscheck.report.runs import Measured, scaled_density
-from kinetics.crosscheck.report.systems import DRIVEN, Bath, Cooling, Falling, SoftSpheres
+from kinetics.crosscheck.report.systems import DRIVES, Cooling, Driven
 
 KINDS: tuple[Any, ...] = ("paper", "spheres", "elastic", "field", "heated")
 LATE = ("rough", "bath", "viscoelastic")
@@ -47,7 +45,7 @@ def test_the_golden_rows(made: Any) -> None:
     values = found.table.set_index(keys).value
     for key, value in known.items():
         assert values[key] == pytest.approx(value, rel=1e-5), key
-    assert len(found.table) == 66
+    assert len(found.table) == 64
     counted = found.document["verdict_counts"]
     assert counted == Counter(row["verdict"] for row in found.document["rows"])
     assert counted["agrees"] + counted["not tested"] > 30
@@ -119,12 +117,6 @@ def test_the_files(each: Any) -> None:
     assert (each.folder / f"{each.name}-points.csv").stat().st_size > 1000
 
 
-def test_the_terminal_is_100_columns_wide(each: Any) -> None:
-    text = each.report.text()
-    assert max(map(len, text.splitlines())) <= 100
-    assert all(word in text for word in each.report.document["verdict_counts"])
-
-
 def test_every_figure_has_words_units_and_ticks_that_do_not_collide(each: Any) -> None:
     dimensional = {"t", "r^2", "u", "v_z", "v^2", "D", "x", "y"}
     for drawn in each.report.figures:
@@ -185,25 +177,12 @@ def test_the_page_in_a_browser(made: Any, browser: Any, width: int, dark: bool) 
         assert (seen["ink"] == "rgb(231, 234, 238)") is dark
 
 
-def test_the_kept_equations_are_those_that_the_derivations_print() -> None:
-    for name, (_, *labels) in page.kept()["equations"].items():
-        # ascending powers read better: 1 - e^2
-        found = [mathml(printed_equation(x).formula, "rev-lex", "block") for x in labels]
-        assert found == page.kept()["mathml"][name]
-
-
 def test_labels_of_the_paper_become_its_numbers() -> None:
     assert page.with_numbers("see ad8#2, eq. msd and msd") == "see eq. (C9), eq. (22) and msd"
     assert page.with_numbers(["beyond:slope", "sonine9"]) == ["beyond:slope", "eq. (B15)"]
 
 
-def test_failed_derivations_are_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page, "__name__", "kinetics.no_such_module")
-    with pytest.raises(RuntimeError, match="no_such_module"), page.algebra(Cooling()) as wait:
-        wait()
-
-
-@pytest.mark.parametrize("kind", DRIVEN)
+@pytest.mark.parametrize("kind", DRIVES)
 def test_driven_tracers_are_judged_over_time_and_in_the_steady_state(made: Any, kind: str) -> None:
     table = made(kind).report.table.set_index(["observable", "source"])
     names = {"drift_from_rest"} if kind == "field" else {"thermal_speed", "a2", "msd"}
@@ -221,20 +200,9 @@ def test_driven_tracers_are_judged_over_time_and_in_the_steady_state(made: Any, 
         assert drift == pytest.approx(state.mobility, rel=0.05)
 
 
-def test_driven_tracers_need_a_loss() -> None:
-    for system, e in ((Bath, 1.0), (SoftSpheres, 0.0)):
-        with pytest.raises(ValueError, match=r"restitutions: got|b: got"):
-            system(restitutions=(e,))
-
-
-def test_a_quick_report_is_of_the_same_system_with_fewer_samples() -> None:
-    for system in (Cooling(), Falling(), Bath()):
-        quick = system.quick()
-        assert quick.stages <= system.stages
-        samples = "tracers" if isinstance(system, Cooling) else "most_tracers"
-        assert getattr(quick, samples) < getattr(system, samples)
-        assert len(quick.restitutions) <= len(system.restitutions)
-    assert Falling((0.3, 0.8)).quick().restitutions == (0.3, 0.8)
+def test_a_quick_report_is_of_the_same_system() -> None:
+    assert Cooling().quick().media < Cooling().media
+    assert Driven((0.3, 0.8), name="field").quick().restitutions == (0.3, 0.8)
 
 
 def test_the_scaled_density_of_gaussian_velocities_and_its_errors() -> None:

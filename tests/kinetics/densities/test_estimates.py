@@ -134,6 +134,7 @@ def test_the_distribution_of_one_speed_at_its_fronts(e: float, dimension: int) -
     exact = of_one_bounce(law, t, at) / -math.expm1(-t)
     # what has collided twice is t of it
     assert np.max(np.abs(found - exact)) < solution.error_estimate + t + 5e-3
+    assert np.isin([e, 1.0], np.round(solution.speed_fronts, 12)).all()
     tight = solve(scene, 1e-4)
     assert tight.status is SolverStatus.TOLERANCE_NOT_REACHED
 

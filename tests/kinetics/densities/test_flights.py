@@ -1,0 +1,55 @@
+"""Lengths and durations of free flights: closed forms, particles, and what is refused."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import Scene, solve
+from particles import BoltzmannGrad, simulate
+
+EDGES = np.append(0.0, np.geomspace(0.1, 50.0, 40))
+
+
+def flights(e: float, times: Any, **scene: Any) -> Any:
+    return solve(Scene(e, 0.04, times=times, outputs=("collisions",), **scene), rtol=1e-6)
+
+
+def test_of_one_speed_that_is_kept() -> None:
+    # up to T (T - s) e^-s/l of T/l flights are longer than s, and than x = s
+    found, times = flights(1.0, [0.0, 10.0, 50.0], initial="monoenergetic"), np.array([10.0, 50.0])
+    longer = np.maximum(times[:, None] - EDGES, 0.0) * np.exp(-EDGES / 12.5) / times[:, None]
+    for shares in (found.free_time_fraction(EDGES), found.free_path_fraction(EDGES)):
+        np.testing.assert_allclose(shares[1:], -np.diff(longer), atol=1e-12)
+        assert np.isnan(shares[0]).all()
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+def test_late_lengths_are_exponential_and_durations_are_not(e: float) -> None:
+    found = flights(e, [1e2, 1e4, 1e8], dimension=3)
+    exponential = -np.diff(np.exp(-EDGES / found.scene.mean_free_path))
+    first, middle, last = abs(found.free_path_fraction(EDGES) - exponential).max(axis=1)
+    # of the flights T cuts off one for each tracer, of T/l of them or of some ln T
+    assert last < (1e-6 if e == 1.0 else 0.7 * middle)
+    assert middle < 0.8 * first
+    assert abs(found.free_time_fraction(EDGES)[-1] - exponential).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("e", "dimension", "initial"),
+    [(0.0, 3, "gaussian"), (1.0, 2, "gaussian"), (0.5, 3, "monoenergetic")],
+)  # fmt: skip
+def test_particles_have_the_same_flights(e: float, dimension: int, initial: str) -> None:
+    names = ("free_path", "free_time")
+    run = simulate(BoltzmannGrad(0.04, dimension=dimension), e, initial, times=[60.0], media=60,
+                   tracers=200, seed=3,
+                   observables=[f"{name}_histogram" for name in names])  # fmt: skip
+    scene = Scene(e, 0.04, dimension=dimension, initial=initial, times=[60.0])
+    found = solve(scene, rtol=1e-6 if initial == "gaussian" else 1e-3)
+    for name in names:
+        seen = getattr(run, f"{name}_histogram")
+        expected = getattr(found, f"{name}_fraction")(seen.edges)[0]
+        busy = expected * run.collision_total > 100
+        off = abs(seen.probability.value[0] - expected)[busy] / seen.probability.error[0, busy]
+        assert busy.sum() > 60
+        assert off.max() < 4.5  # of about 100 bins, errors from 60 configurations
