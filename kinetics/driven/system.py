@@ -83,6 +83,11 @@ class System:
         return self.law is not None and self.field > 0.0 and not (self.heating or self.drag)
 
     @property
+    def only_heats(self) -> bool:
+        """Whether there are but noise and collisions that scale with the speed."""
+        return self.law is not None and self.heating > 0.0 and not (self.field or self.drag)
+
+    @property
     def field_rules(self) -> bool:
         """Whether no bath or noise keeps directions smooth at low speeds, where a field bends."""
         return max(self.bath_speed, self.heating ** (1.0 / 3.0)) < _STRONG * math.sqrt(self.field)

@@ -210,12 +210,24 @@ def test_odd_powers_next_to_rest_are_in_the_estimate_under_noise():
 
 
 def test_its_density_is_that_of_airy(dimension):
-    noise, v = 2.0, np.array([0.0, 0.3, 0.5, 1.0, 3.0, 6.0])
+    noise, v = 2.0, np.array([0.0, 0.3, 0.5, 1.0, 3.0, 6.0, 15.0])
     state, unit = solve_steady(0.0, dimension, heating=noise), noise ** (1 / 3)
     whole = -airy(0.0)[1] if dimension == 2 else airy(0.0)[0]  # of v Ai = Ai'', and v^2 Ai
     whole *= 2.0 * math.pi * (dimension - 1.0) * noise ** (dimension / 3)
-    expected = airy(v)[0] / whole
-    assert state.vdf(v * unit)[:, 0] == pytest.approx(expected, abs=1e-5 * expected[0])
+    assert state.vdf(v * unit)[:, 0] == pytest.approx(airy(v)[0] / whole, rel=1e-8)
+
+
+@pytest.mark.parametrize(("e", "rel"), [(0.2, 1e-7), (0.7, 1e-5)])
+def test_the_closed_form_of_a_heated_tracer_and_the_solver_agree(dimension, e, rel):
+    """A drag that does nothing lets the solver find the density, and moments, on its axis."""
+    closed, solved = (solve_steady(e, dimension, heating=1.0, drag=x) for x in (0.0, 1e-12))
+    v = np.linspace(0.3, 3.0, 10)
+    assert solved.vdf(v)[:, 0] == pytest.approx(closed.vdf(v)[:, 0], rel=rel)
+    for p in (-1.2, 0.5, 2.5, 5.0):
+        assert solved.moment(p) == pytest.approx(closed.moment(p), rel=10 * rel)
+    q = np.linspace(0.0, 12.0, 4001)
+    norm = np.trapezoid(q ** (dimension - 1) * closed.vdf(q)[:, 0], q)
+    assert 2.0 * math.pi * (dimension - 1.0) * norm == pytest.approx(1.0, abs=1e-6)
 
 
 def test_drag_of_one():
