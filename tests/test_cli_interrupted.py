@@ -101,7 +101,7 @@ def test_an_import_is_not_broken_off_and_a_second_signal_changes_nothing() -> No
 
 
 def test_a_stability_sweep_writes_what_has_been_run() -> None:
-    process = start("stress", "--quick", "--group", "density", "--group", "cooling", "-o", "out")
+    process = start("stress", "-o", "out")  # of minutes, on any machine
     time.sleep(2.5)
     end(process, signal.SIGTERM, "(lorentz: interrupted: [0-9]+ cases were not run)?")
 
