@@ -68,8 +68,10 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
     import pyarrow as pa
     from pyarrow import csv as arrow
 
-    with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
+    packed, lines = path.suffix.lower() == ".gz", 0
+    with gzip.open(path) if packed else open(path, "rb") as file:
         for raw in iter(lambda: file.readline(_LONGEST), b""):
+            lines += 1
             text = raw.decode("utf-8-sig").strip()
             header = text.lstrip("#").strip()
             words = re.split(r"[\s,;\"']+", header.lower())
@@ -78,27 +80,29 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                 break
         else:
             bad(where, "an empty file", "a first line that names the columns, and rows")
-        names = header.split(separator := max(",;\t", key=header.count))
-        start, found = file.tell(), tracks.find_columns(where, names, asked)
-        require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
-        read = arrow.ReadOptions(column_names=names, block_size=_BLOCK)
+    names = header.split(separator := max(",;\t", key=header.count))
+    found = tracks.find_columns(where, names, asked)
+    require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
+    read = arrow.ReadOptions(column_names=names, block_size=_BLOCK, skip_rows=lines)
 
-        def blank(row: Any) -> str:
-            return "skip" if row.text.strip()[:1] in ("", "#") else "error"
+    def blank(row: Any) -> str:
+        return "skip" if row.text.strip()[:1] in ("", "#") else "error"
 
-        parse = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank)
-        kinds = {x: pa.float64() for name, x in found.items() if name not in tracks.LABELS}
-        told = {"column_types": kinds, "include_columns": list(found.values()), "null_values": []}
-        file.seek(start)
-        try:
-            batches, convert = [], arrow.ConvertOptions(**told)
-            for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
+    parse = arrow.ParseOptions(delimiter=separator, invalid_row_handler=blank)
+    kinds = {x: pa.float64() for name, x in found.items() if name not in tracks.LABELS}
+    told = {"column_types": kinds, "include_columns": list(found.values()), "null_values": []}
+    # not Python's file: a thread of pyarrow that still reads one may abort a process that ends
+    source = pa.CompressedInputStream(pa.OSFile(str(path)), "gzip") if packed else str(path)
+    try:
+        batches, convert = [], arrow.ConvertOptions(**told)
+        with arrow.open_csv(source, read, parse, convert) as reader:
+            for batch in reader:
                 batches.append(batch)
                 require_memory(where, float(batch.nbytes * len(batches)))
-            table = pa.Table.from_batches(batches)
-        except pa.ArrowInvalid as error:
-            why = " ".join(str(error).split())
-            bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
+            table = pa.Table.from_batches(batches, reader.schema)
+    except pa.ArrowInvalid as error:
+        why = " ".join(str(error).split())
+        bad(where, short(why, 150), "rows of numbers with a decimal point, one for each column")
     columns = {x: table.column(x).to_numpy() for x in found.values()}
     return tracks.rows_of(where, columns, asked)
 
