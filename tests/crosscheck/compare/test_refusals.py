@@ -28,7 +28,7 @@ TEXTS = {
     "no file": ("a.csv", None, "no such file"),
     "empty": ("a.csv", "", "empty"),
     "no header": ("a.csv", ROWS, "'time'"),
-    "no rows": ("a.csv", HEAD, "Empty CSV"),
+    "no rows": ("a.csv", HEAD, "got no rows"),
     "column missing": ("a.csv", HEAD.replace("vy", "w") + ROWS, "'vy'"),
     "column twice": ("a.csv", HEAD.replace("tracer", "vy") + ROWS, "'vy' 2 times"),
     "not a number": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,b,0"), "invalid value 'b'"),
