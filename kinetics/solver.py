@@ -2,7 +2,8 @@
 
 Without a field or a drive it is an :class:`Answer`; else :class:`kinetics.field.scene.FieldScene`
 or :class:`kinetics.driven.scene.DrivenScene`, which have `values`, `errors`, `verdict`, `plan`,
-`stats`, `typical_speed` and the densities of the velocity under the same names.
+`stats`, `typical_speed` and the densities of the velocity under the same names. With drag alone it
+is a :class:`Slowed` one.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from kinetics.outputs import (
     VELOCITY,
     Output,
     Part,
+    described,
     parts,
 )
 from kinetics.position.density import Displacement
@@ -55,6 +57,8 @@ _MOST_NODES = 48  # of a panel: still more only add rounding
 def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Any:
     """The answer to a scene, of any kind; the arguments are those of `kinetics.solve`."""
     if scene.system is not None:
+        if scene.system.only_slows and "displacement_tensor" not in scene.outputs:
+            return Slowed.of(scene, rtol, method, nodes)
         from kinetics.driven.scene import DrivenScene
 
         system = scene.system.scaled(scene.mean_free_path)
@@ -278,6 +282,70 @@ class Answer(Value):
             # how many systems of so many equations were solved for F(k)
             stats["systems"] = {str(size): count for size, count in flights.systems.items()}
         return stats
+
+
+@dataclass(frozen=True)
+class Slowed(Answer):
+    """The answer to a scene with drag alone: its tracers take the paths of those without drag.
+
+    With v = exp(-gamma t) u, u goes on without drag in the time (1 - exp(-gamma t))/gamma.
+
+    scene : that without drag, at these times
+    drag, real_times : gamma in U/d, and t in d/U
+    """
+
+    drag: float
+    real_times: FloatArray
+
+    @classmethod
+    def of(cls, scene: Scene, *arguments: Any) -> Slowed:
+        """The answer to this scene; arguments : as `kinetics.solve` takes them."""
+        times, drag = np.asarray(scene.times), scene.drag
+        free = replace(scene, drag=0.0, times=-np.expm1(-drag * times) / drag)
+        return cls(free, *arguments, drag, times)
+
+    @property
+    def _slower(self) -> FloatArray:
+        """v over u, shape (n_times,)."""
+        return np.asarray(np.exp(-self.drag * self.real_times))
+
+    @property
+    def values(self) -> dict[str, FloatArray]:
+        """Every output that is an array, as without drag."""
+        found, slower, free = super().values, self._slower, np.asarray(self.scene.times)
+        powers = {"U": 1, "d U": 1, "U^2": 2, "m U^2": 2}
+        for name, array in found.items():
+            power = powers.get(described(name, self.scene.dimension)[0], 0)
+            found[name] = (array.T * slower**power).T
+        if "msd_slope" in found:
+            ratio = np.divide(self.real_times, free, out=np.ones(free.shape), where=free > 0.0)
+            found["msd_slope"] *= ratio * slower
+        return found
+
+    @property
+    def typical_speed(self) -> FloatArray:
+        """Of the order of the thermal speed, in U, shape (n_times,)."""
+        return super().typical_speed * self._slower
+
+    @property
+    def plan(self) -> tuple[PlanStep, ...]:
+        """As without drag."""
+        why = "the paths are those without drag, in the time (1 - exp(-drag t))/drag"
+        return (PlanStep("drag", True, why), *super().plan)
+
+    def _each(self, density: Any, n: int, v: FloatArray, *more: Any) -> FloatArray:
+        """A density of n components of u, one time after another, as that of v."""
+        with np.errstate(all="ignore"):  # at late times all of it is at rest
+            found = [density(v / x, *more)[i] / x**n for i, x in enumerate(self._slower)]
+        return np.nan_to_num(np.array(found), nan=0.0, posinf=math.inf)
+
+    def speed_density(self, v: FloatArray) -> FloatArray:
+        """In 1/U at all times, shape (n_times, n_v)."""
+        return self._each(super().speed_density, 1, v)
+
+    def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
+        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
+        return self._each(super().velocity_density, self.scene.dimension, v, phi)
 
 
 def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:

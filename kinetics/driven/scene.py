@@ -9,8 +9,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.special import logsumexp
 
-from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.axis import FADING, SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.steady import angular_sum
 from kinetics.driven.system import System
@@ -65,8 +66,11 @@ class _Evolution(March):
         ]
         assert measures[0] is not None
         fastest = float(np.exp(measures[0].x.max()))
-        driven = system.is_driven
-        top = system.top(_TAIL * resolution.rtol, last, fastest)
+        driven, tail = system.is_driven, _TAIL * resolution.rtol
+        if driven:  # what fades towards the top changes averages of the start by less than the tail
+            share = logsumexp(FADING * measures[0].x, b=abs(measures[0].weight)) - math.log(tail)
+            fastest = max(fastest, math.exp(share / FADING))
+        top = system.top(tail, last, fastest)
         power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
         self.axis = axis

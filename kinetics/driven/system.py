@@ -78,6 +78,11 @@ class System:
         return CollisionLaw(e, 1.0, self.dimension, mass_ratio=self.mass_ratio)
 
     @property
+    def only_slows(self) -> bool:
+        """Whether there are but drag and collisions that scale with the speed."""
+        return self.law is not None and self.drag > 0.0 and not self.is_driven
+
+    @property
     def only_falls(self) -> bool:
         """Whether there are but a field and collisions that scale with the speed."""
         return self.law is not None and self.field > 0.0 and not (self.heating or self.drag)
