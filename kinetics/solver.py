@@ -298,11 +298,11 @@ class Slowed(Answer):
     real_times: FloatArray
 
     @classmethod
-    def of(cls, scene: Scene, *arguments: Any) -> Slowed:
-        """The answer to this scene; arguments : as `kinetics.solve` takes them."""
+    def of(cls, scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Slowed:
+        """The answer to this scene; the arguments are those of `kinetics.solve`."""
         times, drag = np.asarray(scene.times), scene.drag
         free = replace(scene, drag=0.0, times=-np.expm1(-drag * times) / drag)
-        return cls(free, *arguments, drag, times)
+        return cls(free, rtol, method, nodes, drag, times)
 
     @property
     def _slower(self) -> FloatArray:
