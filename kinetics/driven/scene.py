@@ -20,6 +20,7 @@ from kinetics.field import radau
 from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
 from kinetics.field.scene import DENSITIES, FieldScene
 from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.states.kinds import Rest
 from kinetics.states.state import State
 
 _MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
@@ -88,6 +89,8 @@ class _Evolution(March):
                     begin[0, m] = axis.averaged(lambda v, of=profile: np.real(of(v)), m % 2)  # type: ignore[misc]
         self.sums = np.zeros((times.size, *begin.shape[1:]))
         self._run(equation, begin, fastest)
+        if isinstance(state, Rest):  # at time 0 all but "1" is 0, not what rounding leaves
+            self.values[np.ix_(times == 0.0, np.array(ALL) != "1")] = 0.0
 
     @property
     def finer(self) -> Resolution | None:

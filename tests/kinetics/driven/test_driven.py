@@ -173,6 +173,13 @@ def test_the_direction_of_a_start_does_not_matter_to_what_has_none():
         assert one.a2 == pytest.approx(along.a2, abs=1e-9)
 
 
+@pytest.mark.parametrize("drive", [{"bath_speed": 0.1}, {"heating": 0.01, "field": 0.1}])
+def test_rest_at_time_zero_is_no_error(drive):
+    scene = one_l(0.7, initial="rest", times=[0.0, 5.0], outputs=("thermal_speed", "msd"), **drive)
+    found = solve(scene, rtol=1e-4)  # warns, which is an error here, if it is not reached
+    assert (found.thermal_speed[0], found.msd[0]) == (0.0, 0.0)
+
+
 @pytest.mark.parametrize("heating", [1e-9, 1e-4])
 def test_a_sharp_start_that_hardly_anything_drives_begins_as_it_is(dimension, heating):
     """It stood at the top of the axis, where speeds are folded: 1.7 % below, said to converge."""
