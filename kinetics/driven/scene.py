@@ -13,7 +13,7 @@ from scipy.special import logsumexp
 
 from kinetics.driven.axis import FADING, SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
-from kinetics.driven.steady import angular_sum
+from kinetics.driven.steady import SLOWLY, angular_sum
 from kinetics.driven.system import System
 from kinetics.errors import InputError
 from kinetics.field import radau
@@ -144,7 +144,8 @@ class DrivenScene(FieldScene):
         # without a field what has no direction forgets those of the start
         directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
         alike = not self.system.field and (there == 0 or not directed)
-        rest = self._asked, DENSITIES in self.allowed, alike
+        asked = self._asked | ({"1"} if self.system.capture_speed else set())
+        rest = asked, DENSITIES in self.allowed, alike
 
         def solve(resolution: Resolution) -> _Evolution:
             return _Evolution(self.system, self.state, times, resolution, *rest)
@@ -153,7 +154,9 @@ class DrivenScene(FieldScene):
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:
         """How far two solutions are apart; densities of the speed, over their maximum."""
-        errors = {"averages": one.difference(two)}
+        # where impacts begin to stick averages bend sharply, unless a bath smooths them
+        slowly = self.system.capture_speed > 0.0 and not self.system.bath_speed
+        errors = {"averages": one.difference(two) * (SLOWLY if slowly else 1.0)}
         if DENSITIES in self.allowed:
             worst = 0.0
             for i, square in enumerate(one.values[:, ALL.index("v^2")]):

@@ -180,6 +180,15 @@ def test_rest_at_time_zero_is_no_error(drive):
     assert (found.thermal_speed[0], found.msd[0]) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize(("e", "slow", "t"), [(0.0, 0.034, 59.0), (0.9, 0.096, 662.0)])
+def test_the_error_of_the_share_that_sticks_is_in_the_estimate(e, slow, t):
+    """Averages over those that move had the error of their sum only: 1e-5 said, 2e-3 off."""
+    scene = Scene(e, times=[t], outputs=("temperature",), capture_speed=slow)
+    rough, fine = (solve(scene, rtol) for rtol in (1e-2, 1e-3))
+    apart = abs(rough.temperature[0] / fine.temperature[0] - 1.0)
+    assert apart < rough.error_estimate + fine.error_estimate
+
+
 @pytest.mark.parametrize("heating", [1e-9, 1e-4])
 def test_a_sharp_start_that_hardly_anything_drives_begins_as_it_is(dimension, heating):
     """It stood at the top of the axis, where speeds are folded: 1.7 % below, said to converge."""
