@@ -189,6 +189,16 @@ def test_the_error_of_the_share_that_sticks_is_in_the_estimate(e, slow, t):
     assert apart < rough.error_estimate + fine.error_estimate
 
 
+def test_the_diffusion_of_tracers_of_which_some_stick_is_the_slope_of_the_square(dimension):
+    scene = one_l(0.7, dimension, times=[4.9, 5.0, 5.1], heating=0.5, capture_speed=0.4,
+                  outputs=("msd", "diffusion_coefficient"))  # fmt: skip
+    found = solve(scene, rtol=1e-4)
+    slope = (found.msd[2] - found.msd[0]) / 0.2 / (2.0 * dimension)
+    assert found.captured[1] > 0.2
+    assert found.diffusion_coefficient[1] == pytest.approx(slope, rel=1e-3)
+    assert found.msd_slope[1] == pytest.approx(2.0 * dimension * 5.0 * slope, rel=1e-3)
+
+
 @pytest.mark.parametrize("heating", [1e-9, 1e-4])
 def test_a_sharp_start_that_hardly_anything_drives_begins_as_it_is(dimension, heating):
     """It stood at the top of the axis, where speeds are folded: 1.7 % below, said to converge."""
