@@ -161,8 +161,8 @@ class BackwardEquation:
             points = q.weight.size
             if points not in self._shifts:  # most harmonics share one quadrature
                 self._shifts[points] = PanelShifts(self.rule, q.log_loss)
-            factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
-            loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
+            lost = q.harmonic_loss(m)[None]
+            loss, gain = self._shifts[points].kernel(q.weight, 1.0 - lost, lost)
             eps, shift = self.law.returns(m) if self._at_once(m) else (0.0, 0.0)
             if eps:
                 loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), shift)
@@ -246,8 +246,8 @@ class BackwardEquation:
         for factor, other in y.sources:
             known = self.series(other)[:_TERMS]
             drive[: known.size] += factor * known
-        law = self.law if self._at_once(y.harmonic) else self.law.without_medium
-        return drive, law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
+        rate_of = self.law.decay_symbol if self._at_once(y.harmonic) else self.law.lost
+        return drive, rate_of(y.degree + np.arange(_TERMS), y.harmonic)
 
     def error_estimate(self, observable: Observable) -> float:
         """What the Chebyshev coefficients of panels leave out, relative to their smaller ends."""

@@ -149,7 +149,7 @@ class Loops:
         self._rate, weights = loops(medium)
         near = float((weights[0] / self._rate).sum())
         # near and far loops together are eps
-        shares = [((-1.0) ** m, (-1.0) ** m * (medium.returns(m) - near)) for m in harmonics]
+        shares = [((-1.0) ** m, medium.returns(m)[0] - (-1.0) ** m * near) for m in harmonics]
         self.shares, self.weights = np.array(shares), weights
         if len(shares) == 1:
             self.weights, self.shares = self.shares @ weights, np.ones((1, 1))

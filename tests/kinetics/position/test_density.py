@@ -68,7 +68,7 @@ class Isotropic(CollisionLaw):
     def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
         """chi = pi x, x uniform on [0, 1]."""
         x, w = equal_panels(1.0, 20, 1.0 / (1.0 + m / 4))
-        return ImpactQuadrature(w, np.zeros_like(x), np.ones_like(x), np.cos(math.pi * x))
+        return ImpactQuadrature(w, np.zeros_like(x), math.pi * x)
 
 
 def ring_density(r: FloatArray, t: float) -> FloatArray:
