@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.densities.flights import Flights, speed_fronts
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
-from kinetics.moments import velocity
+from kinetics.moments.averages import collisions, root_mean_square
 from kinetics.moments.by_collision import ByCollision
-from kinetics.moments.displacement import root_mean_square
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, described
 from kinetics.position.directions import element, surface
@@ -414,7 +413,7 @@ class Solution(Result):
                 return _solution(answer_to(scene, rtol, None, nodes), scene, rtol, None, nodes)
 
         found = Flights.of(solved, self.times, self.scene.mean_free_path)
-        known = velocity.collisions(answer.averages)[-1]
+        known = collisions(answer.averages)[-1]
         off = abs(float(found.longer_in_time(np.zeros(1))[-1, 0]) / max(known, 1e-300) - 1.0)
         if off > 10.0 * rtol:
             words = f"free flights: their number is off by {off:.1e}, against {10 * rtol:.1e}"

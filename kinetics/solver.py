@@ -24,9 +24,8 @@ from kinetics.densities.harmonic import (
     component_densities,
 )
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
+from kinetics.moments.averages import Averages, Part, moment_arguments, root_mean_square
 from kinetics.moments.backward import speed_power
-from kinetics.moments.displacement import root_mean_square
-from kinetics.moments.velocity import Averages, moment_arguments
 from kinetics.numerics import FloatArray
 from kinetics.outputs import (
     COLLISIONS,
@@ -37,8 +36,6 @@ from kinetics.outputs import (
     SCATTERING,
     VELOCITY,
     Output,
-    Part,
-    parts,
 )
 from kinetics.position.density import Displacement
 from kinetics.position.sweep import solve_displacement
@@ -127,7 +124,7 @@ class Answer(Value):
         InputError where it does not exist; warns where the error estimate exceeds rtol.
         """
         p, m = moment_arguments(self.scene.law, self.scene.state, p, m)
-        needed = [parts((1.0, speed_power(p, m)))]
+        needed = [(Part(1.0, speed_power(p, m), m),)]
         averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
         averages = _with_enough_nodes(averages, needed)
         error = _error_of(averages, needed)
@@ -244,7 +241,7 @@ class Answer(Value):
         methods = sorted({one.method for one in profiles.values()})
         kept = "elastic: speeds are kept, harmonics relax at their own rates"
         reasons = {
-            VELOCITY: kept if averages.elastic else f"backward equation for {moments}",
+            VELOCITY: kept if averages.law.is_elastic else f"backward equation for {moments}",
             "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
             COLLISIONS: "asked for",
             DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
@@ -268,7 +265,7 @@ class Answer(Value):
         """Numbers about the work: points of the initial state, panels, nodes, wave numbers."""
         averages, flights = self.averages, self.displacement
         stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
-        if not averages.elastic:
+        if not averages.law.is_elastic:
             stats["panels"] = averages.equation.count
             stats["nodes_per_panel"] = averages.equation.nodes
         stats |= {f"density_nodes_m{m}": one.nodes for m, one in self.profiles.items()}

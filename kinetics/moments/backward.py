@@ -16,40 +16,44 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import asymptotic_from
-from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import PanelRule, PanelShifts, panel_rule, with_returns
+from kinetics.numerics import FOLDS, LARGEST_LOG, FloatArray
+from kinetics.numerics.chebyshev import PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 _TERMS = 40  # of that series: where T = e^-2 more add nothing
-# For m > 2 panels go on to the last time, or as far as e^X is a number.
-_HARMONICS, _HIGHEST_X = 2, 700.0
 # Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
-# is the most that it may. Narrower panels than the least would take seconds.
-_STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
+# is the most that it may.
+STEEPEST = 4.0
 
 
-def panel_width(degree: float, fall: float = 0.0) -> float:
-    """Width in X of panels for powers of the speed up to ``degree`` in size; see `fall_of`."""
-    by_degree = min(1.0, _STEEPEST / max(abs(degree), _STEEPEST))
-    return min(by_degree, max(_STEEPEST / max(fall, _STEEPEST), _NARROWEST))
+@lru_cache(maxsize=48)
+def asymptotic_from(law: CollisionLaw) -> float:
+    """X = ln T from which averages are asymptotic; inf at rough scatterers.
 
-
-def fall_of(law: CollisionLaw, degree: float) -> float:
-    """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
-
-    There those that have not collided weigh as much as those that have collided once.
+    Corrections fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)]. Smooth scatterers have
+    Re z <= -0.736 (disks with e = 0.03, m = 1): what is left is 2e-13 at worst. Where e < 0 tracers
+    keep their direction for long, and the largest z, of m = 1, is real. At e = 1 corrections to the
+    late power are 1/(nu T), nu the slowest decay of the harmonics 1 and 2.
     """
-    if degree <= 0.0:
-        return 0.0
-    return -math.log(max(float(law.mean_speed_ratio_power(degree)), 1e-300))
+    if law.is_elastic:
+        # of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32
+        rates = [law.harmonic_decay_rate(0.0, m) for m in (1, 2)]
+        return FOLDS - math.log(min([rate for rate in rates if rate > 1e-30], default=1.0))
+    e, slowest = law.effective_restitution, -1.0
+    if law.tangential_restitution != 1.0:
+        return math.inf
+    if e is not None and e < 0.0 and law.harmonic_decay_rate(slowest, 1) < 0.0:
+        from scipy.optimize import brentq
+
+        slowest = brentq(lambda z: law.harmonic_decay_rate(z, 1), slowest, 0.0, rtol=1e-9)
+    return FOLDS / -slowest - math.log(law.mean_log_loss)
 
 
 @dataclass(frozen=True)
@@ -104,7 +108,7 @@ def power_series(degree: float, x: FloatArray, coefficients: FloatArray) -> Floa
 
 
 @lru_cache(maxsize=8)
-def _kept(law: CollisionLaw, nodes: int, width: float, at_once: bool) -> tuple[dict[Any, Any], ...]:
+def _kept(law: CollisionLaw, nodes: int, width: float) -> tuple[dict[Any, Any], ...]:
     """Kernels, shifts, series and the rest that the start does not change: filled as asked for."""
     return {}, {}, {}, {}
 
@@ -114,7 +118,9 @@ class BackwardEquation:
     """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
 
     highest, harmonic : the largest X, and the largest m, that will be asked for
-    nodes, width : Chebyshev nodes of a panel, and its width in X, see `panel_width`
+    nodes, width : Chebyshev nodes of a panel, and its width in X, for powers of the speed up to
+        STEEPEST/width
+    start : X where the panels begin
     """
 
     law: CollisionLaw
@@ -122,41 +128,23 @@ class BackwardEquation:
     nodes: int
     width: float = 1.0
     harmonic: int = 2
+    start: float = START
     _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        kept = _kept(self.law, self.nodes, self.width, self._at_once(1))
+        self.rule = panel_rule(self.nodes, self.width)
+        kept = _kept(self.law, self.nodes, self.width)
         self._kernels, self._shifts, self._series, self._kept = kept
-        end = min(self.highest, self._saturation)
+        # for m > 2 as far as e^X is a number
+        known = asymptotic_from(self.law) if self.harmonic <= 2 else math.inf
+        end = min(self.highest, known, LARGEST_LOG - 9.0)
         self.count = max(1, math.ceil((end - self.start) / self.width))
-
-    @property
-    def start(self) -> float:
-        """X where the panels begin."""
-        return START
-
-    @property
-    def _saturation(self) -> float:
-        """X beyond which observables are on their asymptotes."""
-        if self.harmonic > _HARMONICS:
-            return _HIGHEST_X
-        if self.law.is_elastic:
-            # corrections to the late power are 1/(nu T), nu the slowest decay of a harmonic:
-            # e^-40 = 4e-18. Of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32
-            rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
-            return 40.0 - math.log(min([rate for rate in rates if rate > 1e-30], default=1.0))
-        return min(asymptotic_from(self.law), _HIGHEST_X)
-
-    @cached_property
-    def rule(self) -> PanelRule:
-        """The collocation of a panel."""
-        return panel_rule(self.nodes, self.width)
 
     def _kernel(self, m: int) -> tuple[FloatArray, FloatArray]:
         """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
         if m not in self._kernels:
-            rate = max(float(self.nodes), _STEEPEST / self.width)
+            rate = max(float(self.nodes), STEEPEST / self.width)
             q = self.law.quadrature_for(rate, m)
             points = q.weight.size
             if points not in self._shifts:  # most harmonics share one quadrature

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
-from kinetics.moments.velocity import moment_arguments
+from kinetics.moments.averages import moment_arguments
 from kinetics.numerics import FloatArray
 from kinetics.results import Value
 from kinetics.states.state import State

@@ -33,7 +33,7 @@ from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium
 from kinetics.moments.backward import START, BackwardEquation, Observable, power_series
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import PanelRule, PanelShifts
+from kinetics.numerics.chebyshev import Chebyshev, PanelShifts
 from kinetics.numerics.gauss import equal_panels
 
 _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
@@ -51,11 +51,6 @@ def met_again(law: CollisionLaw) -> Medium | None:
     return law.medium if law.medium is not None and law.medium.restitution else None
 
 
-def _shortest(medium: Medium) -> float:
-    """The shortest near loop in l."""
-    return max(2.0 * medium.density, _SHORTEST)
-
-
 def _pace(medium: Medium) -> float:
     """Time that a loop takes over its path: c."""
     return 0.5 * (1.0 + 1.0 / medium.restitution)
@@ -63,9 +58,10 @@ def _pace(medium: Medium) -> float:
 
 def series_end(medium: Medium) -> float:
     """X = ln T up to which power series in T hold the fastest loops."""
-    return math.log(_pace(medium) * _shortest(medium) / _FASTEST)
+    return math.log(_pace(medium) / float(loops(medium)[0].max()))
 
 
+@lru_cache(maxsize=16)
 def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
     """Rates s in 1/l, (n_modes,), and weights w of near loops and of the others, (2, n_modes).
 
@@ -73,7 +69,7 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
     """
     from scipy.special import exp1
 
-    e, a = medium.restitution, _shortest(medium)
+    e, a = medium.restitution, max(2.0 * medium.density, _SHORTEST)
     u, step = equal_panels(math.log(_FASTEST / a / _SLOWEST), _MODES, math.inf)
     grown = np.append(0.5 * _SLOWEST, _SLOWEST * np.exp(u))
     weight = np.append(_SLOWEST, step * grown[1:]) * np.exp(-(_CORRIDOR + grown) * a)
@@ -90,14 +86,14 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
 @lru_cache(maxsize=16)
 def _slopes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
     """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that."""
-    rule = PanelRule(nodes, width)
+    rule = Chebyshev(nodes, width)
     slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
     value, vector = np.linalg.eig(slopes[:, 1:])
     return slopes, value, vector, np.linalg.inv(vector)
 
 
 def _responses(
-    rule: PanelRule, pull: FloatArray, weights: FloatArray
+    rule: Chebyshev, pull: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes).
 
@@ -138,7 +134,7 @@ class Loops:
     def __init__(
         self,
         medium: Medium,
-        rule: PanelRule,
+        rule: Chebyshev,
         start: float,
         count: int,
         harmonics: range,
@@ -236,11 +232,10 @@ class DelayedReturns(BackwardEquation):
         """The speed alone is nearer to simulations so."""
         return m == 0
 
-    @property
-    def start(self) -> float:
-        """X where the panels begin."""
+    def __post_init__(self) -> None:
         assert self.law.medium is not None
-        return min(START, series_end(self.law.medium))
+        self.start = min(START, series_end(self.law.medium))
+        super().__post_init__()
 
     def _loops(self, m: int, degree: float) -> Loops:
         key = Loops, m, degree, self.count

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from kinetics import Scene, solve
-from kinetics.numerics.chebyshev import PanelRule, PanelShifts
+from kinetics.numerics.chebyshev import Chebyshev, PanelShifts
 
 
 def test_small_shifts_keep_their_digits() -> None:
     """f(x) - f(x - shift) relative to itself, where it is 1e-9 of f. (A difference of rounded
     points would leave 1e-7.)
     """
-    rule, shift = PanelRule(8), np.array([3.7e-9])
+    rule, shift = Chebyshev(8), np.array([3.7e-9])
     loss, gain = PanelShifts(rule, shift).kernel(np.ones(1), np.ones((1, 1)), np.zeros((1, 1)))
     with mp.workdps(40):
         exact = [
