@@ -1,13 +1,12 @@
 """What a Scene may ask for: one table. To add an output, add one row to :data:`OUTPUTS`.
 
 Arrays of averages are made by the functions of the same names in `kinetics.moments.averages`, which
-says what they are made of; it is imported at first use: reading this file costs no NumPy.
+says what they are made of. This file needs no NumPy.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 VELOCITY = "moments of the velocity"
 COLLISIONS = "collision number"
@@ -37,15 +36,6 @@ class Output(NamedTuple):
     description: str
     also: tuple[tuple[str, str, str], ...] = ()
     in_space: str = ""
-
-    @property
-    def values(self) -> Any:
-        """Makes the array, or a tuple, one for each of ``names``; None for functions of more."""
-        return getattr(import_module("kinetics.moments.averages"), self.name, None)
-
-    def made_of(self, dimension: int) -> Any:
-        """The observables that must be solved, see :func:`kinetics.moments.averages.parts_of`."""
-        return import_module("kinetics.moments.averages").parts_of(self.name, dimension)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 import warnings
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -110,7 +110,7 @@ def _solution(answer: Any, scene: Scene, *arguments: Any) -> Solution:
     values = answer.values  # what overflows is refused before densities are solved
     status, message = answer.verdict
     error = max(answer.errors.values())
-    work = answer.plan, answer.stats, answer.typical_speed
+    work = answer.plan, answer.stats
     found = Solution(scene, rtol, values, status, message, error, *work, method, nodes)
     vars(found)["_answer"] = answer
     return found
@@ -144,7 +144,6 @@ class Solution(Result):
     error_estimate: float
     plan: tuple[PlanStep, ...]
     stats: Mapping[str, Any]
-    _typical_speed: FloatArray = field(repr=False)  # of the order of the thermal one, (n_times,)
     method: str | None = None
     nodes: int | None = None
 
@@ -237,7 +236,8 @@ class Solution(Result):
         if given.get(points) is not None:
             return finite_line(points, given[points])
         if points == "speeds":
-            usual = self._typical_speed[self._typical_speed > 0.0]  # at rest it is 0
+            usual = self._answer.typical_speed
+            usual = usual[usual > 0.0]  # at rest it is 0
             low, high = (usual.min(), usual.max()) if usual.size else (1.0, 1.0)
             return np.geomspace(1e-2 * low, 5.0 * high, 200)
         if points == "angles":

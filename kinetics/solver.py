@@ -8,7 +8,7 @@ or :class:`kinetics.driven.scene.DrivenScene`, which have `values`, `errors`, `v
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -24,8 +24,9 @@ from kinetics.densities.harmonic import (
     component_densities,
 )
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
-from kinetics.moments.averages import Averages, Part, moment_arguments, root_mean_square
-from kinetics.moments.backward import speed_power
+from kinetics.moments import averages as averaged
+from kinetics.moments.averages import Averages, Part
+from kinetics.moments.backward import Observable, speed_power
 from kinetics.numerics import FloatArray
 from kinetics.outputs import (
     COLLISIONS,
@@ -35,7 +36,6 @@ from kinetics.outputs import (
     POSITION,
     SCATTERING,
     VELOCITY,
-    Output,
 )
 from kinetics.position.density import Displacement
 from kinetics.position.sweep import solve_displacement
@@ -79,36 +79,38 @@ class Answer(Value):
         return {name: part for name, part in vars(self).items() if name != "averages"}
 
     @property
-    def _rows(self) -> list[Output]:
-        return [OUTPUTS[name] for name in sorted(self.scene.outputs)]
+    def _parts(self) -> dict[str, tuple[Part, ...]]:
+        """Output -> the observables that it is made of."""
+        outputs, dimension = sorted(self.scene.outputs), self.scene.dimension
+        return {name: averaged.parts_of(name, dimension) for name in outputs}
 
     @property
-    def _needed(self) -> list[tuple[Part, ...]]:
-        return [row.made_of(self.scene.dimension) for row in self._rows]
+    def _steps(self) -> set[str]:
+        """The steps of the plan that the outputs need."""
+        return {OUTPUTS[name].step for name in self.scene.outputs}
 
-    @property
-    def _powers(self) -> list[tuple[float, int]]:
-        """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
-        rows = [row for row in self._rows if row.step == VELOCITY]
-        moments = {y for row in rows for _, y, _ in row.made_of(self.scene.dimension)}
-        return sorted((y.degree, y.harmonic) for y in moments)
+    def _observables(self, step: str) -> set[Observable]:
+        """What the outputs of one step are made of."""
+        found = (made for name, made in self._parts.items() if OUTPUTS[name].step == step)
+        return {y for made in found for _, y, _ in made}
 
     # -- averages ---------------------------------------------------------------------------------
 
     @cached_property
     def averages(self) -> Averages:
         """The averages over the tracers, with enough nodes for the outputs."""
-        degree = max([2.0, *(p for p, _ in self._powers)])
-        return _with_enough_nodes(Averages(*self.scene.problem, self.rtol, degree), self._needed)
+        degree = max([2.0, *(y.degree for y in self._observables(VELOCITY))])
+        asked = Averages(*self.scene.problem, self.rtol, degree)
+        return _with_enough_nodes(asked, self._parts.values())
 
     @property
     def values(self) -> dict[str, FloatArray]:
         """Every output that is an array, in the order of the table; InputError on overflow."""
         found: dict[str, FloatArray] = {}
-        for row in OUTPUTS.values():
-            if row.name in self.scene.outputs and row.values is not None:
+        for name, row in OUTPUTS.items():
+            if self._parts.get(name):
                 with np.errstate(over="ignore", invalid="ignore"):
-                    made = row.values(self.averages)
+                    made = getattr(averaged, name)(self.averages)
                 arrays = made if isinstance(made, tuple) else (made,)
                 found |= {n: _in_range(n, a) for n, a in zip(row.names, arrays, strict=True)}
         return found
@@ -123,7 +125,7 @@ class Answer(Value):
 
         InputError where it does not exist; warns where the error estimate exceeds rtol.
         """
-        p, m = moment_arguments(self.scene.law, self.scene.state, p, m)
+        p, m = averaged.moment_arguments(self.scene.law, self.scene.state, p, m)
         needed = [(Part(1.0, speed_power(p, m), m),)]
         averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
         averages = _with_enough_nodes(averages, needed)
@@ -139,7 +141,7 @@ class Answer(Value):
     @cached_property
     def profiles(self) -> Mapping[int, Profile]:
         """The harmonics of the velocity distribution that the outputs need."""
-        if not any(row.step == DENSITIES for row in self._rows):
+        if DENSITIES not in self._steps:
             return {}
         highest = 0
         if "velocity_density" in self.scene.outputs:
@@ -198,11 +200,11 @@ class Answer(Value):
     @cached_property
     def displacement(self) -> Displacement | None:
         """The distribution of the displacement, if an output needs it."""
-        if not any(row.step == POSITION for row in self._rows):
+        if POSITION not in self._steps:
             return None
         # the same for every rtol, as the wave numbers depend on it
         own = replace(self.averages, rtol=min(self.rtol, _BEST_DENSITY), nodes=None)
-        root = _in_range("msd", root_mean_square(own))
+        root = _in_range("msd", averaged.root_mean_square(own))
         rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
         return solve_displacement(*self.scene.problem, root, rtol)
 
@@ -211,7 +213,7 @@ class Answer(Value):
     @cached_property
     def errors(self) -> dict[str, float]:
         """Part of the result -> its error estimate."""
-        found = {"averages": _error_of(self.averages, self._needed)}
+        found = {"averages": _error_of(self.averages, self._parts.values())}
         if self.profiles:
             found[DENSITIES] = max(one.error_estimate for one in self.profiles.values())
         if self.displacement is not None:
@@ -232,10 +234,10 @@ class Answer(Value):
     def plan(self) -> tuple[PlanStep, ...]:
         """What was solved, what was skipped, and why."""
         averages, profiles, flights = self.averages, self.profiles, self.displacement
-        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in self._powers)
-        moving = [row for row in self._rows if row.step == DISPLACEMENT]
-        chain = {y for row in moving for _, y, _ in row.made_of(self.scene.dimension)}
-        harmonics = sorted({m for _, m in self._powers} | set(profiles))
+        chain = self._observables(DISPLACEMENT)
+        powers = sorted((y.degree, y.harmonic) for y in self._observables(VELOCITY))
+        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in powers)
+        harmonics = sorted({m for _, m in powers} | set(profiles))
         isotropic = averages.state.highest_harmonic == 0
         enough = "the start is isotropic" if isotropic else "no output needs more"
         methods = sorted({one.method for one in profiles.values()})
@@ -250,8 +252,7 @@ class Answer(Value):
             "angular harmonics": f"m = {harmonics}: {enough}",
             DENSITIES: f"{len(profiles)} harmonics, {', '.join(methods)}",
         }
-        asked = {"initial state", *(row.step for row in self._rows)}
-        asked |= {"angular harmonics"} if harmonics else set()
+        asked = self._steps | {"initial state"} | ({"angular harmonics"} if harmonics else set())
         steps = [
             PlanStep(part, part in asked and why != kept, why if part in asked else "not asked for")
             for part, why in reasons.items()
@@ -277,7 +278,7 @@ class Answer(Value):
         return stats
 
 
-def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:
+def _error_of(averages: Averages, needed: Collection[tuple[Part, ...]]) -> float:
     """The largest relative error estimate of the outputs that are made of these parts."""
     found = [_ROUNDING]
     for made in needed:
@@ -287,7 +288,7 @@ def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:
     return max(found)
 
 
-def _with_enough_nodes(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> Averages:
+def _with_enough_nodes(averages: Averages, needed: Collection[tuple[Part, ...]]) -> Averages:
     """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
     for _ in range(4):
         missing = _error_of(averages, needed) / averages.rtol

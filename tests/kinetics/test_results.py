@@ -31,10 +31,11 @@ from kinetics import (
     solve_scaled,
     sweep,
 )  # fmt: skip
+from kinetics.moments.averages import parts_of
 from kinetics.outputs import OUTPUTS
 from kinetics.results import Value, write_whole
 
-AVERAGES = tuple(name for name, row in OUTPUTS.items() if row.values is not None)
+AVERAGES = tuple(name for name in OUTPUTS if parts_of(name, 2))
 FUNCTIONS = [name for name in VALUES if name.endswith(("density", "harmonics"))]
 SAVED = {name: make for name, make in VALUES.items() if name not in FUNCTIONS} | {
     "own law": lambda: Scene(
