@@ -107,8 +107,9 @@ class Answer(Value):
     def values(self) -> dict[str, FloatArray]:
         """Every output that is an array, in the order of the table; InputError on overflow."""
         found: dict[str, FloatArray] = {}
+        parts = self._parts
         for name, row in OUTPUTS.items():
-            if self._parts.get(name):
+            if parts.get(name):
                 with np.errstate(over="ignore", invalid="ignore"):
                     made = getattr(averaged, name)(self.averages)
                 arrays = made if isinstance(made, tuple) else (made,)

@@ -7,7 +7,7 @@ by -e, the tangential one, y, by et. In units of its speed before the bounce (pa
 
     s^2 = e^2 (1 - y^2) + et^2 y^2,   s cos(chi) = et y^2 - e (1 - y^2)
 
-A law is a weighted sum of such bounces, or of samples, which have the same methods.
+A collision is a weighted sum of such bounces, or of samples, which have the same methods.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ from kinetics.validation import finite_line, refuse
 # by less than 1.5 radians a point on it, and for exponentials that fall by one e-fold a point:
 # tests/kinetics/collision/test_law.py has the largest powers.
 _POINTS = 20
+_LEVELS_KEPT = 6  # quadratures of up to 60,000 points are kept for the next question
 _LARGEST_TURN = 1e7  # radians of s^z: they take 7e6 points, about a gigabyte of exponentials
 _MOST_SAMPLES = 20_000  # samples: each costs some kilobytes on every panel
 
@@ -274,3 +275,117 @@ class SampledBounce:
 
 
 Bounce = DiskBounce | SampledBounce
+
+
+class Collision:
+    """A weighted sum of bounces, ``bounces`` with the chance of each, which sum to 1; no medium."""
+
+    bounces: tuple[tuple[float, Bounce], ...]
+
+    @cached_property
+    def loss_ends(self) -> tuple[float, ...]:
+        """The least and the largest -ln s of each part of the law: its density steps there.
+
+        The least of all is below 0 where energy may be gained.
+        """
+        return tuple(loss for _, part in self.bounces for loss in part.losses)
+
+    @cached_property
+    def is_elastic(self) -> bool:
+        """Whether every bounce keeps the speed."""
+        return not any(self.loss_ends)
+
+    @property
+    def largest_loss(self) -> float:
+        """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
+        return max(self.loss_ends)
+
+    @property
+    def least_ratio(self) -> float:
+        """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
+        return math.exp(-self.largest_loss)
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes single values, each with a chance of its own: samples, or et = e."""
+        return any(part.has_atoms for _, part in self.bounces)
+
+    @property
+    def disk_restitutions(self) -> tuple[float, ...]:
+        """The effective restitutions of the disks or spheres of which the law is made."""
+        return tuple(p.restitution for _, p in self.bounces if isinstance(p, DiskBounce))
+
+    @property
+    def throws_back(self) -> bool:
+        """Whether samples throw some of the tracers straight back."""
+        samples = [part for _, part in self.bounces if isinstance(part, SampledBounce)]
+        return any(min(part.cosine) < -1.0 + 1e-9 for part in samples)
+
+    @property
+    def reaches_rest(self) -> bool:
+        """Whether bounces leave as little of the speed as one likes."""
+        return math.isinf(self.largest_loss)
+
+    @property
+    def tail_exponent(self) -> float:
+        """b where E[s^p] tends to b/p at large p: (d-1)/(1-e^2) for smooth disks and spheres.
+
+        0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
+        """
+        return sum(share * part.tail_exponent for share, part in self.bounces)
+
+    # -- averages of one collision ----------------------------------------------------------------
+
+    @cached_property
+    def quadrature(self) -> ImpactQuadrature:
+        """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
+        return self.quadrature_for(0.0)
+
+    def quadrature_for(self, z: ArrayLike, m: int = 0) -> ImpactQuadrature:
+        """The same for functions that vary as fast as s^z cos(m chi), for any z of such a size."""
+        rate = float(np.abs(z).max(initial=0.0))
+        level = max(part.level(rate, m) for _, part in self.bounces)
+        make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
+        return make(self.bounces, level)
+
+    def _beyond(self, p: NDArray[Any]) -> NDArray[Any]:
+        """What the nodes leave out of E[s^p]."""
+        return np.asarray(sum(share * part.beyond(p) for share, part in self.bounces))
+
+    def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
+        """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
+        level = max(part.level(rate, 0) for _, part in self.bounces)
+        found = [(share, *part.survival(level, rate)) for share, part in self.bounces]
+        weight = [share * each for share, _, each in found]
+        return np.concatenate([u for _, u, _ in found]), np.concatenate(weight)
+
+    def lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
+        """1 - E[s^z cos(m chi)] of one collision, shape of z."""
+        q = self.quadrature_for(z, abs(m))
+        lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
+        if m == 0:
+            return np.asarray(lost @ q.weight - self._beyond(z))
+        # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation
+        gone = q.harmonic_loss(m)
+        rate = (lost + (1.0 - lost) * gone) @ q.weight
+        # bounces beyond the nodes deflect by pi/2, as the first node does
+        return np.asarray(rate if m % 2 else rate - self._beyond(z) * (1.0 - gone[0]))
+
+    @cached_property
+    def mean_log_loss(self) -> float:
+        """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
+        return float(self.quadrature.weight @ self.quadrature.log_loss)
+
+    @cached_property
+    def mean_cosine(self) -> float:
+        """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
+        return float(self.quadrature.weight @ self.quadrature.cosine)
+
+
+@lru_cache(maxsize=64)
+def _quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
+    """The weighted sum of the averages over these bounces."""
+    found = [(share, bounce.quadrature(level)) for share, bounce in bounces]
+    rows = [(share * q.weight, q.log_loss, q.deflection) for share, q in found]
+    weight, loss, chi = (np.concatenate(row) for row in zip(*rows, strict=True))
+    return ImpactQuadrature(weight, loss, chi, found[0][1].dimension)

@@ -12,16 +12,15 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision.bounce import Bounce, DiskBounce, ImpactQuadrature, SampledBounce
+from kinetics.collision.bounce import Bounce, Collision, DiskBounce, SampledBounce
 from kinetics.collision.medium import Medium
 from kinetics.errors import InputError, short
-from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_mass_ratio,
     check_restitution,
@@ -33,11 +32,10 @@ from kinetics.validation import (
 )
 
 _LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
-_LEVELS_KEPT = 6  # quadratures of up to 60,000 points are kept for the next question
 
 
 @dataclass(frozen=True)
-class CollisionLaw:
+class CollisionLaw(Collision):
     """The bounce off a fixed disk or sphere, averaged over a uniform impact parameter.
 
     Parameters
@@ -183,45 +181,6 @@ class CollisionLaw:
         return (self.restitution * self.mass_ratio - 1.0) / (self.mass_ratio + 1.0)
 
     @cached_property
-    def loss_ends(self) -> tuple[float, ...]:
-        """The least and the largest -ln s of each part of the law: its density steps there.
-
-        The least of all is below 0 where energy may be gained.
-        """
-        return tuple(loss for _, part in self.bounces for loss in part.losses)
-
-    @cached_property
-    def is_elastic(self) -> bool:
-        """Whether every bounce keeps the speed."""
-        return not any(self.loss_ends)
-
-    @property
-    def largest_loss(self) -> float:
-        """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
-        return max(self.loss_ends)
-
-    @property
-    def least_ratio(self) -> float:
-        """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
-        return math.exp(-self.largest_loss)
-
-    @property
-    def has_atoms(self) -> bool:
-        """Whether s takes single values, each with a chance of its own: samples, or et = e."""
-        return any(part.has_atoms for _, part in self.bounces)
-
-    @property
-    def disk_restitutions(self) -> tuple[float, ...]:
-        """The effective restitutions of the disks or spheres of which the law is made."""
-        return tuple(p.restitution for _, p in self.bounces if isinstance(p, DiskBounce))
-
-    @property
-    def throws_back(self) -> bool:
-        """Whether samples throw some of the tracers straight back."""
-        samples = [part for _, part in self.bounces if isinstance(part, SampledBounce)]
-        return any(min(part.cosine) < -1.0 + 1e-9 for part in samples)
-
-    @cached_property
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
@@ -233,11 +192,6 @@ class CollisionLaw:
             if self.medium is None
             else max(lowest, self.medium.lowest_power(self.quadrature))
         )
-
-    @property
-    def reaches_rest(self) -> bool:
-        """Whether bounces leave as little of the speed as one likes."""
-        return math.isinf(self.largest_loss)
 
     @property
     def uniform_power(self) -> float | None:
@@ -266,38 +220,7 @@ class CollisionLaw:
         ratio = 1.0 if self.medium is None else self.medium.path_ratio
         return ratio / rate if ratio < rate * sys.float_info.max else math.inf
 
-    @property
-    def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p at large p: (d-1)/(1-e^2) for smooth disks and spheres.
-
-        0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
-        """
-        return sum(share * part.tail_exponent for share, part in self.bounces)
-
     # -- averages ---------------------------------------------------------------------------------
-
-    @cached_property
-    def quadrature(self) -> ImpactQuadrature:
-        """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
-        return self.quadrature_for(0.0)
-
-    def quadrature_for(self, z: ArrayLike, m: int = 0) -> ImpactQuadrature:
-        """The same for functions that vary as fast as s^z cos(m chi), for any z of such a size."""
-        rate = float(np.abs(z).max(initial=0.0))
-        level = max(part.level(rate, m) for _, part in self.bounces)
-        make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
-        return make(self.bounces, level)
-
-    def _beyond(self, p: NDArray[Any]) -> NDArray[Any]:
-        """What the nodes leave out of E[s^p]."""
-        return np.asarray(sum(share * part.beyond(p) for share, part in self.bounces))
-
-    def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
-        """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
-        level = max(part.level(rate, 0) for _, part in self.bounces)
-        found = [(share, *part.survival(level, rate)) for share, part in self.bounces]
-        weight = [share * each for share, _, each in found]
-        return np.concatenate([u for _, u, _ in found]), np.concatenate(weight)
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p], of the shape of p, a float for a real number; p may be complex."""
@@ -330,18 +253,6 @@ class CollisionLaw:
         """lambda_m(z), shape of z; without checks of the range, for inner loops."""
         return self.met_again(z, self.lost(z, m), m)
 
-    def lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
-        """1 - E[s^z cos(m chi)] of one collision, shape of z."""
-        q = self.quadrature_for(z, abs(m))
-        lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
-        if m == 0:
-            return np.asarray(lost @ q.weight - self._beyond(z))
-        # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation
-        gone = q.harmonic_loss(m)
-        rate = (lost + (1.0 - lost) * gone) @ q.weight
-        # bounces beyond the nodes deflect by pi/2, as the first node does
-        return np.asarray(rate if m % 2 else rate - self._beyond(z) * (1.0 - gone[0]))
-
     def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
         """lambda(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
         at = z[:, None] + offsets
@@ -366,16 +277,6 @@ class CollisionLaw:
         slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
         return self.taylor_met_again(z, [self.lost(z), *(-slopes.T)], 0)
 
-    @cached_property
-    def mean_log_loss(self) -> float:
-        """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
-        return float(self.quadrature.weight @ self.quadrature.log_loss)
-
-    @cached_property
-    def mean_cosine(self) -> float:
-        """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
-        return float(self.quadrature.weight @ self.quadrature.cosine)
-
     # -- returns to the scatterer before, in a medium ----------------------------------------------
 
     def returns(self, m: int) -> tuple[float, float]:
@@ -394,18 +295,9 @@ class CollisionLaw:
         p_ = number_array("p", p, "iufc", "it must be a number or an array of numbers")
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
-        if np.any(p_.real <= self.lowest_power):
+        if np.any(p_.real < 0.0) and np.any(p_.real <= self.lowest_power):
             refuse("p", p, f"it must be above {self.lowest_power:g} for this law")
         return p_
-
-
-@lru_cache(maxsize=64)
-def _quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
-    """The weighted sum of the averages over these bounces."""
-    found = [(share, bounce.quadrature(level)) for share, bounce in bounces]
-    rows = [(share * q.weight, q.log_loss, q.deflection) for share, q in found]
-    weight, loss, chi = (np.concatenate(row) for row in zip(*rows, strict=True))
-    return ImpactQuadrature(weight, loss, chi, found[0][1].dimension)
 
 
 def law_of(

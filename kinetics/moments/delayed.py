@@ -42,7 +42,7 @@ _APART = 0.1  # of two rates about 1/b: exp(-0.9 y/b) - exp(-1.1 y/b) is nearly 
 _MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
 _SLOWEST, _FASTEST = 0.02, 12.0  # rates per l, and per 2 n, between which they are
 _BY_VECTORS = 16  # nodes up to which eigenvectors lose no more than 1e-12
-_TERMS = 24  # of power series, up to where the fastest loops have fallen to 1/e
+_TERMS = 20  # of power series, up to where the fastest loops have fallen to 1/e
 _SHORTEST = 1e-3  # in l: near loops that are shorter are taken to be so long
 
 
