@@ -74,7 +74,12 @@ def solve(
     rtol = check_rtol(rtol)
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, 8, 8192)
-    solution = _solution(answer_to(scene, rtol, method, nodes), scene, rtol, method, nodes)
+    answer = answer_to(scene, rtol, method, nodes)
+    values = answer.values  # what overflows is refused before densities are solved
+    status, message = answer.verdict
+    error, work = max(answer.errors.values()), (answer.plan, answer.stats)
+    solution = Solution(scene, rtol, values, status, message, error, *work, method, nodes)
+    vars(solution)["_answer"] = answer
     if solution.status is not SolverStatus.CONVERGED:
         warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
     return solution
@@ -101,18 +106,6 @@ def sweep(restitutions: ArrayLike, rtol: float | None = None, **scene: Any) -> A
     found = xarray.concat([one.to_xarray() for one in each], along, combine_attrs="drop_conflicts")
     found["status"] = "restitution", [one.status.name.lower() for one in each]
     found["error_estimate"] = "restitution", [one.error_estimate for one in each]
-    return found
-
-
-def _solution(answer: Any, scene: Scene, *arguments: Any) -> Solution:
-    """The solution that an answer makes; arguments : rtol, method and nodes."""
-    rtol, method, nodes = arguments
-    values = answer.values  # what overflows is refused before densities are solved
-    status, message = answer.verdict
-    error = max(answer.errors.values())
-    work = answer.plan, answer.stats
-    found = Solution(scene, rtol, values, status, message, error, *work, method, nodes)
-    vars(found)["_answer"] = answer
     return found
 
 
@@ -156,11 +149,8 @@ class Solution(Result):
         values = self.__dict__.get("values", {})
         if name in values:
             return np.asarray(values[name])
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise AttributeError(
-            f"{name!r} was not asked for; this solution has {', '.join(values) or 'no arrays'}"
-        )
+        known = ", ".join(values) or "no arrays"
+        raise AttributeError(f"{name!r} was not asked for; this solution has {known}")
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.__dict__.get("values", {})})
@@ -196,9 +186,9 @@ class Solution(Result):
         functions = {name: OUTPUTS[name].shape[1:] for name in self._on_demand}
         if "position_density" in functions:
             functions["scaled_position_density"] = ("n_R",)
+        asked = functions if only is None else only
         for name, shape in functions.items():
-            both = {name, "uncollided"} if name == "speed_density" else {name}
-            if only is None or both & set(only):
+            if name in asked or (name == "speed_density" and "uncollided" in asked):
                 self._add(name, shape, points, found, axes)
         return dataset(
             f"Solution of the inelastic Lorentz equation: {self.scene}",
@@ -237,11 +227,10 @@ class Solution(Result):
             return finite_line(points, given[points])
         if points == "speeds":
             usual = self._answer.typical_speed
-            usual = usual[usual > 0.0]  # at rest it is 0
-            low, high = (usual.min(), usual.max()) if usual.size else (1.0, 1.0)
-            return np.geomspace(1e-2 * low, 5.0 * high, 200)
+            moving = usual[usual > 0.0] if usual.any() else np.ones(1)
+            return np.geomspace(1e-2 * moving.min(), 5.0 * moving.max(), 200)
         if points == "angles":
-            return np.linspace(0.0, np.pi if self.scene.dimension == 3 else 2.0 * np.pi, 73)
+            return np.linspace(0.0, 2.0 * np.pi / (self.scene.dimension - 1.0), 73)
         if points == "scaled_radii":
             return np.linspace(0.0, 5.0, 101)
         far = max(float(root_mean_square(self._answer.averages).max()), 1e-12)
@@ -410,7 +399,7 @@ class Solution(Result):
             scene = replace(self.scene, times=times, outputs=("speed_density",))
             with warnings.catch_warnings():  # the number of collisions says how good it is
                 warnings.simplefilter("ignore", ToleranceWarning)
-                return _solution(answer_to(scene, rtol, None, nodes), scene, rtol, None, nodes)
+                return solve(scene, rtol, nodes=nodes)
 
         found = Flights.of(solved, self.times, self.scene.mean_free_path)
         known = collisions(answer.averages)[-1]
