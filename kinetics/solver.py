@@ -27,7 +27,7 @@ from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_mis
 from kinetics.moments import averages as averaged
 from kinetics.moments.averages import Averages, Part
 from kinetics.moments.backward import Observable, speed_power
-from kinetics.numerics import FloatArray
+from kinetics.numerics import ROUNDING, FloatArray
 from kinetics.outputs import (
     COLLISIONS,
     DENSITIES,
@@ -43,7 +43,7 @@ from kinetics.results import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
-_ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
+_LEFT = 450.0 * ROUNDING  # 1e-13: what sums over the initial state and up the panels may leave
 _SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _MOST_NODES = 48  # of a panel: still more only add rounding
@@ -281,7 +281,7 @@ class Answer(Value):
 
 def _error_of(averages: Averages, needed: Collection[tuple[Part, ...]]) -> float:
     """The largest relative error estimate of the outputs that are made of these parts."""
-    found = [_ROUNDING]
+    found = [_LEFT]
     for made in needed:
         # a part that the initial state makes zero has no error
         there = [part for part in made if averages.measure(part.start) is not None]

@@ -299,12 +299,12 @@ def a2(averages: Averages) -> FloatArray:
 
 def mean_velocity(averages: Averages) -> FloatArray:
     """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1; in space (n_times, 3)."""
-    return as_vector(averages, np.exp(averages.log_reference) * averages.power(1.0, 1))
+    return as_vector(averages.law, np.exp(averages.log_reference) * averages.power(1.0, 1))
 
 
-def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
+def as_vector(law: CollisionLaw, along: NDArray[Any]) -> FloatArray:
     """The vector whose harmonic 1 is ``along``, (n_times,): (n_times, 2), in space (n_times, 3)."""
-    found = np.zeros((along.size, averages.law.dimension))
+    found = np.zeros((along.size, law.dimension))
     found[:, 0], found[:, 1] = along.real, -along.imag  # in space it is real
     return found
 
@@ -378,4 +378,4 @@ def diffusion_coefficient(averages: Averages) -> tuple[FloatArray, FloatArray]:
 def mean_displacement(averages: Averages) -> FloatArray:
     """<r>(t) of a directed start in d, shape (n_times, 2), in space (n_times, 3)."""
     along = averages.average(DISPLACEMENT_ALONG_START, leading=1)
-    return as_vector(averages, along * _flown(averages))
+    return as_vector(averages.law, along * _flown(averages))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
-from kinetics.numerics import FloatArray
+from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.states import quadrature
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import Points, SpeedFunction, State
@@ -32,8 +32,8 @@ _FAR_BESSEL = (
     1e9  # scipy has no I(q) beyond; there exp(-q) I(q) is q^-1/2 to 1e-10, and hardly anybody
 )
 _LARGEST_RATIO = 1e4  # of two deviations
-_HIGHEST = 100.0  # standard deviations beyond which a Gaussian is zero, and v^2 may overflow
-_ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
+# Standard deviations beyond which a Gaussian is zero, and v^2 may overflow
+_HIGHEST = 2.0 * math.sqrt(LARGEST_LOG)
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ class Table(State):
         if m >= self._columns.shape[1]:
             return None
         first, values = self._columns[:, 0].real, self._columns[:, m]
-        zero = np.abs(values).max() < _ZERO * first.max()
+        zero = np.abs(values).max() < 10.0 * ROUNDING * first.max()  # of a Fourier transform
         return None if zero else (values if m else first)
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError
-from kinetics.numerics import FloatArray
+from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
 from kinetics.results import Value
@@ -26,10 +26,8 @@ from kinetics.results import Value
 # derivative of a function, which is p^12 v^p for a power: the widest spacing leaves 2e-19 p^12.
 _SAMPLE_SPACING, _SAMPLE_WIDTH = 1.0 / 16.0, 12
 _LEFT_OUT = (10395.0 / 64.0) ** 2 / math.factorial(12)
-# The scan of a function: panels of this width in ln v, from the least to the largest number of
-# which the square is in the range of doubles, with so many Gauss points each.
-_SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 64
-_MOST_HALVINGS = 40  # of a piece: rounding in ln v is reached
+# The scan of a function: panels of this width in ln v, with so many Gauss points each
+_SCAN_WIDTH, _SCAN_POINTS = 0.5, 64
 _NOBODY = 1e30  # U: no tracer is as fast, none that moves as slow as the reciprocal
 
 NO_INTEGRAL = (
@@ -159,7 +157,8 @@ def function(
         v = np.exp(x)
         return np.asarray(evaluate(density, v) * v)
 
-    edges = np.arange(_SCAN_LOWEST, _SCAN_HIGHEST + _SCAN_WIDTH, _SCAN_WIDTH)
+    # from the least number of which the square is in the range of doubles to the largest number
+    edges = _SCAN_WIDTH * np.arange(-LARGEST_LOG // 1.0, 2.0 * LARGEST_LOG // 1.0)
     x, w = panels_between(edges, _SCAN_POINTS)
     with np.errstate(all="ignore"):
         mass = (np.abs(per_log_speed(x)) * w).reshape(-1, _SCAN_POINTS).sum(axis=1)
@@ -191,11 +190,12 @@ def refined(
 ) -> tuple[FloatArray, NDArray[Any]]:
     """Points, and weights times the function there, (n_points,) each, on intervals (n, 2).
 
-    They are halved until 12 points and twice 12 points give the same integral.
+    They are halved until 12 points and twice 12 points give the same integral, or a half is
+    rounding.
     """
     points: list[FloatArray] = []
     weights: list[NDArray[Any]] = []
-    for depth in range(_MOST_HALVINGS + 1):
+    while ends.size:
         middle = ends.mean(axis=1)
         halves = np.stack([ends[:, 0], middle, middle, ends[:, 1]], axis=1).reshape(-1, 2)
         coarse_x, coarse_w = panels_of(ends, 12)
@@ -203,13 +203,12 @@ def refined(
         coarse = (function(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
         fine = function(fine_x.ravel()).reshape(fine_x.shape) * fine_w
         good = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse) <= tolerance
-        good |= depth == _MOST_HALVINGS or ends.shape[0] > 5000  # a noisy density ends
+        good |= middle - ends[:, 0] < 1e3 * ROUNDING
+        good |= ends.shape[0] > 5000  # a noisy density ends
         both = np.repeat(good, 2)
         points.append(fine_x[both].ravel())
         weights.append(fine[both].ravel())
         ends = halves[~both]
-        if ends.size == 0:
-            break
     return np.concatenate(points), np.concatenate(weights)
 
 
