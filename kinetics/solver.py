@@ -44,7 +44,6 @@ from kinetics.scene import Scene
 from kinetics.validation import refuse
 
 _LEFT = 450.0 * ROUNDING  # 1e-13: what sums over the initial state and up the panels may leave
-_SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _MOST_NODES = 48  # of a panel: still more only add rounding
 
@@ -131,7 +130,7 @@ class Answer(Value):
         averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
         averages = _with_enough_nodes(averages, needed)
         error = _error_of(averages, needed)
-        if error > self.rtol * _SLACK:
+        if error > self.rtol:
             warn_missed(f"<v^{p:g}>", error, self.rtol)
         with np.errstate(under="ignore", over="ignore", invalid="ignore"):
             found = averages.power(p, m) * np.exp(p * averages.log_reference)
@@ -224,7 +223,7 @@ class Answer(Value):
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status and the message, which also says where the theory is not to be trusted."""
-        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol * _SLACK)
+        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol)
         allowed[POSITION] = max(self.rtol, _BEST_DENSITY)
         status, message = judged(self.errors, allowed, self.nodes if self.profiles else None)
         if (medium := self.averages.law.medium) is not None:
