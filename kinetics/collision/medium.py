@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision.bounce import ImpactQuadrature
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.validation import check_positive, one_of, refuse
 
@@ -160,16 +161,13 @@ class Medium:
         """d, and ln C of the harmonics 0, 1 and 2; zeros at the leading order."""
         if self.order == "leading":
             return [0.0] * 4
-        found = []
-        for name in ("d", "ln C 0", "ln C 1", "ln C 2"):
-            values = np.array(_constants()[name])
-            at = np.array(_constants()["restitution"][: values.size])
-            # held beyond the table: C(e; 0) ends at .9, as eps lambda_0 vanishes with 1 - e
-            x = np.clip(self.restitution, at[0], at[-1])
+        found: dict[str, float] = {}
+        for at, columns in _constants():
+            x = min(max(self.restitution, at[0]), at[-1])  # beyond the table they are held
             near = np.argsort(np.abs(at - x))[:4]  # the cubic through these
             rows = interpolation_rows(x - at[near], barycentric_weights(at[near]))
-            found.append(float(rows @ values[near]))
-        return found
+            found |= {name: float(rows @ values[near]) for name, values in columns.items()}
+        return [found[name] for name in ("d", "ln C 0", "ln C 1", "ln C 2")]
 
     @property
     def level(self) -> str:
@@ -200,8 +198,12 @@ class Medium:
 
 
 @cache
-def _constants() -> dict[str, list[float]]:
-    """d and ln C of each harmonic, by restitution, from the file."""
+def _constants() -> list[tuple[FloatArray, dict[str, FloatArray]]]:
+    """Restitutions, and the constants there, from the file.
+
+    C(e; 0) ends at e = .9, as eps lambda_0 vanishes with 1 - e.
+    """
     text = files("kinetics.collision").joinpath("returns.json").read_text("utf-8")
-    found: dict[str, list[float]] = json.loads(text)
-    return found
+    table = {name: np.array(values) for name, values in json.loads(text).items()}
+    e, all_over = table["restitution"], {name: table[name] for name in ("d", "ln C 1", "ln C 2")}
+    return [(e[:-1], {"ln C 0": table["ln C 0"]}), (e, all_over)]

@@ -26,8 +26,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 
 # Of the spacing: the first one tried, and the finest; each next one is half of the one before.
 _COARSEST, _FINEST = 0.128, 0.0005

@@ -31,8 +31,7 @@ from kinetics.moments.backward import (
 from kinetics.moments.delayed import DelayedReturns
 from kinetics.numerics import LARGEST_LOG, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, panel_rule
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 from kinetics.validation import MOST_HARMONICS, real_number, whole_number
 
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because

@@ -18,8 +18,7 @@ from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 
 _POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
