@@ -73,8 +73,7 @@ def test_the_estimate_covers_the_error(e: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("e", "p"),
-    [*product([0.0, 0.5, 0.999], [8.0, 20.0, 40.0]), (0.7, -6.0), (0.7, -20.0)],
+    ("e", "p"), [*product([0.0, 0.5, 0.999], [8.0, 20.0, 40.0]), (0.7, -6.0), (0.7, -20.0)]
 )
 @pytest.mark.parametrize("rtol", [1e-4, 1e-10])
 def test_moments_of_the_late_state(e: float, p: float, rtol: float) -> None:
