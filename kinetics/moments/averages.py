@@ -138,7 +138,7 @@ class Averages:
         delayed = bool(self.law.returns(0)[0])
         nodes = self.nodes or math.ceil(guess) + 2 * delayed
         kind = DelayedReturns if delayed else BackwardEquation
-        return kind(self.law, highest, nodes, width, self.harmonic)
+        return kind(self.law, highest, nodes, width, self.harmonic, self.rtol)
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""

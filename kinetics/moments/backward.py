@@ -120,6 +120,7 @@ class BackwardEquation:
     highest, harmonic : the largest X, and the largest m, that will be asked for
     nodes, width : Chebyshev nodes of a panel, and its width in X, for powers of the speed up to
         STEEPEST/width
+    rtol : relative accuracy that will be asked for
     start : X where the panels begin
     """
 
@@ -128,6 +129,7 @@ class BackwardEquation:
     nodes: int
     width: float = 1.0
     harmonic: int = 2
+    rtol: float = 1e-11
     start: float = START
     _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)

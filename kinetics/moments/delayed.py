@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium
 from kinetics.moments.backward import START, BackwardEquation, Observable, power_series
-from kinetics.numerics import FloatArray
+from kinetics.numerics import ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, PanelShifts
 from kinetics.numerics.gauss import equal_panels
 
@@ -41,7 +41,6 @@ _LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over
 _APART = 0.1  # of two rates about 1/b: exp(-0.9 y/b) - exp(-1.1 y/b) is nearly 0.2 (y/b) exp(-y/b)
 _MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
 _SLOWEST, _FASTEST = 0.02, 12.0  # rates per l, and per 2 n, between which they are
-_BY_VECTORS = 16  # nodes up to which eigenvectors lose no more than 1e-12
 _TERMS = 20  # of power series, up to where the fastest loops have fallen to 1/e
 _SHORTEST = 1e-3  # in l: near loops that are shorter are taken to be so long
 
@@ -85,23 +84,26 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
 
 @lru_cache(maxsize=16)
 def _slopes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
-    """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that."""
+    """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that.
+
+    Then, what rounding of the eigenvectors leaves of a function of it.
+    """
     rule = Chebyshev(nodes, width)
     slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
     value, vector = np.linalg.eig(slopes[:, 1:])
-    return slopes, value, vector, np.linalg.inv(vector)
+    return slopes, value, vector, np.linalg.inv(vector), ROUNDING * np.linalg.cond(vector)
 
 
 def _responses(
-    rule: Chebyshev, pull: FloatArray, weights: FloatArray
+    rule: Chebyshev, pull: FloatArray, weights: FloatArray, rtol: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes).
 
     The weighted sums of R over modes, (n_panels, n_kinds, nodes - 1, nodes - 1), what is left of 1
     at the first node, and the last rows of R, (n_panels, n_modes, nodes - 1) each.
     """
-    slopes, value, vector, back = _slopes(rule.nodes, rule.width)
-    if rule.nodes > _BY_VECTORS:
+    slopes, value, vector, back, lost = _slopes(rule.nodes, rule.width)
+    if lost > 0.2 * rtol:
         one = np.eye(rule.nodes - 1)
         every: Any = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * one)
         summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
@@ -124,6 +126,7 @@ class Loops:
     start : X where the panels begin, not above `series_end`
     count : how many panels there are, at most
     harmonics : the m that are asked for
+    rtol : relative accuracy of all this, at least; by default well below that of a panel
 
     shares : factors of kinds of loops, (m, n_kinds); of one harmonic all loops are of one kind
     weights : of modes, (n_kinds, n_modes)
@@ -139,6 +142,7 @@ class Loops:
         count: int,
         harmonics: range,
         degree: float = 0.0,
+        rtol: float = 1.5e-11,
     ) -> None:
         self.rule, self.start, self.count, self.degree = rule, start, count, degree
         self._pace, self._fall = _pace(medium), -math.log(medium.restitution)
@@ -152,7 +156,7 @@ class Loops:
         n, width = rule.nodes, rule.width
         unit = np.exp(start + width * np.arange(count)) / self._pace  # T/c where a panel begins
         power = np.exp(degree * width * rule.local)
-        here, decay, gained = _responses(rule, unit[:, None] * self._rate, self.weights)
+        here, decay, gained = _responses(rule, unit[:, None] * self._rate, self.weights, rtol)
         self.come = np.zeros((count, len(self.weights), n, n + self._rate.size))
         self.come[:, :, 1:, 1:n] = unit[:, None, None, None] * here * (power[1:, None] / power[1:])
         self.come[:, :, 0, n:] = self.weights
@@ -238,11 +242,11 @@ class DelayedReturns(BackwardEquation):
         super().__post_init__()
 
     def _loops(self, m: int, degree: float) -> Loops:
-        key = Loops, m, degree, self.count
+        key = Loops, m, degree, self.count, self.rtol
         if key not in self._kept:
             assert self.law.medium is not None
-            one = range(m, m + 1)
-            self._kept[key] = Loops(self.law.medium, self.rule, self.start, self.count, one, degree)
+            asked = self.rule, self.start, self.count, range(m, m + 1), degree, self.rtol
+            self._kept[key] = Loops(self.law.medium, *asked)
         return self._kept[key]
 
     def _early(self, y: Observable) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -272,7 +276,7 @@ class DelayedReturns(BackwardEquation):
         From Y where it begins, the gain from U below, f from W below, the modes, and the sources;
         to U, W, the modes where it ends, and Y.
         """
-        key = m, degree, self.count
+        key = m, degree, self.count, self.rtol
         if key not in self._kept:
             (loss, _), loops, n = self._kernel(m), self._loops(m, degree), self.nodes
             one, modes = np.eye(n), loops.kept.shape[1]
