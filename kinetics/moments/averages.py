@@ -34,10 +34,6 @@ from kinetics.numerics.chebyshev import Chebyshev, panel_rule
 from kinetics.states.state import LogMeasure, State
 from kinetics.validation import MOST_HARMONICS, real_number, whole_number
 
-# First guess of the nodes of a panel: for every law within one or two of what is needed, because
-# a node is about a digit. A guess that is too small costs a second solve.
-_NODES, _PER_POWER, _PER_DIGIT = 2.0, 0.75, 1.12
-_NARROWEST = 1.0 / 32.0  # panel in X: still narrower ones would take seconds
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 
 
@@ -132,9 +128,11 @@ class Averages:
         """The backward equation, up to the largest v t that occurs."""
         highest = max(float(self.speeds.x.max() + self.log_stretch[-1]), START)
         power = max(abs(self.degree), abs(self.lowest))
-        width = max(STEEPEST / max(self._fall, STEEPEST), _NARROWEST)
-        width = min(STEEPEST / max(power, STEEPEST), width)  # narrower panels do the rest
-        guess = _NODES + _PER_POWER * min(power, 4.0) - _PER_DIGIT * math.log10(self.rtol)
+        width = max(STEEPEST / max(self._fall, STEEPEST), 1.0 / 32.0)  # more would take seconds
+        width = min(STEEPEST / max(power, STEEPEST), width)
+        # nodes for every law within one or two of what is needed, because a node is about a digit;
+        # what is missing costs a second solve. Of higher powers narrower panels do the rest
+        guess = 2.0 + 0.75 * min(power, 4.0) - 1.12 * math.log10(self.rtol)
         delayed = bool(self.law.returns(0)[0])
         nodes = self.nodes or math.ceil(guess) + 2 * delayed
         kind = DelayedReturns if delayed else BackwardEquation

@@ -31,8 +31,6 @@ from kinetics.results import Value
 # derivative of a function, which is p^12 v^p for a power: the widest spacing leaves 2e-19 p^12.
 _SAMPLE_SPACING, _SAMPLE_WIDTH = 1.0 / 16.0, 12
 _LEFT_OUT = (10395.0 / 64.0) ** 2 / math.factorial(12)
-# The scan of a function: panels of this width in ln v, with so many Gauss points each
-_SCAN_WIDTH, _SCAN_POINTS = 0.5, 64
 _NOBODY = 1e30  # U: no tracer is as fast, none that moves as slow as the reciprocal
 
 NO_INTEGRAL = (
@@ -213,11 +211,12 @@ def function_points(
         v = np.exp(x)
         return np.asarray(evaluate(density, v) * v)
 
-    # from the least number of which the square is in the range of doubles to the largest number
-    edges = _SCAN_WIDTH * np.arange(-LARGEST_LOG // 1.0, 2.0 * LARGEST_LOG // 1.0)
-    x, w = panels_between(edges, _SCAN_POINTS)
+    # scanned from the least number of which the square is in the range of doubles to the largest
+    width, count = 0.5, 64  # of a panel in ln v, and of its Gauss points
+    edges = width * np.arange(-LARGEST_LOG // 1.0, 2.0 * LARGEST_LOG // 1.0)
+    x, w = panels_between(edges, count)
     with np.errstate(all="ignore"):
-        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, _SCAN_POINTS).sum(axis=1)
+        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, count).sum(axis=1)
     if not np.all(np.isfinite(mass)):
         raise InputError(NO_INTEGRAL)
     if not mass.any():
