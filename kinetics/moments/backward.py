@@ -15,7 +15,7 @@ every later time for every initial state.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -109,13 +109,13 @@ def power_series(degree: float, x: FloatArray, coefficients: FloatArray) -> Floa
 
 @lru_cache(maxsize=8)
 def _kept(law: CollisionLaw, nodes: int, width: float) -> tuple[dict[Any, Any], ...]:
-    """Kernels, shifts, series and the rest that the start does not change: filled as asked for."""
+    """Kernels, shifts, series and all else, as the start changes nothing: filled as asked for."""
     return {}, {}, {}, {}
 
 
 @dataclass
 class BackwardEquation:
-    """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
+    """Solves for observables on panels in X = ln(u t/l); what is solved is kept with the law.
 
     highest, harmonic : the largest X, and the largest m, that will be asked for
     nodes, width : Chebyshev nodes of a panel, and its width in X, for powers of the speed up to
@@ -131,8 +131,6 @@ class BackwardEquation:
     harmonic: int = 2
     rtol: float = 1e-11
     start: float = START
-    _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
-    _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         self.rule = panel_rule(self.nodes, self.width)
@@ -165,9 +163,11 @@ class BackwardEquation:
 
     def solve(self, y: Observable) -> FloatArray:
         """Values at the nodes of all panels, shape (n_panels, nodes)."""
-        if y not in self._solved:
-            self._solved[y] = self._solve(y)
-        return self._solved[y]
+        key = y, self.count, self.rtol
+        if key not in self._kept:
+            self._kept[key] = self._solve(y)
+        found: FloatArray = self._kept[key]
+        return found
 
     def _solve(self, y: Observable) -> FloatArray:
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
@@ -241,7 +241,8 @@ class BackwardEquation:
 
     def error_estimate(self, observable: Observable) -> float:
         """What the Chebyshev coefficients of panels leave out, relative to their smaller ends."""
-        if observable not in self._errors:
+        key = "error", observable, self.count, self.rtol
+        if key not in self._kept:
             last, before = self.rule.last_coefficients(self.solve(observable))
             # errors are at most 1.2 times the last coefficient, or a tenth of that times the one
             # before; the rest is for the initial state
@@ -255,8 +256,8 @@ class BackwardEquation:
             )
             size = np.abs(self.solve(scale))
             ends = np.maximum(np.minimum(size[:, 0], size[:, -1]), 1e-3 * size.max(axis=1))
-            self._errors[observable] = float(np.sum(left_out / np.maximum(ends, 1e-300)))
-        return self._errors[observable]
+            self._kept[key] = float(np.sum(left_out / np.maximum(ends, 1e-300)))
+        return float(self._kept[key])
 
     def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:
         """y at X = x, -inf allowed, and whether that is below the panels; each of its shape.
@@ -289,10 +290,7 @@ class BackwardEquation:
         if self.law.is_elastic:
             power = round(math.log(ends[0] / ends[1]) / self.width)
             return np.asarray(ends[0] * np.exp(power * self.width * u))
-        if growth == 0:
-            return np.full(level.shape, ends[0])
-        first = ends[0] - ends[1]
-        if growth < 2 or values.shape[0] <= 3:
-            return np.asarray(ends[0] + first * u)
-        second = ends[0] - 2.0 * ends[1] + ends[2]
-        return np.asarray(ends[0] + first * u + 0.5 * second * u * (u + 1.0))
+        most = growth if values.shape[0] > 3 else min(growth, 1)
+        slope, curve = ends[0] - ends[1], ends[0] - 2.0 * ends[1] + ends[2]
+        terms = np.full(level.shape, ends[0]), slope * u, 0.5 * curve * u * (u + 1.0)
+        return sum(terms[1 : most + 1], terms[0])

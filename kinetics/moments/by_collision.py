@@ -106,16 +106,15 @@ class ByCollision(Value):
 def _power(gap: float, n: FloatArray) -> FloatArray:
     """(1 - gap)^n, accurate for small gaps; shape of n."""
     with np.errstate(under="ignore", over="ignore"):
-        small = np.exp(n * math.log1p(-min(gap, 0.5)))
-        return np.asarray(small if gap < 0.5 else (1.0 - gap) ** n)
+        return np.asarray(np.exp(n * math.log1p(-gap)) if gap < 0.5 else (1.0 - gap) ** n)
 
 
 def _sum_of_powers(n: FloatArray, gap: float) -> FloatArray:
     """1 + (1 - gap) + ... + (1 - gap)^(n-1), shape of n."""
     if gap == 0.0:
         return n
-    small = -np.expm1(n * math.log1p(-min(gap, 0.5)))
-    return np.asarray((small if gap < 0.5 else 1.0 - _power(gap, n)) / gap)
+    lost = -np.expm1(n * math.log1p(-gap)) if gap < 0.5 else 1.0 - _power(gap, n)
+    return np.asarray(lost / gap)
 
 
 def _pairs(n: FloatArray, gap: float) -> FloatArray:
