@@ -284,16 +284,18 @@ class Collision:
 
     @cached_property
     def loss_ends(self) -> tuple[float, ...]:
-        """The least and the largest -ln s of each part of the law: its density steps there.
-
-        The least of all is below 0 where energy may be gained.
-        """
+        """The least and the largest -ln s of each part of the law: its density steps there."""
         return tuple(loss for _, part in self.bounces for loss in part.losses)
 
     @cached_property
     def is_elastic(self) -> bool:
         """Whether every bounce keeps the speed."""
         return not any(self.loss_ends)
+
+    @property
+    def least_loss(self) -> float:
+        """The smallest -ln s that occurs: 0 for smooth scatterers, below 0 if energy is gained."""
+        return min(self.loss_ends)
 
     @property
     def largest_loss(self) -> float:

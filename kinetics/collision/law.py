@@ -319,8 +319,8 @@ def law_of(
     ):
         if value is not None and value not in (default, getattr(law, name)):
             refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
-    if (least := min(law.loss_ends)) < 0.0:
-        largest = math.exp(-least)
+    if law.least_loss < 0.0:
+        largest = math.exp(-law.least_loss)
         what = "the solvers need a tracer that never gains energy (ratios up to 1)"
         raise InputError(f"restitution: got a law with speed ratios up to {largest:.6g}; {what}")
     return law

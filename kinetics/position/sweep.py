@@ -250,5 +250,5 @@ class _Sweep:
             return None, math.inf
         k, f = points_beyond(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, self._first_power)
-        by_steps = _BY_STEPS if min(law.loss_ends) > _LOSSY else _BEYOND
+        by_steps = _BY_STEPS if law.least_loss > _LOSSY else _BEYOND
         return tail, left * (_RETURNED if law.returns(0)[0] else by_steps)

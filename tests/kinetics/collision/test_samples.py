@@ -22,7 +22,7 @@ def test_sums_over_samples() -> None:
     assert space.harmonic_decay_rate(1.0, 2) == pytest.approx(
         1.0 - (0.25 * 0.5 * 0.5 * (3 * 0.09 - 1) + 0.75 * 0.9)
     )
-    assert (min(law.loss_ends), law.largest_loss) == pytest.approx((-np.log(0.9), np.log(2.0)))
+    assert (law.least_loss, law.largest_loss) == pytest.approx((-np.log(0.9), np.log(2.0)))
     u, weight = law.survival_for(3.0)
     assert weight @ np.exp(-2.0 * u) == pytest.approx(law.decay_rate(2.0) / 2.0, rel=1e-13)
 
