@@ -310,15 +310,13 @@ def velocity_tensor(averages: Averages) -> FloatArray:
     """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2; in space (n_times, 3, 3)."""
     square = np.exp(averages.log_reference) ** 2
     trace, second = square * averages.power(2.0), square * averages.power(2.0, 2)
-    if averages.law.dimension == 3:
-        # v_x^2 = v^2 (1 + 2 P_2)/3, and the rest is shared by y and z
-        tensor = np.zeros((averages.times.size, 3, 3))
-        tensor[:, 0, 0] = (trace + 2.0 * second.real) / 3.0
-        tensor[:, 1, 1] = tensor[:, 2, 2] = (trace - second.real) / 3.0
-        return tensor
-    xx, yy = 0.5 * (trace + second.real), 0.5 * (trace - second.real)
-    xy = -0.5 * second.imag
-    return np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
+    d = averages.law.dimension
+    tensor = np.zeros((averages.times.size, d, d))
+    tensor[:, 0, 0] = (trace + (d - 1.0) * second.real) / d
+    for i in range(1, d):  # in space the rest is shared by y and z
+        tensor[:, i, i] = (trace - second.real) / d
+    tensor[:, 0, 1] = tensor[:, 1, 0] = -0.5 * second.imag  # in space 0
+    return tensor
 
 
 def collisions(averages: Averages) -> FloatArray:
