@@ -32,7 +32,7 @@ from kinetics.validation import finite_line, refuse
 # tests/kinetics/collision/test_law.py has the largest powers.
 _POINTS = 20
 _LEVELS_KEPT = 6  # quadratures of up to 60,000 points are kept for the next question
-_LARGEST_TURN = 1e7  # radians of s^z: they take 7e6 points, about a gigabyte of exponentials
+_MOST_POINTS = 7e6  # about a gigabyte of exponentials
 _MOST_SAMPLES = 20_000  # samples: each costs some kilobytes on every panel
 
 
@@ -138,9 +138,11 @@ class DiskBounce:
         """How often panels are halved for functions as fast as s^z cos(m chi), |z| up to rate."""
         both_ends = 1.0 if self.restitution <= self.tangential_restitution else 2.0
         turn = both_ends * rate * min(1.0, self._top * math.tanh(self._top)) + 3.0 * m
-        if not turn <= _LARGEST_TURN:
+        finer = max(1.0, turn / (1.5 * _POINTS))
+        length = FOLDS if self._ends[0] == 0.0 else self._top
+        if not finer * _POINTS * max(1.0, length) <= _MOST_POINTS:
             raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
-        return max(0, math.ceil(math.log2(max(turn, 1.0) / (1.5 * _POINTS))))
+        return math.ceil(math.log2(finer))
 
     def _nodes(self, level: int, deepest: float = FOLDS) -> tuple[FloatArray, ...]:
         """y, sqrt(1 - y^2), the weights of an average over a uniform y and -ln s, (n_nodes,) each.
