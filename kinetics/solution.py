@@ -261,9 +261,6 @@ class Solution(Result):
             raise InputError("outputs: of driven tracers there is no more than what was asked for")
         return self._answer
 
-    def _velocities(self) -> Any:
-        return self._asked("speed_density", "velocity_density")
-
     def _moved(self) -> Any:
         return self._asked("position_density").displacement
 
@@ -297,7 +294,7 @@ class Solution(Result):
         to v, with :attr:`uncollided`, is right to rtol; f itself is not at its steps
         (:attr:`speed_fronts`).
         """
-        return np.asarray(self._velocities().speed_density(speeds(v)))
+        return np.asarray(self._asked("speed_density", "velocity_density").speed_density(speeds(v)))
 
     @property
     def speed_fronts(self) -> FloatArray:
@@ -317,7 +314,7 @@ class Solution(Result):
 
         All at e = 1. With a field, of any start of sharp velocities (rest, a Beam, samples).
         """
-        return np.asarray(frozen(self._velocities().uncollided))
+        return np.asarray(frozen(self._asked("speed_density", "velocity_density").uncollided))
 
     @property
     def captured(self) -> FloatArray:
@@ -332,7 +329,11 @@ class Solution(Result):
         With c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The error is 1e-8 of the
         maximum, a percent near steps. Not with a field, nor of driven tracers.
         """
-        return np.asarray(self._velocities().component_density(finite_line("v_x", v_x)))
+        return np.asarray(
+            self._asked("speed_density", "velocity_density").component_density(
+                finite_line("v_x", v_x)
+            )
+        )
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
