@@ -329,11 +329,8 @@ class Solution(Result):
         With c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The error is 1e-8 of the
         maximum, a percent near steps. Not with a field, nor of driven tracers.
         """
-        return np.asarray(
-            self._asked("speed_density", "velocity_density").component_density(
-                finite_line("v_x", v_x)
-            )
-        )
+        answer = self._asked("speed_density", "velocity_density")
+        return np.asarray(answer.component_density(finite_line("v_x", v_x)))
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
