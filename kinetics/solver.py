@@ -9,7 +9,7 @@ is a :class:`Slowed` one.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -25,10 +25,10 @@ from kinetics.densities.harmonic import (
     component_densities,
 )
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
-from kinetics.moments.backward import speed_power
-from kinetics.moments.displacement import root_mean_square
-from kinetics.moments.velocity import Averages, moment_arguments
-from kinetics.numerics import FloatArray
+from kinetics.moments import averages as averaged
+from kinetics.moments.averages import Averages, Part
+from kinetics.moments.backward import Observable, speed_power
+from kinetics.numerics import ROUNDING, FloatArray
 from kinetics.outputs import (
     COLLISIONS,
     DENSITIES,
@@ -37,10 +37,7 @@ from kinetics.outputs import (
     POSITION,
     SCATTERING,
     VELOCITY,
-    Output,
-    Part,
     described,
-    parts,
 )
 from kinetics.position.density import Displacement
 from kinetics.position.sweep import solve_displacement
@@ -48,8 +45,7 @@ from kinetics.results import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
-_ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
-_SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
+_LEFT = 450.0 * ROUNDING  # 1e-13: what sums over the initial state and up the panels may leave
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _MOST_NODES = 48  # of a panel: still more only add rounding
 
@@ -86,36 +82,39 @@ class Answer(Value):
         return {name: part for name, part in vars(self).items() if name != "averages"}
 
     @property
-    def _rows(self) -> list[Output]:
-        return [OUTPUTS[name] for name in sorted(self.scene.outputs)]
+    def _parts(self) -> dict[str, tuple[Part, ...]]:
+        """Output -> the observables that it is made of."""
+        outputs, dimension = sorted(self.scene.outputs), self.scene.dimension
+        return {name: averaged.parts_of(name, dimension) for name in outputs}
 
     @property
-    def _needed(self) -> list[tuple[Part, ...]]:
-        return [row.made_of(self.scene.dimension) for row in self._rows]
+    def _steps(self) -> set[str]:
+        """The steps of the plan that the outputs need."""
+        return {OUTPUTS[name].step for name in self.scene.outputs}
 
-    @property
-    def _powers(self) -> list[tuple[float, int]]:
-        """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
-        rows = [row for row in self._rows if row.step == VELOCITY]
-        moments = {y for row in rows for _, y, _ in row.made_of(self.scene.dimension)}
-        return sorted((y.degree, y.harmonic) for y in moments)
+    def _observables(self, step: str) -> set[Observable]:
+        """What the outputs of one step are made of."""
+        found = (made for name, made in self._parts.items() if OUTPUTS[name].step == step)
+        return {y for made in found for _, y, _ in made}
 
     # -- averages ---------------------------------------------------------------------------------
 
     @cached_property
     def averages(self) -> Averages:
         """The averages over the tracers, with enough nodes for the outputs."""
-        degree = max([2.0, *(p for p, _ in self._powers)])
-        return _with_enough_nodes(Averages(*self.scene.problem, self.rtol, degree), self._needed)
+        degree = max([2.0, *(y.degree for y in self._observables(VELOCITY))])
+        asked = Averages(*self.scene.problem, self.rtol, degree)
+        return _with_enough_nodes(asked, self._parts.values())
 
     @property
     def values(self) -> dict[str, FloatArray]:
         """Every output that is an array, in the order of the table; InputError on overflow."""
         found: dict[str, FloatArray] = {}
-        for row in OUTPUTS.values():
-            if row.name in self.scene.outputs and row.values is not None:
+        parts = self._parts
+        for name, row in OUTPUTS.items():
+            if parts.get(name):
                 with np.errstate(over="ignore", invalid="ignore"):
-                    made = row.values(self.averages)
+                    made = getattr(averaged, name)(self.averages)
                 arrays = made if isinstance(made, tuple) else (made,)
                 found |= {n: _in_range(n, a) for n, a in zip(row.names, arrays, strict=True)}
         return found
@@ -130,12 +129,12 @@ class Answer(Value):
 
         InputError where it does not exist; warns where the error estimate exceeds rtol.
         """
-        p, m = moment_arguments(self.scene.law, self.scene.state, p, m)
-        needed = [parts((1.0, speed_power(p, m)))]
+        p, m = averaged.moment_arguments(self.scene.law, self.scene.state, p, m)
+        needed = [(Part(1.0, speed_power(p, m), m),)]
         averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
         averages = _with_enough_nodes(averages, needed)
         error = _error_of(averages, needed)
-        if error > self.rtol * _SLACK:
+        if error > self.rtol:
             warn_missed(f"<v^{p:g}>", error, self.rtol)
         with np.errstate(under="ignore", over="ignore", invalid="ignore"):
             found = averages.power(p, m) * np.exp(p * averages.log_reference)
@@ -146,7 +145,7 @@ class Answer(Value):
     @cached_property
     def profiles(self) -> Mapping[int, Profile]:
         """The harmonics of the velocity distribution that the outputs need."""
-        if not any(row.step == DENSITIES for row in self._rows):
+        if DENSITIES not in self._steps:
             return {}
         highest = 0
         if "velocity_density" in self.scene.outputs:
@@ -205,11 +204,11 @@ class Answer(Value):
     @cached_property
     def displacement(self) -> Displacement | None:
         """The distribution of the displacement, if an output needs it."""
-        if not any(row.step == POSITION for row in self._rows):
+        if POSITION not in self._steps:
             return None
         # the same for every rtol, as the wave numbers depend on it
         own = replace(self.averages, rtol=min(self.rtol, _BEST_DENSITY), nodes=None)
-        root = _in_range("msd", root_mean_square(own))
+        root = _in_range("msd", averaged.root_mean_square(own))
         rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
         return solve_displacement(*self.scene.problem, root, rtol)
 
@@ -218,7 +217,7 @@ class Answer(Value):
     @cached_property
     def errors(self) -> dict[str, float]:
         """Part of the result -> its error estimate."""
-        found = {"averages": _error_of(self.averages, self._needed)}
+        found = {"averages": _error_of(self.averages, self._parts.values())}
         if self.profiles:
             found[DENSITIES] = max(one.error_estimate for one in self.profiles.values())
         if self.displacement is not None:
@@ -228,7 +227,7 @@ class Answer(Value):
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status and the message, which also says where the theory is not to be trusted."""
-        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol * _SLACK)
+        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol)
         allowed[POSITION] = max(self.rtol, _BEST_DENSITY)
         status, message = judged(self.errors, allowed, self.nodes if self.profiles else None)
         if (medium := self.averages.law.medium) is not None:
@@ -239,16 +238,16 @@ class Answer(Value):
     def plan(self) -> tuple[PlanStep, ...]:
         """What was solved, what was skipped, and why."""
         averages, profiles, flights = self.averages, self.profiles, self.displacement
-        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in self._powers)
-        moving = [row for row in self._rows if row.step == DISPLACEMENT]
-        chain = {y for row in moving for _, y, _ in row.made_of(self.scene.dimension)}
-        harmonics = sorted({m for _, m in self._powers} | set(profiles))
+        chain = self._observables(DISPLACEMENT)
+        powers = sorted((y.degree, y.harmonic) for y in self._observables(VELOCITY))
+        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in powers)
+        harmonics = sorted({m for _, m in powers} | set(profiles))
         isotropic = averages.state.highest_harmonic == 0
         enough = "the start is isotropic" if isotropic else "no output needs more"
         methods = sorted({one.method for one in profiles.values()})
         kept = "elastic: speeds are kept, harmonics relax at their own rates"
         reasons = {
-            VELOCITY: kept if averages.elastic else f"backward equation for {moments}",
+            VELOCITY: kept if averages.law.is_elastic else f"backward equation for {moments}",
             "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
             COLLISIONS: "asked for",
             DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
@@ -257,8 +256,7 @@ class Answer(Value):
             "angular harmonics": f"m = {harmonics}: {enough}",
             DENSITIES: f"{len(profiles)} harmonics, {', '.join(methods)}",
         }
-        asked = {"initial state", *(row.step for row in self._rows)}
-        asked |= {"angular harmonics"} if harmonics else set()
+        asked = self._steps | {"initial state"} | ({"angular harmonics"} if harmonics else set())
         steps = [
             PlanStep(part, part in asked and why != kept, why if part in asked else "not asked for")
             for part, why in reasons.items()
@@ -272,7 +270,7 @@ class Answer(Value):
         """Numbers about the work: points of the initial state, panels, nodes, wave numbers."""
         averages, flights = self.averages, self.displacement
         stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
-        if not averages.elastic:
+        if not averages.law.is_elastic:
             stats["panels"] = averages.equation.count
             stats["nodes_per_panel"] = averages.equation.nodes
         stats |= {f"density_nodes_m{m}": one.nodes for m, one in self.profiles.items()}
@@ -348,9 +346,9 @@ class Slowed(Answer):
         return self._each(super().velocity_density, self.scene.dimension, v, phi)
 
 
-def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:
+def _error_of(averages: Averages, needed: Collection[tuple[Part, ...]]) -> float:
     """The largest relative error estimate of the outputs that are made of these parts."""
-    found = [_ROUNDING]
+    found = [_LEFT]
     for made in needed:
         # a part that the initial state makes zero has no error
         there = [part for part in made if averages.measure(part.start) is not None]
@@ -358,7 +356,7 @@ def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:
     return max(found)
 
 
-def _with_enough_nodes(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> Averages:
+def _with_enough_nodes(averages: Averages, needed: Collection[tuple[Part, ...]]) -> Averages:
     """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
     for _ in range(4):
         missing = _error_of(averages, needed) / averages.rtol

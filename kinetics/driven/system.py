@@ -135,7 +135,7 @@ class System:
         """E[1 - s^2], E[1 - s cos chi] and E[(1 + e*)^2 n^2] of resting scatterers, (n,) each."""
         if self.law is not None:
             q, one = self.law.quadrature, np.ones(v.shape)
-            lost = self.law.energy_loss * one, (q.weight @ (1.0 - q.parallel)) * one
+            lost = self.law.energy_loss * one, (q.weight @ (1.0 - q.ratio * q.cosine)) * one
             return *lost, 0.0 * one
         x, w = gauss_legendre(_POINTS)
         if self.dimension == 2:
