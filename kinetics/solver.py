@@ -28,7 +28,7 @@ from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_mis
 from kinetics.moments import averages as averaged
 from kinetics.moments.averages import Averages, Part
 from kinetics.moments.backward import Observable, speed_power
-from kinetics.numerics import ROUNDING, FloatArray
+from kinetics.numerics import FloatArray
 from kinetics.outputs import (
     COLLISIONS,
     DENSITIES,
@@ -45,7 +45,7 @@ from kinetics.results import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
-_LEFT = 450.0 * ROUNDING  # 1e-13: what sums over the initial state and up the panels may leave
+_LEFT = 1e-13  # relative: what sums over the initial state and up the panels may leave
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _MOST_NODES = 48  # of a panel: still more only add rounding
 
