@@ -7,21 +7,31 @@ left. An error of the theory adds its covariance to that of the data.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare import statistics
-from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, whitening
+from kinetics.crosscheck.compare.statistics import (
+    ChiSquare,
+    covariance,
+    effective_groups,
+    errors,
+    hotelling,
+    most_freedom,
+    spread_out,
+    whitening,
+    with_spread,
+)
 from kinetics.crosscheck.compare.theory import Expectation, Point
 from kinetics.crosscheck.data.sample import Sample
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SECOND_MOMENTS = ("thermal_speed", "msd", "drift", "mean_displacement")  # that are fitted to
+SECOND_MOMENTS = ("thermal_speed", "msd")  # that are fitted to
 # of parameters that are fitted as they are; others are positive, and their logarithms fitted
 LIMITS = {
     "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
@@ -29,33 +39,71 @@ LIMITS = {
 }  # fmt: skip
 # restitution from which on, and number density up to which, there is a theory of dense media
 LEAST_RESTITUTION, DENSEST = 0.2, 0.3
-WIDEST = 12.0  # |ln| of the factor by which a positive parameter may differ from what was told
-_STEP = 1e-4  # for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1
+_AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Fit:
-    """A point with some fitted parameters (`free`, perhaps none), and all that is known there.
+    """A sample beside its theory at a point, with some fitted parameters (`free`, perhaps none).
 
-    theory (n_names, n_times); known: the covariance of its own error, None for 0; at (k,): the
-    parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence (k, p)
-    on `at` of the averages `fitted` (p,); shaped, replicates (G, ...): the difference of data and
-    theory as `Expectation.stabilised`; widening: ln(det(C + M)/det C) of the chi-square.
+    Given: theory (n_names, n_times); known: the covariance of its own error, None for 0; at (k,):
+    the parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence
+    (k, p) on `at` of the averages `fitted` (p,).
+
+    Of these, (n_names, n_times) each: difference of data and theory; error (with the theory's own);
+    shaped: the difference as `Expectation.stabilised`, with its replicates (G, ...), and sigmas;
+    effective groups; compared: where there is something to compare; usable: and where it has
+    spread. chi_square of those tested; criterion: -2 ln likelihood, to a constant, plus 2 for each
+    parameter (Akaike's criterion).
     """
 
+    expectation: Expectation
     point: Point
-    free: tuple[str, ...]
     theory: Array
     known: Array | None
+    free: tuple[str, ...]
     at: Array
     covariance: Array
     slope: Array
     influence: Array
     fitted: Indices
-    shaped: Array
-    replicates: Array
     chi_square: ChiSquare | None = None
-    widening: float = 0.0
+    criterion: float = np.inf
+    difference: Array = field(init=False)
+    error: Array = field(init=False)
+    shaped: Array = field(init=False)
+    replicates: Array = field(init=False)
+    sigmas: Array = field(init=False)
+    effective: Array = field(init=False)
+    compared: NDArray[np.bool_] = field(init=False)
+    usable: NDArray[np.bool_] = field(init=False)
+
+    def __post_init__(self) -> None:
+        measured, sample, theory = self.expectation, self.expectation.sample, self.theory
+        early = np.isin(measured.names, () if self.point.own_start else _AT_ZERO)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.difference = measured.values - theory
+            self.shaped = measured.stabilised(theory, self.difference)
+            self.replicates = self._moved(measured.steadied(theory))
+            error = errors(self._moved(measured.replicates - theory))
+            own = 0.0 if self.known is None else np.diagonal(self.known).reshape(error.shape)
+            self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
+            self.error = np.sqrt(error**2 + own)
+        self.compared = np.isfinite(self.difference) & (early | (sample.times > 0))
+        self.usable = self.compared & with_spread(error, measured.values, theory)
+        self.effective = effective_groups(self.replicates)
+
+    def _moved(self, replicates: Array) -> Array:
+        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
+        flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
+        shift = (flat - flat.mean(axis=0)) @ self.influence.T
+        return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
+
+    def flat(self, chosen: Indices) -> tuple[Array, Array, Array | None]:
+        """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
+        known = None if self.known is None else self.known[np.ix_(chosen, chosen)]
+        replicates = self.replicates.reshape(len(self.replicates), -1)[:, chosen]
+        return self.shaped.ravel()[chosen], replicates, known
 
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
@@ -63,51 +111,28 @@ class Fit:
         error = float(np.sqrt(self.covariance[k, k]))
         return value, error if name in LIMITS else value * error
 
-    @property
-    def criterion(self) -> float:
-        """-2 ln likelihood, to a constant, plus 2 for each parameter (Akaike's criterion)."""
-        left = np.inf if self.chi_square is None else self.chi_square.value
-        return float(left + self.widening + 2 * len(self.free))
 
-    def moved(self, replicates: Array) -> Array:
-        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
-        flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
-        shift = (flat - flat.mean(axis=0)) @ self.influence.T
-        return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
-
-
-def coordinates(point: Point, free: Sequence[str]) -> Array:
-    """Parameters of a point as they are fitted, (k,)."""
-    values = {name: getattr(point, name) for name in free}
-    return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
-
-
-def choose(usable: NDArray[np.bool_], groups: int, parameters: int) -> Indices:
+def choose(usable: NDArray[np.bool_], groups: int, parameters: int = 1) -> Indices:
     """Which components (n_names, n_times) can be tested together, evenly over time: flat."""
-    most = max(statistics.most_freedom(groups), min(2 * parameters, groups - 2))
+    most = max(most_freedom(groups), min(2 * parameters, groups - 2))
     rows = [(k, np.flatnonzero(row)) for k, row in enumerate(usable) if np.any(row)]
     share = max(1, most // max(len(rows), 1))
-    at = [k * usable.shape[1] + row[statistics.spread_out(row.size, share)] for k, row in rows]
+    at = [k * usable.shape[1] + row[spread_out(row.size, share)] for k, row in rows]
     return np.concatenate([np.empty(0, np.int64), *at])[:most]
 
 
-def components_of(
-    names: Sequence[str], usable: NDArray[np.bool_], groups: int, parameters: int
-) -> tuple[Indices, Indices]:
-    """The averages that are fitted, and those that enter the chi-square, as `choose`."""
-    second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
-    return choose(second, groups, parameters), choose(usable, groups, parameters)
-
-
 def fit(
-    expectation: Expectation, told: Point, free: Sequence[str], components: tuple[Indices, Indices],
-    starts: Sequence[Sequence[float]] = ((),),
+    expectation: Expectation, told: Point, free: Sequence[str], usable: NDArray[np.bool_],
+    starts: Sequence[Any] = (), parameters: int = 1,
 ) -> Fit | None:  # fmt: skip
     """Least squares from the best starts; None where nothing converges, or only at a limit.
 
     told: the point whose parameters `free` are fitted, none or more, from `starts` (see `Fit.at`).
+    usable: the averages (n_names, n_times) that can be tested, as many as for so many `parameters`.
     """
-    groups, (chosen, tested) = expectation.sample.groups, components
+    groups, theory_of = expectation.sample.groups, expectation.theory
+    second = usable & np.isin(expectation.names, SECOND_MOMENTS)[:, None]
+    chosen, tested = (choose(one, groups, parameters) for one in (second, usable))
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
     values, low_high = expectation.values.ravel()[chosen], [_ends(name, told) for name in free]
     low, high = np.array(low_high).reshape(-1, 2).T
@@ -119,11 +144,10 @@ def fit(
 
     def difference(at: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            theory = expectation.theory(point(at)).ravel()[chosen]
-            return np.asarray(np.log(values) - np.log(theory))
+            return np.asarray(np.log(values) - np.log(theory_of(point(at)).ravel()[chosen]))
 
     def weights(at: Array) -> Array | None:
-        theory = expectation.theory(point(at))
+        theory = theory_of(point(at))
         known, size = expectation.own_covariance(point(at), theory), theory.ravel()[chosen]
         with np.errstate(divide="ignore", invalid="ignore"):
             left = np.log(replicates) - np.log(size)
@@ -133,28 +157,37 @@ def fit(
         return whitening(covariance(left) + extra)
 
     best, white = np.empty(0), None
+    if chosen.size < len(free):
+        return None
     if free:
-        tried = []
+        from scipy.optimize import least_squares
+
+        tried, reached = [], []
         for start in starts:
             at = np.clip(np.asarray(start, float), low, high)
             if np.all(np.isfinite(left := difference(at))) and (found := weights(at)) is not None:
                 tried.append((float(np.sum((found @ left) ** 2)), at, found))
-        tried = sorted(tried, key=lambda one: one[0])[:2]
-        ended = (_descended(difference, found, at, low, high) for _, at, found in tried)
-        if not (reached := [one for one in ended if one is not None]):
+        for _, at, found in sorted(tried, key=lambda one: one[0])[:2]:
+            with suppress(ValueError, np.linalg.LinAlgError):  # the theory is not finite there
+                reached.append(least_squares(
+                    lambda at, white: white @ difference(at), at,
+                    lambda at, white: white @ _slopes(difference, at, low, high),
+                    (low, high), "dogbox", ftol=1e-5, xtol=1e-6, max_nfev=50, args=(found,),
+                ))  # fmt: skip
+        if not reached:
             return None
-        best = min(reached, key=lambda one: one[0])[1]
+        best = min(reached, key=lambda one: one.cost).x
         margin = np.where([n in LIMITS for n in free], -1.0, 0.01 * (high - low))
         if np.any((best <= low + margin) | (best >= high - margin)):
             return None
         if (white := weights(best)) is None:
             return None
-    at, theory = point(best), expectation.theory(point(best))
+    at, theory = point(best), theory_of(point(best))
     known = expectation.own_covariance(at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
     if white is not None:
-        slope = _slopes(lambda p: expectation.theory(point(p)).ravel(), best, low, high)
+        slope = _slopes(lambda p: theory_of(point(p)).ravel(), best, low, high)
         size = theory.ravel()[chosen]
         steep: Any = white @ (slope[chosen] / size[:, None])
         influence = np.linalg.pinv(steep) @ white / size
@@ -162,21 +195,22 @@ def fit(
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-    rows, widening = expectation.steadied(theory), 0.0
-    shaped = expectation.stabilised(theory, expectation.values - theory)
-    made = Fit(at, tuple(free), theory, known, best, spread, slope, influence, chosen, shaped, rows)
-    left_of = made.moved(rows)
-    if known is not None:
+    made = Fit(
+        expectation, at, theory, known, tuple(free), best, spread, slope, influence, chosen
+    )  # fmt: skip
+    shaped, left_of, own = made.flat(tested)
+    widening = 0.0  # ln(det(C + M)/det C) of the chi-square, M the theory's own covariance
+    if known is not None and own is not None:
         # of the data themselves: the same for all that is fitted in a medium
-        spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
-        widening = statistics.log_widening(spread_of, own)
+        axes = whitening(covariance(expectation.steadied(theory).reshape(groups, -1)[:, tested]))
+        widening = float(np.linalg.slogdet(np.eye(len(axes)) + axes @ own @ axes.T)[1])
         passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
         passed[:, chosen] -= slope[tested] @ influence
-        usable = np.any(passed != 0, axis=0)
-        known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
-    of_tested = left_of.reshape(groups, -1)[:, tested]
-    after = statistics.hotelling(shaped.ravel()[tested], of_tested, known)
-    return replace(made, replicates=left_of, chi_square=after, widening=widening)
+        own = passed @ known @ passed.T
+    made.chi_square = hotelling(shaped, left_of, own)
+    if made.chi_square is not None:
+        made.criterion = made.chi_square.value + widening + 2 * len(free)
+    return made
 
 
 def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:
@@ -193,38 +227,24 @@ def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str
     return ["dilute", "hard disks", "overlapping"][: 1 + dense + (dense and asked == "every")]
 
 
-def _ends(name: str, told: Point) -> tuple[float, float]:
-    """Between what a parameter, or its logarithm, is looked for."""
+def _ends(name: str, told: Point, widest: float = 12.0) -> tuple[float, float]:
+    """Between what a parameter is looked for, or its logarithm, `widest` from what was told."""
     dense, low, high = told.scatterers != "dilute", *LIMITS.get(name, (-np.inf, np.inf))
     if name not in LIMITS:
         middle = float(np.log(getattr(told, name)))
-        low, high = middle - WIDEST, middle + WIDEST
+        low, high = middle - widest, middle + widest
     least = {"restitution": LEAST_RESTITUTION, "path": -np.log(2 * DENSEST)} if dense else {}
     return max(low, least.get(name, low)), high
 
 
-def _descended(
-    difference: Callable[[Array], Array], white: Array, start: Array, low: Array, high: Array
-) -> tuple[float, Array] | None:
-    """The least sum of squares near a start, and where it is; None where theory is not finite."""
-    from scipy.optimize import least_squares
+def _slopes(
+    function: Callable[[Array], Array], at: Array, low: Array, high: Array, step: float = 1e-4
+) -> Array:
+    """Derivatives (p, k), centred where the limits leave room.
 
-    def residual(at: Array) -> Array:
-        return np.asarray(white @ difference(at))
-
-    try:
-        found = least_squares(
-            residual, start, lambda at: _slopes(residual, at, low, high), (low, high), "dogbox",
-            ftol=1e-5, xtol=1e-6, max_nfev=50,
-        )  # fmt: skip
-    except (ValueError, np.linalg.LinAlgError):
-        return None
-    return 2 * float(found.cost), found.x
-
-
-def _slopes(function: Callable[[Array], Array], at: Array, low: Array, high: Array) -> Array:
-    """Derivatives (p, k), centred where the limits leave room."""
-    steps = _STEP * np.eye(at.size)
-    ends = [(np.minimum(at + step, high), np.maximum(at - step, low)) for step in steps]
+    step: so that the solver's error of 1e-7 is 1e-3 of a slope of order 1.
+    """
+    steps = step * np.eye(at.size)
+    ends = [(np.minimum(at + one, high), np.maximum(at - one, low)) for one in steps]
     made = [(function(up) - function(down)) / np.sum(up - down) for up, down in ends]
     return np.stack(made, axis=1)

@@ -6,19 +6,15 @@ has the F-distribution with p and G - p degrees of freedom (Hotelling), for grou
 Gaussian with `effective_groups` as G. What is reported is the chi-square that has its p-value.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betainc, gammaincc, gammainccinv
 
-from kinetics.crosscheck.words import AGREES_BELOW
+from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas
 
 Array = NDArray[np.float64]
-
-GROUPS_PER_FREEDOM = 4  # behind each degree of freedom, or the covariance is too uncertain
-_SMALLEST_EIGENVALUE = 1e-9  # of correlations, to the largest: below two components are the same
 
 
 class ChiSquare(NamedTuple):
@@ -29,6 +25,11 @@ class ChiSquare(NamedTuple):
     p_value: float
     groups: int | None
     statistic: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """On what is left, without a correction for the number of looks."""
+        return judge_sigmas(gaussian_sigmas(self.p_value))
 
 
 def errors(replicates: Array) -> Array:
@@ -44,7 +45,7 @@ def covariance(replicates: Array) -> Array:
 
 def most_freedom(groups: int) -> int:
     """Components that a chi-square from so many groups may have."""
-    return max(1, (groups - 1) // GROUPS_PER_FREEDOM)
+    return max(1, (groups - 1) // 4)  # or the covariance is too uncertain
 
 
 def spread_out(count: int, most: int) -> list[int]:
@@ -54,12 +55,11 @@ def spread_out(count: int, most: int) -> list[int]:
     return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
 
 
-def chance(sigmas: float) -> float:
-    """Two-sided p-value of so many Gaussian sigmas."""
-    return math.erfc(sigmas / math.sqrt(2))
-
-
-AGREES_ABOVE = chance(AGREES_BELOW)  # p-value from which on what is left agrees
+def with_spread(error: Array, *values: Array, least: float = 1e-9) -> NDArray[np.bool_]:
+    """Where standard errors are more than rounding: over the value at least `least`."""
+    with np.errstate(invalid="ignore"):
+        size = np.max(np.abs(values), axis=0)
+        return np.asarray((error > least * size) & np.isfinite(error))
 
 
 def effective_groups(replicates: Array) -> Array:
@@ -72,12 +72,15 @@ def effective_groups(replicates: Array) -> Array:
     return np.asarray(1 + 2 * (len(replicates) - 1) / (2 + excess))
 
 
-def whitening(matrix: Array) -> Array:
-    """W with W C W^T = 1 on the components that C has: (rank, p)."""
+def whitening(matrix: Array, least: float = 1e-9) -> Array:
+    """W with W C W^T = 1 on the components that C has: (rank, p).
+
+    least: eigenvalue of correlations, to the largest, below which two components are the same.
+    """
     scale = np.sqrt(np.diagonal(matrix))
     scale = np.where(scale > 0, scale, np.inf)
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    kept = values > _SMALLEST_EIGENVALUE * max(float(values[-1]), 1e-300)
+    kept = values > least * max(float(values[-1]), 1e-300)
     return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
 
 
@@ -100,12 +103,6 @@ def hotelling(difference: Array, replicates: Array, known: Array | None = None) 
     p_value = float(betainc((effective - freedom) / 2, freedom / 2, share))
     value = 2 * float(gammainccinv(freedom / 2, p_value)) if p_value > 1e-300 else statistic
     return ChiSquare(value, freedom, p_value, groups, statistic)
-
-
-def log_widening(replicates: Array, known: Array) -> float:
-    """ln(det(C + M)/det C), C the covariance from replicates (G, p), M a known one (p, p)."""
-    axes = whitening(covariance(replicates))
-    return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
 
 
 def pearson(counts: Array, expected: Array) -> ChiSquare:

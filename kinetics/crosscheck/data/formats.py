@@ -1,7 +1,7 @@
 """Files of particle data: a format is one function and one row of `FORMATS`, at the end.
 
 It is given the path, its name for messages and what was asked (`tracks.Asked`), and returns `Rows`,
-or the Sample of an Ensemble. Nothing in a file is executed, links into other files are not
+or an Ensemble. Nothing in a file is executed, links into other files are not
 followed, and sizes are checked before memory is asked for.
 """
 
@@ -17,18 +17,16 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data import tracks
-from kinetics.crosscheck.data.sample import Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Rows, bad, require_memory
 from kinetics.errors import InputError, short
 
-Read = Rows | Sample
 FRAMES = ("times", "positions", "velocities")  # (n_times,) and twice (n_times, n, dimension)
 # bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
 _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
 
-def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
-    """Rows or a Sample, from a file or from columns; or InputError."""
+def read(source: Path | Mapping[str, Any], asked: Asked) -> Any:
+    """Rows or an Ensemble, from a file or from columns; or InputError."""
     where = tracks.name_of(source)
     try:
         if not isinstance(source, Path):
@@ -48,7 +46,7 @@ def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
         raise InputError(f"{where}: is damaged, or not of this format ({why})") from None
 
 
-def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
+def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Rows:
     """Columns of one length, or arrays of frames, by the names of the file."""
     if {*FRAMES} <= {*arrays}:
         frame = tracks.in_frames(where, *(arrays[name] for name in FRAMES))
@@ -63,7 +61,7 @@ def _chosen(where: str, names: Sequence[str], asked: Asked) -> list[str]:
     return [*tracks.find_columns(where, names, asked).values()]
 
 
-def _csv(path: Path, where: str, asked: Asked) -> Read:
+def _csv(path: Path, where: str, asked: Asked) -> Rows:
     """Commas, semicolons or tabs, as the first line has them; blank lines and # are passed over."""
     import pyarrow as pa
     from pyarrow import csv as arrow
@@ -107,7 +105,7 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
     return tracks.rows_of(where, columns, asked)
 
 
-def _parquet(path: Path, where: str, asked: Asked) -> Read:
+def _parquet(path: Path, where: str, asked: Asked) -> Rows:
     from pyarrow import parquet
 
     with parquet.ParquetFile(path) as file:
@@ -118,7 +116,7 @@ def _parquet(path: Path, where: str, asked: Asked) -> Read:
     return _arrays(where, {name: table.column(name).to_numpy() for name in chosen}, asked)
 
 
-def _npz(path: Path, where: str, asked: Asked) -> Read:
+def _npz(path: Path, where: str, asked: Asked) -> Rows:
     """Arrays of numbers; Python objects are pickles, which can run code, and are never loaded."""
     with zipfile.ZipFile(path) as archive:
         sizes = {one.filename.removesuffix(".npy"): one for one in archive.infolist()}
@@ -132,14 +130,14 @@ def _npz(path: Path, where: str, asked: Asked) -> Read:
 
 
 # -- HDF5 ------------------------------------------------------------------------------------------
-def _hdf5(path: Path, where: str, asked: Asked) -> Read:
+def _hdf5(path: Path, where: str, asked: Asked) -> Any:
     import h5py
 
     with h5py.File(path, "r") as file:
         if "plan" in file and "done" in file.attrs:
             from particles import Ensemble
 
-            return from_ensemble(Ensemble.load(path), tracks.name_of(Path(path.name)))
+            return Ensemble.load(path)
         if _own(file, "h5md") and (particles := _own(file, "particles")):
             return _h5md(where, particles, asked)
         chosen = _chosen(where, [name for name in file if _own(file, name, "Dataset")], asked)
@@ -165,7 +163,7 @@ def _dataset(where: str, parent: Any, name: str) -> Any:
     return found
 
 
-def _h5md(where: str, particles: Any, asked: Asked) -> Read:
+def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
     """The only group of particles with positions, unwrapped by `image` where it stands, and
     velocities (nongnu.org/h5md); this package also writes `medium`, each tracer's configuration.
     """
@@ -258,7 +256,7 @@ class _Lines:
         bad(f"{self._name}: from line {first} on", why, f"{count} rows of numbers")
 
 
-def _lammps(path: Path, where: str, asked: Asked) -> Read:
+def _lammps(path: Path, where: str, asked: Asked) -> Rows:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
     frames, head, lines = list[Any](), dict[str, Any](), _Lines(path, where)
     axes, kind = AXES[: asked.dimension or 2], [] if asked.type is None else ["type"]
@@ -309,7 +307,7 @@ _XYZ = {  # properties that are read, and our names of their columns
 }  # fmt: skip
 
 
-def _xyz(path: Path, where: str, asked: Asked) -> Read:
+def _xyz(path: Path, where: str, asked: Asked) -> Rows:
     """Extended XYZ: frames whose second line says Properties=...:pos:R:3:vel:R:3 and Time=..."""
     frames, d, lines = [], asked.dimension or 2, _Lines(path, where)
     needed = [*AXES[:d], *SPEEDS[:d], *(["type"] if asked.type is not None else [])]
@@ -331,7 +329,7 @@ def _xyz(path: Path, where: str, asked: Asked) -> Read:
     return tracks.rows_of_frames(where, frames, asked)
 
 
-def _gsd(path: Path, where: str, asked: Asked) -> Read:
+def _gsd(path: Path, where: str, asked: Asked) -> Rows:
     """Frames as HOOMD-blue writes them, in single precision, unwrapped by their image flags."""
     try:
         import gsd.hoomd
@@ -355,7 +353,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
 
 
 # the ending of a file's name, and the function that reads it
-FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {
+FORMATS: dict[str, Callable[[Path, str, Asked], Any]] = {
     ".csv": _csv, ".tsv": _csv, ".npz": _npz, ".parquet": _parquet,
     **dict.fromkeys((".h5", ".hdf5", ".h5md"), _hdf5),
     **dict.fromkeys((".dump", ".lammpstrj"), _lammps),

@@ -11,8 +11,7 @@ from marking import slow_but
 
 from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import Sample, from_ensemble
+from kinetics.crosscheck.data.sample import Sample, from_ensemble, read_sample
 from particles import BoltzmannGrad, HardDisks, Poisson, Viscoelastic, simulate
 
 DENSITY, PATH = 0.04, 12.5
