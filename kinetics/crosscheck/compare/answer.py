@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import Fit, choose
+from kinetics.crosscheck.compare.fit import Fit, choose, hotelling
 from kinetics.crosscheck.compare.judge import histograms_of, rows_of, tests_of, worst_of
 from kinetics.crosscheck.compare.result import (
     OUTCOMES,
@@ -18,7 +18,6 @@ from kinetics.crosscheck.compare.result import (
     Explanation,
     Parameter,
 )
-from kinetics.crosscheck.compare.statistics import hotelling
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.data.sample import Law, Sample
 from kinetics.crosscheck.words import Verdict, number, numeral

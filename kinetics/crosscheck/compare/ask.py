@@ -14,9 +14,16 @@ import numpy as np
 
 from kinetics import validation
 from kinetics.crosscheck.compare.answer import answered
-from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, media_of
+from kinetics.crosscheck.compare.fit import (
+    SECOND_MOMENTS,
+    Fit,
+    errors,
+    fit,
+    hotelling,
+    media_of,
+    with_spread,
+)
 from kinetics.crosscheck.compare.result import Comparison
-from kinetics.crosscheck.compare.statistics import errors, hotelling, with_spread
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
 from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble, read_sample
 from kinetics.crosscheck.words import numeral

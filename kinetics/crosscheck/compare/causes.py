@@ -12,9 +12,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from kinetics.crosscheck.compare.fit import LIMITS, Fit, choose, fit, media_of
+from kinetics.crosscheck.compare.fit import LIMITS, ChiSquare, Fit, choose, fit, hotelling, media_of
 from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.statistics import ChiSquare, hotelling
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, number, numeral
@@ -149,8 +148,9 @@ def _judged(
         # Averages that agreed already need no explaining.
         needed = before.verdict is not Verdict.AGREES
         outcome = "explains" if clear and needed else "does not"
-    elif clear and before.statistic - after.statistic > max(least_gain, 0.1 * before.statistic):
-        outcome = "in part"
+    elif before.statistic - after.statistic > max(least_gain, 0.1 * before.statistic):
+        # components are exchanged, or not
+        outcome = "in part" if clear and cause.name != "components exchanged" else "does not"
     headline, value, error = _words(told, cause, found)
     if found.point.scatterers not in ("dilute", told.point.scatterers) and cause.free:
         headline += f" (among {found.point.scatterers})"

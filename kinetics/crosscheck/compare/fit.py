@@ -4,29 +4,26 @@ Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: 
 raise a fourth moment and its variance, so that weights from the same tracers favour low values
 (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter the chi-square that is
 left. An error of the theory adds its covariance to that of the data.
+
+Errors are correlated, and known only from the spread of groups. Of a vector d of differences the
+covariance C is the jackknife spread of `replicates`, the same with each of G groups left out in
+turn. T^2 = d C^-1 d is then no chi-square, but T^2 (G - p)/(p (G - 1)) has the F-distribution with
+p and G - p degrees of freedom (Hotelling), for groups that are not Gaussian with `effective_groups`
+as G. What is reported is the chi-square that has its p-value.
 """
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import betainc, gammaincc, gammainccinv
 
-from kinetics.crosscheck.compare.statistics import (
-    ChiSquare,
-    covariance,
-    effective_groups,
-    errors,
-    hotelling,
-    most_freedom,
-    spread_out,
-    whitening,
-    with_spread,
-)
 from kinetics.crosscheck.compare.theory import Expectation, Point
-from kinetics.crosscheck.data.sample import Sample
+from kinetics.crosscheck.data.sample import Sample, effective_groups, errors
+from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -40,6 +37,21 @@ LIMITS = {
 # restitution from which on, and number density up to which, there is a theory of dense media
 LEAST_RESTITUTION, DENSEST = 0.2, 0.3
 _AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
+
+
+class ChiSquare(NamedTuple):
+    """A chi-square; groups that the covariance is from, None if it is exact; statistic: T^2."""
+
+    value: float
+    freedom: int
+    p_value: float
+    groups: int | None
+    statistic: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """On what is left, without a correction for the number of looks."""
+        return judge_sigmas(gaussian_sigmas(self.p_value))
 
 
 @dataclass(eq=False)
@@ -69,14 +81,6 @@ class Fit:
     fitted: Indices
     chi_square: ChiSquare | None = None
     criterion: float = np.inf
-    difference: Array = field(init=False)
-    error: Array = field(init=False)
-    shaped: Array = field(init=False)
-    replicates: Array = field(init=False)
-    sigmas: Array = field(init=False)
-    effective: Array = field(init=False)
-    compared: NDArray[np.bool_] = field(init=False)
-    usable: NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
         measured, sample, theory = self.expectation, self.expectation.sample, self.theory
@@ -84,7 +88,7 @@ class Fit:
         with np.errstate(divide="ignore", invalid="ignore"):
             self.difference = measured.values - theory
             self.shaped = measured.stabilised(theory, self.difference)
-            self.replicates = self._moved(measured.steadied(theory))
+            self.replicates = self._moved(steadied(measured, theory))
             error = errors(self._moved(measured.replicates - theory))
             own = 0.0 if self.known is None else np.diagonal(self.known).reshape(error.shape)
             self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
@@ -202,7 +206,7 @@ def fit(
     widening = 0.0  # ln(det(C + M)/det C) of the chi-square, M the theory's own covariance
     if known is not None and own is not None:
         # of the data themselves: the same for all that is fitted in a medium
-        axes = whitening(covariance(expectation.steadied(theory).reshape(groups, -1)[:, tested]))
+        axes = whitening(covariance(steadied(expectation, theory).reshape(groups, -1)[:, tested]))
         widening = float(np.linalg.slogdet(np.eye(len(axes)) + axes @ own @ axes.T)[1])
         passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
         passed[:, chosen] -= slope[tested] @ influence
@@ -248,3 +252,95 @@ def _slopes(
     ends = [(np.minimum(at + one, high), np.maximum(at - one, low)) for one in steps]
     made = [(function(up) - function(down)) / np.sum(up - down) for up, down in ends]
     return np.stack(made, axis=1)
+
+
+def steadied(measured: Expectation, theory: Array, model_groups: float = 10.0) -> Array:
+    """The replicates of differences, as `stabilised`, where the error of the kurtosis is a mean
+    of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
+    so that it has the theory's kurtosis) in each component.
+
+    Of 500 tracers few make <r^8>, and most samples miss them. The model is good to 20 %, as if
+    from so many groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol.
+    3, 3 (2004)).
+    """
+    found = measured.stabilised(theory, measured.replicates - theory)
+    if "kurtosis" not in measured.names:
+        return found
+    k, d = measured.names.index("kurtosis"), measured.sample.law.dimension
+    x, wider = theory[k], theory[k] / measured.sample.law.gaussian - 1
+    sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
+    eighth = sixth * (d + 6) / d * (1 + 3 * wider)
+    variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
+    own, mine = errors(found[:, k]), effective_groups(found[:, k])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.sqrt(variance / measured.sample.samples) / own
+        factor = np.sqrt((mine + model_groups * ratio**2) / (mine + model_groups))
+    middle = found[:, k].mean(axis=0)
+    factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
+    found[:, k] = middle + factor * (found[:, k] - middle)
+    return found
+
+
+# -- chi-squares -----------------------------------------------------------------------------------
+def covariance(replicates: Array) -> Array:
+    """Covariance from delete-one replicates (G, p): (p, p)."""
+    n, deviation = len(replicates), replicates - replicates.mean(axis=0)
+    return np.asarray((n - 1) / n * (deviation.T @ deviation))
+
+
+def most_freedom(groups: int) -> int:
+    """Components that a chi-square from so many groups may have."""
+    return max(1, (groups - 1) // 4)  # or the covariance is too uncertain
+
+
+def spread_out(count: int, most: int) -> list[int]:
+    """At most so many of the indices 0 .. count - 1, evenly, with the last."""
+    if count <= most:
+        return list(range(count))
+    return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
+
+
+def with_spread(error: Array, *values: Array, least: float = 1e-9) -> NDArray[np.bool_]:
+    """Where standard errors are more than rounding: over the value at least `least`."""
+    with np.errstate(invalid="ignore"):
+        size = np.max(np.abs(values), axis=0)
+        return np.asarray((error > least * size) & np.isfinite(error))
+
+
+def whitening(matrix: Array, least: float = 1e-9) -> Array:
+    """W with W C W^T = 1 on the components that C has: (rank, p).
+
+    least: eigenvalue of correlations, to the largest, below which two components are the same.
+    """
+    scale = np.sqrt(np.diagonal(matrix))
+    scale = np.where(scale > 0, scale, np.inf)
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    kept = values > least * max(float(values[-1]), 1e-300)
+    return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
+
+
+def hotelling(difference: Array, replicates: Array, known: Array | None = None) -> ChiSquare | None:
+    """Test of a difference (p,) with its replicates (G, p); None without freedom.
+
+    known (p, p): the covariance of an error of the theory, which is added.
+    """
+    groups = len(replicates)
+    if difference.size == 0:
+        return None
+    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
+    white = axes @ difference
+    freedom, statistic = white.size, float(white @ white)
+    if freedom == 0 or groups <= freedom:
+        return None
+    effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
+    # the upper tail of the F-distribution; a p-value below doubles is 0
+    share = 1 / (1 + statistic / (effective - 1))
+    p_value = float(betainc((effective - freedom) / 2, freedom / 2, share))
+    value = 2 * float(gammainccinv(freedom / 2, p_value)) if p_value > 1e-300 else statistic
+    return ChiSquare(value, freedom, p_value, groups, statistic)
+
+
+def pearson(counts: Array, expected: Array) -> ChiSquare:
+    """Chi-square of counts, two at least, against those expected."""
+    value, freedom = float(np.sum((counts - expected) ** 2 / expected)), counts.size - 1
+    return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)

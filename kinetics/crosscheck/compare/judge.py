@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics import Solution, SolverStatus
-from kinetics.crosscheck.compare.fit import Fit
-from kinetics.crosscheck.compare.result import ComparisonTest, Row
-from kinetics.crosscheck.compare.statistics import (
+from kinetics.crosscheck.compare.fit import (
     ChiSquare,
+    Fit,
     effective_groups,
     hotelling,
     most_freedom,
     pearson,
     spread_out,
 )
+from kinetics.crosscheck.compare.result import ComparisonTest, Row
 from kinetics.crosscheck.compare.theory import DISPLACEMENT, SPEED
 from kinetics.crosscheck.data.sample import EDGES
 from kinetics.crosscheck.words import Verdict, corrected_sigmas, gaussian_sigmas, judge_sigmas

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics import Scene, Solution, solve
-from kinetics.crosscheck.compare.statistics import effective_groups, errors
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
 from kinetics.states.quadrature import LogMeasure
@@ -221,32 +220,6 @@ class Expectation:
                     moved = x * (np.expm1(power * logs) / power if power else logs)
                 # a replicate in which all is at rest has none of these: it stays
                 found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
-        return found
-
-    def steadied(self, theory: Array, model_groups: float = 10.0) -> Array:
-        """The replicates of differences, as `stabilised`, where the error of the kurtosis is a mean
-        of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
-        so that it has the theory's kurtosis) in each component.
-
-        Of 500 tracers few make <r^8>, and most samples miss them. The model is good to 20 %, as if
-        from so many groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol.
-        3, 3 (2004)).
-        """
-        found = self.stabilised(theory, self.replicates - theory)
-        if "kurtosis" not in self.names:
-            return found
-        k, d = self.names.index("kurtosis"), self.sample.law.dimension
-        x, wider = theory[k], theory[k] / self.sample.law.gaussian - 1
-        sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
-        eighth = sixth * (d + 6) / d * (1 + 3 * wider)
-        variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
-        own, mine = errors(found[:, k]), effective_groups(found[:, k])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.sqrt(variance / self.sample.samples) / own
-            factor = np.sqrt((mine + model_groups * ratio**2) / (mine + model_groups))
-        middle = found[:, k].mean(axis=0)
-        factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
-        found[:, k] = middle + factor * (found[:, k] - middle)
         return found
 
     def own_covariance(self, point: Point, theory: Array) -> Array | None:

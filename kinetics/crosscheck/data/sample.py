@@ -32,7 +32,6 @@ N, V2, V4, R2, R4, VX, X, X2 = range(8)
 # groups at most: primes, so that labels with a regular pattern spread over all of them; an error
 # from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-LARGEST = 1e70  # of speeds and displacements: their fourth powers are doubles
 # bins of speeds and displacements, 12 in an octave, from a thousandth of their scale to 64 times it
 EDGES = 2.0 ** (np.arange(-120, 73) / 12)
 
@@ -198,6 +197,21 @@ def size_of(vectors: Any) -> Any:
     return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
 
 
+def errors(replicates: Array) -> Array:
+    """Standard errors from delete-one replicates (G, ...)."""
+    return np.asarray(replicates.std(axis=0) * np.sqrt(len(replicates) - 1))
+
+
+def effective_groups(replicates: Array) -> Array:
+    """Groups that a variance from delete-one replicates (G, ...) is as good as, G at most."""
+    # the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule)
+    deviation = replicates - replicates.mean(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        excess = np.mean(deviation**4, axis=0) / np.mean(deviation**2, axis=0) ** 2 - 3
+    excess = np.where(np.isfinite(excess), np.maximum(excess, 0.0), 0.0)
+    return np.asarray(1 + 2 * (len(replicates) - 1) / (2 + excess))
+
+
 # -- files, and tables in memory -------------------------------------------------------------------
 def read_sample(sources: Sequence[Path | Mapping[str, Any]], **told: Any) -> Sample:
     """One sample from files or columns in memory (see `formats`), or from one file of an Ensemble.
@@ -220,37 +234,18 @@ def read_sample(sources: Sequence[Path | Mapping[str, Any]], **told: Any) -> Sam
         parts.append(part)
     names = [name.rsplit("/", 1)[-1] for name in names]
     where = ", ".join(names)
-    tracks = _in_own_units(dense(parts, names, asked), where, asked)
-    tracks, place = _displacements(tracks, where, asked)
+    tracks, place = _displacements(dense(parts, names, asked), where, asked)
     sample, groups = _grouped(tracks, tuple(names), asked)
     law, told = Law(dimension=asked.dimension or 2), asked.units
     units = {} if {*told.values()} == {1.0} else told
     return replace(sample, law=law, units=units, warnings=(*place, *groups))
 
 
-def _in_own_units(tracks: Tracks, where: str, asked: Asked) -> Tracks:
-    """Tracks in d, U and d/U."""
-    units = asked.units
-    if {*units.values()} != {1.0}:
-        place, velocity = tracks.place / units["length"], tracks.velocity / units["speed"]
-        times = tracks.times / units["time"]
-        tracks = replace(tracks, place=place, velocity=velocity, times=times)
-    far, fast = (np.nanmax(np.abs(one), initial=0.0) for one in (tracks.place, tracks.velocity))
-    if max(far, fast) > LARGEST:
-        got = f"speeds of {fast:.3g} U and displacements of {far:.3g} d"
-        bad(where, got, f"below {LARGEST:g}; give --speed-unit and --diameter")
-    return tracks
-
-
 def _displacements(tracks: Tracks, where: str, asked: Asked) -> tuple[Tracks, list[str]]:
     """The tracers relative to their places at time 0, and what is to be said of it."""
     place, first = tracks.place, tracks.times[0]
-
-    def spread(places: Any) -> list[float]:  # root mean squares, at each time
-        return [float(np.sqrt(np.nanmean(size_of(at) ** 2))) for at in places]
-
-    size = spread(place)
-    moved = first == 0 and size[0] > 1e-9 * max(size)
+    size = [float(np.nanmean(size_of(at) ** 2)) for at in place]
+    moved = first == 0 and size[0] > 1e-18 * max(size)
     if asked.positions == "displacement" or (asked.positions == "auto" and not moved):
         return tracks, []
     if tracks.tracer is None or first != 0:
@@ -260,7 +255,8 @@ def _displacements(tracks: Tracks, where: str, asked: Asked) -> tuple[Tracks, li
     tracks = replace(tracks, place=place - place[0])
     # wrapped where none leaves the region of time 0, and twenty would, if not wrapped
     low, high = place[0].min(axis=0), place[0].max(axis=0)
-    n, far, least = place.shape[1], max(spread(tracks.place)), float((high - low).min())
+    n, least = place.shape[1], float((high - low).min())
+    far = math.sqrt(max(float(np.nanmean(size_of(at) ** 2)) for at in tracks.place))
     # the farthest tracer is not quite at the edge of the region that they come from
     away = np.nanmax(np.abs(place - (low + high) / 2), axis=(0, 1))
     if np.all(away <= (high - low) * (0.5 + 5 / n)) and n * far >= 20 * least > 0:

@@ -19,7 +19,7 @@ import kinetics
 from kinetics import Scene, Solution, sonine
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.collision.medium import HIGHEST_DENSITY
-from kinetics.crosscheck.compare.statistics import errors as jackknife_error
+from kinetics.crosscheck.data.sample import errors as jackknife_error
 from kinetics.crosscheck.report.systems import Cooling, Driven, System
 from kinetics.crosscheck.report.systems import half_cross_section as half_section
 from kinetics.errors import ToleranceWarning
