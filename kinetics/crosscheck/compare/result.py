@@ -206,32 +206,25 @@ class Comparison(Result):
         """Draw every one of `figures`, each in a figure of its own; an array of axes."""
         return np.array([self.plot(name) for name in self.figures])
 
-    def _to_storage(self) -> dict[str, Any]:
-        return {"document": self.to_json()}
-
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        def judged(item: dict[str, Any]) -> dict[str, Any]:
-            return item | {"verdict": Verdict(item["verdict"])}
-
-        found = judged(json.loads(parts["document"]))
-        found |= found.pop("data")
-        found["tests"] = [ComparisonTest(**judged(test)) for test in found["tests"]]
-        found["numbers"] = [Row(**judged(row)) for row in found.pop("rows")]
-        found["explanations"] = [Explanation(**item) for item in found["explanations"]]
-        found["covariance"] = [tuple(row) for row in found["covariance"]]
-        found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
-        del found["schema"], found["title"]
-        made: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
-        return cls(**made)
+        found, kinds = {**parts}, {"tests": ComparisonTest, "numbers": Row}
+        for name, kind in kinds.items():
+            made = (kind(*row) for row in found[name])
+            found[name] = tuple(one._replace(verdict=Verdict(one.verdict)) for one in made)
+        found["explanations"] = tuple(Explanation(*row) for row in found["explanations"])
+        found["parameters"] = {k: Parameter(*one) for k, one in found["parameters"].items()}
+        return cls(**found | {"verdict": Verdict(found["verdict"])})
 
     def __repr__(self) -> str:
         return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", 100)
 
 
 # -- for a reader ----------------------------------------------------------------------------------
-def cells_of(result: Any) -> tuple[list[list[str]], list[list[str]]]:
-    """The chi-squares, and the rows, a line each below the heads."""
+def cells_of(result: Any) -> tuple[dict[str, str], list[list[str]], list[list[str]]]:
+    """What was compared, by name; the chi-squares, and the rows, a line each below the heads."""
+    made = f"from {result.groups} groups, by {result.grouping}"
+    told = {n: f"{number(p.value, p.error)} ({p.source})" for n, p in result.parameters.items()}
     tests = [["chi-square", "t [d/U]", "value", "dof", "p", "sigmas", "better than", "verdict"]]
     for t in result.tests:
         within = "" if t.within is None else f"{numeral(100 * t.within, '.2g')} %"
@@ -248,38 +241,27 @@ def cells_of(result: Any) -> tuple[list[list[str]], list[list[str]]]:
             number(r.value, r.error), number(r.theory),
             "" if r.sigmas is None else numeral(r.sigmas, "+.1f"), str(r.verdict),
         ])  # fmt: skip
-    return tests, rows
-
-
-def scene_of(result: Any) -> dict[str, str]:
-    """What was compared, by name."""
-    made = f"from {result.groups} groups, by {result.grouping}"
-    told = {n: f"{number(p.value, p.error)} ({p.source})" for n, p in result.parameters.items()}
-    return told | {"start": result.initial, "errors": made}
+    return told | {"start": result.initial, "errors": made}, tests, rows
 
 
 def tables(result: Any) -> str:
     """The answer, parameters, tests, averages over time, odd bins, and explanations, as text."""
-
-    def aligned(lines: Sequence[Sequence[str]]) -> str:
+    told, tests, rows = cells_of(result)
+    shown = [row for row in rows if not row[2] or row[-1] != Verdict.AGREES]
+    aligned, wrapped = [], textwrap.TextWrapper(
+        100, subsequent_indent="  ", break_on_hyphens=False
+    ).fill  # fmt: skip
+    for lines in (tests, shown):
         wide = [max(map(len, column)) for column in zip(*lines, strict=True)]
         padded = ([cell.ljust(w) for cell, w in zip(line, wide, strict=True)] for line in lines)
-        return "\n".join("  ".join(cells).rstrip() for cells in padded)
-
-    def wrapped(text: str) -> str:
-        return textwrap.fill(text, 100, subsequent_indent="  ", break_on_hyphens=False)
-
-    tests, rows = cells_of(result)
-    shown = [row for row in rows if not row[2] or row[-1] != Verdict.AGREES]
-    hidden = len(rows) - len(shown)
-    left_out = f"\n({hidden} bins of densities that agree are left out; --json has them)"
-    parts = [
+        aligned.append("\n".join("  ".join(cells).rstrip() for cells in padded))
+    if hidden := len(rows) - len(shown):
+        aligned[1] += f"\n({hidden} bins of densities that agree are left out; --json has them)"
+    return "\n\n".join([
         wrapped(result.summary), *(wrapped(f"note: {text}") for text in result.warnings),
-        "\n".join(wrapped(f"{name}: {text}") for name, text in scene_of(result).items()),
-        aligned(tests), aligned(shown) + left_out * (hidden > 0),
+        "\n".join(wrapped(f"{name}: {text}") for name, text in told.items()), *aligned,
         *(wrapped(f"{x.name} ({OUTCOMES[x.outcome]}): {x.text}") for x in result.explanations),
-    ]  # fmt: skip
-    return "\n\n".join(parts)
+    ])  # fmt: skip
 
 
 def render(result: Any, json_name: str) -> str:
@@ -293,9 +275,9 @@ def render(result: Any, json_name: str) -> str:
         lstrip_blocks=True,
     )  # fmt: skip
     svg = drawn(result, result.figures).decode() if result.figures else ""
-    tests, rows = cells_of(result)
+    told, tests, rows = cells_of(result)
     return made.get_template("comparison.html.j2").render(
-        result=result, outcomes=OUTCOMES, scene=scene_of(result), tests=tests, rows=rows,
+        result=result, outcomes=OUTCOMES, scene=told, tests=tests, rows=rows,
         meanings={v: MEANING[v] for v in (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS)},
         svg=Markup(svg[svg.find("<svg") :]), json_name=json_name,
     )  # fmt: skip

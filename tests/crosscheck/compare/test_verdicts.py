@@ -420,5 +420,6 @@ def test_driven_tracers_are_judged(name: str) -> None:
         expected |= {"dispersion_parallel", "dispersion_perpendicular"}
     assert {test.observable for test in found.tests} == expected
     wrong = compare(run, heating=1.0)  # in place of what the run says
-    assert (wrong.verdict, wrong.explanations) == ("differs", ())
+    outcomes = {item.outcome for item in wrong.explanations}
+    assert (wrong.verdict, outcomes - {"does not"}) == ("differs", set())
     assert "D_v = 1" in wrong.summary
