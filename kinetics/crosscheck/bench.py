@@ -290,10 +290,6 @@ class BenchReport:
         """One strict JSON document; what is not finite is null."""
         return dumps({"format": FORMAT, **vars(self)})
 
-    def files(self) -> dict[str, str]:
-        """What ``lorentz bench -o`` writes, by name."""
-        return {"bench.json": self.to_json(), "bench.md": self.markdown()}
-
     def markdown(self) -> str:
         """A heading, and all tables that have rows."""
         about = ", ".join(f"{k} {v}" for k, v in self.machine.items())
