@@ -210,7 +210,7 @@ def apart(found: Any, finer: Any) -> float:
     Averages relative to their size (vectors to their largest component), densities to their
     maximum, those of the speed below 1e-2 of the thermal speed as densities of ln v.
     """
-    v0, errors = finer.thermal_speed, [0.0]
+    v0, errors = finer.thermal_speed, list[Any]([0.0])
     sizes = {"a2": 1.0, "mean_velocity": v0[:, None], "velocity_autocorrelation": v0[0] * v0}
     with np.errstate(all="ignore"):
         for name, values in found.values.items():
