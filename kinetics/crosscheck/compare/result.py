@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from kinetics.crosscheck.compare.theory import OBSERVABLES
-from kinetics.crosscheck.files import dumps, plain
+from kinetics.crosscheck.files import dumps, plain, rendered
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
 from kinetics.results import Result
 from kinetics.validation import refuse
@@ -265,19 +265,13 @@ def tables(result: Any) -> str:
 
 
 def render(result: Any, json_name: str) -> str:
-    """The page, with nothing beside it. Every text of the comparison is escaped."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    """The page, with nothing beside it."""
     from markupsafe import Markup
 
-    loader = PackageLoader("kinetics.crosscheck")
-    made = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
-    )  # fmt: skip
     svg = drawn(result, result.figures).decode() if result.figures else ""
     told, tests, rows = cells_of(result)
-    return made.get_template("comparison.html.j2").render(
-        result=result, outcomes=OUTCOMES, scene=told, tests=tests, rows=rows,
+    return rendered(
+        "comparison.html.j2", result=result, outcomes=OUTCOMES, scene=told, tests=tests, rows=rows,
         meanings={v: MEANING[v] for v in (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS)},
         svg=Markup(svg[svg.find("<svg") :]), json_name=json_name,
     )  # fmt: skip
