@@ -11,13 +11,7 @@ import numpy as np
 
 from kinetics.crosscheck.compare.fit import Fit, choose, hotelling
 from kinetics.crosscheck.compare.judge import histograms_of, rows_of, tests_of, worst_of
-from kinetics.crosscheck.compare.result import (
-    OUTCOMES,
-    Comparison,
-    ComparisonTest,
-    Explanation,
-    Parameter,
-)
+from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.data.sample import Law, Sample
 from kinetics.crosscheck.words import Verdict, number, numeral
@@ -195,7 +189,7 @@ def _parameters(found: Fit, wrong: Explanation | None) -> dict[str, Parameter]:
 
 def _summary(
     found: Fit, fits: Sequence[Fit], parameters: dict[str, Parameter],
-    tests: Sequence[ComparisonTest], verdict: Verdict, best: Explanation | None,
+    tests: Sequence[Any], verdict: Verdict, best: Explanation | None,
 ) -> str:  # fmt: skip
     """What was fitted, the verdict in a sentence, what was compared, the medium that was taken and
     why, and the clearest difference.

@@ -14,18 +14,10 @@ import numpy as np
 
 from kinetics import validation
 from kinetics.crosscheck.compare.answer import answered
-from kinetics.crosscheck.compare.fit import (
-    SECOND_MOMENTS,
-    Fit,
-    errors,
-    fit,
-    hotelling,
-    media_of,
-    with_spread,
-)
+from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling, media_of, spread_in
 from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
-from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble, read_sample
+from kinetics.crosscheck.data.sample import X2, Law, Sample, errors, from_ensemble, read_sample
 from kinetics.crosscheck.words import numeral
 from kinetics.driven.restitution import impact_restitution
 from kinetics.errors import InputError
@@ -66,7 +58,8 @@ def compare_data(
         "auto": as a run says, or the likeliest for the data. But for smooth disks "dilute"
     fitted : fit restitution and density also where a run says them
     field, bath_speed, heating, drag, capture_speed, mass_ratio : as in a Scene, in U and d, or as a
-        run says. Restitution and number_density are then needed, and no cause is looked for
+        run says. Restitution and number_density are then needed, and no cause is looked for, but,
+        in a field, whether components are exchanged
 
     InputError (a ValueError) for data that cannot be used, or that cannot tell what is not given.
     """
@@ -87,15 +80,13 @@ def compare_data(
     if field and sample.sums.shape[2] <= X2:
         refuse("field", field, "the data are not of tracers in a field")
     impact = impact_restitution(restitution)
-    drives = {
+    asked: Any = {
         "field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag,
-        "capture_speed": capture_speed,
+        "capture_speed": capture_speed, "mass_ratio": mass_ratio,
     }  # fmt: skip
-    changed: Any = {name: x for name, x in drives.items() if x}
+    changed = {name: x for name, x in asked.items() if x != getattr(Law, name)}
     if tangential_restitution is not None:
         changed["tangential_restitution"] = tangential_restitution
-    if mass_ratio != math.inf:
-        changed["mass_ratio"] = mass_ratio
     law = replace(sample.law, varies=impact is not None, **changed)
     initial = told.get("initial", "auto") if initial == "auto" else initial
     sample = replace(sample, law=law)
@@ -122,8 +113,7 @@ def compare_data(
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
     point = None if restitution is None or path is None else Point(restitution, path, start)
     if (law.field or law.is_driven) and point is None:
-        first = next((name for name in drives if getattr(law, name)), "restitution")
-        raise InputError(f"{first}: restitution and number_density must be given with it")
+        raise InputError("restitution: with a field or a drive it and the density must be given")
     media = media_of(sample, scatterers, point)
     if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
         media = [told["scatterers"]]
@@ -191,8 +181,8 @@ def _fits(
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
     wanted, groups = " and ".join(words[name] for name in free), sample.groups
     measured = Expectation(sample, averages_of(sample.law))
-    usable = with_spread(errors(measured.replicates), measured.values)
-    usable &= sample.times > 0  # the start does not depend on what is looked for
+    # not time 0: the start does not depend on what is looked for
+    usable = spread_in(errors(measured.replicates), measured.values) & (sample.times > 0)
     complete = sample.samples == sample.samples.max()
     if not sample.law.capture_speed and np.count_nonzero(complete & (sample.times > 0)) >= 3:
         usable &= complete  # the tracers that are left may be no fair sample

@@ -94,7 +94,7 @@ class Fit:
             self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
             self.error = np.sqrt(error**2 + own)
         self.compared = np.isfinite(self.difference) & (early | (sample.times > 0))
-        self.usable = self.compared & with_spread(error, measured.values, theory)
+        self.usable = self.compared & spread_in(error, measured.values, theory)
         self.effective = effective_groups(self.replicates)
 
     def _moved(self, replicates: Array) -> Array:
@@ -150,26 +150,23 @@ def fit(
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(np.log(values) - np.log(theory_of(point(at)).ravel()[chosen]))
 
-    def weights(at: Array) -> Array | None:
+    def weights(at: Array) -> Array:
         theory = theory_of(point(at))
         known, size = expectation.own_covariance(point(at), theory), theory.ravel()[chosen]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            left = np.log(replicates) - np.log(size)
-        if not np.all(np.isfinite(left)):
-            return None
         extra = 0.0 if known is None else known[np.ix_(chosen, chosen)] / np.outer(size, size)
-        return whitening(covariance(left) + extra)
+        return whitening(covariance(np.log(replicates)) + extra)
 
-    best, white = np.empty(0), None
-    if chosen.size < len(free):
-        return None
+    best, white = np.empty(0), np.empty((0, 0))
     if free:
+        if chosen.size < len(free) or not np.all(replicates > 0):
+            return None
         from scipy.optimize import least_squares
 
         tried, reached = [], []
         for start in starts:
             at = np.clip(np.asarray(start, float), low, high)
-            if np.all(np.isfinite(left := difference(at))) and (found := weights(at)) is not None:
+            if np.all(np.isfinite(left := difference(at))):
+                found = weights(at)
                 tried.append((float(np.sum((found @ left) ** 2)), at, found))
         for _, at, found in sorted(tried, key=lambda one: one[0])[:2]:
             with suppress(ValueError, np.linalg.LinAlgError):  # the theory is not finite there
@@ -184,13 +181,12 @@ def fit(
         margin = np.where([n in LIMITS for n in free], -1.0, 0.01 * (high - low))
         if np.any((best <= low + margin) | (best >= high - margin)):
             return None
-        if (white := weights(best)) is None:
-            return None
+        white = weights(best)
     at, theory = point(best), theory_of(point(best))
     known = expectation.own_covariance(at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
-    if white is not None:
+    if free:
         slope = _slopes(lambda p: theory_of(point(p)).ravel(), best, low, high)
         size = theory.ravel()[chosen]
         steep: Any = white @ (slope[chosen] / size[:, None])
@@ -300,7 +296,7 @@ def spread_out(count: int, most: int) -> list[int]:
     return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
 
 
-def with_spread(error: Array, *values: Array, least: float = 1e-9) -> NDArray[np.bool_]:
+def spread_in(error: Array, *values: Array, least: float = 1e-9) -> NDArray[np.bool_]:
     """Where standard errors are more than rounding: over the value at least `least`."""
     with np.errstate(invalid="ignore"):
         size = np.max(np.abs(values), axis=0)

@@ -11,7 +11,6 @@ from kinetics import Solution, SolverStatus
 from kinetics.crosscheck.compare.fit import (
     ChiSquare,
     Fit,
-    effective_groups,
     hotelling,
     most_freedom,
     pearson,
@@ -19,7 +18,7 @@ from kinetics.crosscheck.compare.fit import (
 )
 from kinetics.crosscheck.compare.result import ComparisonTest, Row
 from kinetics.crosscheck.compare.theory import DISPLACEMENT, SPEED
-from kinetics.crosscheck.data.sample import EDGES
+from kinetics.crosscheck.data.sample import EDGES, effective_groups
 from kinetics.crosscheck.words import Verdict, corrected_sigmas, gaussian_sigmas, judge_sigmas
 from kinetics.numerics.gauss import panels_between
 
@@ -181,13 +180,20 @@ def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Comparison
     every = [*averages, *((h.name, h.time, h.chi_square) for h in histograms)]
     known = [(name, time, c) for name, time, c in every if c is not None]
     for name, time, c in known:
-        sigmas = gaussian_sigmas(min(1.0, c.p_value * len(known)))
-        verdict, within = judge_sigmas(sigmas), None
-        if time is None:
-            single, within = _of_single_times(found, names.index(name))
-            verdict = worst_of([verdict, single])
+        sigmas, within = gaussian_sigmas(min(1.0, c.p_value * len(known))), None
+        verdicts = [judge_sigmas(sigmas)]
+        if time is None:  # the time that differs most, of all times of all averages, counts too
+            i, looks = names.index(name), 2 * int(found.usable.sum())
+            at = found.usable[i]
+            each = zip(found.sigmas[i, at].tolist(), found.effective[i, at].tolist(), strict=True)
+            verdicts += [judge_sigmas(corrected_sigmas(z, groups, looks)) for z, groups in each]
+            # what the data exclude at every time, at 95 %: |d| + 2 sigma
+            size = np.abs(found.theory[i, at] + (name == "a2"))
+            size = size.max() if found.expectation.sample.law.field else size
+            seen = np.abs(found.difference[i, at]) + 2 * found.error[i, at]
+            within = float(np.max(seen / size))
         yield ComparisonTest(
-            name, time, c.value, c.freedom, c.p_value, c.groups, sigmas, verdict, within
+            name, time, c.value, c.freedom, c.p_value, c.groups, sigmas, worst_of(verdicts), within
         )
 
 
@@ -204,19 +210,6 @@ def _over_times(found: Fit, i: int) -> ChiSquare | None:
     together[at * count // times.size, at] = 1 / found.error[i, times]
     known = None if known is None else together @ known @ together.T
     return hotelling(together @ difference, replicates @ together.T, known)
-
-
-def _of_single_times(found: Fit, i: int) -> tuple[Verdict, float]:
-    """The verdict on the time of an average that differs most, of all times of all averages; and
-    the relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma.
-    """
-    usable, looks = found.usable[i], 2 * int(found.usable.sum())
-    each = zip(found.sigmas[i, usable].tolist(), found.effective[i, usable].tolist(), strict=True)
-    verdict = worst_of(judge_sigmas(corrected_sigmas(z, groups, looks)) for z, groups in each)
-    size = np.abs(found.theory[i, usable] + (found.expectation.names[i] == "a2"))
-    size = np.full(size.size, size.max()) if found.expectation.sample.law.field else size
-    seen = np.abs(found.difference[i, usable]) + 2 * found.error[i, usable]
-    return verdict, float(np.max(seen / size))
 
 
 def worst_of(verdicts: Iterable[Verdict]) -> Verdict:
