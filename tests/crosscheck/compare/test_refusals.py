@@ -68,7 +68,7 @@ ARGUMENTS: dict[str, tuple[dict[str, Any], str]] = {
     "density": ({"number_density": -1.0}, "number_density: got -1"),
     "speed unit": ({"speed_unit": "U"}, "speed_unit: got 'U'"),
     "field": ({"field": -1.0}, "field: got -1"),
-    "heating alone": ({"heating": 1.0, "restitution": None}, "heating: restitution and"),
+    "heating alone": ({"heating": 1.0, "restitution": None}, "must be given"),
     "columns": ({"columns": "x"}, "columns: got 'x'"),
     "columns, one for two": ({"columns": "x=t"}, "'t' for two"),
     "type": ({"type": 3}, "'type'"),
