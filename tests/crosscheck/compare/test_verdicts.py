@@ -11,7 +11,7 @@ from marking import slow_but
 
 from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.data.sample import Sample, from_ensemble, read_sample
+from kinetics.crosscheck.data.sample import from_ensemble
 from particles import BoltzmannGrad, HardDisks, Poisson, Viscoelastic, simulate
 
 DENSITY, PATH = 0.04, 12.5
@@ -259,12 +259,6 @@ def test_data_in_space(told: dict[str, Any], verdict: str) -> None:
     assert {test.time for test in found.tests} == {None}
 
 
-def sample_of(seed: int, tracers: int = 30) -> Sample:
-    run = simulated(seed=seed, times=TIMES, media=50, tracers=tracers)
-    data = {"times": TIMES, "positions": run.positions, "velocities": run.velocities}
-    return read_sample([data], positions="displacement")
-
-
 @cache
 def real(kind: str) -> dict[str, Any]:
     """Arrays of frames of 4000 tracers among hard disks, or of the equation itself."""
@@ -375,20 +369,6 @@ def test_fitted_values_have_honest_errors(medium: str, tracers: int) -> None:
     assert np.all(np.abs(np.mean(pulls, axis=0)) < (0.3 if medium == "dilute" else 1.0))
     assert np.all(np.std(pulls, axis=0, ddof=1) < most)
     assert np.all(np.mean(np.array(p_values) < 0.05, axis=0) < 0.16)  # 5 sigma above 5 %
-
-
-@pytest.mark.slow
-def test_p_values_are_uniform() -> None:
-    """Kolmogorov-Smirnov over 200 seeds; times follow the same tracers, and are correlated."""
-    from scipy.stats import kstest
-
-    found: dict[Any, list[float]] = {}
-    for seed in range(200):
-        for test in compare(sample_of(1000 + seed), 0.75, DENSITY, explain=False).tests:
-            found.setdefault((test.observable, test.time), []).append(test.p_value)
-    for key, values in found.items():
-        if len(values) == 200:
-            assert kstest(values, "uniform").pvalue > 1e-4, key
 
 
 def test_a_collision_cap_is_named() -> None:
