@@ -48,7 +48,6 @@ SPEEDS = np.linspace(0.1, 4.0, 391)  # c at which F(c) is compared
 RADII = np.linspace(0.0, 6.0, 200)  # R at which G(R) is compared
 
 # -- measuring ------------------------------------------------------------------------------------
-LONG = 1.0  # s; work that takes longer is repeated once
 
 
 class Effort(NamedTuple):
@@ -97,7 +96,7 @@ def measure(
                 errors.append(work.error(result))
             if not np.all(np.isfinite(errors)):
                 raise ArithmeticError("the answer is not finite")
-            if len(times) > 1 and times[-1, 1] > LONG:
+            if len(times) > 1 and times[-1, 1] > 1.0:  # s: such long work is repeated once
                 break
     except Exception as met:  # whatever it is, it is a row
         note = " ".join(f"{type(met).__name__}: {met}".split())[:200]

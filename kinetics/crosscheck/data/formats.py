@@ -174,7 +174,12 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
         bad(where, f"{len(groups)} groups with position and velocity", "one")
     (group,) = groups
     place, velocity = (_dataset(where, group, name) for name in both)
-    times, others = (_times(where, group[name], asked) for name in both)
+    times, others = (
+        asked.times_of(where, *(
+            np.asarray(_dataset(where, group[name], part), float) if part in group[name] else None
+            for part in ("time", "step")
+        )) for name in both
+    )  # fmt: skip
     if not np.array_equal(times, others):
         bad(where, "positions and velocities at different times", "at the same times")
     r, box, side = np.asarray(place, float), _own(group, "box"), np.zeros(1)
@@ -192,15 +197,6 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
     frame = tracks.in_frames(where, times, r, np.asarray(velocity, float), **labels)
     return tracks.rows_of_frames(where, [frame], asked)
-
-
-def _times(where: str, element: Any, asked: Asked) -> Any:
-    """The times of an element: as they stand, or steps times the timestep."""
-    time, step = (
-        np.asarray(_dataset(where, element, name), float) if name in element else None
-        for name in ("time", "step")
-    )
-    return asked.times_of(where, time, step)
 
 
 # -- frames of text --------------------------------------------------------------------------------

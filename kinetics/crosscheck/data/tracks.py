@@ -238,7 +238,14 @@ def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
     c = first
     if len(parts) > 1:
         c = {name: np.concatenate([part[name] for part in parts]) for name in c}
-    index, times = _binned(where, c["time"])
+    index, times = pd.factorize(c["time"], sort=True)
+    if times[0] < 0:
+        bad(f"{where}: time", f"{times[0]:g}", "not negative")
+    # what differs less is the same time, rounded to 12 digits
+    new = np.append(True, np.diff(times) > 1e-9 * times[1:])
+    if (count := np.count_nonzero(new)) > MOST_TIMES:
+        bad(where, f"{count} different times", f"at most {MOST_TIMES}, the same for every tracer")
+    index, times = (np.cumsum(new) - 1)[index], times[new]
     keys = [name for name in ("tracer", "medium") if name in c]
     labels: dict[str, Any] = {name: c[name] for name in keys}
     if len(parts) > 1:
@@ -274,15 +281,3 @@ def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
         bad(where, got, f"below {LARGEST:g}; give --speed-unit and --diameter")
     of_each = {name: values[one] for name, values in labels.items() if name != "rank"}
     return Tracks(times / units["time"], *vectors, **of_each)
-
-
-def _binned(where: str, time: Any) -> tuple[Any, Any]:
-    """The index of each row's time among the different ones, and these."""
-    found, different = pd.factorize(time, sort=True)
-    if different[0] < 0:
-        bad(f"{where}: time", f"{different[0]:g}", "not negative")
-    # what differs less is the same time, rounded to 12 digits
-    new = np.append(True, np.diff(different) > 1e-9 * different[1:])
-    if (count := np.count_nonzero(new)) > MOST_TIMES:
-        bad(where, f"{count} different times", f"at most {MOST_TIMES}, the same for every tracer")
-    return (np.cumsum(new) - 1)[found], different[new]
