@@ -63,8 +63,7 @@ def _likeliest(fits: Sequence[Fit]) -> Fit:
     Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
     Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
-    agree = [f for f in fits if f.chi_square and f.chi_square.verdict is Verdict.AGREES]
-    fits = agree or fits
+    fits = [f for f in fits if f.chi_square and f.chi_square.verdict is Verdict.AGREES] or fits
     best = min(fits, key=lambda f: f.criterion)
     if not np.isfinite(best.criterion):
         return best

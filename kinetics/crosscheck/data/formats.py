@@ -49,8 +49,7 @@ def read(source: Path | Mapping[str, Any], asked: Asked) -> Any:
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Rows:
     """Columns of one length, or arrays of frames, by the names of the file."""
     if {*FRAMES} <= {*arrays}:
-        frame = tracks.in_frames(where, *(arrays[name] for name in FRAMES))
-        return tracks.rows_of_frames(where, [frame], asked)
+        return tracks.rows_of_arrays(where, asked, *(arrays[name] for name in FRAMES))
     return tracks.rows_of(where, arrays, asked)
 
 
@@ -195,8 +194,7 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
         bad(f"{where}: positions", "those in a periodic box", "unwrapped, or with image")
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
-    frame = tracks.in_frames(where, times, r, np.asarray(velocity, float), **labels)
-    return tracks.rows_of_frames(where, [frame], asked)
+    return tracks.rows_of_arrays(where, asked, times, r, np.asarray(velocity, float), **labels)
 
 
 # -- frames of text --------------------------------------------------------------------------------
@@ -344,8 +342,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Rows:
     place = place + image * boxes[:, None, :d]
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
     kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
-    columns = tracks.in_frames(where, times, place, velocity, type=kinds)
-    return tracks.rows_of_frames(where, [columns], asked)
+    return tracks.rows_of_arrays(where, asked, times, place, velocity, type=kinds)
 
 
 # the ending of a file's name, and the function that reads it

@@ -203,8 +203,10 @@ def rows_of_frames(where: str, frames: Sequence[Mapping[str, Any]], asked: Asked
     return rows_of(where, c, replace(asked, columns=None))
 
 
-def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
-    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
+def rows_of_arrays(
+    where: str, asked: Asked, times: Any, place: Any, velocity: Any, **labels: Any
+) -> Rows:
+    """The rows of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
 
     Without `tracer` the k-th of each frame is the same tracer.
     """
@@ -212,19 +214,16 @@ def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) 
     shape = (*place.shape, 0, 0)[:2]
     labels = {"tracer": np.arange(shape[1])} | {k: np.asarray(a) for k, a in labels.items()}
     shapes = [times.shape, place.shape, velocity.shape, *(a.shape for a in labels.values())]
-    right = [
-        times.shape == shape[:1],
-        place.ndim == velocity.ndim == 3,
-        velocity.shape[:2] == shape,
-    ]
-    right += [found in (shape, shape[1:]) for found in shapes[3:]]
-    if not all(right):
+    right = times.shape == shape[:1] and velocity.shape[:2] == shape
+    right &= all(found in (shape, shape[1:]) for found in shapes[3:])
+    if not right or place.ndim != 3 or velocity.ndim != 3:
         must = "(T,), (T, n, d), (T, n, d) and (n,) for each label"
         bad(f"{where}: shapes", ", ".join(map(str, shapes)), must)
     found = {"time": np.repeat(times, shape[1])}
     for names, vectors in ((AXES, place), (SPEEDS, velocity)):
         found |= dict(zip(names, vectors.reshape(-1, vectors.shape[2]).T, strict=False))
-    return found | {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
+    found |= {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
+    return rows_of_frames(where, [found], asked)
 
 
 def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
