@@ -137,7 +137,7 @@ def invariants(found: Any) -> Violations:
         if law.tangential_restitution == 1.0 or law.mean_cosine >= 0.0:
             keep("D not negative", "diffusion_coefficient", np.negative)
     if "speed_density" in scene.outputs and not scene.field:
-        x, uncollided = np.linspace(math.log(1e-8), math.log(1e3), 20_001), found.uncollided
+        x, uncollided = np.linspace(math.log(1e-12), math.log(1e3), 30_001), found.uncollided
         for i, v0 in enumerate(np.sqrt(found.moment(2.0))):
             if 1e-140 < v0 < 1e140:
                 f = np.exp(x) * v0 * found.speed_density(np.exp(x) * v0)[i]
