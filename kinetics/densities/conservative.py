@@ -26,8 +26,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 
 # Of the spacing: the first one tried, and the finest; each next one is half of the one before.
 _COARSEST, _FINEST = 0.128, 0.0005
@@ -84,7 +83,7 @@ def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
     low = np.minimum((q.log_loss / spacing).astype(np.int64), math.ceil(_DEEPEST / spacing))
     # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
     down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
-    down, weight = np.clip(down, 0.0, 1.0), q.weight * q.harmonic(m)
+    down, weight = np.clip(down, 0.0, 1.0), q.weight * (1.0 - q.harmonic_loss(m))
     kernel = np.zeros(int(low.max()) + 2)
     np.add.at(kernel, low, weight * (1.0 - down))
     np.add.at(kernel, low + 1, weight * down)

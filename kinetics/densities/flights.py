@@ -23,7 +23,7 @@ from numpy.polynomial import chebyshev
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import LogMeasure
 
 _NODES, _PER_UNIT = 32, 4  # in time; and more of them for each unit of ln(1 + t U/l)
 _SLOWEST = 1e-7  # in l/T; a slower tracer hardly collides

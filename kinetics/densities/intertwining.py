@@ -50,7 +50,7 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) ->
         return -np.log(1.0 - 1j * k / tilt) if tilt else np.zeros(k.size, dtype=complex)
     q = law.quadrature_for(float(k[-1]), m)
     kept = q.weight > _NEGLIGIBLE * q.weight.max()
-    xi, weight, turned = q.log_loss[kept], q.weight[kept], q.harmonic(m)[kept]
+    xi, weight, turned = q.log_loss[kept], q.weight[kept], 1.0 - q.harmonic_loss(m)[kept]
     steps = tilt + np.arange(_TOP + 1.0)
     powers = np.exp(-np.multiply.outer(xi, steps))
     # between two wave numbers, z + d: 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d

@@ -24,10 +24,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import asymptotic_from
+from kinetics.moments.backward import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import PanelRule, PanelShifts, with_returns
+from kinetics.numerics.chebyshev import Chebyshev, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
@@ -64,7 +64,7 @@ class Waves:
     """
 
     wave_numbers: FloatArray
-    rule: PanelRule
+    rule: Chebyshev
     start: float
     values: FloatArray
     coefficients: FloatArray
@@ -130,7 +130,7 @@ def solve_waves(
     return Sweep(law, wave_numbers, rule, start, top, count, tolerance, kept).run()
 
 
-def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
+def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> Chebyshev:
     """Panels that resolve exp(-T + i K T), which varies fastest of all."""
     turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
     e = min(law.disk_restitutions, default=0.0)
@@ -139,7 +139,7 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
-    return PanelRule(max(6, nodes), width)
+    return Chebyshev(max(6, nodes), width)
 
 
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
@@ -161,7 +161,7 @@ class Sweep:
 
     law: CollisionLaw
     wave_numbers: FloatArray
-    rule: PanelRule
+    rule: Chebyshev
     start: float
     top: int
     count: int
