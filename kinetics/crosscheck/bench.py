@@ -47,7 +47,6 @@ SPEEDS = np.linspace(0.1, 4.0, 391)  # c at which F(c) is compared
 RADII = np.linspace(0.0, 6.0, 200)  # R at which G(R) is compared
 
 # -- measuring ------------------------------------------------------------------------------------
-LONG = 1.0  # s; work that takes longer is repeated once
 
 
 class Effort(NamedTuple):
@@ -96,7 +95,7 @@ def measure(
                 errors.append(work.error(result))
             if not np.all(np.isfinite(errors)):
                 raise ArithmeticError("the answer is not finite")
-            if len(times) > 1 and times[-1, 1] > LONG:
+            if len(times) > 1 and times[-1, 1] > 1.0:  # s: such long work is repeated once
                 break
     except Exception as met:  # whatever it is, it is a row
         note = " ".join(f"{type(met).__name__}: {met}".split())[:200]
@@ -288,10 +287,6 @@ class BenchReport:
     def to_json(self) -> str:
         """One strict JSON document; what is not finite is null."""
         return dumps({"format": FORMAT, **vars(self)})
-
-    def files(self) -> dict[str, str]:
-        """What ``lorentz bench -o`` writes, by name."""
-        return {"bench.json": self.to_json(), "bench.md": self.markdown()}
 
     def markdown(self) -> str:
         """A heading, and all tables that have rows."""

@@ -88,6 +88,18 @@ def dumps(value: Any) -> str:
     return json.dumps(plain(value), allow_nan=False, indent=1) + "\n"
 
 
+def rendered(template: str, filters: Mapping[str, Any] | None = None, **values: Any) -> str:
+    """A page of this package's templates; every text that is no Markup is escaped."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    made.filters |= filters or {}
+    return made.get_template(template).render(**values)
+
+
 def markdown_table(frame: Any) -> str:
     """A DataFrame as a Markdown table, two digits of each number that is not whole."""
     cells = frame.map(lambda x: f"{x:.2g}" if isinstance(x, float) else str(x)).values.tolist()

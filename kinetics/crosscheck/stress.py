@@ -39,7 +39,6 @@ VERDICTS = {
     BROKEN: "not finite, an invariant violated, a warning, an exception, or a minute's work",
 }
 ACCEPTED = (HOLDS, SAYS_SO)
-LONGEST = 60.0  # s of processor time that one case may take
 
 
 # -- a case and its verdict -----------------------------------------------------------------------
@@ -61,10 +60,10 @@ class Case(NamedTuple):
     work: Callable[[], Outcome]
 
 
-def judge(outcome: Outcome, seconds: float) -> str:
-    """The verdict on a run that ended without an exception."""
+def judge(outcome: Outcome, seconds: float, longest: float = 60.0) -> str:
+    """The verdict on a run that ended without an exception, in so many s of processor time."""
     kept = all(violation <= allowed for violation, allowed in outcome.invariants.values())
-    if math.isinf(outcome.reached) or not kept or seconds > LONGEST:
+    if math.isinf(outcome.reached) or not kept or seconds > longest:
         return BROKEN
     if not outcome.converged:
         return SAYS_SO
@@ -93,14 +92,9 @@ def attempt(case: Case) -> dict[str, Any]:
 
 
 # -- what every answer must keep ------------------------------------------------------------------
-def below(values: Any, least: float = 0.0) -> float:
-    """How far the smallest value is below the least that is allowed; 0 if it is not."""
-    return max(0.0, least - float(np.min(values, initial=math.inf)))
-
-
-def above(values: Any, most: float = 1.0) -> float:
-    """How far the largest value is above the most that is allowed; 0 if it is not."""
-    return max(0.0, float(np.max(values, initial=-math.inf)) - most)
+def excess(values: Any) -> float:
+    """How far the largest value is above 0; 0 if it is not."""
+    return max(0.0, float(np.max(values, initial=-math.inf)))
 
 
 def largest(*errors: Any) -> float:
@@ -113,7 +107,7 @@ def invariants(found: Any) -> Violations:
     """What a `kinetics.Solution` must keep, of those outputs that it has, within its own error."""
     scene, values, times = found.scene, found.values, np.asarray(found.times)
     error = max(found.rtol, found.error_estimate)
-    slack = 4.0 * error + 1e-12
+    slack, d, law = 4.0 * error + 1e-12, scene.dimension, scene.law
     kept: Violations = {
         f"{name} is finite": (float(np.sum(~np.isfinite(array))), 0.0)
         for name, array in values.items()
@@ -121,50 +115,50 @@ def invariants(found: Any) -> Violations:
     if any(count for count, _ in kept.values()):
         return kept
 
-    def keep(name: str, needs: str, violation: Callable[..., float], most: float = slack) -> None:
-        if all(n in values for n in needs.split()):
+    def keep(name: str, of: str, violation: Callable[[Any], Any], most: float = slack) -> None:
+        if of in values:
             with np.errstate(all="ignore"):
-                kept[name] = violation(*(values[n] for n in needs.split())), most
+                kept[name] = excess(violation(values[of])), most
 
-    def falls(x: Any) -> float:  # by more than the error
-        return above(x[:-1] - x[1:] * (1.0 + slack), 0.0)
+    def falls(x: Any) -> Any:  # by more than the error
+        return x[:-1] - x[1:] * (1.0 + slack)
 
-    d, law = scene.dimension, scene.law
     # there is no distribution beyond: <v^4> >= <v^2>^2, and <r^4> >= <r^2>^2
-    keep("a2 >= -2/(d + 2)", "a2", lambda a2: below(a2, -2.0 / (d + 2.0)))
-    keep("kurtosis >= 1", "kurtosis", lambda kurtosis: below(kurtosis, 1.0))
+    keep("a2 >= -2/(d + 2)", "a2", lambda a2: -2.0 / (d + 2.0) - a2)
+    keep("kurtosis >= 1", "kurtosis", lambda kurtosis: 1.0 - kurtosis)
     if not scene.field:
-        kept["<v^0> = 1"] = float(np.max(np.abs(found.moment(0.0) - 1.0))), slack
+        kept["<v^0> = 1"] = largest(found.moment(0.0) - 1.0), slack
         for name in ("thermal_speed", "temperature"):
             keep(f"{name} does not grow", name, lambda v: falls(v[::-1]), 0.0)
         for name in ("collisions", "msd"):
             keep(f"{name} does not fall", name, falls, 0.0)
-            keep(f"{name} begins at 0", name, lambda n: above(n[times == 0.0], 0.0), 0.0)
+            keep(f"{name} begins at 0", name, lambda n: n[times == 0.0], 0.0)
         # bounces that throw tracers back and nearly stop them make D negative
         if law.tangential_restitution == 1.0 or law.mean_cosine >= 0.0:
-            keep("D not negative", "diffusion_coefficient", below, 0.0)
+            keep("D not negative", "diffusion_coefficient", np.negative)
     if "speed_density" in scene.outputs and not scene.field:
-        x, uncollided = np.linspace(math.log(1e-8), math.log(1e3), 20_001), found.uncollided
-        kept["uncollided"] = above(uncollided), 1e-12
+        x, uncollided = np.linspace(math.log(1e-12), math.log(1e3), 30_001), found.uncollided
         for i, v0 in enumerate(np.sqrt(found.moment(2.0))):
             if 1e-140 < v0 < 1e140:
                 f = np.exp(x) * v0 * found.speed_density(np.exp(x) * v0)[i]
-                negative = below(f / max(f.max(), 1e-300))
-                mass = abs(float(np.trapezoid(f, x)) + uncollided[i] - 1.0)
-                kept[f"density not negative, time {i}"] = negative, 1.5 * error
-                kept[f"mass, time {i}"] = mass, 10.0 * error
+                mass = float(np.trapezoid(f, x)) + uncollided[i]
+                kept[f"density not negative, time {i}"] = (
+                    excess(-f / max(f.max(), 1e-300)),
+                    1.5 * error,
+                )
+                kept[f"mass, time {i}"] = abs(mass - 1.0), 10.0 * error
     if "position_density" in scene.outputs:
         R, weight = panels_between(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
         front = found.ballistic_front[1].sum(axis=1)
         for i in map(int, np.flatnonzero((times > 0.0) & (front == 0.0))):
             g = found.scaled_position_density(R)[i]
-            kept[f"G not negative, time {i}"] = below(g), error
+            kept[f"G not negative, time {i}"] = excess(-g), error
             for p, allowed in ((0, 10.0 * error), (2, 100.0 * error)):
                 kept[f"<R^{p}> = 1, time {i}"] = abs(float(g @ (weight * R**p)) - 1.0), allowed
     if "intermediate_scattering" in scene.outputs:
         F = found.intermediate_scattering([0.0, 1e-300, 1e-3, 0.1, 2.0])
-        kept["|F| <= 1"] = above(np.abs(F)), slack
-        kept["F(0) = 1"] = float(np.max(np.abs(F[:, 0] - 1.0))), slack
+        kept["|F| <= 1"] = excess(np.abs(F) - 1.0), slack
+        kept["F(0) = 1"] = largest(F[:, 0] - 1.0), slack
     return kept
 
 
@@ -180,7 +174,7 @@ def of_particles(run: Any) -> Violations:
 
 
 # -- starts, and references ------------------------------------------------------------------------
-STARTS: dict[str, Any] = {
+STARTS: dict[str, Any] = {  # of other units, directed, and rough, beside those that have a name
     "gaussian of 1e-150": Gaussian(1e-150, 1e-150),
     "speed 1e150": Monoenergetic(1e150),
     "beam along x": Beam(0.0),
@@ -189,7 +183,6 @@ STARTS: dict[str, Any] = {
     "speeds 1e-100 and 1": SpeedSamples([1e-100, 1.0]),
     "tail v^-6": lambda v: 5.0 * np.asarray(v) * np.hypot(1.0, v) ** -7.0,
 }
-"""Initial states of other units, directed, and rough, beside those that have a name."""
 
 
 def digits(found: Any) -> float:
@@ -217,22 +210,16 @@ def again(found: Any, rtol: float) -> Any:
 def apart(found: Any, finer: Any) -> float:
     """The largest error of a Solution, a finer one of the same scene taken as exact.
 
-    Averages relative to their size (vectors to their lengths), densities to their maximum, those of
-    the speed below 1e-2 of the thermal speed as densities of ln v.
+    Averages relative to their size (vectors to their largest component), densities to their
+    maximum, those of the speed below 1e-2 of the thermal speed as densities of ln v.
     """
-    v0, errors = finer.thermal_speed, []
-    sizes = {
-        "a2": lambda a2: 1.0 + a2,
-        "mean_velocity": lambda _: v0[:, None],
-        "velocity_tensor": lambda _: v0[:, None, None] ** 2,
-        "velocity_autocorrelation": lambda _: v0[0] * v0,
-        "mean_displacement": lambda r: np.linalg.norm(r, axis=1, keepdims=True),
-    }
+    v0, errors = finer.thermal_speed, list[Any]([0.0])
+    sizes = {"a2": 1.0, "mean_velocity": v0[:, None], "velocity_autocorrelation": v0[0] * v0}
     with np.errstate(all="ignore"):
         for name, values in found.values.items():
-            change, exact = np.abs(values - finer.values[name]), finer.values[name]
-            relative = change / sizes.get(name, np.abs)(exact)
-            errors.append(np.where(change < 1e-300, 0.0, relative))
+            change, exact = np.abs(values - finer.values[name]), np.abs(finer.values[name])
+            size = exact.max(axis=tuple(range(1, exact.ndim)), keepdims=True)
+            errors.append(np.where(change < 1e-300, 0.0, change / sizes.get(name, size)))
     outputs, both = found.scene.outputs, (found, finer)
     c, R = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)]), np.linspace(0.0, 8.0, 400)
     for i, unit in enumerate(v0):
@@ -244,12 +231,7 @@ def apart(found: Any, finer: Any) -> float:
     for at in (None, 0.3) if "intermediate_scattering" in outputs else ():
         k = [1e-3, 0.1, 2.0]
         errors.append(np.subtract(*(x.intermediate_scattering(k, direction=at) for x in both)))
-    return largest(*errors, 0.0)
-
-
-def converged(found: Any) -> bool:
-    """What the status claims."""
-    return bool(found.status.name == "CONVERGED")
+    return largest(*errors)
 
 
 def steady_errors(found: Any) -> tuple[float, float]:
@@ -261,6 +243,12 @@ def steady_errors(found: Any) -> tuple[float, float]:
 
 
 # -- work of the cases ----------------------------------------------------------------------------
+def outcome(asked: float, reached: float, found: Any, kept: Violations) -> Outcome:
+    """Of a solver's answer; its reference, or its own promise in doubles, may add 1e-12."""
+    done, note = found.status.name == "CONVERGED", f"estimate {found.error_estimate:.0e}"
+    return Outcome(asked + 1e-12, reached, done, kept, note)
+
+
 def scene(
     law: CollisionLaw, start: str, times: Any, outputs: tuple[str, ...], rtol: float,
     nodes: Any = None, reference: Callable[[Any], float] = tighter, **sizes: Any,
@@ -268,17 +256,8 @@ def scene(
     """A scene over time against a reference."""
     state: Any = STARTS.get(start, start)
     asked = kinetics.Scene(law, initial=state, times=times, outputs=outputs, **sizes)
-    try:
-        found = kinetics.solve(asked, rtol, nodes=nodes)
-        reached = reference(found)
-    except InputError as refused:
-        if "field" not in sizes:
-            raise
-        # fast starts in a field of which next to nothing is left
-        return Outcome(rtol, converged=False, note=str(refused))
-    note = f"estimate {found.error_estimate:.0e}"
-    # references in doubles may add 1e-13
-    return Outcome(rtol + 1e-13, reached, converged(found), invariants(found), note)
+    found = kinetics.solve(asked, rtol, nodes=nodes)
+    return outcome(rtol, reference(found), found, invariants(found))
 
 
 def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:
@@ -290,20 +269,17 @@ def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:
     F = np.where(seen, state.reached_vdf(c), 0.0)  # 0 where few nodes do not reach
     h, a2 = state.cooling_rate / known.cooling_rate, (1.0 + state.a2) / (1.0 + known.a2)
     reached = largest(h - 1.0, a2 - 1.0, F[seen] / exact[seen] - 1.0)
-    done = converged(state)
-    claimed = max(rtol, 1e-12) if done else math.inf
+    claimed = max(rtol, 1e-12) if state.status.name == "CONVERGED" else math.inf
     kept = {f"<c^{p:g}> = 1": (abs(state.moment(p) - 1.0), claimed) for p in (0.0, 2.0)}
-    kept["F not negative"] = below(F), 0.0
-    # ScalingSolution.vdf promises 1e-12
-    return Outcome(rtol + 1e-12, reached, done, kept, f"estimate {state.error_estimate:.1e}")
+    kept["F not negative"] = excess(-F), 0.0
+    return outcome(rtol, reached, state, kept)
 
 
 def steady(law: CollisionLaw, rtol: float) -> Outcome:
     """The steady state in a field against two exact relations."""
     found = kinetics.solve_field(law, rtol=rtol)
-    kept = {"<v_x>^2 <= <v_x^2>": (above(found.drift / math.sqrt(found.mean_square_along)), 0.0)}
-    reached = largest(steady_errors(found))
-    return Outcome(rtol + 1e-12, reached, converged(found), invariants=kept)
+    kept = {"<v_x>^2 <= <v_x^2>": (excess(found.drift**2 - found.mean_square_along), 0.0)}
+    return outcome(rtol, largest(steady_errors(found)), found, kept)
 
 
 def balances(state: Any) -> list[float]:
@@ -333,9 +309,8 @@ def driven(rtol: float, **system: Any) -> Outcome:
     missed = [getattr(found, n) / getattr(finer, n) - 1.0 for n in names]
     missed += [found.a2 - finer.a2, (found.drift - finer.drift) / finer.thermal_speed]
     kept = {"balances": (largest(balances(found), 0.0), 20.0 * max(rtol, found.error_estimate))}
-    kept["a2 >= -2/(d + 2)"] = below(found.a2, -2.0 / (found.dimension + 2.0)), 0.0
-    asked, note = rtol + finer.error_estimate, f"estimate {found.error_estimate:.0e}"
-    return Outcome(asked, largest(missed), converged(found), kept, note)
+    kept["a2 >= -2/(d + 2)"] = excess(-2.0 / (found.dimension + 2.0) - found.a2), 0.0
+    return outcome(rtol + finer.error_estimate, largest(missed), found, kept)
 
 
 def fly(law: CollisionLaw, medium: str) -> Outcome:
@@ -350,7 +325,7 @@ def fly(law: CollisionLaw, medium: str) -> Outcome:
     lost, done = -run.finals[:, 0], run.finals[:, 4]
     kept = of_particles(run)
     kept["finals are finite"] = float(np.sum(np.isnan(run.finals))), 0.0
-    kept["no speed grows"] = below(lost), 1e-9
+    kept["no speed grows"] = excess(-lost), 1e-9
     kept["no tracer escapes"] = float(run.statuses.escaped), 0.0
     kept["collisions are counted"] = float(abs(done.sum() - run.collision_total)), 0.0
     if law.is_elastic:
@@ -361,11 +336,13 @@ def fly(law: CollisionLaw, medium: str) -> Outcome:
 
 # -- the table ------------------------------------------------------------------------------------
 def all_cases(quick: bool) -> list[Case]:
-    """Every case of a sweep, not run: every choice of the values in each row of the table."""
+    """Every case of a sweep, not run: every choice of the values in each row of the table, of a
+    quick sweep every fifth.
+    """
     cases: list[Case] = []
 
     def row(group: str, work: Callable[..., Outcome], **axes: Iterable[Any]) -> None:
-        for values in product(*axes.values()):
+        for values in list(product(*axes.values()))[:: 5 if quick else 1]:
             some = dict(zip(axes, values, strict=True))
             name = ", ".join(f"{n} = {x[-1] if n == 'times' else x}" for n, x in some.items())
             cases.append(Case(group, name, partial(work, **some)))
@@ -373,21 +350,15 @@ def all_cases(quick: bool) -> list[Case]:
     def laws(*restitutions: float, et: float = 1.0, d: int = 2) -> list[CollisionLaw]:
         return [CollisionLaw(e, et, d) for e in restitutions]
 
-    near, elastic = 1.0 - 1e-10, laws(1.0)
-    slow = laws(0.0, 1e-10, 1e-4, 0.2, 0.7, 0.99, near)
-    others = laws(0.0, 0.7, near, d=3) + laws(0.5, et=0.0) + laws(0.7, et=0.8)
-    others += laws(0.7, et=0.8, d=3)
+    near = 1.0 - 1e-10
+    slow = laws(0.7, 1e-10, 1e-8, 1e-4, 0.01, 0.2, 0.3, 0.5, 0.0, 0.9, 0.99, 0.999, 1 - 1e-6, near)
+    others = laws(0.0, 1e-10, 0.2, 0.7, 0.99, near, d=3) + laws(0.5, et=0.0) + laws(1e-7, et=1e-7)
+    others += laws(0.7, 0.0, 1.0, et=0.8) + laws(0.7, 0.0, 1.0, et=0.8, d=3) + laws(0.5, et=0.5)
     # a third of the bounces keeps the speed
     bounces = [0.2, 0.3, 0.2, 0.3], [0.9, 0.5, 1.0, 1.0], [-1.0, 0.0, 0.5, 1.0]
     others += [CollisionLaw.from_samples(*bounces, dimension=d) for d in (2, 3)]
-    some = laws(0.0, 0.7, 0.99) if quick else slow
-    if not quick:
-        slow += laws(1e-8, 0.01, 0.1, 0.3, 0.5, 0.9, 0.999, 1.0 - 1e-6)
-        others += laws(1e-10, 0.2, 0.99, d=3) + laws(0.5, et=0.5, d=3) + laws(1e-7, et=1e-7)
-        others += laws(0.0, 1.0, et=0.8) + laws(0.0, 1.0, et=0.5, d=3)
-        elastic += laws(1.0, d=3)
-    cooling, lossy = slow + others, [law for law in others if law.mean_log_loss > 1e-4]
-    four = laws(0.0, 0.2, 0.7, 0.99)  # of which digits are kept
+    lossy, elastic = [law for law in others if law.mean_log_loss > 1e-4], laws(1.0) + laws(1.0, d=3)
+    cooling, four = slow + others, laws(0.7, 0.0, 0.2, 0.99)  # of four digits are kept
 
     row("scaled equation", scaled, law=cooling, rtol=(1e-4, 1e-12))
     row("scaled equation", partial(scaled, rtol=1e-12), law=four, nodes=(8, 16, 64, 256))
@@ -398,42 +369,46 @@ def all_cases(quick: bool) -> list[Case]:
     row("cooling", work, law=four, start=both, times=horizons, rtol=(1e-3, 1e-6, 1e-12))
     times = np.array([0.0, 1e-300, 1e-3, 1.0, 1e3, 1e8, 1e30, 1e300])
     work = partial(scene, times=times, outputs=(*v, "temperature"), rtol=1e-9)
-    row("cooling", work, law=slow, start=("gaussian of 1e-150", "speed 1e150"))
+    row("cooling", work, law=slow, start=("speed 1e150", "gaussian of 1e-150"))
     row("cooling", work, law=slow, start=both, number_density=[1e150])
     row("cooling", work, law=slow, start=both, diameter=[1e-150])
     r = (*v, "msd", "velocity_autocorrelation", "diffusion_coefficient")
-    work = partial(work, outputs=r)
-    row("averages", work, law=some, start=["tail v^-6"])  # its <v^6> is infinite
+    row("averages", partial(work, outputs=r), law=slow, start=["tail v^-6"])  # <v^6> is infinite
     every = (*r, "kurtosis", "mean_displacement", "mean_velocity", "velocity_tensor")
     work = partial(work, outputs=every)
     rough = "beam along x", "step", "two peaks", "speeds 1e-100 and 1"
-    row("averages", work, law=some, start=rough)
     row("averages", work, law=cooling, start=both)
+    row("averages", work, law=slow, start=rough)
     # elastic tracers do not slow down: v t/l overflows later
     row("averages", partial(work, times=times[:-1]), law=elastic, start=both)
 
     work = partial(scene, start="gaussian", times=[0.5, 30.0, 1e3],
                    outputs=("thermal_speed", "speed_density"), rtol=1e-6)  # fmt: skip
-    row("spectral density", work, law=some, nodes=(8, 64, 512))
-    row("spectral density", work, law=[*some, *lossy, *elastic])
-    own, begin = laws(0.2, 0.7, near, 1.0), ("gaussian", "beam along x")
+    row("spectral density", work, law=slow, nodes=(512, 64, 8))
+    row("spectral density", work, law=[*slow, *lossy, *elastic])
+    own, begin = laws(0.7, 0.2, near, 1.0), ("gaussian", "beam along x")
     work = partial(scene, start="gaussian", outputs=("msd", "position_density"), rtol=1e-3)
     row("position density", work, law=own, times=([1e-300], [1e3], [1e150]))
     row("position density", work, law=others, times=([1e3],))
     work = partial(scene, outputs=("msd", "intermediate_scattering"), rtol=1e-6)
-    row("scattering function", work, law=own, start=begin, times=([1e-300], [1.0], [1e3], [1e150]))
+    row("scattering function", work, law=own, start=begin, times=([1.0], [1e-300], [1e3], [1e150]))
     row("scattering function", work, law=others, start=begin, times=([1.0],))
 
-    row("steady state", steady, law=laws(0.0, near) if quick else cooling, rtol=(1e-3, 1e-6))
+    row("steady state", steady, law=cooling, rtol=(1e-3, 1e-6))
     outputs = ("thermal_speed", "mean_velocity", "mean_displacement", "collisions")
     work = partial(scene, outputs=outputs, rtol=1e-3)
-    for g in (1e12,) if quick else (1e-12, 1.0, 1e12):
+    for g in (1e12, 1.0, 1e-12):
         at = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(12.5 / g)  # sqrt(l/g)
-        start = ("rest",) if quick else ("rest", *both)
-        row("over time in a field", work, law=laws(0.7), start=start, times=[at], field=[g])
+        row(
+            "over time in a field",
+            work,
+            law=laws(0.7),
+            start=("rest", *both),
+            times=[at],
+            field=[g],
+        )
 
-    many = {"restitution": [0.6] if quick else (0.0, 0.6, 0.99),
-            "mass_ratio": [3.0] if quick else (math.inf, 3.0, 0.3),
+    many = {"restitution": (0.6, 0.0, 0.99), "mass_ratio": (3.0, math.inf, 0.3),
             "dimension": (2, 3), "rtol": (1e-4, 1e-8)}  # fmt: skip
     row("driven", driven, bath_speed=(0.5, 10.0), **many)
     row("driven", driven, heating=[0.1], drag=(0.1, 2.0), **many)
@@ -443,9 +418,9 @@ def all_cases(quick: bool) -> list[Case]:
     # the last Poisson medium is that at which the plane falls apart: rho pi d^2 = 1.128
     plane = [f"Poisson {rho}" for rho in (0.01, 0.2, 0.35, 0.359)]
     plane += [f"HardDisks {rho}" for rho in (0.01, 0.2, 0.65)] + ["BoltzmannGrad 0.04"]
-    space = ["PoissonSpheres 0.03", "HardSpheres 0.3", "BoltzmannGrad 0.04"]
+    space = ["HardSpheres 0.3", "PoissonSpheres 0.03", "BoltzmannGrad 0.04"]
     for d, media in ((2, plane), (3, space)):
-        row("density", fly, law=laws(0.0, 1.0, d=d) + laws(0.5, et=0.8, d=d), medium=media)
+        row("density", fly, law=laws(0.5, et=0.8, d=d) + laws(0.0, 1.0, d=d), medium=media)
     return cases
 
 
@@ -469,10 +444,6 @@ class StressReport:
         """One strict JSON document; what is not finite is null."""
         return dumps({"format": FORMAT, "verdicts": VERDICTS, **vars(self)})
 
-    def files(self) -> dict[str, str]:
-        """What ``lorentz stress -o`` writes, by name."""
-        return {"stress.json": self.to_json(), "stress.md": self.markdown()}
-
     def markdown(self) -> str:
         """A row for each group; then the cases that are not accepted."""
         text = (
@@ -488,8 +459,7 @@ class StressReport:
             text += markdown_table(counts.reset_index()) + "\n"
         text += "".join(f"- {verdict}: {meaning}\n" for verdict, meaning in VERDICTS.items())
         if self.rejected:
-            shown = markdown_table(pd.DataFrame(self.rejected))
-            text += f"\n## Cases that did not end as they must\n\n{shown}"
+            text += f"\n## Rejected cases\n\n{markdown_table(pd.DataFrame(self.rejected))}"
         return text
 
 

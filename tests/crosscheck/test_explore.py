@@ -11,7 +11,7 @@ import pytest
 from pages import Page
 
 from kinetics import ScalingSolution, Scene, solve, solve_field, solve_steady
-from kinetics.crosscheck.explore import page, tables
+from kinetics.crosscheck import explore
 
 OUTPUTS = ("thermal_speed", "msd")
 RNG = np.random.default_rng(35)
@@ -36,41 +36,41 @@ def figures(e: float, **told: Any) -> list[float]:
 
 
 @pytest.fixture(scope="module")
-def made() -> tables.Tables:
-    return tables.all_tables()
+def made() -> explore.Tables:
+    return explore.all_tables()
 
 
 @pytest.fixture(scope="module")
-def file(made: tables.Tables, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def file(made: explore.Tables, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("explore") / "explorer.html"
-    path.write_text(page.render(made), encoding="utf-8")
+    path.write_text(explore.render(made), encoding="utf-8")
     return path
 
 
-def read_steady(made: tables.Tables, drive: str, e: float) -> Any:
+def read_steady(made: explore.Tables, drive: str, e: float) -> Any:
     """The figures of a steady state from the tables, as the page has them."""
-    powers = tables.POWERS[drive]
+    powers = explore.POWERS[drive]
     return [made[f"{drive} {name}"].at(e)[()] * (1 - e) ** p for name, p in powers.items()]
 
 
-def read_averages(made: tables.Tables, e: float, n: float | None, t: Any) -> Any:
+def read_averages(made: explore.Tables, e: float, n: float | None, t: Any) -> Any:
     """v0 in U and <r^2> in l^2 from the tables, as the page has them, shape (2, n_times)."""
-    log_t, rates = np.log(t), tables.rates(e, None)
+    log_t, rates = np.log(t), explore.rates(e, None)
     if n is None:
-        return np.array([made[k].at(e, log_t) for k in ("v0", "msd")]) * tables.factors(*rates, t)
+        return np.array([made[k].at(e, log_t) for k in ("v0", "msd")]) * explore.factors(*rates, t)
     root = math.sqrt(n)
     h, a = (float(made[k].at(e, root)[0]) for k in ("hard H", "hard A"))
     both = np.array([made[k].at(e, root, log_t)[0] for k in ("hard v0", "hard msd")])
-    return both * tables.factors(h * (1 - e), a, t)
+    return both * explore.factors(h * (1 - e), a, t)
 
 
-def test_what_is_read_is_what_the_solver_finds(made: tables.Tables) -> None:
+def test_what_is_read_is_what_the_solver_finds(made: explore.Tables) -> None:
     """To what the page says of itself."""
     for e, t in PLACES:
         read = read_averages(made, e, None, np.array([t * 0.08])) * [[1.0], [12.5**2]]
         assert read == pytest.approx(averages(e, t), rel=2e-4), (e, t)
     times = np.geomspace(0.1, 1e5, 8)
-    for e, n in RNG.uniform((0.0, tables.DENSITIES[0]), (1.0, tables.DENSITIES[1]), (8, 2)):
+    for e, n in RNG.uniform((0.0, explore.DENSITIES[0]), (1.0, explore.DENSITIES[1]), (8, 2)):
         read = read_averages(made, e, n, 2 * n * times) * [[1.0], [(2 * n) ** -2]]
         assert read == pytest.approx(averages(e, times, n, "hard disks"), rel=3e-4), (e, n)
     for e in (0.01, 0.37, 0.8, 0.98):
@@ -78,8 +78,8 @@ def test_what_is_read_is_what_the_solver_finds(made: tables.Tables) -> None:
         c = np.exp(width * np.linspace(-4, 5, 7))
         read = np.exp(made["ln F"].at(e, np.log(c) / width)) / (2 * np.pi * width * c * c)
         assert read == pytest.approx(ScalingSolution(e).vdf(c), rel=3e-4)
-        xi = np.linspace(*tables.WIDTHS["hard disks"], 41)
-        exact = tables.scaled_density(e, 0.04, xi)
+        xi = np.linspace(*explore.WIDTHS["hard disks"], 41)
+        exact = explore.scaled_density(e, 0.04, xi)
         read = np.exp(made["hard ln F"].at(e, 0.2, xi)).ravel()
         assert read == pytest.approx(exact, abs=5e-3 * exact.max())
         state = solve_field(e)

@@ -98,14 +98,3 @@ def test_commands(arguments: list[str]) -> None:
     assert all(not name.startswith(".") and "part" not in name for name in new)
     if "--json" in arguments:
         json.loads(out, parse_constant=pytest.fail)
-
-
-@fuzz(
-    20, extra=st.sampled_from([[], ["--json"], ["--seed", "x"]]), case=st.sampled_from([
-        "report -e 1.5", "report --count 0", "report -o data.csv", "report --figures gif",
-        "derive --only no", "derive --latex data.csv/x", "bench --case x", "bench -o data.csv",
-        "stress --group x", "stress -o data.csv/x",
-    ]),
-)  # fmt: skip
-def test_what_is_refused_before_minutes_of_work(extra: list[str], case: str) -> None:
-    check_refused(*called([*case.split(), *extra]))

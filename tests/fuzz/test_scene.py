@@ -54,7 +54,8 @@ states = st.one_of(
 times = st.lists(mostly(geometric(1e-2, 1e4), st.sampled_from([0.0, 5e-324, 1e-300, 1e100, 1e300])),
                  min_size=1, max_size=3)  # fmt: skip
 CHEAP = [name for name in OUTPUTS if parts_of(name, 2)]
-LATE = ("position_density", "intermediate_scattering")  # early ones take seconds
+LATE = ["position_density", "intermediate_scattering"]  # early ones take seconds
+LATER = {"times": st.just([1e3, 7e3])}
 DENSE = [name for name in OUTPUTS if name not in CHEAP and name not in LATE]
 SYSTEM: dict[str, Any] = {
     **laws,
@@ -102,29 +103,18 @@ def test_averages(system: Any, rtol: Any, power: Any, order: Any) -> None:
 
 
 @fuzz(
-    10, system=st.fixed_dictionaries(SYSTEM | {"outputs": mostly([(name,) for name in DENSE])}),
+    12, system=st.sampled_from(DENSE + LATE).flatmap(lambda name: st.fixed_dictionaries(
+        SYSTEM | {"outputs": mostly([(name,)])} | (LATER if name in LATE else {}))),
     rtol=mostly([1e-2, 1e-3]), method=mostly([None, None, "spectral", "conservative"]),
     nodes=mostly(st.none() | st.integers(8, 64)), at=points,
 )  # fmt: skip
 def test_densities(system: Any, rtol: Any, method: Any, nodes: Any, at: Any) -> None:
     found = solved(system, rtol, method=method, nodes=nodes)
-    if found is not None and "speed_density" in found.scene.outputs:
-        for density in (found.speed_density, found.velocity_component_density):
-            values = tried(density, at)
-            assert values is None or np.all(np.isfinite(values))
-
-
-@fuzz(
-    3, system=st.fixed_dictionaries(SYSTEM | {
-        "outputs": mostly([(name,) for name in LATE]), "times": st.just([1e3, 7e3])}),
-    rtol=mostly([1e-2, 1e-3]), at=points,
-)  # fmt: skip
-def test_positions(system: Any, rtol: Any, at: Any) -> None:
-    found = solved(system, rtol)
-    if found is not None:
-        first = "position_density" in found.scene.outputs
-        density = found.position_density if first else found.intermediate_scattering
-        values = tried(density, at)
+    outputs = () if found is None else found.scene.outputs
+    names = [name for name in (*LATE, "speed_density") if name in outputs]
+    names += ["velocity_component_density"] * ("speed_density" in names)
+    for name in names:
+        values = tried(getattr(found, name), at)
         assert values is None or np.all(np.isfinite(values))
 
 

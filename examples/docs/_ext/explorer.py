@@ -4,11 +4,11 @@ from pathlib import Path
 
 
 def _make(app, config) -> None:
-    from kinetics.crosscheck.explore import page, tables
+    from kinetics.crosscheck import explore
 
     folder = Path(app.srcdir) / "generated"
     folder.mkdir(exist_ok=True)
-    text = page.render(tables.all_tables())
+    text = explore.render(explore.all_tables())
     (folder / "explorer.html").write_text(text, encoding="utf-8")
 
 

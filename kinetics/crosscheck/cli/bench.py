@@ -84,6 +84,8 @@ def _show(report: Any, output: Path | None, as_json: bool) -> None:
     else:
         click.echo(report.markdown(), nl=False)
     if output is not None:
-        for path in write_together(output, report.files()):
+        name = click.get_current_context().command.name
+        made = {f"{name}.json": report.to_json(), f"{name}.md": report.markdown()}
+        for path in write_together(output, made):
             if not as_json:
                 click.echo(f"wrote {path}")

@@ -98,7 +98,7 @@ def _done(
     as_json: bool, **told: Any,
 ) -> Any:  # fmt: skip
     """Compare, write what is asked for, and print."""
-    from kinetics.crosscheck.compare.page import drawn, render, tables
+    from kinetics.crosscheck.compare.result import drawn, render, tables
     from kinetics.crosscheck.files import require_file, write_together
     from kinetics.errors import InputError
 

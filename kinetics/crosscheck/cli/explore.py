@@ -24,12 +24,11 @@ def explore(output: Path) -> None:
     data that is dropped on the page is drawn over the curves. The solver makes the tables of the
     curves, which takes some seconds.
     """
-    from kinetics.crosscheck.explore import page, tables
+    from kinetics.crosscheck.explore import all_tables, render
     from kinetics.crosscheck.files import write_together
 
     with options.progress(4) as tell:
-        made = tables.all_tables(tell)
-        text = page.render(made)
+        text = render(all_tables(tell))
     write_together(output.parent, {output.name: text})
     size = len(text.encode()) / 1000
     click.echo(f"wrote {output} ({size:.0f} kB): open it in a browser")

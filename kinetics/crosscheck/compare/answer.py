@@ -3,52 +3,52 @@ numbers of the theory, and a summary in words.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import Fit, choose
-from kinetics.crosscheck.compare.judge import Both, rows_of, tests_of, worst_of
-from kinetics.crosscheck.compare.page import OUTCOMES
-from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
-from kinetics.crosscheck.compare.statistics import AGREES_ABOVE, chance, hotelling
-from kinetics.crosscheck.compare.theory import OBSERVABLES, Expectation, averages_of
+from kinetics.crosscheck.compare.fit import Fit, choose, hotelling
+from kinetics.crosscheck.compare.judge import histograms_of, rows_of, tests_of, worst_of
+from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter
+from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.data.sample import Law, Sample
-from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
+from kinetics.crosscheck.words import Verdict, number, numeral
 
 _NO_DENSITIES = "At a finite density averages alone are compared, with an error of the theory."
 _OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
+_SYMBOLS = {
+    "e_t": "tangential_restitution", "field": "field", "M/m": "mass_ratio", "w": "bath_speed",
+    "D_v": "heating", "γ": "drag", "v_c": "capture_speed",
+}  # fmt: skip
 
 
 def answered(
     sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool
 ) -> Comparison:
     """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
-    expectation = Expectation(sample, averages_of(sample.law))
     best, explanations = _likeliest(fits), list[Explanation]()
     wrong = never_move(sample) or wrong_unit(sample)
     for last in (False, True):
-        both, point = Both(expectation, best), best.point
-        rows, tests = tuple(rows_of(both)), tuple(tests_of(both))
+        point, histograms = best.point, list(histograms_of(best))
+        rows, tests = tuple(rows_of(best, histograms)), tuple(tests_of(best, histograms))
         # Rows without spread no test can hold.
         words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
         verdict = Verdict.DIFFERS if wrong else worst_of(words)
         if last or not explain:
             break
-        explanations, medium = _explained(both, verdict, wrong, media)
+        explanations, medium = _explained(best, verdict, wrong, media)
         if medium == point.scatterers or medium not in media:
             break  # else what explains is in another medium: it is the one that is shown
         best = next((one for one in fits if one.point.scatterers == medium), best)
     likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
     first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
-    note = [_OWN_START] if point.own_start and both.histograms else []
+    note = [_OWN_START] if point.own_start and histograms else []
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
-    parameters = _parameters(both, wrong)
-    taken = "" if len(fits) < 2 or best.chi_square is None else _in_words(fits, best)
+    parameters = _parameters(best, wrong)
     return Comparison(
-        verdict=verdict, summary=_summary(both, parameters, tests, verdict, first, taken),
+        verdict=verdict, summary=_summary(best, fits, parameters, tests, verdict, first),
         parameters=parameters, initial=point.start_in_words, samples=int(sample.samples.max()),
         groups=sample.groups, grouping=sample.grouping, names=sample.names,
         warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
@@ -63,7 +63,7 @@ def _likeliest(fits: Sequence[Fit]) -> Fit:
     Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
     Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
-    fits = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE] or fits
+    fits = [f for f in fits if f.chi_square and f.chi_square.verdict is Verdict.AGREES] or fits
     best = min(fits, key=lambda f: f.criterion)
     if not np.isfinite(best.criterion):
         return best
@@ -73,17 +73,17 @@ def _likeliest(fits: Sequence[Fit]) -> Fit:
 
 
 def _explained(
-    both: Both, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
+    told: Fit, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
 ) -> tuple[list[Explanation], str]:
     """What explains a difference or is to be noted, the likeliest first, and in which medium."""
-    medium, law = both.point.scatterers, both.sample.law
-    if wrong or law.is_driven or law.field:
+    medium, law = told.point.scatterers, told.expectation.sample.law
+    if wrong or (law.is_driven and not law.field):
         return [wrong] if wrong else [], medium
-    found = [note for note in (_traps(both), _missing(both)) if note]
+    found = [] if law.field else list(_noted(told))
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
         from kinetics.crosscheck.compare.causes import tested_causes
 
-        tested = list(tested_causes(both, media))
+        tested = list(tested_causes(told, media))
         if tested and tested[0][0].outcome == "explains":
             medium = tested[0][1]
         found = [*(item for item, _ in tested), *found]
@@ -130,47 +130,44 @@ def wrong_unit(sample: Sample) -> Explanation | None:
     return Explanation("time unit", "found", more, True, 1 / ratio, headline=said)
 
 
-def _traps(both: Both) -> Explanation | None:
-    """Tracers that have speed zero at some time, which only trapped ones have."""
-    rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
-    said = f"{rest} tracers come to rest"
-    text = f"{said}: caught between scatterers, or stopped by a program."
-    found = Explanation("traps", "found", text, value=rest / most, headline=said)
-    return found if rest else None
-
-
-def _missing(both: Both) -> Explanation | None:
-    """Fewer tracers at later times: what is left is biased, and the complete times tell."""
-    sample, samples = both.sample, both.sample.samples
-    most, least = int(samples.max()), int(np.argmin(samples))
+def _noted(told: Fit) -> Iterator[Explanation]:
+    """Tracers that have speed zero at some time, which only trapped ones have; and fewer tracers at
+    later times: what is left is biased, and the complete times tell.
+    """
+    sample, samples = told.expectation.sample, told.expectation.sample.samples
+    most, least, rest = int(samples.max()), int(np.argmin(samples)), int(sample.at_rest.max())
+    if rest:
+        said = f"{rest} tracers come to rest"
+        text = f"{said}: caught between scatterers, or stopped by a program."
+        yield Explanation("traps", "found", text, value=rest / most, headline=said)
     complete = samples == most
     if np.all(complete):
-        return None
+        return
     whole, part = (
-        hotelling(*both.flat(choose(both.usable & times, sample.groups, 1)))
+        hotelling(*told.flat(choose(told.usable & times, sample.groups)))
         for times in (complete, ~complete)
     )
     missing, outcome = most - int(samples[least]), "does not" if part else "noted"
-    if part is not None and part.p_value < AGREES_ABOVE:
-        outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
+    if part is not None and part.verdict is not Verdict.AGREES:
+        alone = whole is None or whole.verdict is Verdict.AGREES
+        outcome = "explains" if alone else "in part"
     text = f"{missing} of {most} tracers are missing at t = {numeral(sample.times[least], '.4g')}. "
     text += "A cap on collisions takes the fast ones away."
     left: tuple[Any, ...] = (None, None, None) if whole is None else whole[:3]
-    names = ("chi_square_after", "dof", "p_value")
-    return Explanation(
-        "missing tracers", outcome, text, part is not None, missing / most,
-        chi_square_before=part and part.value, **dict(zip(names, left, strict=True)),
-        headline=f"{missing} tracers that are missing at later times",
+    said = f"{missing} tracers that are missing at later times"
+    yield Explanation(
+        "missing tracers", outcome, text, part is not None, missing / most, None,
+        part and part.value, left[0], left[1], left[2], said,
     )  # fmt: skip
 
 
 # -- in words --------------------------------------------------------------------------------------
-def _parameters(both: Both, wrong: Explanation | None) -> dict[str, Parameter]:
+def _parameters(found: Fit, wrong: Explanation | None) -> dict[str, Parameter]:
     """The numbers of the theory; those that were fitted have standard errors."""
-    point, found, left, why = both.point, both.found, both.found.chi_square, ""
-    if wrong or (left is not None and left.p_value < chance(DIFFERS_ABOVE)):
+    point, left, why = found.point, found.chi_square, ""
+    if wrong or (left is not None and left.verdict is Verdict.DIFFERS):
         why = wrong.headline if wrong else "the model does not fit"
-    density = both.sample.law.free_path(point.path)
+    density = found.expectation.sample.law.free_path(point.path)
     values = {"restitution": point.restitution, "number_density": density}
     values |= {"mean_free_path": point.path}
     made = {}
@@ -189,22 +186,13 @@ def _parameters(both: Both, wrong: Explanation | None) -> dict[str, Parameter]:
     return made
 
 
-def _in_words(fits: Sequence[Fit], best: Fit) -> str:
-    """Which medium was taken and why."""
-    said = {
-        one.point.scatterers: f"{numeral(one.chi_square.value, '.3g')}/{one.chi_square.freedom}"
-        for one in fits if one.chi_square
-    }  # fmt: skip
-    taken = f"{best.point.scatterers} {said.pop(best.point.scatterers)}"
-    others = ", ".join(f"{name} {left}" for name, left in said.items())
-    return f" The medium taken: {taken} (chi-square/degrees of freedom; {others})."
-
-
 def _summary(
-    both: Both, parameters: dict[str, Parameter], tests: Sequence[Any],
-    verdict: Verdict, best: Explanation | None, medium: str,
+    found: Fit, fits: Sequence[Fit], parameters: dict[str, Parameter],
+    tests: Sequence[Any], verdict: Verdict, best: Explanation | None,
 ) -> str:  # fmt: skip
-    """What was fitted, the verdict in a sentence, what was compared, the clearest difference."""
+    """What was fitted, the verdict in a sentence, what was compared, the medium that was taken and
+    why, and the clearest difference.
+    """
     within = [
         f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
         f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
@@ -215,26 +203,31 @@ def _summary(
         Verdict.UNCLEAR: f"A difference is possible, more samples would show it{cause}.",
         Verdict.DIFFERS: f"They differ{cause}.",
     }.get(verdict, "Nothing could be tested.")
-    names = {"restitution": "e", "number_density": "ρ₀"}
     fitted = " and ".join(
         f"{symbol} = {number(one.value, one.error)}"
-        for name, symbol in names.items() if (one := parameters[name]).error is not None
-    )  # fmt: skip
+        for name, symbol in (("restitution", "e"), ("number_density", "ρ₀"))
+        if (one := parameters[name]).error is not None
+    )
     if best is not None and best.outcome == "found":
         answer = f"They differ. Look at the data first: {best.headline}."
     elif fitted:
         answer = f"{fitted}, fitted. {answer}"
-    sample, law, point = both.sample, both.sample.law, both.point
-    every = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
-    others = {"e_t": "tangential_restitution", "field": "field", "M/m": "mass_ratio"}
-    others |= {"w": "bath_speed", "D_v": "heating", "γ": "drag", "v_c": "capture_speed"}
-    plain = Law()
-    every |= {k: x for k, n in others.items() if (x := getattr(law, n)) != getattr(plain, n)}
-    told = [f"{k} = {x if callable(x) else numeral(x, '.6g')}" for k, x in every.items()]
+    sample, law, point = found.expectation.sample, found.expectation.sample.law, found.point
+    told: dict[str, Any] = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
+    told |= {s: getattr(law, n) for s, n in _SYMBOLS.items() if getattr(law, n) != getattr(Law, n)}
+    said = [f"{k} = {x if callable(x) else numeral(x, '.6g')}" for k, x in told.items()]
     first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
     answer += f" {int(sample.samples.max())} tracers at {sample.times.size} times from {first} to "
     answer += f"{last} d/U, compared with the kinetic equation with "
-    answer += f"{', '.join(told)}, from {point.start_in_words}.{medium}"
+    answer += f"{', '.join(said)}, from {point.start_in_words}."
+    if len(fits) > 1 and found.chi_square:
+        left = {
+            one.point.scatterers: f"{numeral(one.chi_square.value, '.3g')}/{one.chi_square.freedom}"
+            for one in fits if one.chi_square
+        }  # fmt: skip
+        answer += f" The medium taken: {point.scatterers} {left.pop(point.scatterers)}"
+        answer += " (chi-square/degrees of freedom; "
+        answer += f"{', '.join(f'{name} {one}' for name, one in left.items())})."
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     if odd:
         t = min(odd, key=lambda test: test.p_value)

@@ -14,13 +14,10 @@ import numpy as np
 
 from kinetics import validation
 from kinetics.crosscheck.compare.answer import answered
-from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit, media_of
-from kinetics.crosscheck.compare.judge import with_spread
+from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling, media_of, spread_in
 from kinetics.crosscheck.compare.result import Comparison
-from kinetics.crosscheck.compare.statistics import errors, hotelling
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
-from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
+from kinetics.crosscheck.data.sample import X2, Law, Sample, errors, from_ensemble, read_sample
 from kinetics.crosscheck.words import numeral
 from kinetics.driven.restitution import impact_restitution
 from kinetics.errors import InputError
@@ -61,7 +58,8 @@ def compare_data(
         "auto": as a run says, or the likeliest for the data. But for smooth disks "dilute"
     fitted : fit restitution and density also where a run says them
     field, bath_speed, heating, drag, capture_speed, mass_ratio : as in a Scene, in U and d, or as a
-        run says. Restitution and number_density are then needed, and no cause is looked for
+        run says. Restitution and number_density are then needed, and no cause is looked for, but,
+        in a field, whether components are exchanged
 
     InputError (a ValueError) for data that cannot be used, or that cannot tell what is not given.
     """
@@ -82,15 +80,13 @@ def compare_data(
     if field and sample.sums.shape[2] <= X2:
         refuse("field", field, "the data are not of tracers in a field")
     impact = impact_restitution(restitution)
-    drives = {
+    asked: Any = {
         "field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag,
-        "capture_speed": capture_speed,
+        "capture_speed": capture_speed, "mass_ratio": mass_ratio,
     }  # fmt: skip
-    changed: Any = {name: x for name, x in drives.items() if x}
+    changed = {name: x for name, x in asked.items() if x != getattr(Law, name)}
     if tangential_restitution is not None:
         changed["tangential_restitution"] = tangential_restitution
-    if mass_ratio != math.inf:
-        changed["mass_ratio"] = mass_ratio
     law = replace(sample.law, varies=impact is not None, **changed)
     initial = told.get("initial", "auto") if initial == "auto" else initial
     sample = replace(sample, law=law)
@@ -117,8 +113,7 @@ def compare_data(
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
     point = None if restitution is None or path is None else Point(restitution, path, start)
     if (law.field or law.is_driven) and point is None:
-        first = next((name for name in drives if getattr(law, name)), "restitution")
-        raise InputError(f"{first}: restitution and number_density must be given with it")
+        raise InputError("restitution: with a field or a drive it and the density must be given")
     media = media_of(sample, scatterers, point)
     if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
         media = [told["scatterers"]]
@@ -184,21 +179,21 @@ def _fits(
     """Restitution and l, whichever is None, by a fit in each medium; or InputError."""
     words = {"restitution": "restitution", "path": "number_density"}
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
-    wanted, names = " and ".join(words[name] for name in free), averages_of(sample.law)
-    expectation, groups = Expectation(sample, names), sample.groups
-    usable = with_spread(errors(expectation.replicates), expectation.values)
-    usable &= sample.times > 0  # the start does not depend on what is looked for
+    wanted, groups = " and ".join(words[name] for name in free), sample.groups
+    measured = Expectation(sample, averages_of(sample.law))
+    # not time 0: the start does not depend on what is looked for
+    usable = spread_in(errors(measured.replicates), measured.values) & (sample.times > 0)
     complete = sample.samples == sample.samples.max()
     if not sample.law.capture_speed and np.count_nonzero(complete & (sample.times > 0)) >= 3:
         usable &= complete  # the tracers that are left may be no fair sample
-    components = components_of(names, usable, groups, len(free))
     starts: list[list[float]] = [[]]
     known = Point(restitution or 0.0, path or 1.0, start)
     if free:
-        if components[0].size < len(free) or groups < len(free) + 3:
+        second = usable[np.isin(measured.names, SECOND_MOMENTS)]
+        if np.count_nonzero(second) < len(free) or groups < len(free) + 3:
             raise InputError(f"data: too few times or groups ({groups}) to find {wanted}; give it")
         # l to start from: a third of the largest root mean square displacement
-        msd = expectation.values[names.index("msd")]
+        msd = measured.values[measured.names.index("msd")]
         size = math.sqrt(max(msd[np.isfinite(msd)], default=9.0)) / 3
         guess = math.log(min(max(size, 1e-6), 1e6))
         known = Point(0.5 if restitution is None else restitution, path or math.exp(guess), start)
@@ -208,13 +203,11 @@ def _fits(
             if restitution is None:
                 starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
         # Without the other averages, which cost more, until the place is known.
-        second = Expectation(sample, SECOND_MOMENTS[:2])
-        mine = usable[np.isin(names, SECOND_MOMENTS)]
-        only = components_of(SECOND_MOMENTS[:2], mine, groups, len(free))
-        if near := fit(second, known, free, only, starts):
+        of_second = Expectation(sample, SECOND_MOMENTS)
+        if near := fit(of_second, known, free, second, starts, len(free)):
             starts = [near.at.tolist()]
     tried = (
-        fit(expectation, known._replace(scatterers=medium), free, components, starts)
+        fit(measured, known._replace(scatterers=medium), free, usable, starts, len(free))
         for medium in media
     )
     found = [one for one in tried if one is not None and np.all(np.isfinite(one.covariance))]

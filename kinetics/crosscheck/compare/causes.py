@@ -1,9 +1,10 @@
 """What may explain a difference: each cause is a row of the table CAUSES, and one fit.
 
-A cause says which parameters of the theory (`theory.Point`) are other than what was told: set to a
-value, or free. Each is tried in every medium that the scatterers may be. It explains if what it
-leaves agrees and its value lies CLEARLY from what was told; those that explain are ranked by the
-likelihood that they leave (`Fit.criterion`), and only those near the best are said to.
+A cause says which parameters of the theory (`theory.Point`) are other than what was told, set to a
+value or free, or that components of the data are exchanged. Each is tried in every medium that the
+scatterers may be. It explains if what it leaves agrees and its value lies CLEARLY from what was
+told; those that explain are ranked by the likelihood that they leave (`Fit.criterion`), and only
+those near the best are said to.
 """
 
 import math
@@ -11,19 +12,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from kinetics.crosscheck.compare.fit import Fit, components_of, coordinates, fit, media_of
-from kinetics.crosscheck.compare.judge import Both
+from kinetics.crosscheck.compare.fit import LIMITS, ChiSquare, Fit, choose, fit, hotelling, media_of
 from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.statistics import AGREES_ABOVE, ChiSquare, hotelling
-from kinetics.crosscheck.compare.theory import Point, SampledStart
-from kinetics.crosscheck.words import number, numeral
+from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart
+from kinetics.crosscheck.data.sample import VX, X2, X
+from kinetics.crosscheck.words import Verdict, number, numeral
 
 CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
 NEAR_BEST = 6.0  # -2 ln likelihood from the best up to which a cause explains as well
-_LEAST_GAIN = 16.0  # of T^2 by one parameter, 4 sigma, and a tenth of it: less explains nothing
-_FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)  # where ln of a unit or free path is looked for
-_SHARES = (0.02, 0.3, 0.9)  # of the smallest mean square: where variances of noise are
-_LATER = (0.3, -0.3, 3.0)  # offsets of the clock that are tried, in the first time above 0
 
 
 class Cause(NamedTuple):
@@ -44,6 +40,7 @@ CAUSES = (
     Cause("restitution", "restitution", "e"),
     Cause("free path", "path", "l", " d"),
     Cause("initial speeds"),
+    Cause("components exchanged"),
     Cause("speed unit", "speed_unit", "U", kind="speed"),
     Cause("time unit", "time_unit", "d/U", kind="time"),
     Cause("length unit", "length_unit", "d", kind="length"),
@@ -53,15 +50,16 @@ CAUSES = (
     Cause("tracers at rest", "at_rest", "the share f of tracers that never move"),
 )
 """Everything that may explain a difference: a new cause is one row, and a place in `_starts`."""
+_EXCHANGED = {"positions": (X, X2), "velocities": (VX,), "positions and velocities": (VX, X, X2)}
 
 
-def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanation, str]]:
+def tested_causes(told: Fit, media: Sequence[str]) -> Iterator[tuple[Explanation, str]]:
     """Every cause in its best medium, the likeliest first; none if too few averages have spread."""
     # Not time 0: there a cause in the start would leave nothing that could differ.
-    usable = both.usable & (both.sample.times > 0)
-    components = components_of(both.names, usable, both.sample.groups, 1)
-    before = hotelling(*both.flat(components[1]))
-    if components[1].size < 2 or not components[0].size or before is None:
+    usable = told.usable & (told.expectation.sample.times > 0)
+    chosen = choose(usable, told.expectation.sample.groups)
+    before = hotelling(*told.flat(chosen))
+    if chosen.size < 2 or before is None:
         return
 
     def cost(one: Fit) -> float:  # where two are as good, the one that fits no number is first
@@ -73,69 +71,88 @@ def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanatio
     tested: list[tuple[Explanation, Fit]] = []
     for cause in CAUSES:
         found: list[Fit] = []
-        for change in _changes(cause, both, media):
-            point, free = both.point._replace(**change), (cause.free,) if cause.free else ()
-            starts: list[Any] = [(x,) for x in _starts(cause, both, point)] if free else [()]
+        for measured, point in _variants(cause, told, media):
+            free = (cause.free,) if cause.free else ()
+            starts = [[x] for x in _starts(cause, told, point)] if free else []
             if free and found:  # begins from the fit in another medium
-                starts = [found[0].at, starts[0]]
+                starts = [found[0].at.tolist(), starts[0]]
             # a restitution or a density of which there is no theory
             with suppress(ValueError):
-                made = fit(both.expectation, point, free, components, starts)
+                made = fit(measured, point, free, usable, starts)
                 found += [made] if made and made.chi_square else []
-        judged = [(_judged(both, cause, one, before), one) for one in found]
-        tested += sorted(judged, key=rank)[: 1 if cause.free else None]
+        judged = sorted(((_judged(told, cause, one, before), one) for one in found), key=rank)
+        every = cause.name in ("finite density", "initial speeds")
+        tested += judged if every else judged[:1]
     tested.sort(key=rank)
     for item, one in tested:
         far = item.outcome == "explains" and cost(one) > cost(tested[0][1]) + NEAR_BEST
         yield item._replace(outcome="in part") if far else item, one.point.scatterers
 
 
-def _changes(cause: Cause, both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
-    """What a cause sets to other values, a dictionary for each variant."""
-    point, start = both.point, both.sample.start
-    in_media: list[dict[str, Any]] = [{"scatterers": medium} for medium in media]
+def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[Expectation, Point]]:
+    """The data and the theory, but for what is fitted, of every variant of a cause."""
+    measured, point, changes = told.expectation, told.point, list[dict[str, Any]]([{}])
+    law, start = measured.sample.law, measured.sample.start
+    if cause.name == "components exchanged":
+        yield from (
+            (measured.with_exchanged(axis, columns, what), point)
+            for axis in range(1, law.dimension if law.field else 1)
+            for what, columns in _EXCHANGED.items()
+        )
+    if law.field or cause.name == "components exchanged":
+        return  # other causes take the solver long in a field
     if cause.name == "finite density":
-        others = media_of(both.sample, "every", point)
-        return [{"scatterers": medium} for medium in others if medium not in media]
-    if cause.name == "initial speeds":  # the data's own, or the other named start
+        media = [one for one in media_of(measured.sample, "every", point) if one not in media]
+    elif cause.name == "initial speeds":  # the data's own, or the other named start
         own = [SampledStart(start)] if start is not None and not point.own_start else []
         named = [] if start else sorted({"gaussian", "monoenergetic"} - {point.start})
-        return [{"start": one} | medium for one in (*own, *named) for medium in in_media]
-    return [] if cause.name == "speed unit" and point.own_start else in_media
+        changes = [{"start": one} for one in (*own, *named)]
+    elif cause.name == "speed unit" and point.own_start:
+        return
+    for change in changes:
+        yield from ((measured, point._replace(scatterers=x, **change)) for x in media)
 
 
-def _starts(cause: Cause, both: Both, point: Point) -> list[float]:
+def _starts(cause: Cause, told: Fit, point: Point) -> list[float]:
     """Where the fit of a parameter, or of its logarithm, begins."""
-    name, sample = cause.free, both.sample
+    name, sample, values = cause.free, told.expectation.sample, told.expectation.values
     after = sample.times > 0
     if name == "restitution":
         return [point.restitution, 0.9, 0.5]
     if name == "time_offset":
-        return [share * float(sample.times[after][0]) for share in _LATER]
+        return [share * float(sample.times[after][0]) for share in (0.3, -0.3, 3.0)]
     if name == "at_rest":
         return [0.0]
     if name in ("velocity_noise", "position_noise"):
-        square = both.expectation.values[0] ** 2 if name[0] == "v" else both.expectation.values[2]
+        square = values[0] ** 2 if name[0] == "v" else values[2]
         least = float(square[after & (square > 0)].min(initial=1e9))
-        return [share * least / sample.law.dimension for share in _SHARES]
-    return [math.log(getattr(point, name)) + shift for shift in _FACTORS]
+        return [share * least / sample.law.dimension for share in (0.02, 0.3, 0.9)]
+    shifts = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
+    return [math.log(getattr(point, name)) + shift for shift in shifts]
 
 
-def _judged(both: Both, cause: Cause, found: Fit, before: ChiSquare) -> Explanation:
-    """What a cause comes to, from the chi-square that it leaves."""
+def _judged(
+    told: Fit, cause: Cause, found: Fit, before: ChiSquare, least_gain: float = 16.0
+) -> Explanation:
+    """What a cause comes to, from the chi-square that it leaves; in part if T^2 falls by least_gain
+    (4 sigma of one parameter) and a tenth.
+    """
     after, outcome, clear = found.chi_square, "does not", True
     assert after is not None
     if cause.free:
-        away = abs(float((found.at - coordinates(both.point, found.free))[0]))
-        clear = away > CLEARLY * math.sqrt(found.covariance[0, 0])
+        value, before_it = (getattr(one.point, cause.free) for one in (found, told))
+        away = value - before_it if cause.free in LIMITS else math.log(value / before_it)
+        clear = abs(away) > CLEARLY * math.sqrt(found.covariance[0, 0])
         clear &= 0 <= found.point.at_rest < 0.85
-    if after.p_value >= AGREES_ABOVE:
+    if after.verdict is Verdict.AGREES:
         # Averages that agreed already need no explaining.
-        outcome = "explains" if clear and before.p_value < AGREES_ABOVE else "does not"
-    elif clear and before.statistic - after.statistic > max(_LEAST_GAIN, 0.1 * before.statistic):
-        outcome = "in part"
-    headline, value, error = _words(both, cause, found)
-    if found.point.scatterers not in ("dilute", both.point.scatterers) and cause.free:
+        needed = before.verdict is not Verdict.AGREES
+        outcome = "explains" if clear and needed else "does not"
+    elif before.statistic - after.statistic > max(least_gain, 0.1 * before.statistic):
+        # components are exchanged, or not
+        outcome = "in part" if clear and cause.name != "components exchanged" else "does not"
+    headline, value, error = _words(told, cause, found)
+    if found.point.scatterers not in ("dilute", told.point.scatterers) and cause.free:
         headline += f" (among {found.point.scatterers})"
     numbers = [numeral(x, ".4g") for x in (before.value, after.value)]
     text = f"{headline[0].upper()}{headline[1:]}. The averages' chi-square goes from {numbers[0]} "
@@ -146,21 +163,24 @@ def _judged(both: Both, cause: Cause, found: Fit, before: ChiSquare) -> Explanat
     )
 
 
-def _words(both: Both, cause: Cause, found: Fit) -> tuple[str, float | None, float | None]:
+def _words(told: Fit, cause: Cause, found: Fit) -> tuple[str, float | None, float | None]:
     """The headline of a cause, its value and its error as they are said."""
-    medium = found.point.scatterers.replace("overlapping", "overlapping disks")
-    if cause.name == "finite density":
-        return f"the finite density of the scatterers ({medium}, no fitted number)", None, None
     if not cause.free:
-        return f"another start ({found.point.start_in_words})", None, None
+        medium = found.point.scatterers.replace("overlapping", "overlapping disks")
+        named = {
+            "finite density": f"the finite density of the scatterers ({medium}, no fitted number)",
+            "initial speeds": f"another start ({found.point.start_in_words})",
+            "components exchanged": f"an exchange of {found.expectation.exchanged}",
+        }
+        return named[cause.name], None, None
     value, error = found.value(cause.free)
     if "noise" in cause.name:  # of a variance the root
         size = math.sqrt(max(value, 0.0))
         width = error / (2 * size) if size else math.sqrt(error)
         said = f"noise of {number(size, width)} {cause.unit} in each component of the {cause.title}"
         return said, size, width
-    told = float(getattr(both.point, cause.free))
-    unit = both.sample.units.get(cause.kind, 1.0)  # in the data's own
+    was = float(getattr(told.point, cause.free))
+    unit = told.expectation.sample.units.get(cause.kind, 1.0)  # in the data's own
     name = cause.unit if unit == 1.0 else ""
     said = f"{cause.symbol} = {number(value * unit, error * unit)}{name} in place of "
-    return f"{said}{numeral(told * unit, '.5g')}{name}", value * unit, error * unit
+    return f"{said}{numeral(was * unit, '.5g')}{name}", value * unit, error * unit

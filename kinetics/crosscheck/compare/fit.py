@@ -4,24 +4,31 @@ Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: 
 raise a fourth moment and its variance, so that weights from the same tracers favour low values
 (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter the chi-square that is
 left. An error of the theory adds its covariance to that of the data.
+
+Errors are correlated, and known only from the spread of groups. Of a vector d of differences the
+covariance C is the jackknife spread of `replicates`, the same with each of G groups left out in
+turn. T^2 = d C^-1 d is then no chi-square, but T^2 (G - p)/(p (G - 1)) has the F-distribution with
+p and G - p degrees of freedom (Hotelling), for groups that are not Gaussian with `effective_groups`
+as G. What is reported is the chi-square that has its p-value.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import betainc, gammaincc, gammainccinv
 
-from kinetics.crosscheck.compare import statistics
-from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, whitening
 from kinetics.crosscheck.compare.theory import Expectation, Point
-from kinetics.crosscheck.data.sample import Sample
+from kinetics.crosscheck.data.sample import Sample, effective_groups, errors
+from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SECOND_MOMENTS = ("thermal_speed", "msd", "drift", "mean_displacement")  # that are fitted to
+SECOND_MOMENTS = ("thermal_speed", "msd")  # that are fitted to
 # of parameters that are fitted as they are; others are positive, and their logarithms fitted
 LIMITS = {
     "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
@@ -29,33 +36,78 @@ LIMITS = {
 }  # fmt: skip
 # restitution from which on, and number density up to which, there is a theory of dense media
 LEAST_RESTITUTION, DENSEST = 0.2, 0.3
-WIDEST = 12.0  # |ln| of the factor by which a positive parameter may differ from what was told
-_STEP = 1e-4  # for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1
+_AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
 
 
-@dataclass(frozen=True, eq=False)
+class ChiSquare(NamedTuple):
+    """A chi-square; groups that the covariance is from, None if it is exact; statistic: T^2."""
+
+    value: float
+    freedom: int
+    p_value: float
+    groups: int | None
+    statistic: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """On what is left, without a correction for the number of looks."""
+        return judge_sigmas(gaussian_sigmas(self.p_value))
+
+
+@dataclass(eq=False)
 class Fit:
-    """A point with some fitted parameters (`free`, perhaps none), and all that is known there.
+    """A sample beside its theory at a point, with some fitted parameters (`free`, perhaps none).
 
-    theory (n_names, n_times); known: the covariance of its own error, None for 0; at (k,): the
-    parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence (k, p)
-    on `at` of the averages `fitted` (p,); shaped, replicates (G, ...): the difference of data and
-    theory as `Expectation.stabilised`; widening: ln(det(C + M)/det C) of the chi-square.
+    Given: theory (n_names, n_times); known: the covariance of its own error, None for 0; at (k,):
+    the parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence
+    (k, p) on `at` of the averages `fitted` (p,).
+
+    Of these, (n_names, n_times) each: difference of data and theory; error (with the theory's own);
+    shaped: the difference as `Expectation.stabilised`, with its replicates (G, ...), and sigmas;
+    effective groups; compared: where there is something to compare; usable: and where it has
+    spread. chi_square of those tested; criterion: -2 ln likelihood, to a constant, plus 2 for each
+    parameter (Akaike's criterion).
     """
 
+    expectation: Expectation
     point: Point
-    free: tuple[str, ...]
     theory: Array
     known: Array | None
+    free: tuple[str, ...]
     at: Array
     covariance: Array
     slope: Array
     influence: Array
     fitted: Indices
-    shaped: Array
-    replicates: Array
     chi_square: ChiSquare | None = None
-    widening: float = 0.0
+    criterion: float = np.inf
+
+    def __post_init__(self) -> None:
+        measured, sample, theory = self.expectation, self.expectation.sample, self.theory
+        early = np.isin(measured.names, () if self.point.own_start else _AT_ZERO)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.difference = measured.values - theory
+            self.shaped = measured.stabilised(theory, self.difference)
+            self.replicates = self._moved(steadied(measured, theory))
+            error = errors(self._moved(measured.replicates - theory))
+            own = 0.0 if self.known is None else np.diagonal(self.known).reshape(error.shape)
+            self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
+            self.error = np.sqrt(error**2 + own)
+        self.compared = np.isfinite(self.difference) & (early | (sample.times > 0))
+        self.usable = self.compared & spread_in(error, measured.values, theory)
+        self.effective = effective_groups(self.replicates)
+
+    def _moved(self, replicates: Array) -> Array:
+        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
+        flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
+        shift = (flat - flat.mean(axis=0)) @ self.influence.T
+        return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
+
+    def flat(self, chosen: Indices) -> tuple[Array, Array, Array | None]:
+        """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
+        known = None if self.known is None else self.known[np.ix_(chosen, chosen)]
+        replicates = self.replicates.reshape(len(self.replicates), -1)[:, chosen]
+        return self.shaped.ravel()[chosen], replicates, known
 
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
@@ -63,51 +115,28 @@ class Fit:
         error = float(np.sqrt(self.covariance[k, k]))
         return value, error if name in LIMITS else value * error
 
-    @property
-    def criterion(self) -> float:
-        """-2 ln likelihood, to a constant, plus 2 for each parameter (Akaike's criterion)."""
-        left = np.inf if self.chi_square is None else self.chi_square.value
-        return float(left + self.widening + 2 * len(self.free))
 
-    def moved(self, replicates: Array) -> Array:
-        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
-        flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
-        shift = (flat - flat.mean(axis=0)) @ self.influence.T
-        return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
-
-
-def coordinates(point: Point, free: Sequence[str]) -> Array:
-    """Parameters of a point as they are fitted, (k,)."""
-    values = {name: getattr(point, name) for name in free}
-    return np.array([x if n in LIMITS else np.log(x) for n, x in values.items()])
-
-
-def choose(usable: NDArray[np.bool_], groups: int, parameters: int) -> Indices:
+def choose(usable: NDArray[np.bool_], groups: int, parameters: int = 1) -> Indices:
     """Which components (n_names, n_times) can be tested together, evenly over time: flat."""
-    most = max(statistics.most_freedom(groups), min(2 * parameters, groups - 2))
+    most = max(most_freedom(groups), min(2 * parameters, groups - 2))
     rows = [(k, np.flatnonzero(row)) for k, row in enumerate(usable) if np.any(row)]
     share = max(1, most // max(len(rows), 1))
-    at = [k * usable.shape[1] + row[statistics.spread_out(row.size, share)] for k, row in rows]
+    at = [k * usable.shape[1] + row[spread_out(row.size, share)] for k, row in rows]
     return np.concatenate([np.empty(0, np.int64), *at])[:most]
 
 
-def components_of(
-    names: Sequence[str], usable: NDArray[np.bool_], groups: int, parameters: int
-) -> tuple[Indices, Indices]:
-    """The averages that are fitted, and those that enter the chi-square, as `choose`."""
-    second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
-    return choose(second, groups, parameters), choose(usable, groups, parameters)
-
-
 def fit(
-    expectation: Expectation, told: Point, free: Sequence[str], components: tuple[Indices, Indices],
-    starts: Sequence[Sequence[float]] = ((),),
+    expectation: Expectation, told: Point, free: Sequence[str], usable: NDArray[np.bool_],
+    starts: Sequence[Any] = (), parameters: int = 1,
 ) -> Fit | None:  # fmt: skip
     """Least squares from the best starts; None where nothing converges, or only at a limit.
 
     told: the point whose parameters `free` are fitted, none or more, from `starts` (see `Fit.at`).
+    usable: the averages (n_names, n_times) that can be tested, as many as for so many `parameters`.
     """
-    groups, (chosen, tested) = expectation.sample.groups, components
+    groups, theory_of = expectation.sample.groups, expectation.theory
+    second = usable & np.isin(expectation.names, SECOND_MOMENTS)[:, None]
+    chosen, tested = (choose(one, groups, parameters) for one in (second, usable))
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
     values, low_high = expectation.values.ravel()[chosen], [_ends(name, told) for name in free]
     low, high = np.array(low_high).reshape(-1, 2).T
@@ -119,42 +148,46 @@ def fit(
 
     def difference(at: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            theory = expectation.theory(point(at)).ravel()[chosen]
-            return np.asarray(np.log(values) - np.log(theory))
+            return np.asarray(np.log(values) - np.log(theory_of(point(at)).ravel()[chosen]))
 
-    def weights(at: Array) -> Array | None:
-        theory = expectation.theory(point(at))
+    def weights(at: Array) -> Array:
+        theory = theory_of(point(at))
         known, size = expectation.own_covariance(point(at), theory), theory.ravel()[chosen]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            left = np.log(replicates) - np.log(size)
-        if not np.all(np.isfinite(left)):
-            return None
         extra = 0.0 if known is None else known[np.ix_(chosen, chosen)] / np.outer(size, size)
-        return whitening(covariance(left) + extra)
+        return whitening(covariance(np.log(replicates)) + extra)
 
-    best, white = np.empty(0), None
+    best, white = np.empty(0), np.empty((0, 0))
     if free:
-        tried = []
+        if chosen.size < len(free) or not np.all(replicates > 0):
+            return None
+        from scipy.optimize import least_squares
+
+        tried, reached = [], []
         for start in starts:
             at = np.clip(np.asarray(start, float), low, high)
-            if np.all(np.isfinite(left := difference(at))) and (found := weights(at)) is not None:
+            if np.all(np.isfinite(left := difference(at))):
+                found = weights(at)
                 tried.append((float(np.sum((found @ left) ** 2)), at, found))
-        tried = sorted(tried, key=lambda one: one[0])[:2]
-        ended = (_descended(difference, found, at, low, high) for _, at, found in tried)
-        if not (reached := [one for one in ended if one is not None]):
+        for _, at, found in sorted(tried, key=lambda one: one[0])[:2]:
+            with suppress(ValueError, np.linalg.LinAlgError):  # the theory is not finite there
+                reached.append(least_squares(
+                    lambda at, white: white @ difference(at), at,
+                    lambda at, white: white @ _slopes(difference, at, low, high),
+                    (low, high), "dogbox", ftol=1e-5, xtol=1e-6, max_nfev=50, args=(found,),
+                ))  # fmt: skip
+        if not reached:
             return None
-        best = min(reached, key=lambda one: one[0])[1]
+        best = min(reached, key=lambda one: one.cost).x
         margin = np.where([n in LIMITS for n in free], -1.0, 0.01 * (high - low))
         if np.any((best <= low + margin) | (best >= high - margin)):
             return None
-        if (white := weights(best)) is None:
-            return None
-    at, theory = point(best), expectation.theory(point(best))
+        white = weights(best)
+    at, theory = point(best), theory_of(point(best))
     known = expectation.own_covariance(at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
-    if white is not None:
-        slope = _slopes(lambda p: expectation.theory(point(p)).ravel(), best, low, high)
+    if free:
+        slope = _slopes(lambda p: theory_of(point(p)).ravel(), best, low, high)
         size = theory.ravel()[chosen]
         steep: Any = white @ (slope[chosen] / size[:, None])
         influence = np.linalg.pinv(steep) @ white / size
@@ -162,21 +195,22 @@ def fit(
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-    rows, widening = expectation.steadied(theory), 0.0
-    shaped = expectation.stabilised(theory, expectation.values - theory)
-    made = Fit(at, tuple(free), theory, known, best, spread, slope, influence, chosen, shaped, rows)
-    left_of = made.moved(rows)
-    if known is not None:
+    made = Fit(
+        expectation, at, theory, known, tuple(free), best, spread, slope, influence, chosen
+    )  # fmt: skip
+    shaped, left_of, own = made.flat(tested)
+    widening = 0.0  # ln(det(C + M)/det C) of the chi-square, M the theory's own covariance
+    if known is not None and own is not None:
         # of the data themselves: the same for all that is fitted in a medium
-        spread_of, own = rows.reshape(groups, -1)[:, tested], known[np.ix_(tested, tested)]
-        widening = statistics.log_widening(spread_of, own)
+        axes = whitening(covariance(steadied(expectation, theory).reshape(groups, -1)[:, tested]))
+        widening = float(np.linalg.slogdet(np.eye(len(axes)) + axes @ own @ axes.T)[1])
         passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
         passed[:, chosen] -= slope[tested] @ influence
-        usable = np.any(passed != 0, axis=0)
-        known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
-    of_tested = left_of.reshape(groups, -1)[:, tested]
-    after = statistics.hotelling(shaped.ravel()[tested], of_tested, known)
-    return replace(made, replicates=left_of, chi_square=after, widening=widening)
+        own = passed @ known @ passed.T
+    made.chi_square = hotelling(shaped, left_of, own)
+    if made.chi_square is not None:
+        made.criterion = made.chi_square.value + widening + 2 * len(free)
+    return made
 
 
 def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:
@@ -193,38 +227,116 @@ def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str
     return ["dilute", "hard disks", "overlapping"][: 1 + dense + (dense and asked == "every")]
 
 
-def _ends(name: str, told: Point) -> tuple[float, float]:
-    """Between what a parameter, or its logarithm, is looked for."""
+def _ends(name: str, told: Point, widest: float = 12.0) -> tuple[float, float]:
+    """Between what a parameter is looked for, or its logarithm, `widest` from what was told."""
     dense, low, high = told.scatterers != "dilute", *LIMITS.get(name, (-np.inf, np.inf))
     if name not in LIMITS:
         middle = float(np.log(getattr(told, name)))
-        low, high = middle - WIDEST, middle + WIDEST
+        low, high = middle - widest, middle + widest
     least = {"restitution": LEAST_RESTITUTION, "path": -np.log(2 * DENSEST)} if dense else {}
     return max(low, least.get(name, low)), high
 
 
-def _descended(
-    difference: Callable[[Array], Array], white: Array, start: Array, low: Array, high: Array
-) -> tuple[float, Array] | None:
-    """The least sum of squares near a start, and where it is; None where theory is not finite."""
-    from scipy.optimize import least_squares
+def _slopes(
+    function: Callable[[Array], Array], at: Array, low: Array, high: Array, step: float = 1e-4
+) -> Array:
+    """Derivatives (p, k), centred where the limits leave room.
 
-    def residual(at: Array) -> Array:
-        return np.asarray(white @ difference(at))
-
-    try:
-        found = least_squares(
-            residual, start, lambda at: _slopes(residual, at, low, high), (low, high), "dogbox",
-            ftol=1e-5, xtol=1e-6, max_nfev=50,
-        )  # fmt: skip
-    except (ValueError, np.linalg.LinAlgError):
-        return None
-    return 2 * float(found.cost), found.x
-
-
-def _slopes(function: Callable[[Array], Array], at: Array, low: Array, high: Array) -> Array:
-    """Derivatives (p, k), centred where the limits leave room."""
-    steps = _STEP * np.eye(at.size)
-    ends = [(np.minimum(at + step, high), np.maximum(at - step, low)) for step in steps]
+    step: so that the solver's error of 1e-7 is 1e-3 of a slope of order 1.
+    """
+    steps = step * np.eye(at.size)
+    ends = [(np.minimum(at + one, high), np.maximum(at - one, low)) for one in steps]
     made = [(function(up) - function(down)) / np.sum(up - down) for up, down in ends]
     return np.stack(made, axis=1)
+
+
+def steadied(measured: Expectation, theory: Array, model_groups: float = 10.0) -> Array:
+    """The replicates of differences, as `stabilised`, where the error of the kurtosis is a mean
+    of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
+    so that it has the theory's kurtosis) in each component.
+
+    Of 500 tracers few make <r^8>, and most samples miss them. The model is good to 20 %, as if
+    from so many groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol.
+    3, 3 (2004)).
+    """
+    found = measured.stabilised(theory, measured.replicates - theory)
+    if "kurtosis" not in measured.names:
+        return found
+    k, d = measured.names.index("kurtosis"), measured.sample.law.dimension
+    x, wider = theory[k], theory[k] / measured.sample.law.gaussian - 1
+    sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
+    eighth = sixth * (d + 6) / d * (1 + 3 * wider)
+    variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
+    own, mine = errors(found[:, k]), effective_groups(found[:, k])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.sqrt(variance / measured.sample.samples) / own
+        factor = np.sqrt((mine + model_groups * ratio**2) / (mine + model_groups))
+    middle = found[:, k].mean(axis=0)
+    factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
+    found[:, k] = middle + factor * (found[:, k] - middle)
+    return found
+
+
+# -- chi-squares -----------------------------------------------------------------------------------
+def covariance(replicates: Array) -> Array:
+    """Covariance from delete-one replicates (G, p): (p, p)."""
+    n, deviation = len(replicates), replicates - replicates.mean(axis=0)
+    return np.asarray((n - 1) / n * (deviation.T @ deviation))
+
+
+def most_freedom(groups: int) -> int:
+    """Components that a chi-square from so many groups may have."""
+    return max(1, (groups - 1) // 4)  # or the covariance is too uncertain
+
+
+def spread_out(count: int, most: int) -> list[int]:
+    """At most so many of the indices 0 .. count - 1, evenly, with the last."""
+    if count <= most:
+        return list(range(count))
+    return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
+
+
+def spread_in(error: Array, *values: Array, least: float = 1e-9) -> NDArray[np.bool_]:
+    """Where standard errors are more than rounding: over the value at least `least`."""
+    with np.errstate(invalid="ignore"):
+        size = np.max(np.abs(values), axis=0)
+        return np.asarray((error > least * size) & np.isfinite(error))
+
+
+def whitening(matrix: Array, least: float = 1e-9) -> Array:
+    """W with W C W^T = 1 on the components that C has: (rank, p).
+
+    least: eigenvalue of correlations, to the largest, below which two components are the same.
+    """
+    scale = np.sqrt(np.diagonal(matrix))
+    scale = np.where(scale > 0, scale, np.inf)
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    kept = values > least * max(float(values[-1]), 1e-300)
+    return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
+
+
+def hotelling(difference: Array, replicates: Array, known: Array | None = None) -> ChiSquare | None:
+    """Test of a difference (p,) with its replicates (G, p); None without freedom.
+
+    known (p, p): the covariance of an error of the theory, which is added.
+    """
+    groups = len(replicates)
+    if difference.size == 0:
+        return None
+    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
+    white = axes @ difference
+    freedom, statistic = white.size, float(white @ white)
+    if freedom == 0 or groups <= freedom:
+        return None
+    effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
+    # the upper tail of the F-distribution; a p-value below doubles is 0
+    share = 1 / (1 + statistic / (effective - 1))
+    p_value = float(betainc((effective - freedom) / 2, freedom / 2, share))
+    value = 2 * float(gammainccinv(freedom / 2, p_value)) if p_value > 1e-300 else statistic
+    return ChiSquare(value, freedom, p_value, groups, statistic)
+
+
+def pearson(counts: Array, expected: Array) -> ChiSquare:
+    """Chi-square of counts, two at least, against those expected."""
+    value, freedom = float(np.sum((counts - expected) ** 2 / expected)), counts.size - 1
+    return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)

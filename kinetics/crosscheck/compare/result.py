@@ -1,8 +1,11 @@
-"""Comparison: the result of comparing a sample with the kinetic equation, as a value."""
+"""Comparison: the result of comparing a sample with the kinetic equation, as a value, as tables for
+the terminal, as figures, and as a page.
+"""
 
+import io
 import json
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple, Self
 
@@ -10,12 +13,18 @@ import numpy as np
 import pandas as pd
 
 from kinetics.crosscheck.compare.theory import OBSERVABLES
-from kinetics.crosscheck.files import dumps, plain
-from kinetics.crosscheck.words import Verdict
+from kinetics.crosscheck.files import dumps, plain, rendered
+from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
 from kinetics.results import Result
 from kinetics.validation import refuse
 
 SCHEMA = "inelastic-lorentz/comparison/1"
+# what an explanation comes to, in words; in the order in which they are shown
+OUTCOMES = {
+    "explains": "explains the difference", "found": "found in the data",
+    "in part": "explains part of it", "does not": "does not explain it", "noted": "noted",
+}  # fmt: skip
+_REGIONS = {"68 %": 1.515, "95 %": 2.448}  # radii that hold so much of a Gaussian of two numbers
 
 
 class Row(NamedTuple):
@@ -183,8 +192,6 @@ class Comparison(Result):
         """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned."""
         if name is None:
             return super().plot(None, ax)
-        from kinetics.crosscheck.compare.page import draw
-
         figure = str(name).replace("_", "-")
         if figure not in self.figures:
             refuse("name", name, f"this comparison has {', '.join(self.figures) or 'no figures'}")
@@ -199,24 +206,124 @@ class Comparison(Result):
         """Draw every one of `figures`, each in a figure of its own; an array of axes."""
         return np.array([self.plot(name) for name in self.figures])
 
-    def _to_storage(self) -> dict[str, Any]:
-        return {"document": self.to_json()}
-
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        def judged(item: dict[str, Any]) -> dict[str, Any]:
-            return item | {"verdict": Verdict(item["verdict"])}
-
-        found = judged(json.loads(parts["document"]))
-        found |= found.pop("data")
-        found["tests"] = [ComparisonTest(**judged(test)) for test in found["tests"]]
-        found["numbers"] = [Row(**judged(row)) for row in found.pop("rows")]
-        found["explanations"] = [Explanation(**item) for item in found["explanations"]]
-        found["covariance"] = [tuple(row) for row in found["covariance"]]
-        found["parameters"] = {k: Parameter(**p) for k, p in found["parameters"].items()}
-        del found["schema"], found["title"]
-        made: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
-        return cls(**made)
+        found, kinds = {**parts}, {"tests": ComparisonTest, "numbers": Row}
+        for name, kind in kinds.items():
+            made = (kind(*row) for row in found[name])
+            found[name] = tuple(one._replace(verdict=Verdict(one.verdict)) for one in made)
+        found["explanations"] = tuple(Explanation(*row) for row in found["explanations"])
+        found["parameters"] = {k: Parameter(*one) for k, one in found["parameters"].items()}
+        return cls(**found | {"verdict": Verdict(found["verdict"])})
 
     def __repr__(self) -> str:
         return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", 100)
+
+
+# -- for a reader ----------------------------------------------------------------------------------
+def cells_of(result: Any) -> tuple[dict[str, str], list[list[str]], list[list[str]]]:
+    """What was compared, by name; the chi-squares, and the rows, a line each below the heads."""
+    made = f"from {result.groups} groups, by {result.grouping}"
+    told = {n: f"{number(p.value, p.error)} ({p.source})" for n, p in result.parameters.items()}
+    tests = [["chi-square", "t [d/U]", "value", "dof", "p", "sigmas", "better than", "verdict"]]
+    for t in result.tests:
+        within = "" if t.within is None else f"{numeral(100 * t.within, '.2g')} %"
+        tests.append([
+            t.observable, "all" if t.time is None else numeral(t.time, ".4g"),
+            numeral(t.chi_square, ".4g"), str(t.dof), numeral(t.p_value, ".2g"),
+            numeral(t.sigmas, ".1f"), within * (t.verdict is Verdict.AGREES), str(t.verdict),
+        ])  # fmt: skip
+    rows = [["observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict"]]
+    for r in result.numbers:
+        ends = ("∞" if end is None else numeral(end, ".4g") for end in (r.low, r.high))
+        rows.append([
+            r.observable, numeral(r.time, ".4g"), "" if r.low is None else " to ".join(ends),
+            number(r.value, r.error), number(r.theory),
+            "" if r.sigmas is None else numeral(r.sigmas, "+.1f"), str(r.verdict),
+        ])  # fmt: skip
+    return told | {"start": result.initial, "errors": made}, tests, rows
+
+
+def tables(result: Any) -> str:
+    """The answer, parameters, tests, averages over time, odd bins, and explanations, as text."""
+    told, tests, rows = cells_of(result)
+    shown = [row for row in rows if not row[2] or row[-1] != Verdict.AGREES]
+    aligned, wrapped = [], textwrap.TextWrapper(
+        100, subsequent_indent="  ", break_on_hyphens=False
+    ).fill  # fmt: skip
+    for lines in (tests, shown):
+        wide = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        padded = ([cell.ljust(w) for cell, w in zip(line, wide, strict=True)] for line in lines)
+        aligned.append("\n".join("  ".join(cells).rstrip() for cells in padded))
+    if hidden := len(rows) - len(shown):
+        aligned[1] += f"\n({hidden} bins of densities that agree are left out; --json has them)"
+    return "\n\n".join([
+        wrapped(result.summary), *(wrapped(f"note: {text}") for text in result.warnings),
+        "\n".join(wrapped(f"{name}: {text}") for name, text in told.items()), *aligned,
+        *(wrapped(f"{x.name} ({OUTCOMES[x.outcome]}): {x.text}") for x in result.explanations),
+    ])  # fmt: skip
+
+
+def render(result: Any, json_name: str) -> str:
+    """The page, with nothing beside it."""
+    from markupsafe import Markup
+
+    svg = drawn(result, result.figures).decode() if result.figures else ""
+    told, tests, rows = cells_of(result)
+    return rendered(
+        "comparison.html.j2", result=result, outcomes=OUTCOMES, scene=told, tests=tests, rows=rows,
+        meanings={v: MEANING[v] for v in (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS)},
+        svg=Markup(svg[svg.find("<svg") :]), json_name=json_name,
+    )  # fmt: skip
+
+
+# -- the figures, drawn from the rows: data beside theory, and all deviations ----------------------
+def draw(result: Any, figure: str, ax: Any) -> None:
+    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
+    name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
+    mine, bars = rows[rows["observable"] == name], {"fmt": "o", "ms": 4, "lw": 1}
+    x, x_scale, y_scale = "time $t$ / (d/U)", "log", "linear"
+    if name == "confidence":
+        title, x_scale = "Restitution and mean free path together", "linear"
+        x, y = "restitution $e$", "mean free path $l$ / d"
+        e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
+        angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
+        away = root @ np.stack([np.cos(angle), np.sin(angle)])
+        for share, radius in _REGIONS.items():
+            ax.plot(e + radius * away[0], path * np.exp(radius * away[1]), label=share)
+        ax.plot(e, path, "ko", ms=4, label="fitted")
+    elif OBSERVABLES[name].measured is None:
+        seen = OBSERVABLES[name]
+        title, y_scale = seen.title, "log"
+        x, y = f"{seen.symbol} / {seen.unit}", f"density / (1/{seen.unit})"
+        bins = mine[(mine["low"] > 0) & mine["high"].notna() & (mine["value"] > 0)]
+        for k, (at, part) in enumerate(bins.groupby("time")):
+            middle, mark = np.sqrt(part["low"] * part["high"]), {"color": f"C{k}"}
+            ax.plot(middle, part["theory"], **mark)
+            mark["label"] = f"t = {at:.4g}"
+            ax.errorbar(middle, part["value"], part["error"], **mark, **bars)
+    else:
+        seen, both = OBSERVABLES[name], mine[["value", "theory"]].to_numpy()
+        title, y = seen.title, f"{seen.symbol} / {seen.unit}" if seen.unit else seen.symbol
+        if both.min() > 0 and both.max() > 30 * both.min():
+            y_scale = "log"
+        ax.plot(mine["time"], mine["theory"], label="kinetic equation")
+        shown = {"color": "black", "label": "data", **bars}
+        ax.errorbar(mine["time"], mine["value"], mine["error"], **shown)
+    ax.set(xlabel=x, ylabel=y, xscale=x_scale, yscale=y_scale)
+    ax.set_title(title, fontsize="medium")
+    ax.legend(fontsize="small", frameon=False)
+
+
+def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
+    """Figures in two columns as one picture, in a format of matplotlib's."""
+    from matplotlib.figure import Figure
+
+    wide = min(2, len(names))
+    high = -(-len(names) // wide)
+    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
+    for k, name in enumerate(names, 1):
+        draw(result, name, figure.add_subplot(high, wide, k))
+    dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
+    figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
+    return buffer.getvalue()

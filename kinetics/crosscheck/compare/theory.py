@@ -1,15 +1,14 @@
 """What is compared (OBSERVABLES), and what the kinetic equation says of it at a Point."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics import Scene, Solution, solve
-from kinetics.crosscheck.compare.statistics import effective_groups, errors
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
 from kinetics.states.state import LogMeasure, State
@@ -21,8 +20,13 @@ SPEED, DISPLACEMENT = "speed_density", "position_density"
 
 class Observable(NamedTuple):
     """How an observable is written (title, symbol, unit, in a text), how it is measured from means
-    m over tracers (None: a density), where it is compared ("field", "free" or "both"), and the
-    output of a Solution, if of another name, and its component.
+    m over tracers (None: a density), where it is compared ("field", "free" or "both"), the output
+    of a Solution, if of another name, and its component.
+
+    power: x^power, or ln x for 0, has an error that hardly depends on x (x is 1 + a2 for a2).
+    own_error: standard deviation of simulations from the theory of dense media, of x and divided by
+    n = rho d^2, before 30 l/U and from then on: tests/kinetics/measurements/density.py, rounded up;
+    twice for v0 before and for a2 after, whose deviations have one sign.
     """
 
     title: str
@@ -33,19 +37,21 @@ class Observable(NamedTuple):
     where: str = "free"
     output: str = ""
     component: tuple[int, ...] = ()
+    power: int | None = None
+    own_error: tuple[float, float] = (0.0, 0.0)
 
 
 OBSERVABLES = {name: Observable(*words) for name, *words in (
     ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
      lambda m, law: m[VX], "field", "mean_velocity", (0,)),
     ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
-     lambda m, law: np.sqrt(m[V2]), "both"),
+     lambda m, law: np.sqrt(m[V2]), "both", "", (), 0, (0.1, 0.05)),
     ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
-     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1),
+     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1, "free", "", (), -3, (0.15, 0.3)),
     ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
-     lambda m, law: m[R2]),
+     lambda m, law: m[R2], "free", "", (), 0, (0.1, 0.1)),
     ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
-     "⟨r⁴⟩/⟨r²⟩²", lambda m, law: m[R4] / m[R2] ** 2),
+     "⟨r⁴⟩/⟨r²⟩²", lambda m, law: m[R4] / m[R2] ** 2, "free", "", (), -3, (0.1, 0.1)),
     ("mean_displacement", "Mean displacement along the field", r"$\langle x\rangle$", "d", "⟨x⟩",
      lambda m, law: m[X], "field", "", (0,)),
     ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "var x",
@@ -120,25 +126,13 @@ class Point(NamedTuple):
         return named.get(self.start, str(self.start))
 
 
-_MODEL_GROUPS = 10  # what the model of an error in `Expectation.steadied` is as good as
-_POWERS = {"thermal_speed": 0, "msd": 0, "a2": -3, "kurtosis": -3}
-# standard deviation of simulations from the theory of dense media, relative (to 1 + a2 for a2) and
-# divided by n = rho d^2, before _LATE and from then on: tests/kinetics/measurements/density.py,
-# rounded up; twice for v0 before and for a2 after, whose deviations have one sign
-_OWN_ERROR: Mapping[str, tuple[float, float]] = {
-    "thermal_speed": (0.1, 0.05), "a2": (0.15, 0.3), "msd": (0.1, 0.1), "kurtosis": (0.1, 0.1),
-}  # fmt: skip
-_LATE = 30.0  # in l/U
-_REMEMBERED = np.log(10.0)  # in ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
-
-
 class Expectation:
     """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
-    with each group left out; and what is expected.
+    with each group left out; and what is expected. exchanged: which components are, in words.
     """
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
-        self.sample, self.names = sample, tuple(names)
+        self.sample, self.names, self.exchanged = sample, tuple(names), ""
         self._solved: dict[Any, Array] = {}
         total = sample.sums.sum(axis=0)
         made: Any = [OBSERVABLES[name].measured for name in names]
@@ -148,6 +142,15 @@ class Expectation:
                 for sums in (total, total - sample.sums)
                 for means in [np.moveaxis(sums / sums[..., N, None], -1, 0)]
             )
+
+    def with_exchanged(self, axis: int, columns: Sequence[int], what: str) -> "Expectation":
+        """The same of tracers whose x and another axis, 1 or 2, are exchanged in these sums."""
+        order = np.arange(self.sample.sums.shape[2])
+        for x in columns:
+            order[[x, x + 3 * axis]] = x + 3 * axis, x
+        made = Expectation(replace(self.sample, sums=self.sample.sums[..., order]), self.names)
+        made.exchanged, made._solved = f"x and {'xyz'[axis]} of the {what}", self._solved
+        return made
 
     def solved(
         self, point: Point, times: Array, names: Sequence[str], rtol: float = 0.0
@@ -205,43 +208,17 @@ class Expectation:
 
     def stabilised(self, theory: Array, difference: Array) -> Array:
         """Differences (..., n_names, n_times) of functions whose errors hardly depend on the value,
-        over their slope at the theory: ln x of second moments, x^-3 of the kurtosis and 1 + a2.
+        over their slope at the theory: see `Observable`.
         """
         found = difference.copy()
         for k, name in enumerate(self.names):
-            if name in _POWERS:
-                x, power = theory[k] + (name == "a2"), _POWERS[name]
+            if (power := OBSERVABLES[name].power) is not None:
+                x = theory[k] + (name == "a2")
                 with np.errstate(divide="ignore", invalid="ignore"):
                     logs = np.log1p(difference[..., k, :] / x)
                     moved = x * (np.expm1(power * logs) / power if power else logs)
                 # a replicate in which all is at rest has none of these: it stays
                 found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
-        return found
-
-    def steadied(self, theory: Array) -> Array:
-        """The replicates of differences, as `stabilised`, where the error of the kurtosis is a mean
-        of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
-        so that it has the theory's kurtosis) in each component.
-
-        Of 500 tracers few make <r^8>, and most samples miss them. The model is good to 20 %, as if
-        from ten groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol. 3,
-        3 (2004)).
-        """
-        found = self.stabilised(theory, self.replicates - theory)
-        if "kurtosis" not in self.names:
-            return found
-        k, d = self.names.index("kurtosis"), self.sample.law.dimension
-        x, wider = theory[k], theory[k] / self.sample.law.gaussian - 1
-        sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
-        eighth = sixth * (d + 6) / d * (1 + 3 * wider)
-        variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
-        own, mine = errors(found[:, k]), effective_groups(found[:, k])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.sqrt(variance / self.sample.samples) / own
-            factor = np.sqrt((mine + _MODEL_GROUPS * ratio**2) / (mine + _MODEL_GROUPS))
-        middle = found[:, k].mean(axis=0)
-        factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
-        found[:, k] = middle + factor * (found[:, k] - middle)
         return found
 
     def own_covariance(self, point: Point, theory: Array) -> Array | None:
@@ -251,10 +228,11 @@ class Expectation:
         if point.scatterers == "dilute":
             return None
         times, names = self.sample.times, self.names
-        late = times >= _LATE * point.path
-        share = np.array([np.where(late, *_OWN_ERROR[name][::-1]) for name in names])
+        late = times >= 30 * point.path
+        share = np.array([np.where(late, *OBSERVABLES[name].own_error[::-1]) for name in names])
         size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
         error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
-        logs = np.log(np.where(times > 0, times, 1.0))
-        correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
+        # errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
+        logs = np.log10(np.where(times > 0, times, 1.0))
+        correlation = np.exp(-np.abs(logs[:, None] - logs))
         return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))

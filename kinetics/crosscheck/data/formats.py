@@ -1,7 +1,7 @@
 """Files of particle data: a format is one function and one row of `FORMATS`, at the end.
 
 It is given the path, its name for messages and what was asked (`tracks.Asked`), and returns `Rows`,
-or the Sample of an Ensemble. Nothing in a file is executed, links into other files are not
+or an Ensemble. Nothing in a file is executed, links into other files are not
 followed, and sizes are checked before memory is asked for.
 """
 
@@ -17,18 +17,16 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data import tracks
-from kinetics.crosscheck.data.sample import Sample, from_ensemble
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Rows, bad, require_memory
 from kinetics.errors import InputError, short
 
-Read = Rows | Sample
 FRAMES = ("times", "positions", "velocities")  # (n_times,) and twice (n_times, n, dimension)
 # bytes of a CSV file that are parsed at once, and of a line at most: memory stays small
 _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
 
-def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
-    """Rows or a Sample, from a file or from columns; or InputError."""
+def read(source: Path | Mapping[str, Any], asked: Asked) -> Any:
+    """Rows or an Ensemble, from a file or from columns; or InputError."""
     where = tracks.name_of(source)
     try:
         if not isinstance(source, Path):
@@ -48,11 +46,10 @@ def read(source: Path | Mapping[str, Any], asked: Asked) -> Read:
         raise InputError(f"{where}: is damaged, or not of this format ({why})") from None
 
 
-def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
+def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Rows:
     """Columns of one length, or arrays of frames, by the names of the file."""
     if {*FRAMES} <= {*arrays}:
-        frame = tracks.in_frames(where, *(arrays[name] for name in FRAMES))
-        return tracks.rows_of_frames(where, [frame], asked)
+        return tracks.rows_of_arrays(where, asked, *(arrays[name] for name in FRAMES))
     return tracks.rows_of(where, arrays, asked)
 
 
@@ -63,7 +60,7 @@ def _chosen(where: str, names: Sequence[str], asked: Asked) -> list[str]:
     return [*tracks.find_columns(where, names, asked).values()]
 
 
-def _csv(path: Path, where: str, asked: Asked) -> Read:
+def _csv(path: Path, where: str, asked: Asked) -> Rows:
     """Commas, semicolons or tabs, as the first line has them; blank lines and # are passed over."""
     import pyarrow as pa
     from pyarrow import csv as arrow
@@ -107,7 +104,7 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
     return tracks.rows_of(where, columns, asked)
 
 
-def _parquet(path: Path, where: str, asked: Asked) -> Read:
+def _parquet(path: Path, where: str, asked: Asked) -> Rows:
     from pyarrow import parquet
 
     with parquet.ParquetFile(path) as file:
@@ -118,7 +115,7 @@ def _parquet(path: Path, where: str, asked: Asked) -> Read:
     return _arrays(where, {name: table.column(name).to_numpy() for name in chosen}, asked)
 
 
-def _npz(path: Path, where: str, asked: Asked) -> Read:
+def _npz(path: Path, where: str, asked: Asked) -> Rows:
     """Arrays of numbers; Python objects are pickles, which can run code, and are never loaded."""
     with zipfile.ZipFile(path) as archive:
         sizes = {one.filename.removesuffix(".npy"): one for one in archive.infolist()}
@@ -132,14 +129,14 @@ def _npz(path: Path, where: str, asked: Asked) -> Read:
 
 
 # -- HDF5 ------------------------------------------------------------------------------------------
-def _hdf5(path: Path, where: str, asked: Asked) -> Read:
+def _hdf5(path: Path, where: str, asked: Asked) -> Any:
     import h5py
 
     with h5py.File(path, "r") as file:
         if "plan" in file and "done" in file.attrs:
             from particles import Ensemble
 
-            return from_ensemble(Ensemble.load(path), tracks.name_of(Path(path.name)))
+            return Ensemble.load(path)
         if _own(file, "h5md") and (particles := _own(file, "particles")):
             return _h5md(where, particles, asked)
         chosen = _chosen(where, [name for name in file if _own(file, name, "Dataset")], asked)
@@ -165,7 +162,7 @@ def _dataset(where: str, parent: Any, name: str) -> Any:
     return found
 
 
-def _h5md(where: str, particles: Any, asked: Asked) -> Read:
+def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
     """The only group of particles with positions, unwrapped by `image` where it stands, and
     velocities (nongnu.org/h5md); this package also writes `medium`, each tracer's configuration.
     """
@@ -176,7 +173,12 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
         bad(where, f"{len(groups)} groups with position and velocity", "one")
     (group,) = groups
     place, velocity = (_dataset(where, group, name) for name in both)
-    times, others = (_times(where, group[name], asked) for name in both)
+    times, others = (
+        asked.times_of(where, *(
+            np.asarray(_dataset(where, group[name], part), float) if part in group[name] else None
+            for part in ("time", "step")
+        )) for name in both
+    )  # fmt: skip
     if not np.array_equal(times, others):
         bad(where, "positions and velocities at different times", "at the same times")
     r, box, side = np.asarray(place, float), _own(group, "box"), np.zeros(1)
@@ -192,17 +194,7 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
         bad(f"{where}: positions", "those in a periodic box", "unwrapped, or with image")
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
     labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
-    frame = tracks.in_frames(where, times, r, np.asarray(velocity, float), **labels)
-    return tracks.rows_of_frames(where, [frame], asked)
-
-
-def _times(where: str, element: Any, asked: Asked) -> Any:
-    """The times of an element: as they stand, or steps times the timestep."""
-    time, step = (
-        np.asarray(_dataset(where, element, name), float) if name in element else None
-        for name in ("time", "step")
-    )
-    return asked.times_of(where, time, step)
+    return tracks.rows_of_arrays(where, asked, times, r, np.asarray(velocity, float), **labels)
 
 
 # -- frames of text --------------------------------------------------------------------------------
@@ -258,7 +250,7 @@ class _Lines:
         bad(f"{self._name}: from line {first} on", why, f"{count} rows of numbers")
 
 
-def _lammps(path: Path, where: str, asked: Asked) -> Read:
+def _lammps(path: Path, where: str, asked: Asked) -> Rows:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
     frames, head, lines = list[Any](), dict[str, Any](), _Lines(path, where)
     axes, kind = AXES[: asked.dimension or 2], [] if asked.type is None else ["type"]
@@ -309,7 +301,7 @@ _XYZ = {  # properties that are read, and our names of their columns
 }  # fmt: skip
 
 
-def _xyz(path: Path, where: str, asked: Asked) -> Read:
+def _xyz(path: Path, where: str, asked: Asked) -> Rows:
     """Extended XYZ: frames whose second line says Properties=...:pos:R:3:vel:R:3 and Time=..."""
     frames, d, lines = [], asked.dimension or 2, _Lines(path, where)
     needed = [*AXES[:d], *SPEEDS[:d], *(["type"] if asked.type is not None else [])]
@@ -331,7 +323,7 @@ def _xyz(path: Path, where: str, asked: Asked) -> Read:
     return tracks.rows_of_frames(where, frames, asked)
 
 
-def _gsd(path: Path, where: str, asked: Asked) -> Read:
+def _gsd(path: Path, where: str, asked: Asked) -> Rows:
     """Frames as HOOMD-blue writes them, in single precision, unwrapped by their image flags."""
     try:
         import gsd.hoomd
@@ -350,12 +342,11 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
     place = place + image * boxes[:, None, :d]
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
     kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
-    columns = tracks.in_frames(where, times, place, velocity, type=kinds)
-    return tracks.rows_of_frames(where, [columns], asked)
+    return tracks.rows_of_arrays(where, asked, times, place, velocity, type=kinds)
 
 
 # the ending of a file's name, and the function that reads it
-FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {
+FORMATS: dict[str, Callable[[Path, str, Asked], Any]] = {
     ".csv": _csv, ".tsv": _csv, ".npz": _npz, ".parquet": _parquet,
     **dict.fromkeys((".h5", ".hdf5", ".h5md"), _hdf5),
     **dict.fromkeys((".dump", ".lammpstrj"), _lammps),

@@ -1,17 +1,24 @@
 """A sample of tracers, reduced to sums over groups of them: all that a comparison looks at.
 
-Tracers among the same scatterers are not independent, configurations are. So a group is one (or
-several), or, where they are unknown, a number of tracers; every error is the spread over groups.
+It is from files and tables (`read_sample`: which units, how positions are meant, what makes a
+group), or from a run of the package's simulator. Tracers among the same scatterers are not
+independent, configurations are. So a group is one (or several), or, where they are unknown, a
+number of tracers; every error is the spread over groups.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.tracks import Tracks, bad
+from kinetics.crosscheck.data import formats
+from kinetics.crosscheck.data.tracks import Asked, Rows, Tracks, bad, dense, name_of
+from kinetics.crosscheck.words import numeral
 from kinetics.driven.restitution import Viscoelastic, impact_restitution
 from kinetics.driven.system import DRIVES
 from kinetics.validation import refuse
@@ -19,7 +26,8 @@ from kinetics.validation import refuse
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-# columns of the sums: samples, powers of speed and displacement; in a field v_x, x, x^2 too
+# columns of the sums: samples, powers of speed and displacement; in a field v_x, x, x^2 too, and
+# the same of the other axes
 N, V2, V4, R2, R4, VX, X, X2 = range(8)
 # groups at most: primes, so that labels with a regular pattern spread over all of them; an error
 # from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
@@ -80,7 +88,7 @@ class Law:
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times (n_times,) in d/U, rising.
 
-    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; (.., 8) in a field, with v_x, x, x^2
+    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; in a field v_x, x, x^2, v_y, ... too
     at_rest : (n_times,), how many have speed zero
     grouping : what a group is made of: "medium", "tracer" or "row"
     speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
@@ -125,7 +133,8 @@ def reduced(
     # Another file's labels begin elsewhere, so that small runs do not fall on each other.
     group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
     count, bins = tracks.times.size, EDGES.size + 1
-    sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
+    axes = tracks.place.shape[2] if with_field else 0
+    sums = np.zeros((MOST_GROUPS, count, VX + 3 * axes))
     scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
     counts = np.zeros((2, HISTOGRAM_GROUPS, count, bins), np.int32)
     start, flights = None, []
@@ -135,8 +144,8 @@ def reduced(
         v, r = size_of(velocity), size_of(place)
         flights.append((*straight_flights(float(time), r, v), float(time)))
         powers = [None, v**2, (v**2) ** 2, r**2, (r**2) ** 2]
-        if with_field:
-            powers += [velocity[:, 0], place[:, 0], place[:, 0] ** 2]
+        for axis in range(axes):
+            powers += [velocity[:, axis], place[:, axis], place[:, axis] ** 2]
         sums[:, k] = np.transpose([np.bincount(mine, power, MOST_GROUPS) for power in powers])
         at_rest[k] = np.count_nonzero(v == 0)
         for i, size in enumerate((v, r)):
@@ -188,6 +197,109 @@ def size_of(vectors: Any) -> Any:
     return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
 
 
+def errors(replicates: Array) -> Array:
+    """Standard errors from delete-one replicates (G, ...)."""
+    return np.asarray(replicates.std(axis=0) * np.sqrt(len(replicates) - 1))
+
+
+def effective_groups(replicates: Array) -> Array:
+    """Groups that a variance from delete-one replicates (G, ...) is as good as, G at most."""
+    # the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule)
+    deviation = replicates - replicates.mean(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        excess = np.mean(deviation**4, axis=0) / np.mean(deviation**2, axis=0) ** 2 - 3
+    excess = np.where(np.isfinite(excess), np.maximum(excess, 0.0), 0.0)
+    return np.asarray(1 + 2 * (len(replicates) - 1) / (2 + excess))
+
+
+# -- files, and tables in memory -------------------------------------------------------------------
+def read_sample(sources: Sequence[Path | Mapping[str, Any]], **told: Any) -> Sample:
+    """One sample from files or columns in memory (see `formats`), or from one file of an Ensemble.
+
+    told : arguments of `tracks.Asked`. Several files are independent runs. With one configuration,
+    or without the column `medium`, errors are by tracer, and the sample's warnings say so.
+    """
+    asked, names = Asked(**told), [name_of(source) for source in sources]
+    paths = [source for source in sources if isinstance(source, Path)]
+    if not names or len({*paths}) < len(paths):
+        got = f"a file twice in {', '.join(names)}" if names else "no file"
+        bad("data", got, "one file at least, of independent tracers")
+    parts: list[Rows] = []
+    for source, name in zip(sources, names, strict=True):
+        part = formats.read(source, asked)
+        if not isinstance(part, dict):
+            if len(sources) > 1:
+                bad(name, "an Ensemble of several", "the only file")
+            return from_ensemble(part, name.rsplit("/", 1)[-1])
+        parts.append(part)
+    names = [name.rsplit("/", 1)[-1] for name in names]
+    where = ", ".join(names)
+    tracks, place = _displacements(dense(parts, names, asked), where, asked)
+    sample, groups = _grouped(tracks, tuple(names), asked)
+    law, told = Law(dimension=asked.dimension or 2), asked.units
+    units = {} if {*told.values()} == {1.0} else told
+    return replace(sample, law=law, units=units, warnings=(*place, *groups))
+
+
+def _displacements(tracks: Tracks, where: str, asked: Asked) -> tuple[Tracks, list[str]]:
+    """The tracers relative to their places at time 0, and what is to be said of it."""
+    place, first = tracks.place, tracks.times[0]
+    size = [float(np.nanmean(size_of(at) ** 2)) for at in place]
+    moved = first == 0 and size[0] > 1e-18 * max(size)
+    if asked.positions == "displacement" or (asked.positions == "auto" and not moved):
+        return tracks, []
+    if tracks.tracer is None or first != 0:
+        bad(f"{where}: positions", "absolute", "with a column tracer and rows at time 0")
+    for tracer in tracks.tracer[np.isnan(place[0, :, 0])]:
+        bad(f"{where}: tracer {tracer}", "no row at time 0", "there, for absolute positions")
+    tracks = replace(tracks, place=place - place[0])
+    # wrapped where none leaves the region of time 0, and twenty would, if not wrapped
+    low, high = place[0].min(axis=0), place[0].max(axis=0)
+    n, least = place.shape[1], float((high - low).min())
+    far = math.sqrt(max(float(np.nanmean(size_of(at) ** 2)) for at in tracks.place))
+    # the farthest tracer is not quite at the edge of the region that they come from
+    away = np.nanmax(np.abs(place - (low + high) / 2), axis=(0, 1))
+    if np.all(away <= (high - low) * (0.5 + 5 / n)) and n * far >= 20 * least > 0:
+        got = f"some that look wrapped in a box, within {low} to {high} d, for moves of {far:.4g} d"
+        bad(f"{where}: positions", got, "unwrapped")
+    said = "Each tracer's own place at time 0, not the origin, was subtracted from its positions."
+    return tracks, [said] if asked.positions == "auto" else []
+
+
+def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Sample, list[str]]:
+    """The sums over configurations where there are several, else over tracers."""
+    n, warnings = tracks.place.shape[1], list[str]()
+    labels, by = np.arange(n), "row"
+    if tracks.tracer is not None:
+        labels, by = pd.factorize(tracks.tracer, sort=True)[0], "tracer"
+    if tracks.medium is not None:
+        codes, different = pd.factorize(tracks.medium, sort=True)
+        if different.size > 1 or np.max(tracks.file) > 0:  # one alone shows no spread between them
+            labels, by = codes, "medium"
+    if by != "medium":
+        known = "There is one configuration" if tracks.medium is not None else "No column medium"
+        warnings.append(
+            f"{known}: errors are by tracer. Tracers that share scatterers are not independent: "
+            "their errors are larger than these."
+        )
+    sample = reduced(tracks, labels, names, by, asked.with_field)
+    if sample.groups < 2:
+        bad(", ".join(names), "one tracer" if n else "no tracer", "two tracers at least")
+    if by == "row":
+        warnings.append(
+            "No column tracer: the k-th row of each time is taken for the same tracer. If it is "
+            "not, p-values over several times are wrong."
+        )
+    most, last = int(sample.samples.max()), int(np.argmin(sample.samples))
+    if sample.samples[last] < most:
+        warnings.append(
+            f"At t = {numeral(sample.times[last], '.4g')} d/U, {most - sample.samples[last]} of "
+            f"{most} tracers are missing. If the reason depends on their speed (a cap on "
+            "collisions, a box that fast ones leave), those that survive are not a fair sample."
+        )
+    return sample, warnings
+
+
 # -- runs of the package's simulator --------------------------------------------------------------
 def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     """The sums of a run, lengths in d; counts in bins too, where velocities and positions are kept.
@@ -216,11 +328,11 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     else:  # from the sums that every run keeps: the averages alone
         unit = 1.0 / plan.scales()
         sums = ensemble.moments[:, :, : R4 + 1] * np.stack([unit**p for p in (0, 2, 4, 0, 0)], -1)
-        if ensemble.field:  # v_x, x and x^2 of the sums of a field
-            more = stored["field_sums"]
-            half = more.shape[2] // 2
-            more = more[:, :, [0, half, half + medium.dimension]]
-            sums = np.concatenate([sums, more], axis=2)
+        if ensemble.field:  # of v, v_i v_j (i <= j), r, and r_i r_j
+            more, axes = stored["field_sums"], medium.dimension
+            half, squares = more.shape[2] // 2, [0, axes, 2 * axes - 1]
+            order = [at for k in range(axes) for at in (k, half + k, half + axes + squares[k])]
+            sums = np.concatenate([sums, more[:, :, order]], axis=2)
         if sticks:
             sums[:, :, N] -= ensemble.moments[:, :, CAUGHT]
         found = Sample((name,), times, sums, np.asarray(ensemble.trapped), "medium")

@@ -7,7 +7,7 @@ checked here; `dense` makes `Tracks` of those of all files.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -30,7 +30,7 @@ ALIASES = {
     "type": ("species", "element"),
 }
 MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
-SAME_TIME = 1e-9  # relatively: below it two times are one; above the rounding of 12 digits
+LARGEST = 1e70  # of times, speeds and displacements: fourth powers of these are doubles
 _UNIT = re.compile(r"\s*\[\s*(.*?)\s*\]$|\s+\(.*\)$")  # behind the name of a column: "t [s]"
 
 
@@ -39,11 +39,12 @@ def bad(where: str, got: Any, must: str) -> NoReturn:
     raise InputError(f"{where}: got {got}; must be {must}")
 
 
-@dataclass(frozen=True)
+@dataclass
 class Asked:
     """What the user says about data, as `compare` has it; InputError for what is not allowed.
 
     with_field : whether the data were in a field, where speeds rise
+    units : U, d and d/U in the data's units
     """
 
     positions: str = "auto"
@@ -55,6 +56,7 @@ class Asked:
     dimension: int | None = None
     with_field: bool = False
     type: str | int | None = None
+    units: dict[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
         one_of("positions", self.positions, ("auto", "displacement", "absolute"))
@@ -62,16 +64,12 @@ class Asked:
             value = getattr(self, name)
             if value is not None or name in ("speed_unit", "diameter"):
                 # a unit enters as its square and its cube, which must be finite
-                object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
+                setattr(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):
             refuse("dimension", self.dimension, "it must be 2 or 3")
-        object.__setattr__(self, "columns", _by_our_names(self.columns))
-
-    @property
-    def units(self) -> dict[str, float]:
-        """U, d and d/U in the data's units."""
+        self.columns = _by_our_names(self.columns)
         time = self.diameter / self.speed_unit if self.time_unit is None else self.time_unit
-        return {"speed": self.speed_unit, "length": self.diameter, "time": time}
+        self.units = {"speed": self.speed_unit, "length": self.diameter, "time": time}
 
     def times_of(self, where: str, time: Any, step: Any) -> Any:
         """The times of frames: as they stand, or their steps times the timestep."""
@@ -205,8 +203,10 @@ def rows_of_frames(where: str, frames: Sequence[Mapping[str, Any]], asked: Asked
     return rows_of(where, c, replace(asked, columns=None))
 
 
-def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
-    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
+def rows_of_arrays(
+    where: str, asked: Asked, times: Any, place: Any, velocity: Any, **labels: Any
+) -> Rows:
+    """The rows of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
 
     Without `tracer` the k-th of each frame is the same tracer.
     """
@@ -214,23 +214,22 @@ def in_frames(where: str, times: Any, place: Any, velocity: Any, **labels: Any) 
     shape = (*place.shape, 0, 0)[:2]
     labels = {"tracer": np.arange(shape[1])} | {k: np.asarray(a) for k, a in labels.items()}
     shapes = [times.shape, place.shape, velocity.shape, *(a.shape for a in labels.values())]
-    right = [
-        times.shape == shape[:1],
-        place.ndim == velocity.ndim == 3,
-        velocity.shape[:2] == shape,
-    ]
-    right += [found in (shape, shape[1:]) for found in shapes[3:]]
-    if not all(right):
+    right = times.shape == shape[:1] and velocity.shape[:2] == shape
+    right &= all(found in (shape, shape[1:]) for found in shapes[3:])
+    if not right or place.ndim != 3 or velocity.ndim != 3:
         must = "(T,), (T, n, d), (T, n, d) and (n,) for each label"
         bad(f"{where}: shapes", ", ".join(map(str, shapes)), must)
     found = {"time": np.repeat(times, shape[1])}
     for names, vectors in ((AXES, place), (SPEEDS, velocity)):
         found |= dict(zip(names, vectors.reshape(-1, vectors.shape[2]).T, strict=False))
-    return found | {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
+    found |= {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
+    return rows_of_frames(where, [found], asked)
 
 
 def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
-    """The tracers of all files side by side, at the times of any of them; or InputError."""
+    """The tracers of all files side by side, at the times of any of them, in d, U and d/U; or
+    InputError.
+    """
     where, first = ", ".join(names), parts[0]
     for name, part in zip(names, parts, strict=True):
         for label in {*LABELS} & (part.keys() ^ first.keys()):
@@ -238,7 +237,14 @@ def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
     c = first
     if len(parts) > 1:
         c = {name: np.concatenate([part[name] for part in parts]) for name in c}
-    index, times = _binned(where, c["time"])
+    index, times = pd.factorize(c["time"], sort=True)
+    if times[0] < 0:
+        bad(f"{where}: time", f"{times[0]:g}", "not negative")
+    # what differs less is the same time, rounded to 12 digits
+    new = np.append(True, np.diff(times) > 1e-9 * times[1:])
+    if (count := np.count_nonzero(new)) > MOST_TIMES:
+        bad(where, f"{count} different times", f"at most {MOST_TIMES}, the same for every tracer")
+    index, times = (np.cumsum(new) - 1)[index], times[new]
     keys = [name for name in ("tracer", "medium") if name in c]
     labels: dict[str, Any] = {name: c[name] for name in keys}
     if len(parts) > 1:
@@ -260,24 +266,17 @@ def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
         who = " of ".join(f"{name} {c[name][k]}" for name in keys)
         bad(where, f"more than one row of {who} at time {c['time'][k]:g}", "one row for each time")
 
-    def spread_out(axes: Sequence[str]) -> Any:
-        out = np.full((times.size * n, len(axes)), np.nan)
-        out[cell] = np.stack([c[name] for name in axes], axis=-1)
-        return out.reshape(times.size, n, -1)
-
     one = np.empty(n, np.int64)
     one[number] = np.arange(number.size)  # a row of each tracer
-    place, velocity = (spread_out([a for a in names if a in c]) for names in (AXES, SPEEDS))
+    vectors, units = [], asked.units
+    for axes, unit in ((AXES, units["length"]), (SPEEDS, units["speed"])):
+        known = [c[name] for name in axes if name in c]
+        out = np.full((times.size * n, len(known)), np.nan)
+        out[cell] = np.stack(known, axis=-1) / unit
+        vectors.append(out.reshape(times.size, n, -1))
+    far, fast = (np.nanmax(np.abs(out), initial=0.0) for out in vectors)
+    if max(far, fast) > LARGEST:
+        got = f"speeds of {fast:.3g} U and displacements of {far:.3g} d"
+        bad(where, got, f"below {LARGEST:g}; give --speed-unit and --diameter")
     of_each = {name: values[one] for name, values in labels.items() if name != "rank"}
-    return Tracks(times, place, velocity, **of_each)
-
-
-def _binned(where: str, time: Any) -> tuple[Any, Any]:
-    """The index of each row's time among the different ones, and these."""
-    found, different = pd.factorize(time, sort=True)
-    if different[0] < 0:
-        bad(f"{where}: time", f"{different[0]:g}", "not negative")
-    new = np.append(True, np.diff(different) > SAME_TIME * different[1:])
-    if (count := np.count_nonzero(new)) > MOST_TIMES:
-        bad(where, f"{count} different times", f"at most {MOST_TIMES}, the same for every tracer")
-    return (np.cumsum(new) - 1)[found], different[new]
+    return Tracks(times / units["time"], *vectors, **of_each)

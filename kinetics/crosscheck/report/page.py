@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import repeat
 from typing import Any
 
+from kinetics.crosscheck.files import rendered
 from kinetics.crosscheck.report.rows import kept, scale_of
 from kinetics.crosscheck.words import number, numeral
 
@@ -78,7 +79,6 @@ def deviation(row: Mapping[str, Any]) -> str:
 
 def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> str:
     """The page. Every text of the document is escaped."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 
     from derivations import printed_equation
@@ -86,9 +86,7 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
 
     # Formulas are of this package's own printer, figures are matplotlib's with escaped texts:
     # nothing of a user's goes in unescaped.
-    loader = PackageLoader("kinetics.crosscheck")
-    made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    made.filters |= {"numeral": numeral, "number": number, "cited": with_numbers}
+    filters = {"numeral": numeral, "number": number, "cited": with_numbers}
     settings = document["settings"]
     cools, dimension = "tangential_restitution" in settings, settings.get("dimension", 2)
     papers_law = cools and dimension == 2 and settings["tangential_restitution"] == 1
@@ -100,8 +98,8 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
         printed = (mathml(printed_equation(x).formula, "rev-lex", "block") for x in labels)
         return words, Markup("".join(printed))
 
-    return made.get_template("report.html.j2").render(
-        doc=document, chance=chance, formula=Markup, deviation=deviation,
+    return rendered(
+        "report.html.j2", filters, doc=document, chance=chance, formula=Markup, deviation=deviation,
         figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
         strip=[equation("collision" if papers_law or not cools else "rule"), equation("lorentz")],
         equations=[equation(name) for name in below],

@@ -7,7 +7,7 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -19,7 +19,8 @@ import kinetics
 from kinetics import Scene, Solution, sonine
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.collision.medium import HIGHEST_DENSITY
-from kinetics.crosscheck.compare.statistics import errors as jackknife_error
+from kinetics.crosscheck.data.sample import R2, V2, N, from_ensemble
+from kinetics.crosscheck.data.sample import errors as jackknife_error
 from kinetics.crosscheck.report.systems import Cooling, Driven, System
 from kinetics.crosscheck.report.systems import half_cross_section as half_section
 from kinetics.errors import ToleranceWarning
@@ -30,15 +31,13 @@ from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, s
 KINETIC = "kinetic equation"
 EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
 FREE = "Boltzmann-Grad"
-AVERAGES = "thermal_speed a2 msd kurtosis"  # without a field, at each time
-OVER_TIME = tuple(AVERAGES.split())
+OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")  # without a field, at each time
 LATEST = 1e9  # last time in d/U of the equation alone
 # bins of c = v/v0 for F(c), and of R = r/sqrt(<r^2>) for G(R)
 SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
 POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
 SPEEDS, DISTANCES = ((edges[1:] + edges[:-1]) / 2 for edges in (SPEED_EDGES, POSITION_EDGES))
 WEAK_FIELD = 0.3  # in U^2/l, in which the drift of driven tracers is compared
-LEAST_EXPECTED = 50  # samples in a bin before its jackknife error is trusted
 
 Tell = Callable[[str], None]
 Array = NDArray[np.float64]
@@ -114,10 +113,13 @@ class Results(NamedTuple):
 def rates(
     times: Array, averages: Mapping[str, Array], early: int, half_rate: float
 ) -> dict[str, Array]:
-    """h from 1/v0, and d<r^2>/d ln t, between index `early` and the last time; half_rate 1/2l."""
-    (first, last), (r1, r2) = (averages[n][[early, -1]] for n in ("thermal_speed", "msd"))
-    slope = (1 / last - 1 / first) / (times[-1] - times[early])
-    spread = (r2 - r1) / np.log(times[-1] / times[early])
+    """h from 1/v0, and d<r^2>/d ln t, between index `early` and the last time; half_rate 1/2l.
+
+    averages (..., n_times)
+    """
+    v, r = (averages[name][..., [early, -1]] for name in ("thermal_speed", "msd"))
+    slope = np.diff(1 / v)[..., 0] / (times[-1] - times[early])
+    spread = np.diff(r)[..., 0] / np.log(times[-1] / times[early])
     return {"cooling_rate": np.asarray(slope / half_rate), "msd_slope": np.asarray(spread)}
 
 
@@ -145,9 +147,9 @@ def bin_average(vdf: Callable[[Array], ArrayLike], dimension: int) -> Array:
     return np.asarray(shares.reshape(-1, 8).sum(axis=1) / np.diff(SPEED_EDGES**dimension))
 
 
-def filled(density: Array, samples: int, measure: Array) -> Array:
-    """The density in those bins in which it expects enough samples, NaN in others."""
-    return np.where(samples * density * measure >= LEAST_EXPECTED, density, np.nan)
+def filled(density: Array, samples: int, measure: Array, least: float = 50.0) -> Array:
+    """The density in those bins in which it expects `least` samples, NaN in others."""
+    return np.where(samples * density * measure >= least, density, np.nan)
 
 
 def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
@@ -222,7 +224,8 @@ def cooling_case(
     found.early = early
     position, edges = found.position, POSITION_EDGES
     shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
-    theory: dict[str, dict[str, Any]] = {KINETIC: _over_time(found.kinetic, early, half_rate)}
+    solved = {name: getattr(found.kinetic, name) for name in OVER_TIME}
+    theory: dict[str, dict[str, Any]] = {KINETIC: solved | rates(times, solved, early, half_rate)}
     theory[KINETIC] |= {
         "free_path": 0.5 / half_rate, "position": shares / np.diff(edges),
         "scaled_vdf": bin_average(last_vdf(found.kinetic), d),
@@ -243,10 +246,12 @@ def cooling_case(
     )  # fmt: skip
 
 
-def _solved(law: Any, density: float, times: Array, outputs: str, rtol: float, **more: Any) -> Any:
+def _solved(
+    law: Any, density: float, times: Array, outputs: tuple[str, ...], rtol: float, **more: Any
+) -> Any:
     """The kinetic equation from a Gaussian start; times in d/U, density in d^-2 or d^-3."""
     told = law.arguments if isinstance(law, CollisionLaw) else {"restitution": law}
-    told |= {"number_density": density, "times": times, "outputs": tuple(outputs.split())}
+    told |= {"number_density": density, "times": times, "outputs": outputs}
     with warnings.catch_warnings():  # a page of rows shows what deviates
         warnings.simplefilter("ignore", ToleranceWarning)
         return kinetics.solve(Scene(**told, **more), rtol=rtol)
@@ -259,15 +264,14 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
     if not law.is_elastic:  # the scaling state, in closed form and as solved
         found.exact = kinetics.ScalingSolution(**law.arguments)
         found.scaled = kinetics.solve_scaled(**law.arguments, rtol=rtol)
-    found.kinetic = _solved(law, density, times, f"{AVERAGES} speed_density", rtol)
+    found.kinetic = _solved(law, density, times, (*OVER_TIME, "speed_density"), rtol)
     late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), 55)
-    found.late = _solved(law, density, late, f"{AVERAGES} diffusion_coefficient", rtol)
-    place, last = "msd position_density", times[-1:]
-    found.position = _solved(law, density, last, place, system.position_rtol)
-    if not system.is_papers_law or density > HIGHEST_DENSITY:
-        return found
-    outputs = "thermal_speed a2 msd"
-    found.dense = _solved(law, density, times, outputs, rtol, scatterers="hard disks")
+    found.late = _solved(law, density, late, (*OVER_TIME, "diffusion_coefficient"), rtol)
+    place = "msd", "position_density"
+    found.position = _solved(law, density, times[-1:], place, system.position_rtol)
+    if system.is_papers_law and density <= HIGHEST_DENSITY:
+        outputs = OVER_TIME[:3]
+        found.dense = _solved(law, density, times, outputs, rtol, scatterers="hard disks")
     return found
 
 
@@ -286,13 +290,6 @@ def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]
     return found
 
 
-def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
-    """Averages over time of a solution or a run, and the rates of its last decade."""
-    values = {name: getattr(source, name) for name in OVER_TIME}
-    averages = {name: np.asarray(getattr(x, "value", x)) for name, x in values.items()}
-    return averages | rates(source.times, averages, early, half_rate)
-
-
 def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]:
     """All that is measured."""
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
@@ -301,21 +298,14 @@ def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]
     distances = np.linalg.norm(np.delete(by_group, [0, 1, 4], axis=-1), axis=-1)
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
-    # without one of the configurations, of whose sums the averages are made
-    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
-    rest = {name: array.sum(axis=0) - array for name, array in sums.items()}
-    parts = (
-        replace(run, arrays={**run.arrays, **{name: x[k][None] for name, x in rest.items()}})
-        for k in range(run.media)
-    )
-    without = [_over_time(part, early, half_rate) for part in parts]
-    found = _over_time(run, early, half_rate)
-    slopes = {
-        n: Measured(found[n], jackknife_error(np.array([row[n] for row in without])))
-        for n in ("cooling_rate", "msd_slope")
-    }
+    every = from_ensemble(run).sums  # of each configuration
+    n, v2, r2 = (np.moveaxis(every.sum(axis=0) - every, -1, 0)[k] for k in (N, V2, R2))
+    averages = {n: getattr(run, n) for n in OVER_TIME}
+    found = rates(run.times, {n: x.value for n, x in averages.items()}, early, half_rate)
+    without = rates(run.times, {"thermal_speed": np.sqrt(v2 / n), "msd": r2 / n}, early, half_rate)
     return {
-        **{name: Measured.of(getattr(run, name)) for name in OVER_TIME}, **slopes,
+        **{name: Measured.of(x) for name, x in averages.items()},
+        **{name: Measured(x, jackknife_error(without[name])) for name, x in found.items()},
         "free_path": Measured.of(run.mean_free_path),
         "scaled_vdf": scaled_density(speeds, SPEED_EDGES, bin_measure(d)),
         "position": scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
@@ -338,7 +328,8 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
         start, first = 10.0 / (1.5 * float(rate)), 13
         times = np.append(np.geomspace(start / 60, start, 14), start * np.linspace(1.5, 4.0, 6))
     density, begin = 0.5 / half_section(d), {**drive, "initial": system.initial}
-    names = "mean_velocity collisions" if "field" in drive else "thermal_speed a2 msd collisions"
+    names = ("mean_velocity",) if "field" in drive else OVER_TIME[:3]
+    names = (*names, "collisions")
     averages = _solved(law, density, times, names, system.time_rtol, dimension=d, **begin)
     tell(f"{of}: {FREE} particles")
     tracers = min(system.collisions / float(averages.collisions[-1]), system.most_tracers)
@@ -353,7 +344,7 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
         )  # fmt: skip
 
     run = followed(times, 0)
-    said = {name: np.asarray(getattr(averages, name)) for name in names.split()}
+    said = {name: np.asarray(getattr(averages, name)) for name in names}
     measured = {n: Measured.of(getattr(run, n)) for n in said if n != "mean_velocity"}
     if "field" in drive:
         said["drift_from_rest"] = said.pop("mean_velocity")[:, 0]

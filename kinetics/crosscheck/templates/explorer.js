@@ -7,7 +7,7 @@ const byId = (name) => document.getElementById(name);
 const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
 const SOLVED = ["dilute", "hard disks"], SHOWN = { dilute: "dilute disks", "hard disks": "hard disks" };
 
-// -- curves from the tables: as kinetics/crosscheck/explore/tables.py reads them ------------------
+// -- curves from the tables: as kinetics/crosscheck/explore.py reads them ------------------
 
 function chebyshev(x, low, high, count) {
   const u = clamp((2 * x - low - high) / (high - low), -1, 1), found = [1, u];

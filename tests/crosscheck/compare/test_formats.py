@@ -20,8 +20,7 @@ from made_data import (
 )
 
 from kinetics import compare
-from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample
+from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample, read_sample
 from kinetics.errors import InputError
 
 

@@ -64,105 +64,77 @@ def test_a_text_that_cannot_be_used(tmp_path: Path, name: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-ARGUMENTS: dict[str, tuple[dict[str, Any], str]] = {
-    "density": ({"number_density": -1.0}, "number_density: got -1"),
-    "speed unit": ({"speed_unit": "U"}, "speed_unit: got 'U'"),
-    "field": ({"field": -1.0}, "field: got -1"),
-    "heating alone": ({"heating": 1.0, "restitution": None}, "heating: restitution and"),
-    "columns": ({"columns": "x"}, "columns: got 'x'"),
-    "columns, one for two": ({"columns": "x=t"}, "'t' for two"),
-    "type": ({"type": 3}, "'type'"),
+REFUSED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
+    "density": ({}, {"number_density": -1.0}, "number_density: got -1"),
+    "speed unit": ({}, {"speed_unit": "U"}, "speed_unit: got 'U'"),
+    "field": ({}, {"field": -1.0}, "field: got -1"),
+    "heating alone": ({}, {"heating": 1.0, "restitution": None}, "must be given"),
+    "columns": ({}, {"columns": "x"}, "columns: got 'x'"),
+    "columns, one for two": ({}, {"columns": "x=t"}, "'t' for two"),
+    "type": ({}, {"type": 3}, "'type'"),
+    "length": ({"x": np.ones(3)}, {}, "differ in length"),
+    "shape": ({"x": np.ones((8000, 1))}, {}, "shape"),
+    "texts": ({"x": np.array(["a"] * 8000)}, {}, "'x': got type"),
+    "infinite": ({"vx": np.full(8000, np.inf)}, {}, "vx = inf"),
+    "fast": ({"vx": np.full(8000, 1e200)}, {}, "speeds of"),
+    "late": ({"t": np.repeat([0.0, 1.0, 2.0, 1e80], 2000)}, {}, "times: got 1e"),
+    "at rest": ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, {}, "every speed at time 0 is zero"),
+    "many times": ({"t": np.linspace(0, 1, 8000)}, {}, "8000 different times"),
+    "no labels": ({"medium": None, "id": None}, {}, "a column tracer"),
 }
 
 
-@pytest.mark.parametrize("name", list(ARGUMENTS))
-def test_an_argument_that_cannot_be_used(run: Run, name: str) -> None:
-    told, words = ARGUMENTS[name]
-    with pytest.raises(InputError, match=words):
-        compare(columns_of(run), **{"restitution": 0.75, "number_density": 0.04} | told)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"x": np.ones(3)}, "differ in length"),
-        ({"x": np.ones((8000, 1))}, "shape"),
-        ({"x": np.array(["a"] * 8000)}, "'x': got type"),
-        ({"vx": np.full(8000, np.inf)}, "vx = inf"),
-        ({"vx": np.full(8000, 1e200)}, "speeds of"),
-        ({"t": np.repeat([0.0, 1.0, 2.0, 1e80], 2000)}, "times: got 1e"),
-        ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, "every speed at time 0 is zero"),
-        ({"t": np.linspace(0, 1, 8000)}, "8000 different times"),
-        ({"medium": None, "id": None}, "a column tracer"),
-    ],
-)
-def test_columns_that_cannot_be_used(run: Run, change: dict[str, Any], words: str) -> None:
+@pytest.mark.parametrize("name", list(REFUSED))
+def test_what_cannot_be_used(run: Run, name: str) -> None:
+    change, told, words = REFUSED[name]
     data = {k: v for k, v in (columns_of(run) | change).items() if v is not None}
     with pytest.raises(InputError, match=words):
-        compare(data, 0.75, 0.04)
+        compare(data, **{"restitution": 0.75, "number_density": 0.04} | told)
 
 
-def test_a_tracer_without_one_of_its_numbers_is_refused(run: Run) -> None:
+def test_a_tracer_without_one_of_its_numbers_is_refused_and_wrapped_ones_are(run: Run) -> None:
     """One without any has ended."""
     data = {"times": TIMES, "positions": run[0].copy(), "velocities": run[1]}
     data["positions"][2, 7, 0] = np.nan
     with pytest.raises(InputError, match="tracer 7 at time 20: got x = nan"):
         compare(data, 0.75, 0.04)
-
-
-def test_wrapped_positions_are_refused(run: Run) -> None:
-    data = columns_of((inside(run)[0], run[1]))
     with pytest.raises(InputError, match="look wrapped"):
-        compare(data, 0.75, 0.04)
+        compare(columns_of((inside(run)[0], run[1])), 0.75, 0.04)
 
 
-def h5md(path: Path, run: Run, change: str) -> None:
-    write_h5md(path, run, image=True)
-    with h5py.File(path, "a") as file:
+# an element of the group of tracers, or of the box, and what takes its place
+CHANGED: dict[str, tuple[str, Any, str]] = {
+    "one image": ("image/value", np.zeros((1, 2000, 2)), "image"),
+    "no edges": ("box/edges", np.empty(0), "image"),
+    "no box": ("box", None, "image"),
+    "no flags": ("image", None, "periodic box"),
+    "two groups": ("", None, "groups"),
+    "other times": ("velocity/time", TIMES + 1.0, "times"),
+    "few labels": ("id", np.arange(3), "label"),
+    "text": ("velocity/value", "text", "value"),
+    "link": ("velocity/value", h5py.ExternalLink("other.h5", "/velocity"), "value"),
+    "huge": ("velocity/value", None, "declare"),
+}
+
+
+@pytest.mark.parametrize("change", list(CHANGED))
+def test_h5md_that_cannot_be_used(tmp_path: Path, run: Run, change: str) -> None:
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["velocity"] = run[1]
+    write_h5md(tmp_path / "a.h5md", run, image=True)
+    name, value, words = CHANGED[change]
+    with h5py.File(tmp_path / "a.h5md", "a") as file:
         group = file["particles/tracers"]
-        if change == "one image":
-            del group["image/value"]
-            group["image/value"] = np.zeros((1, *run[0].shape[1:]))
-        elif change == "no edges":
-            del group["box/edges"]
-            group["box/edges"] = np.empty(0)
-        elif change == "no box":
-            del group["box"]
-        elif change == "no flags":
-            del group["image"]
+        if name in group:
+            del group[name]
+        if value is not None:
+            group[name] = value
+        if change == "no flags":
             group["box"].attrs["boundary"] = [b"periodic"] * 2
         elif change == "two groups":
             group.copy(group, file["particles"], "copy")
-        elif change == "other times":
-            group["velocity/time"][1] = 3.0
-        elif change == "few labels":
-            group["id"] = np.arange(3)
-        elif change == "text":
-            del group["velocity/value"]
-            group["velocity/value"] = "text"
-        elif change == "link":
-            del group["velocity/value"]
-            group["velocity/value"] = h5py.ExternalLink("other.h5", "/velocity")
         elif change == "huge":
-            del group["velocity/value"]
-            shape = (4, 10**12, 2)
-            group["velocity"].create_dataset("value", shape, chunks=(1, 1000, 2), dtype="f8")
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ("one image", "image"), ("no edges", "image"), ("no box", "image"),
-        ("no flags", "periodic box"),
-        ("two groups", "groups"),
-        ("other times", "times"), ("few labels", "label"), ("text", "value"), ("link", "value"),
-        ("huge", "declare"),
-    ],
-)  # fmt: skip
-def test_h5md_that_cannot_be_used(tmp_path: Path, run: Run, change: str, words: str) -> None:
-    with h5py.File(tmp_path / "other.h5", "w") as file:
-        file["velocity"] = run[1]
-    h5md(tmp_path / "a.h5md", run, change)
+            group.create_dataset(name, (4, 10**12, 2), chunks=(1, 1000, 2), dtype="f8")
     with pytest.raises(InputError, match=words):
         compare(tmp_path / "a.h5md", 0.75, 0.04)
 

@@ -14,7 +14,7 @@ from pages import Page
 
 from kinetics import compare, load
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.compare.page import render
+from kinetics.crosscheck.compare.result import render
 from kinetics.errors import InputError
 
 EVIL = "<script>alert('x')</script>&\""

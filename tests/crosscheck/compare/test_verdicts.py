@@ -11,8 +11,7 @@ from marking import slow_but
 
 from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import Sample, from_ensemble
+from kinetics.crosscheck.data.sample import from_ensemble
 from particles import BoltzmannGrad, HardDisks, Poisson, Viscoelastic, simulate
 
 DENSITY, PATH = 0.04, 12.5
@@ -172,7 +171,8 @@ def test_a_finite_density_explains_without_a_fitted_number(medium: str, e: float
     assert first.p_value > 0.05
     assert medium in first.headline
     assert other.outcome != "explains"
-    wrong = compare(data, e + 0.05, DENSITY)
+    # overlapping disks must be told, or what is fitted is 4 errors off
+    wrong = compare(data, e + 0.05, DENSITY, scatterers="auto" if e == 0.7 else medium)
     assert wrong.explanations[0].name == "restitution"
     assert wrong.explanations[0].value == pytest.approx(e, abs=3.5 * wrong.explanations[0].error)
     if medium == "hard disks":
@@ -216,9 +216,37 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
     np.testing.assert_allclose(found.to_dataframe("drift")["value"][1:], run.drift.value[1:])
     if wrong == 0.1:
         assert compare(run, explain=False).verdict == "agrees"
-    assert found.explanations == ()
+    assert {item.outcome for item in found.explanations} <= {"does not"}
     with pytest.raises(ValueError, match="must be given"):
         compare(data, 0.7, field=0.1)
+
+
+@cache
+def in_a_field(dimension: int) -> dict[str, Any]:
+    told = {"restitution": 0.7, "field": 0.05, "times": TIMES}
+    return arrays_of(simulated(medium=BoltzmannGrad(DENSITY, dimension=dimension), **told))
+
+
+@pytest.mark.parametrize(
+    ("axis", "what"),
+    [(1, "positions"), (1, "velocities"), (1, "positions and velocities"), (2, "velocities")],
+)
+def test_exchanged_components_are_seen_and_named_in_a_field(axis: int, what: str) -> None:
+    data = {k: v.copy() for k, v in in_a_field(axis + 1).items()}
+    for name in what.split(" and "):
+        data[name][..., [0, axis]] = data[name][..., [axis, 0]]
+    result = compare(data, 0.7, DENSITY, field=0.05, dimension=axis + 1)
+    assert (result.verdict, result.explanations[0].outcome) == ("differs", "explains")
+    assert f"an exchange of x and {'xyz'[axis]} of the {what} explains it" in result.summary
+
+
+@pytest.mark.parametrize("wrong", [{"restitution": 0.6}, {"number_density": 0.05}])
+def test_components_that_are_not_exchanged_are_not_named(wrong: dict[str, float]) -> None:
+    told = {"restitution": 0.7, "number_density": DENSITY} | wrong
+    result = compare(in_a_field(2), **told, field=0.05)
+    assert (result.verdict, explained(result, "components exchanged").outcome) == (
+        "differs", "does not"
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -230,12 +258,6 @@ def test_data_in_space(told: dict[str, Any], verdict: str) -> None:
     found = compare(data, 0.75, DENSITY, dimension=3, explain=False, **told)
     assert found.verdict == verdict
     assert {test.time for test in found.tests} == {None}
-
-
-def sample_of(seed: int, tracers: int = 30) -> Sample:
-    run = simulated(seed=seed, times=TIMES, media=50, tracers=tracers)
-    data = {"times": TIMES, "positions": run.positions, "velocities": run.velocities}
-    return read_sample([data], positions="displacement")
 
 
 @cache
@@ -350,20 +372,6 @@ def test_fitted_values_have_honest_errors(medium: str, tracers: int) -> None:
     assert np.all(np.mean(np.array(p_values) < 0.05, axis=0) < 0.16)  # 5 sigma above 5 %
 
 
-@pytest.mark.slow
-def test_p_values_are_uniform() -> None:
-    """Kolmogorov-Smirnov over 200 seeds; times follow the same tracers, and are correlated."""
-    from scipy.stats import kstest
-
-    found: dict[Any, list[float]] = {}
-    for seed in range(200):
-        for test in compare(sample_of(1000 + seed), 0.75, DENSITY, explain=False).tests:
-            found.setdefault((test.observable, test.time), []).append(test.p_value)
-    for key, values in found.items():
-        if len(values) == 200:
-            assert kstest(values, "uniform").pvalue > 1e-4, key
-
-
 def test_a_collision_cap_is_named() -> None:
     result = compare(simulated(max_collisions=6, times=TIMES, tracers=125))
     assert explained(result, "missing tracers").outcome == "explains"
@@ -393,5 +401,6 @@ def test_driven_tracers_are_judged(name: str) -> None:
         expected |= {"dispersion_parallel", "dispersion_perpendicular"}
     assert {test.observable for test in found.tests} == expected
     wrong = compare(run, heating=1.0)  # in place of what the run says
-    assert (wrong.verdict, wrong.explanations) == ("differs", ())
+    outcomes = {item.outcome for item in wrong.explanations}
+    assert (wrong.verdict, outcomes - {"does not"}) == ("differs", set())
     assert "D_v = 1" in wrong.summary

@@ -1,4 +1,6 @@
-r"""Tables from which the page draws its curves, as Chebyshev coefficients.
+r"""The page to play with, and the tables from which it draws its curves, Chebyshev coefficients.
+
+Its HTML, CSS and JavaScript are `explorer.*` in `kinetics/crosscheck/templates`.
 
 Lengths are in l = 1/(2 d rho_0), times in l/U. With H the cooling rate of v0 -> 2/(H t) and A such
 that d<r^2>/d ln t -> 4/(H A), the tables hold v0 and <r^2> over those of tracers that keep to the
@@ -16,6 +18,7 @@ Of F(c) the logarithm of the density of ln(c)/w is kept, w = sqrt((1 - e^2)/5): 
 Gaussian of width 1.
 """
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,7 +30,8 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebpts1, chebvander
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics import ScalingSolution, Scene, solve, solve_field, solve_steady
+from kinetics import ScalingSolution, Scene, __version__, solve, solve_field, solve_steady
+from kinetics.crosscheck.files import plain, rendered
 
 Array = NDArray[np.float64]
 Tables = dict[str, "Table"]
@@ -233,3 +237,21 @@ def steady(drive: str, e: float) -> Array:
     spread = state.diffusion_coefficient
     einstein = spread / (state.mobility * state.mean_square_along)
     return np.array([state.thermal_speed, spread, 1.0 + state.a2, einstein])
+
+
+# -- the page --------------------------------------------------------------------------------------
+def render(made: Tables, tracers: int = 200) -> str:
+    """The page of these tables, which needs nothing beside it."""
+    from markupsafe import Markup
+
+    speeds, weights = starts()
+    data: dict[str, Any] = {
+        "tables": {name: table.as_json() for name, table in made.items()},
+        "speeds": speeds, "weights": weights, "widths": WIDTHS, "densities": DENSITIES,
+        "highestDriven": HIGHEST_DRIVEN, "powers": POWERS, "unit": UNIT,
+    }  # fmt: skip
+    text = json.dumps(plain(data), allow_nan=False, separators=(",", ":"))
+    return rendered(
+        "explorer.html.j2", data=Markup(text), version=__version__, tracers=tracers,
+        densities=DENSITIES,
+    )  # fmt: skip
