@@ -243,10 +243,12 @@ def steady_errors(found: Any) -> tuple[float, float]:
 
 
 # -- work of the cases ----------------------------------------------------------------------------
-def outcome(asked: float, reached: float, found: Any, kept: Violations) -> Outcome:
-    """Of a solver's answer; its reference, or its own promise in doubles, may add 1e-12."""
+def outcome(
+    asked: float, reached: float, found: Any, kept: Violations, adds: float = 1e-12
+) -> Outcome:
+    """Of a solver's answer; adds : what its reference, or its own promise in doubles, may add."""
     done, note = found.status.name == "CONVERGED", f"estimate {found.error_estimate:.0e}"
-    return Outcome(asked + 1e-12, reached, done, kept, note)
+    return Outcome(asked + adds, reached, done, kept, note)
 
 
 def scene(
@@ -257,7 +259,7 @@ def scene(
     state: Any = STARTS.get(start, start)
     asked = kinetics.Scene(law, initial=state, times=times, outputs=outputs, **sizes)
     found = kinetics.solve(asked, rtol, nodes=nodes)
-    return outcome(rtol, reference(found), found, invariants(found))
+    return outcome(rtol, reference(found), found, invariants(found), 1e-13)
 
 
 def scaled(law: CollisionLaw, rtol: float, nodes: int | None = None) -> Outcome:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from made_data import Run, columns_of, simulated
 from marking import slow_but
+from scipy.stats import kstest
 
 from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
@@ -370,6 +371,19 @@ def test_fitted_values_have_honest_errors(medium: str, tracers: int) -> None:
     assert np.all(np.abs(np.mean(pulls, axis=0)) < (0.3 if medium == "dilute" else 1.0))
     assert np.all(np.std(pulls, axis=0, ddof=1) < most)
     assert np.all(np.mean(np.array(p_values) < 0.05, axis=0) < 0.16)  # 5 sigma above 5 %
+
+
+@pytest.mark.slow
+def test_p_values_are_uniform() -> None:
+    """Kolmogorov-Smirnov over 200 seeds; times follow the same tracers, and are correlated."""
+    found: dict[Any, list[float]] = {}
+    for seed in range(200):
+        run = simulated(seed=1000 + seed, times=TIMES, media=50, tracers=30)
+        for test in compare(run, 0.75, DENSITY, explain=False).tests:
+            found.setdefault((test.observable, test.time), []).append(test.p_value)
+    for key, values in found.items():
+        if len(values) == 200:
+            assert kstest(values, "uniform").pvalue > 1e-4, key
 
 
 def test_a_collision_cap_is_named() -> None:
