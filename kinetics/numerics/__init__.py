@@ -7,12 +7,17 @@
 - `recurrence`: solutions of G(z+1) = r(z) G(z)
 """
 
+import math
 from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+ROUNDING = float(np.finfo(float).eps)
+FOLDS = 4.0 - math.log(ROUNDING)  # 40: e^-40 = 4e-18 is nothing beside 1
+LARGEST_LOG = math.log(float(np.finfo(float).max))  # 709.8: e to more than that overflows
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
