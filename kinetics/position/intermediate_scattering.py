@@ -60,23 +60,20 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
     return LogMeasure(x, values if m else values.real)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Scattering:
     """Solves for F(k, t) of one system and start, as a scene has them; see `Scene.problem`.
 
     systems : how many systems of so many equations have been solved, by their size
+    work : of all `Waves` so far
     """
 
     law: CollisionLaw
     mean_free_path: float
     state: State
     times: FloatArray
-    systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
-
-    @property
-    def work(self) -> float:
-        """The work of the systems solved so far: squares of their sizes, summed."""
-        return float(sum(count * size**2 for size, count in self.systems.items()))
+    systems: Counter[int] = field(default_factory=Counter)
+    work: float = 0.0
 
     def flying(self, time: int) -> float:
         """exp(-T) of the slowest tracers of a start of sharp speeds at a time; 0 for densities."""
@@ -103,6 +100,7 @@ class Scattering:
         least = (0.1 if kept else 0.3) * tolerance
         waves = solve_waves(self.law, wave_numbers, highest, least, kept)
         self.systems[waves.rule.nodes - 1] += waves.systems
+        self.work += waves.work
         speeds = points_of(self.state, 0, waves.rule.width, tolerance)
         assert speeds is not None
         error = max(float(speeds.weight @ waves.error_at(speeds.x + s)) for s in stretch)

@@ -61,6 +61,7 @@ class Waves:
     errors : absolute, up to each panel, by the last Chebyshev coefficients; root of the sum of the
         squares of all harmonics that are kept (m and -m), shape (n_panels,)
     systems : how many systems of rule.nodes - 1 equations were solved
+    work : products of numbers that this took, about: of the kernels, and on the panels
     """
 
     wave_numbers: FloatArray
@@ -71,6 +72,7 @@ class Waves:
     ended: bool
     errors: FloatArray
     systems: int
+    work: float
 
     def __call__(self, x: FloatArray, m: int = 0) -> FloatArray:
         """a_m at X = x (n_x,), -inf allowed: shape (n_x, n_k)."""
@@ -185,11 +187,14 @@ class Sweep:
         reach = count - self._first + math.ceil(deep / rule.width)
         shifts = PanelShifts(rule, np.minimum(q.log_loss, most))
         loss, gain = shifts.kernel(q.weight, 1.0 - lost, lost, reach)
+        self._work = float(lost.size * rule.nodes**2)
         if law.returns(0)[0]:
+            alone = gain
             eps = np.array([law.returns(m)[0] for m in range(top + 1)])
             if met_again(law) is not None:
                 eps[1:] = 0.0  # they take time
-            loss, gain = with_returns(rule, loss, gain, eps, law.returns(0)[1])
+            loss, gain = with_returns(rule, loss, alone, eps, law.returns(0)[1])
+            self._work += float(alone.size * gain.shape[2])
         # row m of the equations over the coupling: free flights then look the same for all m
         self._coupling = coupling(top, law.dimension)
         self._loops: Loops | None = None
@@ -228,6 +233,7 @@ class Sweep:
                 loss, come = returns.begin(j, loss, drive)
             found = self._solve_panel(rate, rate[:, None] * come, known[: used + 1], loss)
             systems += (used + 1) * size
+            self._work += (used + 1) * size * n**2 * (n + reach)
             known[: used + 1], known[used + 1 :] = found[:, -1], 0.0
             values.append(np.zeros((min(kept, self.top) + 1, n, size)))
             values[-1][: used + 1] = found[: kept + 1]
@@ -242,7 +248,12 @@ class Sweep:
                 break
         given = self.wave_numbers, self.rule, self.start, np.array(values)
         return Waves(
-            *given, series[:, : kept + 1].copy(), ended, np.maximum.accumulate(errors), systems
+            *given,
+            series[:, : kept + 1].copy(),
+            ended,
+            np.maximum.accumulate(errors),
+            systems,
+            self._work,
         )
 
     def _reach(self) -> tuple[int, FloatArray]:
