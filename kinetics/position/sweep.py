@@ -23,7 +23,7 @@ from kinetics.states.state import State
 # The work of all times at one tolerance, in products of numbers, one or two seconds.
 # Where it is not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to
 # ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
-_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _LARGEST = 4e9, 0.04, 8.0, 60.0
+_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _LARGEST = 5e9, 0.04, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 _FEW = 0.01  # collided tracers below this share of rtol are left out
