@@ -26,7 +26,7 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
-from kinetics.numerics import FloatArray
+from kinetics.numerics import ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import PanelRule, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
 
@@ -46,7 +46,6 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 _MORE, _MOST_MORE = 4, 6
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 _TOGETHER = 8  # harmonics whose gain is found at once
-_FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the time of elimination
 
 
 @dataclass(frozen=True)
@@ -330,7 +329,8 @@ class Sweep:
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
         inner = None
-        if float(self.wave_numbers.max()) * flights < _FEW_TURNS:
+        # of x radians of K T, iteration makes e^x of its rounding, and takes a third of the time
+        if float(self.wave_numbers.max()) * flights < math.log(self.tolerance / ROUNDING):
             inner = iterate(blocks, turn, right, self.wave_numbers, 1e-3 * self.tolerance)
         if inner is None:
             inner = eliminate(blocks, turn, right, self.wave_numbers)
