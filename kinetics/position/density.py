@@ -26,10 +26,9 @@ from kinetics.position.wave_panel import WavePanel
 from kinetics.results import Value
 from kinetics.states.state import State
 
-# Edges of the panels that shares are summed on, in sqrt(<r^2>), and points of each; and the step of
-# slopes, over r.
+# Edges of the panels that shares are summed on, in sqrt(<r^2>), and points of each.
 _EDGES = np.concatenate([np.geomspace(1e-3, 0.1, 8), np.linspace(0.2, 6.0, 30), [7, 8, 10, 15, 50]])
-_SHARES, _STEP = 8, 1e-3
+_SHARES = 8
 
 
 @dataclass(frozen=True)
@@ -138,7 +137,7 @@ class Displacement(Value):
 
         In 1/d^2 and 1/d^3 in the plane, in 1/d^3 and 1/d^4 in space.
         """
-        step = _STEP * r
+        step = 1e-3 * r
         at = r + step * np.array([-2.0, -1.0, 1.0, 2.0, 0.0])[:, None]
         values = self._transform(time, at.ravel()).reshape(at.shape)
         for _ in range(self.dimension):  # the power of l may overflow

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
-from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.numerics import FOLDS, FloatArray, one_blas_thread
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import Waves, solve_waves
@@ -22,14 +22,11 @@ from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 _POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
-_HALVINGS = 6  # of the panels of a density whose norm they do not give
+HALVINGS = 6  # of panels that do not resolve what is on them, at most
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
 _LARGEST_DELAYED = 20.0  # the same where returns take time: each panel looks back at all others
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
-# Where the tolerance was missed, F is solved once more for this share of it, not below _LEAST.
-_ONCE_MORE, _LEAST = 0.03, 1e-14
-_WIDEST = 0.5  # K up to which panels do not get narrower with K
-_FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
+_ONCE_MORE = 0.03  # where the tolerance was missed, F is solved once more for this share of it
 _AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 
 
@@ -49,7 +46,7 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
         # the points of a table stop short of its ends
         low, high = min(low, float(kinks[0])) if state.kinks[0] > 0.0 else low, float(kinks[-1])
     kinks = kinks[(kinks > low) & (kinks < high)]
-    for halving in range(_HALVINGS + 1):
+    for halving in range(HALVINGS + 1):
         count = math.ceil((high - low) / spacing * 2**halving) + 1
         x, w = panels_between(np.union1d(np.linspace(low, high, max(2, count)), kinks), _POINTS)
         v = np.exp(x)
@@ -114,7 +111,7 @@ class Scattering:
         means, dimension = [], self.law.dimension
         for stretch in self.log_stretch(which):
             x = speeds.x + stretch
-            left, near = waves(x), x < _FREE
+            left, near = waves(x), x < math.log(FOLDS)
             path = np.exp(x[near])
             free = mean_phase(np.outer(path, wave_numbers), dimension)
             left[near] -= np.exp(-path)[:, None] * free
@@ -170,14 +167,14 @@ def scattering_function(
     left = (scaled > 0.0) & bool(late.any())
     tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():
-        # those within a factor of two share their panels; large ones take much memory each
+        # those within a factor of two share their panels, which get no narrower below K = 1/2;
+        # large ones take much memory each
         largest = float(scaled[left].max())
-        group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
+        group = left & (scaled > largest * (0.5 if largest > 0.5 else 0.2))
         group &= np.cumsum(group) <= max(1.0, _AT_ONCE / (1.0 + largest))
         found, error = system.whole(scaled[group], direction, tolerance)
         if error > tolerance:  # once more, with more nodes and harmonics
-            asked = max(_ONCE_MORE * tolerance, _LEAST)
-            found, error = system.whole(scaled[group], direction, asked)
+            found, error = system.whole(scaled[group], direction, _ONCE_MORE * tolerance)
         worst = max(worst, error)
         out[np.ix_(late, group)] = found
         left &= ~group

@@ -26,26 +26,22 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
-from kinetics.numerics import ROUNDING, FloatArray
+from kinetics.numerics import FOLDS, ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import PanelRule, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
 _SERIES, _TERMS = 5.0, 40
-_DEEPEST = 40.0  # -ln s: e^-40 of a speed is nothing to a power above the zeroth
-_NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
+NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
 # Nodes of a panel: some, for each decimal digit of the tolerance so many, and more for each turn of
-# K T on it. Harmonics: late besides K for each digit, early besides the K T of free flights.
-_SOME, _FOR_DIGIT, _FOR_TURN = 2.0, 0.85, 0.5
-_LATE_FOR_DIGIT, _EARLY_FOR_DIGIT = 0.45, 2.0
-_TURNING = 3.5  # T at which flights along k are resolved worst
+# K T on it; and T at which flights along k are resolved worst.
+_SOME, _FOR_DIGIT, _FOR_TURN, _TURNING = 2.0, 0.85, 0.5, 3.5
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
 # Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
 # where only m = 0 is wanted, to which the last ones give back their square.
-_MORE, _MOST_MORE = 4, 6
+_MORE = 5
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
-_TOGETHER = 8  # harmonics whose gain is found at once
 
 
 @dataclass(frozen=True)
@@ -123,7 +119,7 @@ def solve_waves(
     # they give back to m = 0, which is their square
     top = _harmonics(law, largest, limit, tolerance**2 if kept else tolerance)
     if law.returns(0)[0]:  # panels from which a bounce straight back leads to none below the first
-        first = min(first, limit - min(law.largest_loss, _DEEPEST) - 2.0 * rule.width)
+        first = min(first, limit - min(law.largest_loss, FOLDS) - 2.0 * rule.width)
     if (medium := met_again(law)) is not None:
         first = min(first, series_end(medium))
     start = rule.width * math.floor(min(first, highest) / rule.width)
@@ -146,9 +142,9 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    late = _SOME + digits * (_LATE_FOR_DIGIT + largest)
+    late = _SOME + digits * (0.5 + largest)
     # free flights reach m = K T and no further
-    early = _SOME + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
+    early = _SOME * (1.0 + digits) + largest * math.exp(min(highest, 10.0))
     return 2 * math.ceil(0.5 * min(late, early))
 
 
@@ -180,8 +176,8 @@ class Sweep:
         # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
         order = np.arange(1, top + 1)
         rise = np.log(2.0 * order) - math.log(float(wave_numbers.max())) - 1.0
-        rise += math.log(_NEGLIGIBLE * tolerance) / order
-        first = np.floor((np.append(-_DEEPEST, rise) - start) / rule.width)
+        rise += math.log(NEGLIGIBLE * tolerance) / order
+        first = np.floor((np.append(-FOLDS, rise) - start) / rule.width)
         self._first = np.minimum(first, count).astype(int)
         reach = count - self._first + math.ceil(deep / rule.width)
         shifts = PanelShifts(rule, np.minimum(q.log_loss, most))
@@ -242,7 +238,7 @@ class Sweep:
             errors.append(self._left_out(values[-1]) + (miss if kept else miss**2))
             largest.append(float(np.abs(found).max()))
             # nothing that follows is larger than the mean over what collisions lead to it from
-            if len(largest) == recent.size and recent @ largest < _NEGLIGIBLE * tolerance:
+            if len(largest) == recent.size and recent @ largest < NEGLIGIBLE * tolerance:
                 ended = True
                 break
         given = self.wave_numbers, self.rule, self.start, np.array(values)
@@ -259,15 +255,18 @@ class Sweep:
         """From how many panels below a gain matters, and about how much comes from each of them."""
         size = np.abs(self._gain[0]).max(axis=0, initial=0.0)
         size = size.reshape(-1, self.rule.nodes).sum(axis=1)
-        far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * self.tolerance))
+        far = int(np.count_nonzero(np.cumsum(size) < NEGLIGIBLE * self.tolerance))
         return size.size - far, np.append(size[far:], 1.0)
 
-    def _from_below(self, panels: FloatArray, j: int, reach: int) -> FloatArray:
-        """The gain of panel j from those below it, (m, nodes, n_k); panels from -reach on."""
+    def _from_below(self, panels: FloatArray, j: int, reach: int, together: int = 8) -> FloatArray:
+        """The gain of panel j from those below it, (m, nodes, n_k); panels from -reach on.
+
+        together : harmonics whose gain is found at once
+        """
         used, _, n, size = panels.shape
         drive = np.zeros((used, n, size))
-        for low in range(0, used, _TOGETHER):
-            few = slice(low, min(low + _TOGETHER, used))
+        for low in range(0, used, together):
+            few = slice(low, min(low + together, used))
             back = min(reach, j - int(self._first[low]))
             if back > 0:
                 come = panels[few, j + reach - back : j + reach].reshape(-1, back * n, size)
@@ -311,7 +310,7 @@ class Sweep:
         # what comes back to m = 0 is the square at most; those that are kept matter themselves
         rising = 0.1 * tolerance if kept else tolerance**_RISING
         flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
-        more = _MORE + int(flights if kept else min(_MOST_MORE, flights))
+        more = _MORE + int(flights if kept else min(_MORE, flights))
         first, last = (int(np.flatnonzero(size > x).max(initial=0)) for x in (rising, tolerance))
         needed = max(first + more, min(used, last))
         return min(self.top, needed + needed % 2)
