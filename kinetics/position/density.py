@@ -21,8 +21,7 @@ import numpy as np
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import element, mean_phase, surface
-from kinetics.position.tail import PowerTail
-from kinetics.position.wave_panel import WavePanel
+from kinetics.position.wave_numbers import PowerTail, WavePanel
 from kinetics.results import Value
 from kinetics.states.state import State
 

@@ -17,7 +17,7 @@ from kinetics.numerics import FOLDS, FloatArray, one_blas_thread
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import Waves, solve_waves
-from kinetics.position.wave_panel import Indices
+from kinetics.position.wave_numbers import Indices
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 

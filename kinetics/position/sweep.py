@@ -17,8 +17,13 @@ from kinetics.numerics import FOLDS, FloatArray, one_blas_thread
 from kinetics.position.density import Displacement, Uncollided
 from kinetics.position.intermediate_scattering import HALVINGS, Scattering, points_of
 from kinetics.position.scattering import NEGLIGIBLE
-from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
+from kinetics.position.wave_numbers import (
+    PowerTail,
+    WavePanel,
+    fit_tail,
+    points_beyond,
+    wave_numbers_between,
+)
 from kinetics.states.state import State
 
 # The work of all times at one tolerance, in products of numbers, one or two seconds. Where it is
