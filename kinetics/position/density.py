@@ -19,15 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import panels_between
+from kinetics.numerics.gauss import panels_of
 from kinetics.position.directions import element, mean_phase, surface
 from kinetics.position.wave_numbers import PowerTail, WavePanel
 from kinetics.results import Value
 from kinetics.states.state import State
 
-# Edges of the panels that shares are summed on, in sqrt(<r^2>), and points of each.
+# Edges of the panels that shares are summed on, in sqrt(<r^2>).
 _EDGES = np.concatenate([np.geomspace(1e-3, 0.1, 8), np.linspace(0.2, 6.0, 30), [7, 8, 10, 15, 50]])
-_SHARES = 8
 
 
 @dataclass(frozen=True)
@@ -125,8 +124,8 @@ class Displacement(Value):
             kinks = self.uncollided.state.kinks * self.uncollided.times[time]
         inner = np.concatenate([[0.0], kinks, self.root_mean_square[time] * _EDGES])
         edges = np.unique(np.append(near, inner[inner <= self.reach[time]]))
-        x, weight = panels_between(edges, _SHARES)
-        shares = (weight * self.density(time, x)).reshape(-1, _SHARES).sum(axis=1)
+        x, weight = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), 8)
+        shares = (weight * self.density(time, x.ravel()).reshape(x.shape)).sum(axis=1)
         sums = np.append(0.0, np.cumsum(shares))
         front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
         return np.asarray(sums[np.searchsorted(edges, near)] + front)

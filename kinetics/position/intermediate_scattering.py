@@ -21,7 +21,6 @@ from kinetics.position.wave_numbers import Indices
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-_POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
 HALVINGS = 6  # of panels that do not resolve what is on them, at most
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
 _LARGEST_DELAYED = 20.0  # the same where returns take time: each panel looks back at all others
@@ -48,7 +47,7 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
     kinks = kinks[(kinks > low) & (kinks < high)]
     for halving in range(HALVINGS + 1):
         count = math.ceil((high - low) / spacing * 2**halving) + 1
-        x, w = panels_between(np.union1d(np.linspace(low, high, max(2, count)), kinks), _POINTS)
+        x, w = panels_between(np.union1d(np.linspace(low, high, max(2, count)), kinks), 10)
         v = np.exp(x)
         norm = float(profile(v).real @ (v * w))
         if abs(norm - 1.0) < rtol:

@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics import LARGEST_LOG, ROUNDING
+from kinetics.numerics.recurrence import MOST_ORDERS
 from kinetics.results import Result, dataset, variable
 from kinetics.scaling import mellin
 from kinetics.validation import check_positive, not_negative, real_number, refuse, whole_number
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
-_MOST_CUMULANTS = 12
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class ScalingSolution(ScaledState):
         t, and at a finite density.
         """
         self._check_counted()
-        return mellin.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), False)
+        return mellin.cumulants(self.law, whole_number("n", n, 1, MOST_ORDERS), False)
 
     def path_cumulants(self, n: int = 3) -> NDArray[Any]:
         """The same of the length X of the path: its k-th cumulant per ln t, in l^k, shape (n,).
@@ -153,7 +153,7 @@ class ScalingSolution(ScaledState):
         1/kappa, E[(ln s)^2]/kappa^3, ...; errors as :meth:`collision_cumulants`.
         """
         self._check_counted()
-        return mellin.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), True)
+        return mellin.cumulants(self.law, whole_number("n", n, 1, MOST_ORDERS), True)
 
     def collision_power(self, z: float) -> tuple[float, float]:
         """(theta, C) in E[z^N(t)] ~ C (v0 t/l)^theta at late times, from one speed v0, z > 0.
