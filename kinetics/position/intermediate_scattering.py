@@ -16,7 +16,7 @@ from kinetics.moments.velocity import Averages
 from kinetics.numerics import FOLDS, FloatArray, one_blas_thread
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import mean_phase, share_of_harmonic
-from kinetics.position.scattering import Waves, solve_waves
+from kinetics.position.scattering import Waves
 from kinetics.position.wave_numbers import Indices
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
@@ -94,7 +94,7 @@ class Scattering:
         highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        waves = solve_waves(self.law, wave_numbers, highest, least, kept)
+        waves = Waves(self.law, wave_numbers, highest, least, kept)
         self.systems[waves.rule.nodes - 1] += waves.systems
         self.work += waves.work
         speeds = points_of(self.state, 0, waves.rule.width, tolerance)
