@@ -97,16 +97,6 @@ class Displacement(Value):
         return self.uncollided.mean_free_path
 
     @property
-    def front_radius(self) -> FloatArray:
-        """Of the fronts of sharp speeds, in d, (n_times, n_speeds); n_speeds = 0 for densities."""
-        return self.uncollided.fronts[0]
-
-    @property
-    def front_weight(self) -> FloatArray:
-        """The share of all tracers that are there, (n_times, n_speeds)."""
-        return self.uncollided.fronts[1]
-
-    @property
     def wave_numbers(self) -> int:
         """How many were solved for."""
         return sum(panel.wave_numbers.size for panel in self.panels)
@@ -127,7 +117,8 @@ class Displacement(Value):
         x, weight = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), 8)
         shares = (weight * self.density(time, x.ravel()).reshape(x.shape)).sum(axis=1)
         sums = np.append(0.0, np.cumsum(shares))
-        front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
+        radius, weight = (part[time] for part in self.uncollided.fronts)
+        front = weight @ (radius[:, None] <= r)
         return np.asarray(sums[np.searchsorted(edges, near)] + front)
 
     def collided_in_place(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -85,79 +85,69 @@ def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> D
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed, and G falls as exp(-2 R) or faster
         reach = np.minimum(times * uncollided.fastest(0.1 * rtol), FOLDS * root_mean_square)
-    width = root_mean_square / mean_free_path
-    sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
-    for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
-        sweep.run((most - system.work) / left)
-    tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(width.size)]
+    sweep = _Sweep(system, root_mean_square / mean_free_path, rtol)
+    groups = sweep.groups()
+    for left, group in zip(range(len(groups), 0, -1), groups, strict=True):
+        sweep.run(group, (most - system.work) / left)
     return Displacement(
         uncollided,
         root_mean_square,
-        panels=tuple(panel for sweep in sweeps for panel in sweep.panels),
-        tails=tuple(found[0] if found else None for found in tails),
-        cut=np.minimum.reduce([sweep.cut() for sweep in sweeps]),
+        panels=tuple(sweep.panels),
+        tails=tuple(sweep.tails),
+        cut=sweep.cut,
         reach=reach,
-        error_estimate=float(np.max([sweep.missed for sweep in sweeps])),
+        error_estimate=float(sweep.missed.max()),
         systems=dict(system.systems),
         dimension=law.dimension,
     )
 
 
-def _groups(system: Scattering, width: FloatArray, rtol: float) -> list[list[int]]:
-    """The times in groups that need about the same wave numbers, those that need most last."""
-    groups: dict[tuple[bool, int], list[int]] = {}
-    for i, size in enumerate(width):
-        level = math.ceil(max(0.0, -math.log(max(float(size), 1e-300)) / math.log(3.0)))
-        groups.setdefault((system.flying(i) > NEGLIGIBLE * rtol, level), []).append(i)
-    return list(groups.values())[::-1]
-
-
 class _Sweep:
-    """F on one interval of wave numbers after another, at some of the times."""
+    """F on one interval of wave numbers after another, for one group of times after another."""
 
-    def __init__(
-        self, system: Scattering, width: FloatArray, which: list[int], rtol: float
-    ) -> None:
-        """width : sqrt(<r^2>)/l, shape (n_times,); which : indices of the times to solve for."""
+    def __init__(self, system: Scattering, width: FloatArray, rtol: float) -> None:
+        """width : sqrt(<r^2>)/l, shape (n_times,)."""
         self.system, self.width, self.rtol = system, width, rtol
         # early, the share of tracers that have collided is about the width, and they would need K
         # up to its reciprocal
-        few = width <= NEGLIGIBLE * rtol
-        here = np.isin(np.arange(width.size), which)
-        self.active = np.nonzero(here & ~few)[0]
-        self.missed = np.where(here & few, width, 0.0)
-        self._widest = float(width[self.active].max(initial=0.0))
+        self._few = width <= NEGLIGIBLE * rtol
+        self.missed = np.where(self._few, width, 0.0)
         self.panels: list[WavePanel] = []
         self.tails: list[PowerTail | None] = [None] * width.size
-        self.sharp = any(system.flying(i) > NEGLIGIBLE * rtol for i in which)
-        self.enough = rtol if self.sharp else _ENOUGH * rtol
+        self.cut = np.full(width.shape, np.inf)  # K from which F is tapered where G is hardly known
         self._solved_error = np.zeros(width.size)
         # the least that was missed of each time, its tail then, and the number of panels
         self._best: dict[int, tuple[float, PowerTail | None, int]] = {}
-        # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
-        law, profile = system.law, system.state.profile(0)
-        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        self._first_power = 0 if 0.0 in law.disk_restitutions or slow else 1
-        if law.throws_back or (law.returns(0)[0] and not self.sharp):
-            self._first_power = 1 - law.dimension
         speeds = points_of(system.state, 0, 1.0, 1e-3)
         assert speeds is not None
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
             self._flights = system.times * typical  # T of a typical tracer
 
-    def run(self, most_work: float) -> None:
+    def groups(self) -> list[list[int]]:
+        """The times in groups that need about the same wave numbers, those that need most last."""
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for i, size in enumerate(self.width):
+            level = math.ceil(max(0.0, -math.log(max(float(size), 1e-300)) / math.log(3.0)))
+            groups.setdefault((self._is_sharp(i), level), []).append(i)
+        return list(groups.values())[::-1]
+
+    def _is_sharp(self, time: int) -> bool:
+        """Whether tracers of sharp speeds have not collided."""
+        return self.system.flying(time) > NEGLIGIBLE * self.rtol
+
+    def run(self, group: list[int], most_work: float) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
-        low, size, high = 0.0, 1.0, 0.0
-        if self.active.size:
-            far = 1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))
-            high = far / self._widest
+        self.active = np.array([i for i in group if not self._few[i]], dtype=int)
+        if self.active.size == 0:
+            return
+        self.sharp = self._is_sharp(group[0])
+        self.enough = self.rtol if self.sharp else _ENOUGH * self.rtol
+        self._widest = float(self.width[self.active].max())
+        low, size = 0.0, 1.0
+        high = (1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))) / self._widest
         begin = done = self.system.work
         while self.active.size:
-            if self.sharp and low >= _LARGEST_OF_PEAKS:
-                self.active = self.active[low * self._flights[self.active] <= _FURTHEST]
-                if self.active.size == 0:
-                    break
             # rounding of F allows no more than 3e-12
             share = max(1.0, float(np.max(self.width[self.active])) * high)
             solved = _SOLVED if high > _CHEAP else _SOLVED_CHEAPLY
@@ -173,25 +163,22 @@ class _Sweep:
                 more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
                 step = min(_STEP_KNOWN, max(_LEAST_STEP, more**0.125))
             low, high = high, high * step
+            if self.sharp and low >= _LARGEST_OF_PEAKS:
+                self.active = self.active[low * self._flights[self.active] <= _FURTHEST]
             work, done = self.system.work - done, self.system.work
             if done - begin + step**2 * work > most_work:
                 break
         # where more wave numbers left more of G(R) unknown, go back to those that left least; but
         # beside a front all of them are better
-        for i, (missed, tail, count) in self._best.items():
+        for i in group:
+            missed, tail, count = self._best.get(i, (math.inf, None, 0))
             if missed < self.missed[i] and not (self.sharp and missed > _TAPERED):
                 self.missed[i], self.tails[i] = missed, tail
                 later = [panel.without(i) for panel in self.panels[count:]]
                 self.panels[count:] = [panel for panel in later if panel.which.size]
-
-    def cut(self) -> FloatArray:
-        """K from which F is tapered where G is hardly known, else infinite, (n_times,)."""
-        cut = np.full(self.width.shape, np.inf)
-        for i in np.nonzero(self.missed > max(self.enough, _TAPERED))[0]:
-            last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
-            if self.tails[i] is None and last:
-                cut[i] = 0.5 * last[-1]
-        return cut
+            ends = [panel.high for panel in self.panels if panel.of(i) is not None]
+            if self.missed[i] > max(self.enough, _TAPERED) and self.tails[i] is None and ends:
+                self.cut[i] = 0.5 * ends[-1]
 
     def _judge(self, high: float, error: float) -> None:
         """For which times F has ended at K = high; error: on the last interval."""
@@ -244,9 +231,15 @@ class _Sweep:
     def _powers(self, time: int, high: float) -> tuple[PowerTail | None, float]:
         """The powers of 1/K in which F ends, and what they miss; infinite where there are none."""
         law, begin = self.system.law, max(1.0, 1.0 / self.width[time])
+        # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
+        profile = self.system.state.profile(0)
+        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
+        first = 0 if 0.0 in law.disk_restitutions or slow else 1
+        if law.throws_back or law.returns(0)[0]:
+            first = 1 - law.dimension
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, math.inf
         k, f = points_beyond(self.panels, time, _FITTED * high)
-        tail, left = fit_tail(k, f, begin, law.dimension, self._first_power)
+        tail, left = fit_tail(k, f, begin, law.dimension, first)
         by_steps = _BY_STEPS if law.least_loss > _LOSSY else _BEYOND
         return tail, left * (2.0 * _BEYOND if law.returns(0)[0] else by_steps)

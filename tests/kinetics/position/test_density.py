@@ -92,8 +92,7 @@ def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
         assert found.error_estimate < 1e-6
     else:
         assert found.error_estimate > 1e-6  # fronts are felt, and it is said
-    assert np.allclose(found.front_radius, t)
-    assert np.allclose(found.front_weight, math.exp(-t))
+    assert np.allclose(found.uncollided.fronts, [[[t]], [[math.exp(-t)]]])
     share = found.within(0, np.array([0.5 * t, t]))
     half = 1.0 - math.exp(0.5 * math.sqrt(3.0) * t - t)
     assert np.abs(share - np.array([half, 1.0])).max() < tolerance
