@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,14 +47,6 @@ _DENSITY, _MOMENT = 0.15, 1e-3
 ROUNDING_FLOOR = 64 * ROUNDING  # 1.4e-14
 
 
-class _Group(NamedTuple):
-    """Losses that lead from nodes of a panel to one panel above it, each (n_points,)."""
-
-    node: NDArray[np.intp]
-    flux: FloatArray
-    rows: FloatArray
-
-
 class _Losses:
     """int P(xi > u) w(x + u) du at the nodes of any panel but its top one."""
 
@@ -82,20 +73,16 @@ class _Losses:
         self.flux = self.flux[:, :near]
         self._rule, self._flux, self._place = rule, flux, place
         self._up = np.maximum(np.ceil(place).astype(int) - 1, 0)
-        self._groups: dict[int, _Group] = {}
+        self.furthest = int(self._up.max(initial=0))  # how many panels up losses lead
+        self._groups: dict[int, tuple[NDArray[np.intp], FloatArray, FloatArray]] = {}
 
-    def outside(self, m: int) -> _Group:
-        """What leads to the panel m panels up."""
+    def outside(self, m: int) -> tuple[NDArray[np.intp], FloatArray, FloatArray]:
+        """Of losses to the panel m panels up: their nodes, fluxes and rows there, (n_points,)."""
         if m not in self._groups:
             node, k = np.nonzero(self._up == m)
             rows = self._rule.rows(self._place[node, k] - m)
-            self._groups[m] = _Group(node, self._flux[k], rows)
+            self._groups[m] = node, self._flux[k], rows
         return self._groups[m]
-
-    @property
-    def furthest(self) -> int:
-        """How many panels up losses lead."""
-        return int(self._up.max(initial=0))
 
 
 class SpeedAxis:
@@ -372,7 +359,7 @@ class SpeedAxis:
         """What flux, over e^x/kappa, brings from panels above, over e^log_w: (nodes - 1,)."""
         total = np.zeros(log_w.size)
         for m in range(1, min(losses.furthest, len(self._panels)) + 1):
-            group = losses.outside(m)
-            w = np.exp(group.rows @ self._panels[-m] - log_w[group.node])
-            total += np.bincount(group.node, group.flux * w, total.size)
+            node, flux, rows = losses.outside(m)
+            w = np.exp(rows @ self._panels[-m] - log_w[node])
+            total += np.bincount(node, flux * w, total.size)
         return total

@@ -59,6 +59,12 @@ class ScaledState(Result):
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         return number
 
+    def _exp(self, p: Any, log_moment: float) -> float:
+        """A moment from its logarithm."""
+        if log_moment > LARGEST_LOG:
+            refuse("p", p, "<c^p> overflows double precision there")
+        return math.exp(log_moment)
+
     def _scaled_dataset(
         self: Any, only: Collection[str] | None, c: ArrayLike | None = None, **attributes: Any
     ) -> Any:
@@ -201,10 +207,7 @@ class ScalingSolution(ScaledState):
             return 1.0
         # <c^p> = E[Y^p]/E[Y^2]^(p/2) and E[Y^p] = kappa^-p A(p): the powers of kappa cancel
         log_moment = float(mellin.log_moment(self.law, np.array([p]))[0])
-        log_moment -= 0.5 * p * mellin.log_second_moment(self.law)
-        if log_moment > LARGEST_LOG:
-            refuse("p", p, "<c^p> overflows double precision there")
-        return math.exp(log_moment)
+        return self._exp(p, log_moment - 0.5 * p * mellin.log_second_moment(self.law))
 
     def scaled_speed_moment(self, p: float) -> float:
         """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`; not elastic."""

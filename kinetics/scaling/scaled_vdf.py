@@ -54,17 +54,9 @@ class ScaledVDF(ScaledState):
         return self.dimension / (self.dimension + 2.0) * self.moment(4.0) - 1.0
 
     def moment(self, p: float) -> float:
-        """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow.
-
-        The largest number in place of an overflow where nodes that were given are far too few.
-        """
+        """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow."""
         number = self._power(p)
-        log_moment = self._axis.log_moment(number) - 0.5 * number * self._log_second
-        if log_moment > LARGEST_LOG:
-            if self.requested_nodes is None or self.error_estimate < 1.0:
-                refuse("p", p, "<c^p> overflows double precision there")
-            self._axis.unresolved = True
-        return math.exp(min(log_moment, LARGEST_LOG))
+        return self._exp(p, self._axis.log_moment(number) - 0.5 * number * self._log_second)
 
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), same shape as c, accurate relative to F(c) itself in both tails.
@@ -88,9 +80,8 @@ class ScaledVDF(ScaledState):
         log_c = np.log(flat[inside])
         log_g = self._axis.log_density(log_c + 0.5 * self._log_second)
         log_f = log_g - self.dimension * log_c
-        if np.any(log_f > LARGEST_LOG):  # nodes that were given are far too few
-            self._axis.unresolved = True
         with np.errstate(under="ignore"):
+            # more than the largest number only if nodes that were given are far too few
             out[inside] = np.exp(np.minimum(log_f, LARGEST_LOG)) / self.law.unit_surface
         return out.reshape(c.shape)
 
