@@ -74,19 +74,6 @@ class NodeMasses(Value):
         return np.interp(x, self.x, self.mass[i], left=0.0, right=0.0) / self.spacing
 
 
-def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
-    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
-    low = np.minimum((q.log_loss / spacing).astype(np.int64), math.ceil(FOLDS / spacing))
-    # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
-    down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
-    down, weight = np.clip(down, 0.0, 1.0), q.weight * q.harmonic(m)
-    kernel = np.zeros(int(low.max()) + 2)
-    np.add.at(kernel, low, weight * (1.0 - down))
-    np.add.at(kernel, low + 1, weight * down)
-    return kernel
-
-
 def deposit(points: LogMeasure, x: FloatArray, spacing: float) -> NDArray[Any]:
     """Masses of weighted points on the nodes x, mass and energy kept."""
     mass = np.zeros(x.size, dtype=points.weight.dtype)
@@ -97,6 +84,15 @@ def deposit(points: LogMeasure, x: FloatArray, spacing: float) -> NDArray[Any]:
     np.add.at(mass, low, points.weight * (1.0 - up))
     np.add.at(mass, low + 1, points.weight * up)
     return mass
+
+
+def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
+    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
+    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
+    below = np.minimum(q.log_loss, FOLDS)
+    last = math.ceil(float(below.max()) / spacing) + 1
+    points = LogMeasure(-below, q.weight * q.harmonic(m))
+    return deposit(points, spacing * np.arange(-last, 1.0), spacing)[::-1]
 
 
 def _start_masses(
@@ -183,12 +179,11 @@ class _Axis:
 def solve_conservative(asked: HarmonicProblem) -> Profile:
     """The harmonic at the times, of a start of any kind, e < 1.
 
-    Raises InputError where following the state would take too long, or its harmonic m is zero.
+    Raises InputError where following the state would take too long.
     """
     law, state, times = asked.law, asked.state, asked.times
     start = state.harmonic(asked.m, min(asked.rtol, 1e-6))  # it need not be better known
-    if start is None:
-        raise InputError(f"initial: harmonic {asked.m} of this state is zero")
+    assert start is not None  # harmonics that are zero are not asked for
     if law.returns(0)[0]:
         raise InputError("initial: at a finite density, speed densities need a smooth start")
     if state.profile(0) is None and law.has_atoms:
@@ -196,27 +191,14 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
             "initial: from sharp speeds, bounces that take single shares of the speed (samples, "
             "et = e) make delta peaks and no density; give a SpeedTable, or ask for averages"
         )
-    found, error = _refined(asked, start, times / asked.mean_free_path)
-    peak_speed, peak_weight = None, None
-    if start.x.size == 1:
-        peak_speed = math.exp(float(start.x[0]))
-        with np.errstate(over="ignore", under="ignore"):
-            peak_weight = start.weight[0] * np.exp(-peak_speed * times / asked.mean_free_path)
-    nodes = found.x.size
-    return Profile(found, times.size, "conservative", nodes, error, peak_speed, peak_weight)
-
-
-def _refined(
-    asked: HarmonicProblem, start: LogMeasure, paths: FloatArray
-) -> tuple[NodeMasses, float]:
-    """The masses at times in l/U, on nodes as close as rtol or the work takes, and their error."""
+    paths = times / asked.mean_free_path
     top = float(start.x.max())
     lowest = min(float(start.x.min()), top, -math.log(max(float(paths[-1]), 1e-300))) - _DEPTH
     span = min(top - lowest, LARGEST_LOG)
     spacing, finest = _COARSEST, _FINEST
     if asked.nodes:
         spacing, finest = 2.0 * span / asked.nodes, span / asked.nodes
-    safe = _SHARP if asked.state.profile(0) is None else _ROUGH
+    safe = _SHARP if state.profile(0) is None else _ROUGH
     # of the tracers that have left a single speed, or a billionth of all
     left = -np.expm1(-math.exp(top) * paths) if start.x.size == 1 else np.ones(paths.size)
     held = np.maximum(left, 1e-9)
@@ -233,7 +215,12 @@ def _refined(
             f"times: got up to {asked.times[-1]:g} at {asked.law.described}; the conservative "
             "method would take too long, ask for earlier times, fewer nodes, or averages only"
         )
-    return found, error
+    peak_speed, peak_weight = None, None
+    if start.x.size == 1:
+        peak_speed = math.exp(top)
+        with np.errstate(over="ignore", under="ignore"):
+            peak_weight = start.weight[0] * np.exp(-peak_speed * paths)
+    return Profile(found, times.size, "conservative", found.x.size, error, peak_speed, peak_weight)
 
 
 def _solve(
