@@ -1,11 +1,11 @@
 """F(k, t) and the density of the displacement in space, of rough scatterers, of laws of samples."""
 
-import itertools
 import math
 from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 from numpy.typing import NDArray
 
 from kinetics import AngularHarmonics, Beam, CollisionLaw, Scene, SolverStatus, solve
@@ -84,27 +84,24 @@ def test_norm_and_moments(law: CollisionLaw) -> None:
     assert abs(values @ (w * r**2) - 1.0) < 1e-4
     assert abs(values @ (w * r**4) / found.kurtosis[0] - 1.0) < 1e-3
     assert values.min() > -1e-5
-    # shares between radii, and the fall of the density, are of the same function
-    root = math.sqrt(found.msd[0])
-    edges = np.array([0.0, 0.3, 1.0, 2.0])
-    panels = [bins(np.linspace(low, high, 9)) for low, high in itertools.pairwise(edges)]
-    shares = [g(x)[0] @ y for x, y in panels]
-    assert np.abs(found.position_fraction(edges * root)[0] - shares).max() < 1e-6
-    power, step = law.dimension - 1, 1e-4
-    x = np.array([0.5, 1.5])
-    low, high = (np.log(g(x + h)[0] / (x + h) ** power) for h in (-step, step))
-    rate = found.position_tail(x)[1][0]
-    assert np.abs(rate * 2.0 * step / (low - high) - 1.0).max() < 0.02  # it leaves the uncollided
 
 
-@pytest.mark.parametrize("law", LAWS, ids=repr)
+DENSE = [
+    {"restitution": e, "number_density": n, "scatterers": "hard disks"}
+    for e, n in ((0.7, 0.04), (0.3, 0.1))
+]
+
+
+@pytest.mark.parametrize(
+    "system", [*({"restitution": law, "number_density": DENSITY[law.dimension]} for law in LAWS),
+               *DENSE], ids=repr,
+)  # fmt: skip
 @pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
-def test_small_wave_numbers(law: CollisionLaw, initial: str) -> None:
+def test_small_wave_numbers(system: dict[str, Any], initial: str) -> None:
     """F = 1 - k^2 <r^2>/(2 d) + k^4 <r^4>/(8 d (d + 2)) - ..."""
-    found = solve(
-        scene(law, [0.5, 20.0, 1e4], initial, ("msd", "kurtosis", "intermediate_scattering")), 1e-9
-    )
-    d = law.dimension
+    asked = ("msd", "kurtosis", "intermediate_scattering")
+    scene = Scene(**system, initial=initial, times=PATH * np.array([0.5, 20.0, 1e4]), outputs=asked)
+    found, d = solve(scene, 1e-9), scene.dimension
     for i, second in enumerate(found.msd):
         k2 = 1e-2 / second
         fourth = found.kurtosis[i] * second**2
@@ -123,13 +120,7 @@ def speeds(v: Any) -> Any:
 
 @pytest.mark.parametrize(
     ("initial", "dimension"),
-    [
-        (Beam(0.7), 2),
-        pytest.param(Beam(), 3, marks=pytest.mark.slow),
-        pytest.param(Beam(speeds="gaussian"), 3, marks=pytest.mark.slow),
-        pytest.param(AngularHarmonics({0: speeds, 1: speeds}), 3, marks=pytest.mark.slow),
-    ],
-    ids=["a beam", "a beam in space", "a Gaussian beam", "harmonics"],
+    slow_but([(Beam(0.7), 2)], [(Beam(0.7), 2), (AngularHarmonics({0: speeds, 1: speeds}), 3)]),
 )
 def test_directed_starts(initial: Any, dimension: int) -> None:
     """Along k the slope of F is the mean displacement; over all k its mean is the isotropic F."""

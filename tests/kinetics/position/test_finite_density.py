@@ -12,23 +12,6 @@ from kinetics import CollisionLaw, InputError, Scene, SolverStatus, solve
 from particles import HardDisks, simulate
 
 
-@pytest.mark.parametrize(("e", "n"), [(0.7, 0.04), (0.3, 0.1)])
-def test_small_wave_numbers_give_the_moments_of_position(e: float, n: float) -> None:
-    """F = 1 - k^2 <r^2>/4 + k^4 <r^4>/64 - ...: averages from other panels, in other steps."""
-    scene = Scene(
-        e, n, times=np.array([0.3, 2.0, 50.0, 1e5]) / n, scatterers="hard disks",
-        outputs=("msd", "kurtosis", "intermediate_scattering"),
-    )  # fmt: skip
-    solution = solve(scene)
-    q = 0.004 * np.arange(1.0, 7.0)  # k^2 <r^2>/4
-    for i, square in enumerate(solution.msd):
-        f = solution.intermediate_scattering(np.sqrt(4.0 * q / square))[i]
-        series = np.linalg.solve(q[:, None] ** np.arange(6), (1.0 - f) / q)
-        assert series[0] == pytest.approx(1.0, abs=1e-7)
-        kurtosis = -4.0 * series[1] / series[0] ** 2
-        assert kurtosis == pytest.approx(solution.kurtosis[i], rel=1e-4)
-
-
 def chance_of_loops(n: float, eps: np.ndarray, z: complex) -> np.ndarray:
     """Laplace transform at z of the path of loops of elastic tracers, for each harmonic.
 
