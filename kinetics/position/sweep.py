@@ -204,7 +204,7 @@ class _Sweep:
         turns = 0.5 * (high - low) * float(flying.max(initial=0.0))
         count = math.ceil(_POINTS + _FOR_DIGIT * digits + turns)
         k = wave_numbers_between(low, high, power, count)
-        values, error = self.system.collided(k, self.active, tolerance)
+        values, error = self.system.average(k, self.active, tolerance, collided=True)
         panel = WavePanel(low, high, power, self.active, values)
         if panel.missed > tolerance / _SOLVED and halvings < HALVINGS:
             middle = 0.5 * (low + high)
@@ -225,21 +225,17 @@ class _Sweep:
             turns = max(1.0, high * min(float(self._flights[time]), _FAINT))
             return None, float(np.abs(f).max()) * turns ** (0.5 * (self.system.law.dimension - 1.0))
         largest = float(np.abs(last).max())
-        tail, left = self._powers(time, high)
-        return (tail, left) if left < _FITTED * largest else (None, largest)
-
-    def _powers(self, time: int, high: float) -> tuple[PowerTail | None, float]:
-        """The powers of 1/K in which F ends, and what they miss; infinite where there are none."""
         law, begin = self.system.law, max(1.0, 1.0 / self.width[time])
+        if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
+            return None, largest
         # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
-        profile = self.system.state.profile(0)
+        profile, returns = self.system.state.profile(0), law.returns(0)[0]
         slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
         first = 0 if 0.0 in law.disk_restitutions or slow else 1
-        if law.throws_back or law.returns(0)[0]:
+        if law.throws_back or returns:
             first = 1 - law.dimension
-        if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
-            return None, math.inf
         k, f = points_beyond(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, first)
         by_steps = _BY_STEPS if law.least_loss > _LOSSY else _BEYOND
-        return tail, left * (2.0 * _BEYOND if law.returns(0)[0] else by_steps)
+        left *= 2.0 * _BEYOND if returns else by_steps
+        return (tail, left) if left < _FITTED * largest else (None, largest)
