@@ -141,38 +141,21 @@ class PowerTail(Value):
 
     def transform(self, rho: FloatArray) -> FloatArray:
         """The radial density over r^(d-1) at r = rho l, l = 1, shape (n_r,)."""
-        d = self.dimension
-        near = np.clip(
-            self.scale * rho, 1e-12, LARGEST_LOG
-        )  # K_nu is in range there, negligible above
-        macdonald = _macdonald(near, max(self.coefficients.size + 2, 4))
-        out = np.zeros(rho.size)
-        for j, coefficient in enumerate(self.coefficients):
-            twice = self.first + j
-            nu = 0.5 * twice
-            half = math.gamma(nu + 1.0) if d == 2 else math.sqrt(math.pi) * math.gamma(nu + 1.5)
-            # x^nu K_nu; K_(-nu) = K_nu
-            power = macdonald[twice + 1] if twice >= -1 else near**twice * macdonald[1 - twice]
-            out += coefficient / (2.0**nu * half) * power
-        return out * self.scale**d
+        from scipy.special import gamma, kv
+
+        x = np.clip(self.scale * rho, 1e-12, LARGEST_LOG)  # beyond it is negligible
+        nu = 0.5 * (self.first + np.arange(self.coefficients.size))
+        norm = gamma(nu + 1.0) if self.dimension == 2 else math.sqrt(math.pi) * gamma(nu + 1.5)
+        with np.errstate(under="ignore"):
+            terms = x ** nu[:, None] * kv(nu[:, None], x)
+        return np.asarray(
+            (self.coefficients / (2.0**nu * norm)) @ terms * self.scale**self.dimension
+        )
 
 
 def origin_terms(q: FloatArray, count: int, dimension: int, first: int) -> FloatArray:
     """(q^2 + 1)^(-nu - d/2), nu = (first + j)/2, for j < count: q (n,) gives (n, count)."""
     return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + first + np.arange(count))))
-
-
-def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
-    """x^nu K_nu(x) for nu = -1/2, 0, 1/2, ... highest/2, at x > 0 (n,)."""
-    from scipy.special import k0, k1
-
-    with np.errstate(under="ignore"):
-        half = math.sqrt(0.5 * math.pi) * np.exp(-x)
-        found = [half / x, k0(x), half, x * k1(x)]
-        for twice in range(3, highest + 1):
-            # K_(nu+1) = K_(nu-1) + (2 nu/x) K_nu, nu = twice/2 - 1
-            found.append(x * x * found[-4] + (twice - 2) * found[-2])
-    return found
 
 
 def fit_tail(
