@@ -124,11 +124,8 @@ class SpeedAxis:
             pass
         last = max(self._last[1:], default=1.0)
         nodes = 2 * self._rule.nodes
-        if (
-            self._own_nodes
-            and _DENSITY * last > max(self.rtol, ROUNDING_FLOOR)
-            and nodes <= MOST_NODES
-        ):
+        missed = _DENSITY * last > max(self.rtol, ROUNDING_FLOOR)
+        if self._own_nodes and missed and nodes <= MOST_NODES:
             # a narrow part of g beside a wide one, as of mixtures
             self._rule, self._losses = Chebyshev(nodes), {}
             self.__dict__.pop("_gauss", None)
@@ -175,12 +172,8 @@ class SpeedAxis:
         last = max(self._last[1:], default=0.0)
         with np.errstate(over="ignore"):
             unit = _MOMENT * last + abs(math.expm1(min(self.log_moment(1.0), 1.0)))
-        found = (
-            5.0 * _SHARE * self.rtol
-            + self._coefficient * last
-            + unit * (1.0 + 0.5 * self._steepest)
-            + self._rounding
-        )
+        found = 5.0 * _SHARE * self.rtol + self._coefficient * last + self._rounding
+        found += unit * (1.0 + 0.5 * self._steepest)
         return max(found, 1.0) if self.unresolved else found
 
     def log_moment(self, p: float) -> float:
@@ -207,10 +200,8 @@ class SpeedAxis:
                 if self._deepened():
                     continue
                 self.unresolved = True
-            done = (
-                float(size[-1].max()) < largest + lacks or largest - self._bulk > 2.0 * LARGEST_LOG
-            )
-            if done or not self._extend():
+            done = float(size[-1].max()) < largest + lacks
+            if done or largest - self._bulk > 2.0 * LARGEST_LOG or not self._extend():
                 break
         total = self._width * float(np.exp(size - largest).sum(axis=0) @ weight)
         if self._is_power:
@@ -230,8 +221,8 @@ class SpeedAxis:
             return np.zeros(0)
         d, lowest = self.law.dimension, float(x.min())
         while self._bottom > lowest:
-            reached = float(self._panels[-1].max()) - (d + 1) * self._bottom
-            if (reached < self._bulk - DEEPEST and not self.law.reaches_rest) or not self._extend():
+            log_f = float(self._panels[-1].max()) - (d + 1) * self._bottom
+            if (log_f < self._bulk - DEEPEST and not self.law.reaches_rest) or not self._extend():
                 break
         out = np.full(x.shape, -math.inf)
         inside = x < self._top - 2.0 * self._width
@@ -320,7 +311,7 @@ class SpeedAxis:
                 return False
             if not np.all(np.isfinite(q)):
                 return False
-            change = np.log(np.maximum(q, 0.05))  # where too little is found, or less than nothing
+            change = np.log(np.maximum(q, 0.05))  # where nothing is found, or less
             log_w = log_w + np.append(change, 0.0)
             # the sweeps are Newton's method: the next change would be the square of this one
             if float(np.abs(change).max()) < math.sqrt(_SHARE * self.rtol):

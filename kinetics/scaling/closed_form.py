@@ -123,8 +123,6 @@ class ScalingSolution(ScaledState):
     @cached_property
     def cooling_rate(self) -> float:
         """h(e) = M2/2 = 2 sqrt(kappa lambda(1)), dimensionless (paper, label ``compare2``)."""
-        if self.law.is_elastic:
-            return 0.0
         return 2.0 * math.sqrt(self.law.mean_log_loss * float(self.law.decay_rate(1.0)))
 
     @cached_property

@@ -171,7 +171,12 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     serving = np.searchsorted(between / (deviation[:-1] + deviation[1:]), x)
     out = np.full(x.shape, -math.inf)
     for i, line in enumerate(lines):
-        total = _sum(line, x[serving == i])
+        n = line.step * np.arange(line.samples.size)
+        turn = np.exp(-1j * np.outer(x[serving == i] - line.centre, n))
+        # the phase of the centre is taken out of the samples: no large arguments. Without BLAS,
+        # whose threads would wait for each other
+        rotated = line.samples * np.exp(-1j * n * line.centre)
+        total = 2.0 * np.einsum("ij,j", turn, rotated).real - 1.0
         if i + 1 < len(lines):
             # near e = 0 little may be left of the tilted density above its centre
             lost = total < _LEAST * (2.0 * np.abs(line.samples).sum() - 1.0)
@@ -207,16 +212,6 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
         if exponent == end.exponent:
             break
         lines.insert(0, _line(law, exponent, end.deviation))
-
-
-def _sum(line: Line, x: FloatArray) -> FloatArray:
-    """The tilted density at x, shape (n,), as the sum over the samples of a line."""
-    n = np.arange(line.samples.size)
-    turn = np.exp(-1j * np.outer(x - line.centre, n * line.step))
-    # the phase of the centre is taken out of the samples: no large arguments. Without BLAS, whose
-    # threads would wait for each other
-    rotated = line.samples * np.exp(-1j * n * line.step * line.centre)
-    return np.asarray(2.0 * np.einsum("ij,j", turn, rotated).real - 1.0)
 
 
 def _line(law: CollisionLaw, a: float, scale: float) -> Line:

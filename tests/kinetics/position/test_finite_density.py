@@ -1,6 +1,7 @@
 """F(k, t) and G(R) among scatterers that are met again, by other routes."""
 
 import math
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from marking import slow_but
 from scipy.special import exp1, j0
 
-from kinetics import CollisionLaw, InputError, Scene, SolverStatus, solve
+from kinetics import CollisionLaw, InputError, Scene, SolverStatus, ToleranceWarning, solve
 from particles import HardDisks, simulate
 
 
@@ -110,3 +111,14 @@ def test_the_density_has_its_moments(e: float, n: float, t: float) -> None:
     assert 0.0 < solution.position_density([1e-6])[0, 0] < 1e-2
     with pytest.raises(InputError, match="come straight back"):
         solution.position_tail([1.0])
+
+
+@pytest.mark.slow
+def test_more_accuracy_asked_for_leaves_no_less_within_the_work() -> None:
+    """Where it is not to be had, two steps of a ladder that all tolerances share."""
+    scene = Scene(0.4, 0.04, times=[3e3], scatterers="hard disks", outputs="position_density")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ToleranceWarning)
+        errors = [solve(scene, rtol).error_estimate for rtol in (1e-3, 1e-4, 1e-5, 1e-6)]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 3e-3
