@@ -92,7 +92,7 @@ def iterate(
     right: FloatArray,
     wave_numbers: FloatArray,
     least: float,
-    rounds: int = 50,
+    rounds: int = 24,
 ) -> FloatArray | None:
     """Odd harmonics from even ones and these from those, until less than ``least`` changes.
 

@@ -39,7 +39,7 @@ _SOME, _FOR_DIGIT, _FOR_TURN, _TURNING = 2.0, 0.85, 0.5, 3.5
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
 # Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
 # where only m = 0 is wanted, to which the last ones give back their square.
-_MORE = 5
+_MORE = 4
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 
 
@@ -58,7 +58,7 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    late = _SOME + digits * (0.5 + largest)
+    late = digits * (0.5 + largest)
     # free flights reach m = K T and no further
     early = _SOME * (1.0 + digits) + largest * math.exp(min(highest, 10.0))
     return 2 * math.ceil(0.5 * min(late, early))
@@ -295,8 +295,9 @@ class Waves:
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
         inner = None
-        # of x radians of K T, iteration makes e^x of its rounding, and takes a third of the time
-        if float(self.wave_numbers.max()) * flights < math.log(self.tolerance / ROUNDING):
+        # of x radians of K T, iteration makes e^x of its rounding, and takes e x/2 rounds and some
+        # for each digit: up to half of what rounding allows, a third of the time
+        if float(self.wave_numbers.max()) * flights < 0.5 * math.log(self.tolerance / ROUNDING):
             inner = iterate(blocks, turn, right, self.wave_numbers, 1e-3 * self.tolerance)
         if inner is None:
             inner = eliminate(blocks, turn, right, self.wave_numbers)

@@ -60,17 +60,11 @@ def bins(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     return (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
 
 
-# -- exact solutions -------------------------------------------------------------------------------
-
-
 def test_elastic_spheres_of_one_speed_against_the_transport_solution() -> None:
     law = CollisionLaw(1.0, dimension=3)
     found = solve(scene(law, TIMES, "monoenergetic", "intermediate_scattering"), rtol=1e-12)
     f = found.intermediate_scattering(np.array(WAVE_NUMBERS) / PATH)
     assert np.abs(f - ONE_SPEED).max() < 1e-12
-
-
-# -- moments, which come from other equations ------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", LAWS[2:5], ids=repr)
@@ -111,9 +105,6 @@ def test_small_wave_numbers(system: dict[str, Any], initial: str) -> None:
         assert abs(f - expected) < 0.02 * abs(k2**2 * fourth / (8 * d * (d + 2)))
 
 
-# -- directed starts -------------------------------------------------------------------------------
-
-
 def speeds(v: Any) -> Any:
     return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
 
@@ -144,9 +135,6 @@ def test_directed_starts(initial: Any, dimension: int) -> None:
     assert np.abs(mean - found.intermediate_scattering(waves)).max() < 1e-10
 
 
-# -- the parts -------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("dimension", "t", "rtol"),
     [(3, 8.0, 1e-4), pytest.param(2, 100.0, 1e-5, marks=pytest.mark.slow)],
@@ -162,9 +150,6 @@ def test_tracers_that_a_collision_has_stopped_need_no_large_wave_numbers(
     r, w = bins(edges)
     assert abs(found.position_density(r)[0] @ w - 1.0) < rtol
     assert abs(found.position_density(r)[0] @ (w * r**2) / found.msd[0] - 1.0) < 10.0 * rtol
-
-
-# -- results ---------------------------------------------------------------------------------------
 
 
 def test_a_density_that_is_not_resolved_says_so() -> None:

@@ -60,9 +60,6 @@ def test_less_accuracy_differs_by_what_was_asked(e: float, t: float) -> None:
         assert np.abs(found.scaled_position_density(r) - best).max() < rtol
 
 
-# -- the isotropic walk, whose solution is known ---------------------------------------------------
-
-
 class Isotropic(CollisionLaw):
     """Elastic, every deflection as likely: a law of the test's own."""
 
@@ -97,9 +94,6 @@ def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
     share = found.within(0, np.array([0.5 * t, t]))
     half = 1.0 - math.exp(0.5 * math.sqrt(3.0) * t - t)
     assert np.abs(share - np.array([half, 1.0])).max() < tolerance
-
-
-# -- limits and identities -------------------------------------------------------------------------
 
 
 def test_a_front_and_a_continuous_part_make_the_whole() -> None:
@@ -155,9 +149,6 @@ def test_the_end_of_f_is_right_beyond_the_data(e: float, t: float, initial: obje
     assert best.status.name == found.status.name == "CONVERGED"
     apart = found.scaled_position_density(R) - best.scaled_position_density(R)
     assert np.abs(apart).max() < min(1e-3, 2.0 * found.error_estimate)
-
-
-# -- parts ----------------------------------------------------------------------------------------
 
 
 def test_shares_and_slopes_are_those_of_the_density() -> None:
