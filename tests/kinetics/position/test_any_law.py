@@ -163,7 +163,7 @@ def test_a_density_that_is_not_resolved_says_so() -> None:
 def test_bounces_that_all_but_stop_every_tracer() -> None:
     """et = e: no shift of a bounce ended on the panels, and the transform at 0 had no values."""
     found = solve(scene(CollisionLaw(1e-4, 1e-4), 8e-2), rtol=1e-3)
-    assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=1e-2)
+    assert abs(found.position_fraction([0.0, 1e3])[0, 0] - 1.0) < found.error_estimate < 0.1
 
 
 def test_tracers_that_a_bounce_stops_for_good() -> None:
