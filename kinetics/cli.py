@@ -18,7 +18,7 @@ import click
 
 from kinetics.crosscheck.cli.options import UNITS
 
-BAD_INPUT = 2
+BAD_INPUT = click.UsageError.exit_code
 ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
 """Signals that end a command -> its exit status."""
 GRACE = 1.0  # seconds that it then has to remove what is half written and say what is saved

@@ -1,32 +1,12 @@
 """What a Scene may ask for: one table. To add an output, add one row to :data:`OUTPUTS`.
 
-Reading it costs no NumPy: the modules that its functions need are imported at first use.
+Arrays of averages are made by the functions of the same names in `kinetics.moments.averages`, which
+says what they are made of. This file needs no NumPy.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-if TYPE_CHECKING:
-    from kinetics.moments import backward
-    from kinetics.moments.backward import Observable
-else:
-
-    class _Later:
-        """A module that is imported when one of its names is used."""
-
-        def __init__(self, name: str) -> None:
-            self._name = name
-
-        def __getattr__(self, name: str) -> Any:
-            value = getattr(import_module(self._name), name)
-            setattr(self, name, value)  # the next time it is found without this method
-            return value
-
-    backward = _Later("kinetics.moments.backward")
+from typing import NamedTuple
 
 VELOCITY = "moments of the velocity"
 COLLISIONS = "collision number"
@@ -34,19 +14,6 @@ DISPLACEMENT = "displacement"
 POSITION = "position density"
 SCATTERING = "intermediate scattering"
 DENSITIES = "densities"
-
-
-class Part(NamedTuple):
-    """One observable of the backward equation that an output is made of."""
-
-    factor: float  # how often its relative error enters that of the output
-    observable: Observable
-    start: int  # harmonic of the initial state over which it is averaged
-
-
-def parts(*pairs: tuple[float, Observable], start: int | None = None) -> tuple[Part, ...]:
-    """Parts from (factor, observable) pairs, averaged over the observable's own harmonic."""
-    return tuple(Part(f, y, y.harmonic if start is None else start) for f, y in pairs)
 
 
 class Output(NamedTuple):
@@ -57,8 +24,6 @@ class Output(NamedTuple):
     symbol, unit : for heads of columns; the unit is "1" for dimensionless quantities
     shape : of the array, n_times first; the arguments of the method, for those that are functions
     description : in words, with the paper's label
-    made_of : the observables that must be solved in this dimension, see :class:`Part`
-    function : of `kinetics.moments`, makes the array, or a tuple, one for each of ``names``
     also : name, unit and symbol of a second array that comes with it
     in_space : the unit in three dimensions, where that is another one
     """
@@ -69,19 +34,8 @@ class Output(NamedTuple):
     unit: str
     shape: tuple[str, ...]
     description: str
-    made_of: Callable[[int], tuple[Part, ...]] = lambda dimension: ()
-    function: str = ""
     also: tuple[tuple[str, str, str], ...] = ()
     in_space: str = ""
-
-    @property
-    def values(self) -> Callable[..., Any] | None:
-        """The function of the averages; None for outputs that are functions of more."""
-        home, _, name = self.function.partition(".")
-        found: Callable[..., Any] | None = None
-        if name:
-            found = getattr(import_module(f"kinetics.moments.{home}"), name)
-        return found
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -91,7 +45,7 @@ class Output(NamedTuple):
     @property
     def is_number(self) -> bool:
         """Whether it is one number for each time."""
-        return bool(self.function) and self.shape == _PER_TIME
+        return self.shape == _PER_TIME
 
     @property
     def head(self) -> str:
@@ -105,54 +59,39 @@ _ROWS = (
     Output(
         "thermal_speed", VELOCITY, "v0", "U", _PER_TIME,
         "sqrt(<v^2>) (paper, label v0defi)",
-        lambda d: parts((0.5, backward.speed_power(2.0))), "velocity.thermal_speed",
     ),
     Output(
         "temperature", VELOCITY, "T", "m U^2", _PER_TIME,
         "<v^2>/d, d the dimension (paper, label thermo)",
-        lambda d: parts((1.0, backward.speed_power(2.0))), "velocity.temperature",
     ),
     Output(
         "a2", VELOCITY, "a2", "1", _PER_TIME,
         "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5); in space 3 <v^4>/(5 <v^2>^2) - 1",
-        lambda d: parts((2.0, backward.speed_power(2.0)), (1.0, backward.speed_power(4.0))),
-        "velocity.a2",
     ),
     Output(
         "collisions", COLLISIONS, "collisions", "1", _PER_TIME,
         "mean number of collisions per tracer since t = 0",
-        lambda d: parts((1.0, backward.MEAN_COLLISIONS)), "velocity.collisions",
     ),
     Output(
         "msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
         "mean square displacement (paper, label msd)",
-        lambda d: parts((1.0, backward.SQUARED_DISPLACEMENT)),
-        "displacement.mean_square_displacement",
     ),
     Output(
         "kurtosis", DISPLACEMENT, "<r^4>/<r^2>^2", "1", _PER_TIME,
         "<r^4>/<r^2>^2: 2 for a Gaussian in the plane, 5/3 in space",
-        lambda d: parts(
-            (2.0, backward.SQUARED_DISPLACEMENT), (1.0, backward.quartic_displacement(d))
-        ), "displacement.kurtosis",
     ),
     Output(
         "velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
         "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), against which it may be small",
-        # over all initial velocities: v(0) itself takes the direction out
-        lambda d: parts((1.0, backward.speed_power(1.0, 1)), start=0),
-        "displacement.velocity_autocorrelation",
     ),
     Output(
         "diffusion_coefficient", DISPLACEMENT, "D", "d U", _PER_TIME,
         "D = (1/4) d<r^2>/dt (1/6 in space); and msd_slope = d<r^2>/d ln t, in d^2",
-        lambda d: parts((1.0, backward.MSD_SLOPE)), "displacement.diffusion_coefficient",
         also=(("msd_slope", "d^2", "d<r^2>/d ln t"),),
     ),
     Output(
         "mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "d"),
         "(<x>, <y>), in space (<x>, <y>, <z>)",
-        lambda d: parts((1.0, backward.DISPLACEMENT_ALONG_START)), "displacement.mean_displacement",
     ),
     Output(
         "position_density", POSITION, "g", "1/d", ("n_times", "n_r"),
@@ -166,13 +105,10 @@ _ROWS = (
     Output(
         "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "d"),
         "(<v_x>, <v_y>), in space (<v_x>, <v_y>, <v_z>)",
-        lambda d: parts((1.0, backward.speed_power(1.0, 1))), "velocity.mean_velocity",
     ),
     Output(
         "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "d", "d"),
         "<v_i v_j>",
-        lambda d: parts((1.0, backward.speed_power(2.0)), (1.0, backward.speed_power(2.0, 2))),
-        "velocity.velocity_tensor",
     ),
     Output(
         "speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),
@@ -189,16 +125,16 @@ _ROWS = (
     ),
 )  # fmt: skip
 
-# what a row is made of is the same tuple each time
-_CACHED = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
 _FREE_ONLY = {
     "kurtosis", "velocity_autocorrelation", "position_density", "intermediate_scattering"
 }  # fmt: skip
 
-OUTPUTS = {name: row for name, row in _CACHED.items() if name != "displacement_tensor"}
+_TABLE = {row.name: row for row in _ROWS}
+
+OUTPUTS = {name: row for name, row in _TABLE.items() if name != "displacement_tensor"}
 """Name -> row, in the order in which outputs are listed."""
 
-DRIVEN_OUTPUTS = {name: row for name, row in _CACHED.items() if name not in _FREE_ONLY}
+DRIVEN_OUTPUTS = {name: row for name, row in _TABLE.items() if name not in _FREE_ONLY}
 """Name -> row for scenes with driven tracers, which `kinetics.driven` solves."""
 
 FIELD_OUTPUTS = {n: row for n, row in DRIVEN_OUTPUTS.items() if n != "diffusion_coefficient"}

@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.numerics import FloatArray
+from kinetics.numerics import LARGEST_LOG, FloatArray
 
 # -- the scaled state in the first Sonine approximation, and its cooling (Appendix B) --------------
 
@@ -204,7 +204,7 @@ PEAK_ETA = 0.75
 PEAK_SPEED = 1 / math.sqrt(2)
 """Most probable scaled speed of the Gaussian, the V of eq. peakg."""
 
-_FAR = 1e100  # every curve is 0 in double precision long before
+_FAR = math.exp(0.25 * LARGEST_LOG)  # every curve is 0 in double precision long before
 
 
 def _scaled(r: ArrayLike, eta: ArrayLike) -> FloatArray:

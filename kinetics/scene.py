@@ -20,9 +20,14 @@ from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 from kinetics.results import Value
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
-from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
-
-MOST_HARMONICS = 256
+from kinetics.validation import (
+    MOST_HARMONICS,
+    check_positive,
+    finite_line,
+    real_number,
+    refuse,
+    whole_number,
+)
 
 
 @dataclass(frozen=True)

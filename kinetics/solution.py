@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 import warnings
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.densities.flights import Flights, speed_fronts
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
-from kinetics.moments import velocity
+from kinetics.moments.averages import collisions, root_mean_square
 from kinetics.moments.by_collision import ByCollision
-from kinetics.moments.displacement import root_mean_square
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, described
 from kinetics.position.directions import element, surface
@@ -75,7 +74,12 @@ def solve(
     rtol = check_rtol(rtol)
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, 8, 8192)
-    solution = _solution(answer_to(scene, rtol, method, nodes), scene, rtol, method, nodes)
+    answer = answer_to(scene, rtol, method, nodes)
+    values = answer.values  # what overflows is refused before densities are solved
+    status, message = answer.verdict
+    error, work = max(answer.errors.values()), (answer.plan, answer.stats)
+    solution = Solution(scene, rtol, values, status, message, error, *work, method, nodes)
+    vars(solution)["_answer"] = answer
     if solution.status is not SolverStatus.CONVERGED:
         warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
     return solution
@@ -102,18 +106,6 @@ def sweep(restitutions: ArrayLike, rtol: float | None = None, **scene: Any) -> A
     found = xarray.concat([one.to_xarray() for one in each], along, combine_attrs="drop_conflicts")
     found["status"] = "restitution", [one.status.name.lower() for one in each]
     found["error_estimate"] = "restitution", [one.error_estimate for one in each]
-    return found
-
-
-def _solution(answer: Any, scene: Scene, *arguments: Any) -> Solution:
-    """The solution that an answer makes; arguments : rtol, method and nodes."""
-    rtol, method, nodes = arguments
-    values = answer.values  # what overflows is refused before densities are solved
-    status, message = answer.verdict
-    error = max(answer.errors.values())
-    work = answer.plan, answer.stats, answer.typical_speed
-    found = Solution(scene, rtol, values, status, message, error, *work, method, nodes)
-    vars(found)["_answer"] = answer
     return found
 
 
@@ -145,7 +137,6 @@ class Solution(Result):
     error_estimate: float
     plan: tuple[PlanStep, ...]
     stats: Mapping[str, Any]
-    _typical_speed: FloatArray = field(repr=False)  # of the order of the thermal one, (n_times,)
     method: str | None = None
     nodes: int | None = None
 
@@ -158,11 +149,8 @@ class Solution(Result):
         values = self.__dict__.get("values", {})
         if name in values:
             return np.asarray(values[name])
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise AttributeError(
-            f"{name!r} was not asked for; this solution has {', '.join(values) or 'no arrays'}"
-        )
+        known = ", ".join(values) or "no arrays"
+        raise AttributeError(f"{name!r} was not asked for; this solution has {known}")
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.__dict__.get("values", {})})
@@ -198,9 +186,9 @@ class Solution(Result):
         functions = {name: OUTPUTS[name].shape[1:] for name in self._on_demand}
         if "position_density" in functions:
             functions["scaled_position_density"] = ("n_R",)
+        asked = functions if only is None else only
         for name, shape in functions.items():
-            both = {name, "uncollided"} if name == "speed_density" else {name}
-            if only is None or both & set(only):
+            if name in asked or (name == "speed_density" and "uncollided" in asked):
                 self._add(name, shape, points, found, axes)
         return dataset(
             f"Solution of the inelastic Lorentz equation: {self.scene}",
@@ -238,11 +226,11 @@ class Solution(Result):
         if given.get(points) is not None:
             return finite_line(points, given[points])
         if points == "speeds":
-            usual = self._typical_speed[self._typical_speed > 0.0]  # at rest it is 0
-            low, high = (usual.min(), usual.max()) if usual.size else (1.0, 1.0)
-            return np.geomspace(1e-2 * low, 5.0 * high, 200)
+            usual = self._answer.typical_speed
+            moving = usual[usual > 0.0] if usual.any() else np.ones(1)
+            return np.geomspace(1e-2 * moving.min(), 5.0 * moving.max(), 200)
         if points == "angles":
-            return np.linspace(0.0, np.pi if self.scene.dimension == 3 else 2.0 * np.pi, 73)
+            return np.linspace(0.0, 2.0 * np.pi / (self.scene.dimension - 1.0), 73)
         if points == "scaled_radii":
             return np.linspace(0.0, 5.0, 101)
         far = max(float(root_mean_square(self._answer.averages).max()), 1e-12)
@@ -272,9 +260,6 @@ class Solution(Result):
         if self.scene.system is not None:
             raise InputError("outputs: of driven tracers there is no more than what was asked for")
         return self._answer
-
-    def _velocities(self) -> Any:
-        return self._asked("speed_density", "velocity_density")
 
     def _moved(self) -> Any:
         return self._asked("position_density").displacement
@@ -309,7 +294,7 @@ class Solution(Result):
         to v, with :attr:`uncollided`, is right to rtol; f itself is not at its steps
         (:attr:`speed_fronts`).
         """
-        return np.asarray(self._velocities().speed_density(speeds(v)))
+        return np.asarray(self._asked("speed_density", "velocity_density").speed_density(speeds(v)))
 
     @property
     def speed_fronts(self) -> FloatArray:
@@ -329,7 +314,7 @@ class Solution(Result):
 
         All at e = 1. With a field, of any start of sharp velocities (rest, a Beam, samples).
         """
-        return np.asarray(frozen(self._velocities().uncollided))
+        return np.asarray(frozen(self._asked("speed_density", "velocity_density").uncollided))
 
     @property
     def captured(self) -> FloatArray:
@@ -344,7 +329,8 @@ class Solution(Result):
         With c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The error is 1e-8 of the
         maximum, a percent near steps. Not with a field, nor of driven tracers.
         """
-        return np.asarray(self._velocities().component_density(finite_line("v_x", v_x)))
+        answer = self._asked("speed_density", "velocity_density")
+        return np.asarray(answer.component_density(finite_line("v_x", v_x)))
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
@@ -411,10 +397,10 @@ class Solution(Result):
             scene = replace(self.scene, times=times, outputs=("speed_density",))
             with warnings.catch_warnings():  # the number of collisions says how good it is
                 warnings.simplefilter("ignore", ToleranceWarning)
-                return _solution(answer_to(scene, rtol, None, nodes), scene, rtol, None, nodes)
+                return solve(scene, rtol, nodes=nodes)
 
         found = Flights.of(solved, self.times, self.scene.mean_free_path)
-        known = velocity.collisions(answer.averages)[-1]
+        known = collisions(answer.averages)[-1]
         off = abs(float(found.longer_in_time(np.zeros(1))[-1, 0]) / max(known, 1e-300) - 1.0)
         if off > 10.0 * rtol:
             words = f"free flights: their number is off by {off:.1e}, against {10 * rtol:.1e}"

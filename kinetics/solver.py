@@ -2,13 +2,14 @@
 
 Without a field or a drive it is an :class:`Answer`; else :class:`kinetics.field.scene.FieldScene`
 or :class:`kinetics.driven.scene.DrivenScene`, which have `values`, `errors`, `verdict`, `plan`,
-`stats`, `typical_speed` and the densities of the velocity under the same names.
+`stats`, `typical_speed` and the densities of the velocity under the same names. With drag alone it
+is a :class:`Slowed` one.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -24,9 +25,9 @@ from kinetics.densities.harmonic import (
     component_densities,
 )
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
-from kinetics.moments.backward import speed_power
-from kinetics.moments.displacement import root_mean_square
-from kinetics.moments.velocity import Averages, moment_arguments
+from kinetics.moments import averages as averaged
+from kinetics.moments.averages import Averages, Part
+from kinetics.moments.backward import Observable, speed_power
 from kinetics.numerics import FloatArray
 from kinetics.outputs import (
     COLLISIONS,
@@ -36,9 +37,7 @@ from kinetics.outputs import (
     POSITION,
     SCATTERING,
     VELOCITY,
-    Output,
-    Part,
-    parts,
+    described,
 )
 from kinetics.position.density import Displacement
 from kinetics.position.sweep import solve_displacement
@@ -46,8 +45,7 @@ from kinetics.results import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
-_ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
-_SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
+_LEFT = 1e-13  # relative: what sums over the initial state and up the panels may leave
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _MOST_NODES = 48  # of a panel: still more only add rounding
 
@@ -55,6 +53,8 @@ _MOST_NODES = 48  # of a panel: still more only add rounding
 def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Any:
     """The answer to a scene, of any kind; the arguments are those of `kinetics.solve`."""
     if scene.system is not None:
+        if scene.system.only_slows and "displacement_tensor" not in scene.outputs:
+            return Slowed.of(scene, rtol, method, nodes)
         from kinetics.driven.scene import DrivenScene
 
         system = scene.system.scaled(scene.mean_free_path)
@@ -82,36 +82,39 @@ class Answer(Value):
         return {name: part for name, part in vars(self).items() if name != "averages"}
 
     @property
-    def _rows(self) -> list[Output]:
-        return [OUTPUTS[name] for name in sorted(self.scene.outputs)]
+    def _parts(self) -> dict[str, tuple[Part, ...]]:
+        """Output -> the observables that it is made of."""
+        outputs, dimension = sorted(self.scene.outputs), self.scene.dimension
+        return {name: averaged.parts_of(name, dimension) for name in outputs}
 
     @property
-    def _needed(self) -> list[tuple[Part, ...]]:
-        return [row.made_of(self.scene.dimension) for row in self._rows]
+    def _steps(self) -> set[str]:
+        """The steps of the plan that the outputs need."""
+        return {OUTPUTS[name].step for name in self.scene.outputs}
 
-    @property
-    def _powers(self) -> list[tuple[float, int]]:
-        """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
-        rows = [row for row in self._rows if row.step == VELOCITY]
-        moments = {y for row in rows for _, y, _ in row.made_of(self.scene.dimension)}
-        return sorted((y.degree, y.harmonic) for y in moments)
+    def _observables(self, step: str) -> set[Observable]:
+        """What the outputs of one step are made of."""
+        found = (made for name, made in self._parts.items() if OUTPUTS[name].step == step)
+        return {y for made in found for _, y, _ in made}
 
     # -- averages ---------------------------------------------------------------------------------
 
     @cached_property
     def averages(self) -> Averages:
         """The averages over the tracers, with enough nodes for the outputs."""
-        degree = max([2.0, *(p for p, _ in self._powers)])
-        return _with_enough_nodes(Averages(*self.scene.problem, self.rtol, degree), self._needed)
+        degree = max([2.0, *(y.degree for y in self._observables(VELOCITY))])
+        asked = Averages(*self.scene.problem, self.rtol, degree)
+        return _with_enough_nodes(asked, self._parts.values())
 
     @property
     def values(self) -> dict[str, FloatArray]:
         """Every output that is an array, in the order of the table; InputError on overflow."""
         found: dict[str, FloatArray] = {}
-        for row in OUTPUTS.values():
-            if row.name in self.scene.outputs and row.values is not None:
+        parts = self._parts
+        for name, row in OUTPUTS.items():
+            if parts.get(name):
                 with np.errstate(over="ignore", invalid="ignore"):
-                    made = row.values(self.averages)
+                    made = getattr(averaged, name)(self.averages)
                 arrays = made if isinstance(made, tuple) else (made,)
                 found |= {n: _in_range(n, a) for n, a in zip(row.names, arrays, strict=True)}
         return found
@@ -126,12 +129,12 @@ class Answer(Value):
 
         InputError where it does not exist; warns where the error estimate exceeds rtol.
         """
-        p, m = moment_arguments(self.scene.law, self.scene.state, p, m)
-        needed = [parts((1.0, speed_power(p, m)))]
+        p, m = averaged.moment_arguments(self.scene.law, self.scene.state, p, m)
+        needed = [(Part(1.0, speed_power(p, m), m),)]
         averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
         averages = _with_enough_nodes(averages, needed)
         error = _error_of(averages, needed)
-        if error > self.rtol * _SLACK:
+        if error > self.rtol:
             warn_missed(f"<v^{p:g}>", error, self.rtol)
         with np.errstate(under="ignore", over="ignore", invalid="ignore"):
             found = averages.power(p, m) * np.exp(p * averages.log_reference)
@@ -142,7 +145,7 @@ class Answer(Value):
     @cached_property
     def profiles(self) -> Mapping[int, Profile]:
         """The harmonics of the velocity distribution that the outputs need."""
-        if not any(row.step == DENSITIES for row in self._rows):
+        if DENSITIES not in self._steps:
             return {}
         highest = 0
         if "velocity_density" in self.scene.outputs:
@@ -201,11 +204,11 @@ class Answer(Value):
     @cached_property
     def displacement(self) -> Displacement | None:
         """The distribution of the displacement, if an output needs it."""
-        if not any(row.step == POSITION for row in self._rows):
+        if POSITION not in self._steps:
             return None
         # the same for every rtol, as the wave numbers depend on it
         own = replace(self.averages, rtol=min(self.rtol, _BEST_DENSITY), nodes=None)
-        root = _in_range("msd", root_mean_square(own))
+        root = _in_range("msd", averaged.root_mean_square(own))
         rtol = 0.4 * max(self.rtol, _BEST_DENSITY)  # the rest is for its transform
         return solve_displacement(*self.scene.problem, root, rtol)
 
@@ -214,7 +217,7 @@ class Answer(Value):
     @cached_property
     def errors(self) -> dict[str, float]:
         """Part of the result -> its error estimate."""
-        found = {"averages": _error_of(self.averages, self._needed)}
+        found = {"averages": _error_of(self.averages, self._parts.values())}
         if self.profiles:
             found[DENSITIES] = max(one.error_estimate for one in self.profiles.values())
         if self.displacement is not None:
@@ -224,7 +227,7 @@ class Answer(Value):
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status and the message, which also says where the theory is not to be trusted."""
-        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol * _SLACK)
+        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol)
         allowed[POSITION] = max(self.rtol, _BEST_DENSITY)
         status, message = judged(self.errors, allowed, self.nodes if self.profiles else None)
         if (medium := self.averages.law.medium) is not None:
@@ -235,16 +238,16 @@ class Answer(Value):
     def plan(self) -> tuple[PlanStep, ...]:
         """What was solved, what was skipped, and why."""
         averages, profiles, flights = self.averages, self.profiles, self.displacement
-        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in self._powers)
-        moving = [row for row in self._rows if row.step == DISPLACEMENT]
-        chain = {y for row in moving for _, y, _ in row.made_of(self.scene.dimension)}
-        harmonics = sorted({m for _, m in self._powers} | set(profiles))
+        chain = self._observables(DISPLACEMENT)
+        powers = sorted((y.degree, y.harmonic) for y in self._observables(VELOCITY))
+        moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in powers)
+        harmonics = sorted({m for _, m in powers} | set(profiles))
         isotropic = averages.state.highest_harmonic == 0
         enough = "the start is isotropic" if isotropic else "no output needs more"
         methods = sorted({one.method for one in profiles.values()})
         kept = "elastic: speeds are kept, harmonics relax at their own rates"
         reasons = {
-            VELOCITY: kept if averages.elastic else f"backward equation for {moments}",
+            VELOCITY: kept if averages.law.is_elastic else f"backward equation for {moments}",
             "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
             COLLISIONS: "asked for",
             DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
@@ -253,8 +256,7 @@ class Answer(Value):
             "angular harmonics": f"m = {harmonics}: {enough}",
             DENSITIES: f"{len(profiles)} harmonics, {', '.join(methods)}",
         }
-        asked = {"initial state", *(row.step for row in self._rows)}
-        asked |= {"angular harmonics"} if harmonics else set()
+        asked = self._steps | {"initial state"} | ({"angular harmonics"} if harmonics else set())
         steps = [
             PlanStep(part, part in asked and why != kept, why if part in asked else "not asked for")
             for part, why in reasons.items()
@@ -268,7 +270,7 @@ class Answer(Value):
         """Numbers about the work: points of the initial state, panels, nodes, wave numbers."""
         averages, flights = self.averages, self.displacement
         stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
-        if not averages.elastic:
+        if not averages.law.is_elastic:
             stats["panels"] = averages.equation.count
             stats["nodes_per_panel"] = averages.equation.nodes
         stats |= {f"density_nodes_m{m}": one.nodes for m, one in self.profiles.items()}
@@ -280,9 +282,73 @@ class Answer(Value):
         return stats
 
 
-def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:
+@dataclass(frozen=True)
+class Slowed(Answer):
+    """The answer to a scene with drag alone: its tracers take the paths of those without drag.
+
+    With v = exp(-gamma t) u, u goes on without drag in the time (1 - exp(-gamma t))/gamma.
+
+    scene : that without drag, at these times
+    drag, real_times : gamma in U/d, and t in d/U
+    """
+
+    drag: float
+    real_times: FloatArray
+
+    @classmethod
+    def of(cls, scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Slowed:
+        """The answer to this scene; the arguments are those of `kinetics.solve`."""
+        times, drag = np.asarray(scene.times), scene.drag
+        free = replace(scene, drag=0.0, times=-np.expm1(-drag * times) / drag)
+        return cls(free, rtol, method, nodes, drag, times)
+
+    @property
+    def _slower(self) -> FloatArray:
+        """v over u, shape (n_times,)."""
+        return np.asarray(np.exp(-self.drag * self.real_times))
+
+    @property
+    def values(self) -> dict[str, FloatArray]:
+        """Every output that is an array, as without drag."""
+        found, slower, free = super().values, self._slower, np.asarray(self.scene.times)
+        powers = {"U": 1, "d U": 1, "U^2": 2, "m U^2": 2}
+        for name, array in found.items():
+            power = powers.get(described(name, self.scene.dimension)[0], 0)
+            found[name] = (array.T * slower**power).T
+        if "msd_slope" in found:
+            ratio = np.divide(self.real_times, free, out=np.ones(free.shape), where=free > 0.0)
+            found["msd_slope"] *= ratio * slower
+        return found
+
+    @property
+    def typical_speed(self) -> FloatArray:
+        """Of the order of the thermal speed, in U, shape (n_times,)."""
+        return super().typical_speed * self._slower
+
+    @property
+    def plan(self) -> tuple[PlanStep, ...]:
+        """As without drag."""
+        why = "the paths are those without drag, in the time (1 - exp(-drag t))/drag"
+        return (PlanStep("drag", True, why), *super().plan)
+
+    def _each(self, density: Any, n: int, v: FloatArray, *more: Any) -> FloatArray:
+        """A density of n components of u, one time after another, as that of v."""
+        with np.errstate(all="ignore"):  # at late times all of it is at rest
+            found = [density(v / x, *more)[i] / x**n for i, x in enumerate(self._slower)]
+        return np.nan_to_num(np.array(found), nan=0.0, posinf=math.inf)
+
+    def speed_density(self, v: FloatArray) -> FloatArray:
+        """In 1/U at all times, shape (n_times, n_v)."""
+        return self._each(super().speed_density, 1, v)
+
+    def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
+        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
+        return self._each(super().velocity_density, self.scene.dimension, v, phi)
+
+
+def _error_of(averages: Averages, needed: Collection[tuple[Part, ...]]) -> float:
     """The largest relative error estimate of the outputs that are made of these parts."""
-    found = [_ROUNDING]
+    found = [_LEFT]
     for made in needed:
         # a part that the initial state makes zero has no error
         there = [part for part in made if averages.measure(part.start) is not None]
@@ -290,7 +356,7 @@ def _error_of(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> float:
     return max(found)
 
 
-def _with_enough_nodes(averages: Averages, needed: Sequence[tuple[Part, ...]]) -> Averages:
+def _with_enough_nodes(averages: Averages, needed: Collection[tuple[Part, ...]]) -> Averages:
     """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
     for _ in range(4):
         missing = _error_of(averages, needed) / averages.rtol

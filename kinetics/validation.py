@@ -19,6 +19,7 @@ from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
 
+MOST_HARMONICS = 256  # angular ones that can be asked for
 LEAST_MASS_RATIO = 1e-6  # of scatterer over tracer: lighter ones hardly change its velocity
 _LARGEST = sys.float_info.max
 _LINE = "it must be a finite, 1-dimensional array of numbers"

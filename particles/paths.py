@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 MOST_COLLISIONS = 1000  # of one path; the time that it takes grows as the square of this
 CURVE_POINTS = 2001  # of a curved path
 MOST_SCATTERERS = 50_000  # in one picture
-_LEAST_SIDE = 8.0  # of the picture, in diameters
-_MARGIN = 0.06  # of the larger side, around the paths
-_FEW = 1500  # disks, around which the area is shaded that the tracer's centre cannot enter
-_BRIGHTEST = 0.88  # of the colours: nearly white could not be seen on paper
 _DISK, _MARK = "#8d98a5", "#16191d"
 
 
@@ -148,16 +144,17 @@ def plot_trajectories(
     found, d = trajectories(plan, tracers, **which), plan.medium.diameter
     every = np.concatenate([path.places[:, :2] for path in found])
     middle, sides = (every.min(axis=0) + every.max(axis=0)) / 2, np.ptp(every, axis=0)
-    largest = max(float(sides.max()), _LEAST_SIDE * d)
-    half = np.maximum(sides, 0.6 * largest) / 2 + _MARGIN * largest
+    largest = max(float(sides.max()), 8.0 * d)
+    half = np.maximum(sides, 0.6 * largest) / 2 + 0.06 * largest
     low, high = middle - half, middle + half
     if ax is None:
         from matplotlib import pyplot
 
         _, ax = pyplot.subplots(layout="constrained")
     disks = disks_within(plan, which.get("configuration", 0), low - d, high + d)
+    # of not too many disks the area is shaded that the tracer's centre cannot enter
     for size, alpha in ((2.0, 0.2), (1.0, 1.0)):
-        if disks is not None and (size == 1.0 or len(disks) <= _FEW):
+        if disks is not None and (size == 1.0 or len(disks) <= 1500):
             width = [size * d]  # one for all: an SVG then holds the circle once
             ax.add_collection(
                 EllipseCollection(
@@ -170,7 +167,8 @@ def plot_trajectories(
     # a tracer that starts at rest is slower than all others for a moment only
     least, most = np.quantile(moving, [0.01, 1.0]) if moving.size else (1.0, 1.0)
     norm = LogNorm(least, most) if most > 1.001 * least else LogNorm(0.9 * least, 1.1 * most)
-    colours = ListedColormap(colormaps["plasma"](np.linspace(0.0, _BRIGHTEST, 256)))
+    # nearly white could not be seen on paper
+    colours = ListedColormap(colormaps["plasma"](np.linspace(0.0, 0.88, 256)))
     for path in found:
         at = path.places[:, :2]
         lines = LineCollection(

@@ -3,7 +3,7 @@
 May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
 equation needs, and the law that the arguments of a scene mean; `bounce.py` is the bounce off a disk
 or a sphere, or one given by weighted samples, and the weighted sums made of it. `medium.py` is the
-theory of a finite density; `memory.py` finds laws under which speeds oscillate.
+theory of a finite density.
 """
 
 from kinetics.collision.bounce import ImpactQuadrature

@@ -7,32 +7,33 @@ by -e, the tangential one, y, by et. In units of its speed before the bounce (pa
 
     s^2 = e^2 (1 - y^2) + et^2 y^2,   s cos(chi) = et y^2 - e (1 - y^2)
 
-A law is a weighted sum of such bounces, or of samples, which have the same methods.
+A collision is a weighted sum of such bounces, or of samples, which have the same methods.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.numerics import FloatArray
+from kinetics.errors import InputError
+from kinetics.numerics import FOLDS, FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
 from kinetics.validation import finite_line, refuse
 
 # Gauss-Legendre points on each panel. They are exact to 1e-14 for s^z cos(m chi) while this varies
-# by less than RESOLVED radians on it: tests/kinetics/collision/test_law.py has the largest powers.
+# by less than 1.5 radians a point on it, and for exponentials that fall by one e-fold a point:
+# tests/kinetics/collision/test_law.py has the largest powers.
 _POINTS = 20
-RESOLVED = 30.0
-_FOLDS = 20.0  # by so many e-folds an exponential may fall on one of them
-DEEPEST = 40.0  # where s reaches 0, nodes end at -ln s of this: e^-40 of the bounces lose more
-_MOST = 20_000  # samples: each costs some kilobytes on every panel
+_LEVELS_KEPT = 6  # quadratures of up to 60,000 points are kept for the next question
+_MOST_POINTS = 7e6  # about a gigabyte of exponentials
+_MOST_SAMPLES = 20_000  # samples: each costs some kilobytes on every panel
 
 
 @dataclass(frozen=True)
@@ -41,36 +42,27 @@ class ImpactQuadrature:
 
     weight : positive, sums to 1
     log_loss : -ln s, s the speed ratio of the bounce; accurate relative to itself
-    ratio, parallel : s, and s cos(chi), chi the deflection
-    across : s sin(chi), where chi is small: cos(chi) alone would lose its digits; None elsewhere
+    deflection : chi, from 0 to pi, in which small deflections keep their digits
     """
 
     weight: FloatArray
     log_loss: FloatArray
-    ratio: FloatArray
-    parallel: FloatArray
+    deflection: FloatArray
     dimension: int = 2
-    across: FloatArray | None = None
 
-    @cached_property
+    @property
+    def ratio(self) -> FloatArray:
+        """s, shape (n_nodes,)."""
+        return np.exp(-self.log_loss)
+
+    @property
     def cosine(self) -> FloatArray:
         """cos(chi), shape (n_nodes,)."""
-        return np.clip(self.parallel / self.ratio, -1.0, 1.0)
-
-    @cached_property
-    def deflection(self) -> FloatArray:
-        """chi, from 0 to pi, shape (n_nodes,)."""
-        if self.across is not None:
-            return np.asarray(np.arctan2(self.across, self.parallel))
-        return np.arccos(self.cosine)
-
-    def harmonic(self, m: int) -> FloatArray:
-        """What harmonic m keeps: cos(m chi) in the plane, P_m(cos chi) in space, (n_nodes,)."""
-        return 1.0 - self.harmonic_loss(m)
+        return np.cos(self.deflection)
 
     def harmonic_loss(self, m: int) -> FloatArray:
-        """1 - harmonic(m), shape (n_nodes,), accurate where it is small."""
-        if self.dimension == 2:  # 1 - cos(m chi) = 2 sin^2(m chi/2)
+        """1 - cos(m chi) in the plane, 1 - P_m(cos chi) in space, accurate where it is small."""
+        if self.dimension == 2:
             return np.asarray(2.0 * np.sin(0.5 * m * self.deflection) ** 2)
         *_, last = self.harmonic_losses(abs(m))
         return last
@@ -81,33 +73,12 @@ class ImpactQuadrature:
             yield from (self.harmonic_loss(m) for m in range(top + 1))
             return
         # q_m = (1 - P_m(x))/(1 - x), from (n+1) P_(n+1) = (2n+1) x P_n - n P_(n-1)
-        x = self.cosine
-        turned = 1.0 - x if self.across is None else 2.0 * np.sin(0.5 * self.deflection) ** 2
+        x, turned = self.cosine, 2.0 * np.sin(0.5 * self.deflection) ** 2
         before, last = np.zeros_like(x), np.zeros_like(x)
         for n in range(top + 1):
             yield turned * last
             next_one = ((2 * n + 1) * (1.0 + x * last) - n * before) / (n + 1)
             before, last = last, next_one
-
-    def part(self, used: NDArray[np.bool_]) -> ImpactQuadrature:
-        """Some of the nodes, (n_nodes,) of booleans; their weights need not sum to 1."""
-        weight, log_loss, ratio = self.weight[used], self.log_loss[used], self.ratio[used]
-        across = None if self.across is None else self.across[used]
-        parallel = self.parallel[used]
-        return ImpactQuadrature(weight, log_loss, ratio, parallel, self.dimension, across)
-
-    @classmethod
-    def joined(cls, shares: Sequence[float], found: Sequence[ImpactQuadrature]) -> ImpactQuadrature:
-        """The weighted sum of averages of one dimension; shares sum to 1."""
-        if len(found) == 1:
-            return found[0]
-        weight = np.concatenate([w * q.weight for w, q in zip(shares, found, strict=True)])
-        rows = ((q.log_loss, q.ratio, q.parallel) for q in found)
-        loss, ratio, parallel = (np.concatenate(row) for row in zip(*rows, strict=True))
-        across = None
-        if any(q.across is not None for q in found):
-            across = np.concatenate([q.ratio * np.sin(q.deflection) for q in found])
-        return cls(weight, loss, ratio, parallel, found[0].dimension, across)
 
 
 @dataclass(frozen=True)
@@ -163,49 +134,52 @@ class DiskBounce:
         # asinh(sqrt(square)/least), which does not overflow; any U > 0 will do for s = const
         return max(math.log(most + math.sqrt(square)) - math.log(least), 1e-3)
 
-    def turns(self, rate: float, m: int) -> float:
-        """By how much s^z and harmonic m turn on the longest panel, |z| up to ``rate``."""
+    def level(self, rate: float, m: int) -> int:
+        """How often panels are halved for functions as fast as s^z cos(m chi), |z| up to rate."""
         both_ends = 1.0 if self.restitution <= self.tangential_restitution else 2.0
-        return both_ends * rate * min(1.0, self._top * math.tanh(self._top)) + 3.0 * m
+        turn = both_ends * rate * min(1.0, self._top * math.tanh(self._top)) + 3.0 * m
+        finer = max(1.0, turn / (1.5 * _POINTS))
+        length = FOLDS if self._ends[0] == 0.0 else self._top
+        if not finer * _POINTS * max(1.0, length) <= _MOST_POINTS:
+            raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
+        return math.ceil(math.log2(finer))
 
-    def _nodes(self, level: int, deepest: float = DEEPEST) -> tuple[FloatArray, ...]:
-        """y, sqrt(1 - y^2) and the weights of an average over a uniform y, (n_nodes,) each."""
-        top = self._top
-        length = deepest if self._ends[0] == 0.0 else top
+    def _nodes(self, level: int, deepest: float = FOLDS) -> tuple[FloatArray, ...]:
+        """y, sqrt(1 - y^2), the weights of an average over a uniform y and -ln s, (n_nodes,) each.
+
+        Panels are 2^level times shorter than for slow functions.
+        """
+        e, et, top = self.restitution, self.tangential_restitution, self._top
+        least, most, square = self._ends
+        length = deepest if least == 0.0 else top
         u, w = equal_panels(length, _POINTS, min(1.0, top) * 2.0**-level)
         rest, u = u[::-1], top - length + u  # U - u without cancellation: nodes are symmetric
         scale, small = -math.expm1(-2.0 * top), np.exp(-2.0 * u)
-        share = np.exp(-rest) * -np.expm1(-2.0 * u) / scale
-        left = -np.expm1(-rest) * (1.0 + np.exp(-top - u)) / scale  # 1 - share
+        low = np.exp(-rest) * -np.expm1(-2.0 * u) / scale
+        left = -np.expm1(-rest) * (1.0 + np.exp(-top - u)) / scale  # 1 - low
         w = w * np.exp(-rest) * (1.0 + small) / scale
-        if self.restitution <= self.tangential_restitution:
-            return share, np.sqrt(left * (1.0 + share)), w
-        y, missed = np.sin(0.5 * math.pi * left), np.sin(0.5 * math.pi * share)
-        return y, missed, 0.5 * math.pi * w * missed
-
-    def _quadrature(self, y: FloatArray, missed: FloatArray, w: FloatArray) -> ImpactQuadrature:
-        """From y, sqrt(1 - y^2) and weights of y: -ln s keeps its digits where s is near 1."""
-        e, et = self.restitution, self.tangential_restitution
-        least, most, square = self._ends
-        low, high = (y, missed) if e <= et else (missed, y)
-        lost = (1.0 - most) * (1.0 + most) + square * high**2  # 1 - s^2
+        high = np.sqrt(left * (1.0 + low))
+        if e > et:
+            high, low = np.sin(0.5 * math.pi * left), np.sin(0.5 * math.pi * low)
+            w = 0.5 * math.pi * w * low
+        lost = (1.0 - most) * (1.0 + most) + square * high**2  # 1 - s^2: keeps digits near s = 1
         near = lost < 0.5
         xi = -np.log(np.hypot(least * high, most * low))
         xi = np.where(near, -0.5 * np.log1p(-np.where(near, lost, 0.0)), xi)
-        weight = w if self.dimension == 2 else 2.0 * y * w
-        parallel = et * y**2 - e * missed**2
-        across = (et + e) * y * missed if e < 0.0 else None
-        return ImpactQuadrature(weight, xi, np.exp(-xi), parallel, self.dimension, across)
+        return (low, high, w, xi) if e <= et else (high, low, w, xi)
 
     def quadrature(self, level: int) -> ImpactQuadrature:
         """The average, with panels 2^level times shorter than for slow functions."""
-        return self._quadrature(*self._nodes(level))
+        e, et = self.restitution, self.tangential_restitution
+        y, missed, w, xi = self._nodes(level)
+        chi = np.arctan2((et + e) * y * missed, et * y**2 - e * missed**2)
+        return ImpactQuadrature(w if self.dimension == 2 else 2.0 * y * w, xi, chi, self.dimension)
 
     def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
         """What bounces that lose more than any node add to E[s^p]: 0 but where s reaches 0."""
         if self._ends[0] > 0.0:
             return 0.0
-        near, power = -DEEPEST, -self.lowest_power  # y = e^near where e = 0
+        near, power = -FOLDS, -self.lowest_power  # y = e^near where e = 0
         if self.restitution > 0.0:
             near += math.log(0.5 * math.pi)  # sqrt(1 - y^2), and y dy = -that times its change
         above = self.dimension - 1.0
@@ -217,15 +191,14 @@ class DiskBounce:
         du = |et^2 - e^2| y dy/s^2.
         """
         # low speeds see the bulk of the scaling state, some e-folds wide, from the deepest loss
-        y, missed, w = self._nodes(level, DEEPEST + 8.0)
-        u = self._quadrature(y, missed, w).log_loss
+        y, missed, w, u = self._nodes(level, FOLDS + 8.0)
         if self.restitution <= self.tangential_restitution:
             chance = y ** (self.dimension - 1)
         else:
             chance = missed**2 if self.dimension == 3 else missed**2 / (1.0 + y)
         w = w * y * chance * self._ends[2] * np.exp(2.0 * u)
         if self.losses[0] > 0.0:
-            first, whole = equal_panels(self.losses[0], _POINTS, _FOLDS / max(rate, _FOLDS))
+            first, whole = equal_panels(self.losses[0], _POINTS, _POINTS / max(rate, _POINTS))
             u, w = np.concatenate([first, u]), np.concatenate([whole, w])
         return u, w
 
@@ -249,8 +222,8 @@ class SampledBounce:
         w, s = finite_line("weight", weight), finite_line("ratio", ratio)
         c = finite_line("cosine", cosine)
         total = float(w.sum())
-        if not 1 <= w.size <= _MOST or np.any(w < 0.0) or not abs(total - 1.0) <= 1e-9:
-            refuse("weight", w, f"give 1 to {_MOST} numbers, none negative, whose sum is 1")
+        if not 1 <= w.size <= _MOST_SAMPLES or np.any(w < 0.0) or not abs(total - 1.0) <= 1e-9:
+            refuse("weight", w, f"give 1 to {_MOST_SAMPLES} numbers, none negative, whose sum is 1")
         if s.size != w.size or np.any(s <= 0.0):
             refuse("ratio", s, f"it must be {w.size} numbers above 0, one for each weight")
         if c.size != w.size or np.any(np.abs(c) > 1.0 + 1e-12):
@@ -269,16 +242,14 @@ class SampledBounce:
         """0 where every bounce loses energy; infinite where a share of them loses none."""
         return 0.0 if self.losses[0] > 0.0 else math.inf
 
-    def turns(self, rate: float, m: int) -> float:
+    def level(self, rate: float, m: int) -> int:
         """Samples are summed as they are."""
-        return 0.0
+        return 0
 
     def quadrature(self, level: int) -> ImpactQuadrature:
         """The samples."""
-        ratio = np.array(self.ratio)
-        parallel = ratio * np.array(self.cosine)
-        loss = 0.0 - np.log(ratio)
-        return ImpactQuadrature(np.array(self.weight), loss, ratio, parallel, self.dimension)
+        loss, chi = 0.0 - np.log(self.ratio), np.arccos(self.cosine)
+        return ImpactQuadrature(np.array(self.weight), loss, chi, self.dimension)
 
     def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
         """Nothing is left out."""
@@ -289,7 +260,7 @@ class SampledBounce:
         q = self.quadrature(0)
         # the weights are interpolatory, of half the order of Gauss weights
         largest = self.losses[1]
-        count = math.ceil(4.0 * largest * max(rate, _FOLDS) / _FOLDS)
+        count = math.ceil(4.0 * largest * max(rate / _POINTS, 1.0))
         width = largest / count
         cell = np.minimum((q.log_loss / width).astype(int), count - 1)
         node, weight = gauss_legendre(_POINTS)
@@ -306,3 +277,119 @@ class SampledBounce:
 
 
 Bounce = DiskBounce | SampledBounce
+
+
+class Collision:
+    """A weighted sum of bounces, ``bounces`` with the chance of each, which sum to 1; no medium."""
+
+    bounces: tuple[tuple[float, Bounce], ...]
+
+    @cached_property
+    def loss_ends(self) -> tuple[float, ...]:
+        """The least and the largest -ln s of each part of the law: its density steps there."""
+        return tuple(loss for _, part in self.bounces for loss in part.losses)
+
+    @cached_property
+    def is_elastic(self) -> bool:
+        """Whether every bounce keeps the speed."""
+        return not any(self.loss_ends)
+
+    @property
+    def least_loss(self) -> float:
+        """The smallest -ln s that occurs: 0 for smooth scatterers, below 0 if energy is gained."""
+        return min(self.loss_ends)
+
+    @property
+    def largest_loss(self) -> float:
+        """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
+        return max(self.loss_ends)
+
+    @property
+    def least_ratio(self) -> float:
+        """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
+        return math.exp(-self.largest_loss)
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes single values, each with a chance of its own: samples, or et = e."""
+        return any(part.has_atoms for _, part in self.bounces)
+
+    @property
+    def disk_restitutions(self) -> tuple[float, ...]:
+        """The effective restitutions of the disks or spheres of which the law is made."""
+        return tuple(p.restitution for _, p in self.bounces if isinstance(p, DiskBounce))
+
+    @property
+    def throws_back(self) -> bool:
+        """Whether samples throw some of the tracers straight back."""
+        samples = [part for _, part in self.bounces if isinstance(part, SampledBounce)]
+        return any(min(part.cosine) < -1.0 + 1e-9 for part in samples)
+
+    @property
+    def reaches_rest(self) -> bool:
+        """Whether bounces leave as little of the speed as one likes."""
+        return math.isinf(self.largest_loss)
+
+    @property
+    def tail_exponent(self) -> float:
+        """b where E[s^p] tends to b/p at large p: (d-1)/(1-e^2) for smooth disks and spheres.
+
+        0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
+        """
+        return sum(share * part.tail_exponent for share, part in self.bounces)
+
+    # -- averages of one collision ----------------------------------------------------------------
+
+    @cached_property
+    def quadrature(self) -> ImpactQuadrature:
+        """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
+        return self.quadrature_for(0.0)
+
+    def quadrature_for(self, z: ArrayLike, m: int = 0) -> ImpactQuadrature:
+        """The same for functions that vary as fast as s^z cos(m chi), for any z of such a size."""
+        rate = float(np.abs(z).max(initial=0.0))
+        level = max(part.level(rate, m) for _, part in self.bounces)
+        make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
+        return make(self.bounces, level)
+
+    def _beyond(self, p: NDArray[Any]) -> NDArray[Any]:
+        """What the nodes leave out of E[s^p]."""
+        return np.asarray(sum(share * part.beyond(p) for share, part in self.bounces))
+
+    def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
+        """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
+        level = max(part.level(rate, 0) for _, part in self.bounces)
+        found = [(share, *part.survival(level, rate)) for share, part in self.bounces]
+        weight = [share * each for share, _, each in found]
+        return np.concatenate([u for _, u, _ in found]), np.concatenate(weight)
+
+    def lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
+        """1 - E[s^z cos(m chi)] of one collision, shape of z."""
+        q = self.quadrature_for(z, abs(m))
+        lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
+        if m == 0:
+            return np.asarray(lost @ q.weight - self._beyond(z))
+        # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation
+        gone = q.harmonic_loss(m)
+        rate = (lost + (1.0 - lost) * gone) @ q.weight
+        # bounces beyond the nodes deflect by pi/2, as the first node does
+        return np.asarray(rate if m % 2 else rate - self._beyond(z) * (1.0 - gone[0]))
+
+    @cached_property
+    def mean_log_loss(self) -> float:
+        """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
+        return float(self.quadrature.weight @ self.quadrature.log_loss)
+
+    @cached_property
+    def mean_cosine(self) -> float:
+        """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
+        return float(self.quadrature.weight @ self.quadrature.cosine)
+
+
+@lru_cache(maxsize=64)
+def _quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
+    """The weighted sum of the averages over these bounces."""
+    found = [(share, bounce.quadrature(level)) for share, bounce in bounces]
+    rows = [(share * q.weight, q.log_loss, q.deflection) for share, q in found]
+    weight, loss, chi = (np.concatenate(row) for row in zip(*rows, strict=True))
+    return ImpactQuadrature(weight, loss, chi, found[0][1].dimension)

@@ -12,43 +12,30 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision.bounce import (
-    RESOLVED,
-    Bounce,
-    DiskBounce,
-    ImpactQuadrature,
-    SampledBounce,
-)
-from kinetics.collision.medium import HIGHEST_DENSITY, ORDERS, SCATTERERS, Medium
+from kinetics.collision.bounce import Bounce, Collision, DiskBounce, SampledBounce
+from kinetics.collision.medium import Medium
 from kinetics.errors import InputError, short
-from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_mass_ratio,
-    check_positive,
     check_restitution,
     finite_line,
     number_array,
-    one_of,
     real_number,
     refuse,
     whole_number,
 )
 
-_LEAST_RATE = 1.0 / sys.float_info.max
-_HIGHEST_HARMONIC = 1_000_000
 _LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
-_LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
-_LEVELS_KEPT = 6  # quadratures of up to 60,000 points are kept for the next question
 
 
 @dataclass(frozen=True)
-class CollisionLaw:
+class CollisionLaw(Collision):
     """The bounce off a fixed disk or sphere, averaged over a uniform impact parameter.
 
     Parameters
@@ -77,29 +64,33 @@ class CollisionLaw:
     restitution: float | None
     tangential_restitution: float | None = 1.0
     dimension: int = 2
-    # the chance of each bounce, if they are not that of the arguments
+    # the chance of each bounce, if they are not that of the arguments; and anyway
     _mixed: tuple[tuple[float, Bounce], ...] | None = field(default=None, repr=False)
     medium: Medium | None = field(default=None, repr=False)
     mass_ratio: float = math.inf
+    bounces: tuple[tuple[float, Bounce], ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "dimension", whole_number("dimension", self.dimension, 2, 3))
-        set_(self, "mass_ratio", check_mass_ratio(self.mass_ratio))
+        made = vars(self)  # past the lock of a frozen dataclass
+        made["dimension"] = whole_number("dimension", self.dimension, 2, 3)
+        made["mass_ratio"] = check_mass_ratio(self.mass_ratio)
         if self._mixed is not None:
+            made["bounces"] = self._mixed
             return
-        e = check_restitution(self.restitution)
+        e = made["restitution"] = check_restitution(self.restitution)
         allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
         value = self.tangential_restitution
         et = real_number("tangential_restitution", value, 0.0, 1.0, allowed)
+        made["tangential_restitution"] = et
         if max(e, et) < _LEAST_RATIO:
             allowed = f"at restitution {short(e)} it must be {_LEAST_RATIO:g} or more"
             refuse("tangential_restitution", value, allowed)
         if et != 1.0 and self.mass_ratio < math.inf:
             allowed = f"at tangential_restitution {short(et)} it must be inf: fixed scatterers"
             refuse("mass_ratio", self.mass_ratio, allowed)
-        set_(self, "restitution", e)
-        set_(self, "tangential_restitution", et)
+        effective = self.effective_restitution
+        assert effective is not None
+        made["bounces"] = ((1.0, DiskBounce(effective, et, self.dimension)),)
 
     @classmethod
     def from_samples(
@@ -178,25 +169,7 @@ class CollisionLaw:
 
     # -- what kind of law it is -------------------------------------------------------------------
 
-    @cached_property
-    def bounces(self) -> tuple[tuple[float, Bounce], ...]:
-        """The bounces of which it is made, and the chance of each; the chances sum to 1."""
-        if self._mixed is not None:
-            return self._mixed
-        e, et = self.effective_restitution, self.tangential_restitution
-        assert e is not None
-        assert et is not None
-        return ((1.0, DiskBounce(e, et, self.dimension)),)
-
     @property
-    def _parts(self) -> list[Bounce]:
-        return [bounce for _, bounce in self.bounces]
-
-    def _sum(self, values: Sequence[Any]) -> Any:
-        """The weighted sum of a value of each bounce."""
-        return sum(w * value for (w, _), value in zip(self.bounces, values, strict=True))
-
-    @cached_property
     def effective_restitution(self) -> float | None:
         """e of the fixed scatterer that leaves the tracer the same velocity, -1 < e <= 1.
 
@@ -208,65 +181,17 @@ class CollisionLaw:
         return (self.restitution * self.mass_ratio - 1.0) / (self.mass_ratio + 1.0)
 
     @cached_property
-    def is_elastic(self) -> bool:
-        """Whether every bounce keeps the speed."""
-        return self.least_loss == self.largest_loss == 0.0
-
-    @cached_property
-    def least_loss(self) -> float:
-        """The smallest -ln s that occurs: 0 for smooth scatterers, below 0 if energy is gained."""
-        return min(part.losses[0] for part in self._parts)
-
-    @cached_property
-    def largest_loss(self) -> float:
-        """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
-        return max(part.losses[1] for part in self._parts)
-
-    @property
-    def loss_ends(self) -> tuple[float, ...]:
-        """The least and the largest -ln s of each part of the law: its density steps there."""
-        return tuple(loss for part in self._parts for loss in part.losses)
-
-    @property
-    def least_ratio(self) -> float:
-        """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
-        return math.exp(-self.largest_loss)
-
-    @property
-    def has_atoms(self) -> bool:
-        """Whether s takes single values, each with a chance of its own: samples, or et = e."""
-        return any(part.has_atoms for part in self._parts)
-
-    @cached_property
-    def disk_restitutions(self) -> tuple[float, ...]:
-        """The effective restitutions of the disks or spheres of which the law is made."""
-        return tuple(p.restitution for p in self._parts if isinstance(p, DiskBounce))
-
-    @cached_property
-    def throws_back(self) -> bool:
-        """Whether samples throw some of the tracers straight back."""
-        samples = (p.quadrature(0) for p in self._parts if isinstance(p, SampledBounce))
-        return any(bool(np.any(q.weight[q.cosine < -1.0 + 1e-9] > 0.0)) for q in samples)
-
-    @cached_property
-    def _lowest_power(self) -> float:
-        """The same without a medium."""
-        return max(part.lowest_power for part in self._parts)
-
-    @cached_property
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
         There it is -1 for smooth disks, -2 for spheres and for et = 0; in a medium perhaps higher.
         """
-        if self.medium is None:
-            return self._lowest_power
-        return max(self._lowest_power, self.medium.lowest_power(self.quadrature))
-
-    @property
-    def reaches_rest(self) -> bool:
-        """Whether bounces leave as little of the speed as one likes."""
-        return math.isfinite(self._lowest_power)
+        lowest = max(part.lowest_power for _, part in self.bounces)
+        return (
+            lowest
+            if self.medium is None
+            else max(lowest, self.medium.lowest_power(self.quadrature))
+        )
 
     @property
     def uniform_power(self) -> float | None:
@@ -293,54 +218,19 @@ class CollisionLaw:
         across = 2.0 * diameter if self.dimension == 2 else math.pi * diameter * diameter
         rate = across * number_density
         ratio = 1.0 if self.medium is None else self.medium.path_ratio
-        return ratio / rate if rate >= _LEAST_RATE else math.inf
-
-    @property
-    def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p at large p: (d-1)/(1-e^2) for smooth disks and spheres.
-
-        0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
-        """
-        return float(self._sum([part.tail_exponent for part in self._parts]))
+        return ratio / rate if ratio < rate * sys.float_info.max else math.inf
 
     # -- averages ---------------------------------------------------------------------------------
-
-    @cached_property
-    def quadrature(self) -> ImpactQuadrature:
-        """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
-        return self.quadrature_for(0.0)
-
-    def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
-        """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``."""
-        level = self._level(rate, m)
-        make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
-        return make(self.bounces, level)
-
-    def _level(self, rate: float, m: int) -> int:
-        """How often panels are halved for functions that vary so fast."""
-        turn = max(part.turns(rate, m) for part in self._parts)
-        if not turn <= _LARGEST_TURN:
-            raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
-        return max(0, math.ceil(math.log2(max(turn, 1.0) / RESOLVED)))
-
-    def _beyond(self, p: NDArray[Any]) -> NDArray[Any]:
-        """What the nodes leave out of E[s^p]."""
-        return np.asarray(self._sum([part.beyond(p) for part in self._parts]))
-
-    def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
-        """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
-        level = self._level(rate, 0)
-        found = [part.survival(level, rate) for part in self._parts]
-        weight = [w * each for (w, _), (_, each) in zip(self.bounces, found, strict=True)]
-        return np.concatenate([u for u, _ in found]), np.concatenate(weight)
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p], of the shape of p, a float for a real number; p may be complex."""
         p_ = self._exponents(p)
-        q = self.quadrature_for(_size(p_))
+        q = self.quadrature_for(p_)
         with np.errstate(over="ignore", invalid="ignore"):
             mean = np.exp(-np.multiply.outer(p_, q.log_loss)) @ q.weight + self._beyond(p_)
-        return _finite(p, mean)[()]
+        if not np.all(np.isfinite(mean)):
+            refuse("p", p, "E[s^p] overflows double precision there")
+        return mean[()]
 
     def decay_rate(self, p: ArrayLike) -> Any:
         """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part)."""
@@ -351,126 +241,63 @@ class CollisionLaw:
 
         In space cos(m chi) is P_m(cos chi).
         """
-        m = whole_number("m", m, -_HIGHEST_HARMONIC, _HIGHEST_HARMONIC)
+        m = whole_number("m", m, -1_000_000, 1_000_000)
         p_ = self._exponents(p)
         with np.errstate(over="ignore", invalid="ignore"):
             rate = self.decay_symbol(p_, m)
-        return _finite(p, rate)[()]
+        if not np.all(np.isfinite(rate)):
+            refuse("p", p, "E[s^p] overflows double precision there")
+        return rate[()]
 
     def decay_symbol(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
         """lambda_m(z), shape of z; without checks of the range, for inner loops."""
-        return self.met_again(z, self._lost(z, m), m)
-
-    def _lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
-        """1 - E[s^z cos(m chi)] of one collision, shape of z."""
-        et = self.tangential_restitution
-        if m == 0 and self.effective_restitution == 0.0 and et:  # s = et y
-            above = self.dimension - 1.0
-            return np.asarray((z - above * np.expm1(z * math.log(et))) / (above + z))
-        q = self.quadrature_for(_size(z), abs(m))
-        lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
-        if m == 0:
-            return np.asarray(lost @ q.weight - self._beyond(z))
-        # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation
-        gone = q.harmonic_loss(m)
-        rate = (lost + (1.0 - lost) * gone) @ q.weight
-        # bounces beyond the nodes deflect by pi/2, as the first node does
-        return np.asarray(rate if m % 2 else rate - self._beyond(z) * (1.0 - gone[0]))
+        return self.met_again(z, self.lost(z, m), m)
 
     def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
         """lambda(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
         at = z[:, None] + offsets
-        q = self.quadrature_for(_size(at))
+        q = self.quadrature_for(at)
         # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
         rest = np.multiply.outer(q.log_loss, offsets)
-        lost = _lost_powers(z, q.log_loss) @ (q.weight[:, None] * np.exp(-rest))
+        fall, half = (np.multiply.outer(part, q.log_loss) for part in (z.real, 0.5 * z.imag))
+        sine, left = np.sin(half), 2.0 * np.exp(-fall)  # quicker than a complex expm1
+        left *= sine
+        lost = left * sine - np.expm1(-fall) + 1j * (left * np.cos(half))
+        lost = lost @ (q.weight[:, None] * np.exp(-rest))
         rate = lost - q.weight @ np.expm1(-rest) - self._beyond(at)
         return self.met_again(at, rate, 0)
 
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
         """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
-        q = self.quadrature_for(_size(z))
+        q = self.quadrature_for(z)
         power = np.exp(-np.multiply.outer(z, q.log_loss))
         order = np.arange(1.0, orders)
         factors = q.weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
         # a complex matrix times a real one would be taken apart for each column
         slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
-        return self.taylor_met_again(z, [self._lost(z), *(-slopes.T)], 0)
-
-    @cached_property
-    def mean_log_loss(self) -> float:
-        """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
-        return float(self.quadrature.weight @ self.quadrature.log_loss)
-
-    @cached_property
-    def mean_cosine(self) -> float:
-        """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
-        return float(self.quadrature.weight @ self.quadrature.cosine)
+        return self.taylor_met_again(z, [self.lost(z), *(-slopes.T)], 0)
 
     # -- returns to the scatterer before, in a medium ----------------------------------------------
 
-    @cached_property
-    def without_medium(self) -> CollisionLaw:
-        """The same bounce among scatterers that are never met again."""
-        return replace(self, medium=None)
-
     def returns(self, m: int) -> tuple[float, float]:
         """eps (-1)^m, and x = -ln e, of the bounces straight back; both are 0 where none comes."""
-        if self.medium is None or not self.restitution:
-            return 0.0, 0.0
-        return self.medium.returns(m) * (-1.0) ** m, self.largest_loss
+        return (0.0, 0.0) if self.medium is None else self.medium.returns(m)
 
     def met_again(self, z: NDArray[Any], rate: NDArray[Any], m: int) -> NDArray[Any]:
         """lambda_m at z with returns to the scatterer before, from that without; shape of z."""
-        eps, loss = self.returns(m)
-        return np.asarray(rate / (1.0 + eps * np.exp(-loss * z) * rate)) if eps else rate
+        return self.taylor_met_again(z, [rate], m)[0]
 
     def taylor_met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
         """The same for Taylor coefficients of lambda_m at z, each of the shape of z."""
-        eps, loss = self.returns(m)
-        if not eps:
-            return rate
-        orders = range(len(rate))
-        back = [eps * np.exp(-loss * z) * (-loss) ** n / math.factorial(n) for n in orders]
-        below = [sum(back[i] * rate[n - i] for i in range(n + 1)) for n in orders]
-        out: list[NDArray[Any]] = []
-        for n in orders:
-            known = sum((below[i] * out[n - i] for i in range(1, n + 1)), np.zeros_like(z))
-            out.append(np.asarray((rate[n] - known) / (1.0 + below[0])))
-        return out
+        return rate if self.medium is None else self.medium.met_again(z, rate, m)
 
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
         p_ = number_array("p", p, "iufc", "it must be a number or an array of numbers")
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
-        if np.any(p_.real <= self.lowest_power):
+        if np.any(p_.real < 0.0) and np.any(p_.real <= self.lowest_power):
             refuse("p", p, f"it must be above {self.lowest_power:g} for this law")
         return p_
-
-
-def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
-    if not np.all(np.isfinite(value)):
-        refuse("p", p, "E[s^p] overflows double precision there")
-    return value
-
-
-def _lost_powers(z: NDArray[Any], log_loss: NDArray[Any]) -> NDArray[Any]:
-    """1 - s^z for z (n_z,), shape (n_z, n_points): half angles are quicker than complex expm1."""
-    fall, half = (np.multiply.outer(part, log_loss) for part in (z.real, 0.5 * z.imag))
-    sine, left = np.sin(half), 2.0 * np.exp(-fall)
-    left *= sine
-    return np.asarray(left * sine - np.expm1(-fall) + 1j * (left * np.cos(half)))
-
-
-def _size(z: NDArray[Any]) -> float:
-    return float(np.max(np.abs(z))) if z.size else 0.0
-
-
-@lru_cache(maxsize=64)
-def _quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
-    """The weighted sum of the averages over these bounces."""
-    found = [bounce.quadrature(level) for _, bounce in bounces]
-    return ImpactQuadrature.joined([share for share, _ in bounces], found)
 
 
 def law_of(
@@ -502,22 +329,6 @@ def law_of(
 def law_in_medium(
     law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any = "second"
 ) -> CollisionLaw:
-    """The law among these scatterers; the law itself where they are dilute.
-
-    Raises InputError for arguments out of range, and where the theory is not derived: rough or
-    moving scatterers, spheres, samples, mixtures.
-    """
-    scatterers = one_of("scatterers", scatterers, SCATTERERS)
-    order = one_of("density_order", order, ORDERS)
-    if scatterers == "dilute":
-        return law
-    given = f"with scatterers={scatterers!r} it must be"
-    if law.mass_ratio < math.inf:
-        refuse("mass_ratio", law.mass_ratio, f"{given} inf: fixed")
-    if law.restitution is None or law.dimension == 3 or law.tangential_restitution != 1.0:
-        refuse("scatterers", scatterers, "a finite density is derived for smooth disks only")
-    rho, d = check_positive("number_density", number_density), check_positive("diameter", diameter)
-    if not 1e-300 < rho * d * d <= HIGHEST_DENSITY:
-        refuse("number_density", number_density, f"{given} at most {HIGHEST_DENSITY:g} d^-2")
-    medium = Medium(scatterers, rho * d * d, law.restitution, order)
-    return CollisionLaw(law.restitution, medium=medium)
+    """The law among these scatterers, itself where they are dilute; see :meth:`Medium.checked`."""
+    medium = Medium.checked(law, scatterers, number_density, diameter, order)
+    return law if medium is None else replace(law, medium=medium)

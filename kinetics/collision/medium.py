@@ -26,10 +26,15 @@ import math
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.collision.bounce import ImpactQuadrature
+from kinetics.numerics import FloatArray
+from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
+from kinetics.validation import check_positive, one_of, refuse
 
 SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
@@ -54,6 +59,32 @@ class Medium:
     restitution: float
     order: str
 
+    @classmethod
+    def checked(
+        cls, law: Any, scatterers: Any, number_density: Any, diameter: Any, order: Any
+    ) -> Medium | None:
+        """What a CollisionLaw finds among these scatterers; None where they are dilute.
+
+        Raises InputError for arguments out of range, and where the theory is not derived: rough or
+        moving scatterers, spheres, samples, mixtures.
+        """
+        scatterers = one_of("scatterers", scatterers, SCATTERERS)
+        order = one_of("density_order", order, ORDERS)
+        if scatterers == "dilute":
+            return None
+        given = f"with scatterers={scatterers!r} it must be"
+        if law.mass_ratio < math.inf:
+            refuse("mass_ratio", law.mass_ratio, f"{given} inf: fixed")
+        if law.restitution is None or law.dimension == 3 or law.tangential_restitution != 1.0:
+            refuse("scatterers", scatterers, "a finite density is derived for smooth disks only")
+        rho, d = (
+            check_positive("number_density", number_density),
+            check_positive("diameter", diameter),
+        )
+        if not 1e-300 < rho * d * d <= HIGHEST_DENSITY:
+            refuse("number_density", number_density, f"{given} at most {HIGHEST_DENSITY:g} d^-2")
+        return cls(scatterers, rho * d * d, law.restitution, order)
+
     @cached_property
     def path_ratio(self) -> float:
         """The mean path between collisions over 1/(2 d rho), with 1 + d n of the order n.
@@ -73,9 +104,14 @@ class Medium:
         e, n = self.restitution, self.density
         return _LONGER * e * (1.0 - e) * (n * math.log(n)) ** 2 if self.order == "second" else 0.0
 
-    def returns(self, m: int) -> float:
-        """eps: the chance per collision to be thrown back to the scatterer before."""
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps (-1)^m and -ln e of the bounces straight back; both are 0 where none comes.
+
+        eps is the chance per collision to be thrown back to the scatterer before.
+        """
         e, n = self.restitution, self.density
+        if e == 0.0:
+            return 0.0, 0.0
         log_n = math.log(n)
         log = log_n + self._row[1 + m] if m in (0, 1, 2) else log_n
         eps = -2.0 * e / (1.0 + e) * n * log
@@ -84,13 +120,28 @@ class Medium:
             more = (a + b * n) * e * e + (f + g * n) * math.sqrt(1.0 - e * e)
             eps += more * (n * log_n) ** 2 + 2.0 * self._longer * (_J1[0] - _J1[1] * e)
         # returns of returns must add up, eps |lambda| < 1: above the tested densities only
-        return min(eps, 0.45)
+        return (-1.0) ** m * min(eps, 0.45), -math.log(e)
+
+    def met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda_m at z from those without returns, each of the shape of z.
+
+        Of lambda/(1 + b lambda), b = eps (-1)^m e^z.
+        """
+        eps, loss = self.returns(m)
+        orders = range(len(rate))
+        back = [eps * np.exp(-loss * z) * (-loss) ** n / math.factorial(n) for n in orders]
+        below = [sum(back[i] * rate[n - i] for i in range(n + 1)) for n in orders]
+        out: list[NDArray[Any]] = []
+        for n in orders:
+            known = sum((below[i] * out[n - i] for i in range(1, n + 1)), np.zeros_like(z))
+            out.append(np.asarray((rate[n] - known) / (1.0 + below[0])))
+        return out
 
     def lowest_power(self, q: ImpactQuadrature) -> float:
         """p where eps e^p (1 + E[s^p]) = 1, q the average over a collision; -inf if nowhere."""
         from scipy.optimize import brentq
 
-        largest = max(abs(self.returns(m)) for m in range(3))
+        largest = max(abs(self.returns(m)[0]) for m in range(3))
         if self.restitution in (0.0, 1.0) or largest == 0.0:
             return -math.inf
         loss = -math.log(self.restitution)
@@ -106,15 +157,17 @@ class Medium:
         return float(brentq(log_size, low, 0.0, rtol=1e-12))
 
     @cached_property
-    def _row(self) -> tuple[float, float, float, float]:
+    def _row(self) -> list[float]:
         """d, and ln C of the harmonics 0, 1 and 2; zeros at the leading order."""
         if self.order == "leading":
-            return 0.0, 0.0, 0.0, 0.0
-        e, table = max(self.restitution, _LEAST_RESTITUTION), _constants()
-        # above .9 C(e; 0) is held: eps lambda_0 vanishes with 1 - e
-        cooling = _interpolated(min(e, 0.9), table["restitution"], table["ln C 0"])
-        rest = [_interpolated(e, table["restitution"], table[k]) for k in ("d", "ln C 1", "ln C 2")]
-        return rest[0], cooling, rest[1], rest[2]
+            return [0.0] * 4
+        found: dict[str, float] = {}
+        for at, columns in _constants():
+            x = min(max(self.restitution, at[0]), at[-1])  # beyond the table they are held
+            near = np.argsort(np.abs(at - x))[:4]  # the cubic through these
+            rows = interpolation_rows(x - at[near], barycentric_weights(at[near]))
+            found |= {name: float(rows @ values[near]) for name, values in columns.items()}
+        return [found[name] for name in ("d", "ln C 0", "ln C 1", "ln C 2")]
 
     @property
     def level(self) -> str:
@@ -145,18 +198,12 @@ class Medium:
 
 
 @cache
-def _constants() -> dict[str, list[float]]:
-    """d and ln C of each harmonic, by restitution, from the file."""
+def _constants() -> list[tuple[FloatArray, dict[str, FloatArray]]]:
+    """Restitutions, and the constants there, from the file.
+
+    C(e; 0) ends at e = .9, as eps lambda_0 vanishes with 1 - e.
+    """
     text = files("kinetics.collision").joinpath("returns.json").read_text("utf-8")
-    table = json.loads(text)
-    return {name: table[name] for name in ("restitution", "d", "ln C 0", "ln C 1", "ln C 2")}
-
-
-def _interpolated(x: float, at: list[float], values: list[float]) -> float:
-    """The cubic through the four nearest points."""
-    near = sorted(range(len(values)), key=lambda i: abs(at[i] - x))[:4]
-    total = 0.0
-    for i in near:
-        share = math.prod((x - at[j]) / (at[i] - at[j]) for j in near if j != i)
-        total += share * values[i]
-    return total
+    table = {name: np.array(values) for name, values in json.loads(text).items()}
+    e, all_over = table["restitution"], {name: table[name] for name in ("d", "ln C 1", "ln C 2")}
+    return [(e[:-1], {"ln C 0": table["ln C 0"]}), (e, all_over)]

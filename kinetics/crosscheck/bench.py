@@ -1,8 +1,7 @@
 """The benchmark: run time of the solver against its error, and of the particles.
 
 `problems` is the table of what is solved; a piece of `Work` is one problem at one setting, of which
-`measure` makes a row, a dictionary; `BenchReport` makes tables of the rows. Speed from version to
-version: see ``tests/benchmarks``.
+`measure` makes a row, a dictionary; `BenchReport` makes tables of the rows.
 
 Errors are relative to references of 1e-12 or better; of G(R), <r^2> among hard disks and driven
 tracers, of which nothing else is known, to a tighter solution.

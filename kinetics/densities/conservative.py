@@ -26,8 +26,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 
 # Of the spacing: the first one tried, and the finest; each next one is half of the one before.
 _COARSEST = 0.128
@@ -91,7 +90,7 @@ def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
     q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
     below = np.minimum(q.log_loss, FOLDS)
     last = math.ceil(float(below.max()) / spacing) + 1
-    points = LogMeasure(-below, q.weight * q.harmonic(m))
+    points = LogMeasure(-below, q.weight * (1.0 - q.harmonic_loss(m)))
     return deposit(points, spacing * np.arange(-last, 1.0), spacing)[::-1]
 
 

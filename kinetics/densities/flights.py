@@ -23,7 +23,7 @@ from numpy.polynomial import chebyshev
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import LogMeasure
 
 # panels for each octave of the speed, for smooth densities and for those with steps
 _PANELS = {True: 6, False: 60}

@@ -48,7 +48,7 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) ->
         return -np.log(1.0 - 1j * k / tilt) if tilt else np.zeros(k.size, dtype=complex)
     q = law.quadrature_for(float(k[-1]), m)
     kept = q.weight > math.exp(-FOLDS) * q.weight.max()
-    xi, weight, turned = q.log_loss[kept], q.weight[kept], q.harmonic(m)[kept]
+    xi, weight, turned = q.log_loss[kept], q.weight[kept], 1.0 - q.harmonic_loss(m)[kept]
     steps = tilt + np.arange(_TOP + 1.0)
     powers = np.exp(-np.multiply.outer(xi, steps))
     # Between two wave numbers, h < 0.5 apart, three Gauss points leave (3!)^4/(7 (6!)^3) h^7 = 4e-9

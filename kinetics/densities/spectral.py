@@ -24,8 +24,7 @@ from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.results import Value
 from kinetics.scaling.mellin import extent_of
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import SpeedFunction
+from kinetics.states.state import LogMeasure, SpeedFunction
 
 # Limits of the work: nodes, and values at nodes and times (a quarter of a gigabyte).
 _MOST_NODES, _MOST_VALUES = 40_000, 3e7

@@ -24,7 +24,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import derivative_matrix, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre
 
-_FADING = 40.0  # the power of v/top with which what leads beyond the top is faded out
+FADING = 40.0  # the power of v/top with which what leads beyond the top is faded out
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class SpeedAxis:
     @cached_property
     def faded(self) -> FloatArray:
         """1, and 0 at the top, smoothly, if ``fading``, (size,)."""
-        return 1.0 - (self.speeds / self.highest) ** _FADING * self.fading
+        return 1.0 - (self.speeds / self.highest) ** FADING * self.fading
 
     def local(self, v: FloatArray) -> FloatArray:
         """x of any speeds; those near the top and beyond it are folded under it, smoothly.
@@ -101,7 +101,7 @@ class SpeedAxis:
         """
         y = np.minimum(v / self.highest, 8.0)
         if self.power == 1.0:
-            y = y * (1.0 + y**_FADING) ** (-1.0 / _FADING)
+            y = y * (1.0 + y**FADING) ** (-1.0 / FADING)
         x = np.arcsinh(y * (self.highest / self.scale)) / self._span
         return np.clip(x if self.power == 1.0 else x ** (1.0 / self.power), 0.0, 1.0)
 

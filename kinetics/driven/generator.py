@@ -113,7 +113,7 @@ class Generator:
         else:
             breaks = system.breaks / v
             edges = np.unique(np.concatenate([[0.0], breaks[breaks < 1.0], [1.0]]))
-        count = max(16, self._points // max(1, edges.size - 2))
+        count = max(10, self._points // max(1, edges.size - 2))
         x, weight = gauss_legendre(count) if w else self._gathered(count)
         at = np.arcsin(edges) if system.dimension == 2 else edges
         place = (at[:-1, None] + np.diff(at)[:, None] * x).ravel()

@@ -9,16 +9,18 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.special import logsumexp
 
-from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.axis import FADING, SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
-from kinetics.driven.steady import angular_sum
+from kinetics.driven.steady import SLOWLY, angular_sum
 from kinetics.driven.system import System
 from kinetics.errors import InputError
 from kinetics.field import radau
 from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
 from kinetics.field.scene import DENSITIES, FieldScene
 from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.states.kinds import Rest
 from kinetics.states.state import State
 
 _MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
@@ -65,8 +67,11 @@ class _Evolution(March):
         ]
         assert measures[0] is not None
         fastest = float(np.exp(measures[0].x.max()))
-        driven = system.is_driven
-        top = system.top(_TAIL * resolution.rtol, last, fastest)
+        driven, tail = system.is_driven, _TAIL * resolution.rtol
+        if driven:  # what fades towards the top changes averages of the start by less than the tail
+            share = logsumexp(FADING * measures[0].x, b=abs(measures[0].weight)) - math.log(tail)
+            fastest = max(fastest, math.exp(share / FADING))
+        top = system.top(tail, last, fastest)
         power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
         self.axis = axis
@@ -84,6 +89,8 @@ class _Evolution(March):
                     begin[0, m] = axis.averaged(lambda v, of=profile: np.real(of(v)), m % 2)  # type: ignore[misc]
         self.sums = np.zeros((times.size, *begin.shape[1:]))
         self._run(equation, begin, fastest)
+        if isinstance(state, Rest):  # at time 0 all but "1" is 0, not what rounding leaves
+            self.values[np.ix_(times == 0.0, np.array(ALL) != "1")] = 0.0
 
     @property
     def finer(self) -> Resolution | None:
@@ -137,7 +144,8 @@ class DrivenScene(FieldScene):
         # without a field what has no direction forgets those of the start
         directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
         alike = not self.system.field and (there == 0 or not directed)
-        rest = self._asked, DENSITIES in self.allowed, alike
+        asked = self._asked | ({"1"} if self.system.capture_speed else set())
+        rest = asked, DENSITIES in self.allowed, alike
 
         def solve(resolution: Resolution) -> _Evolution:
             return _Evolution(self.system, self.state, times, resolution, *rest)
@@ -146,7 +154,9 @@ class DrivenScene(FieldScene):
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:
         """How far two solutions are apart; densities of the speed, over their maximum."""
-        errors = {"averages": one.difference(two)}
+        # where impacts begin to stick averages bend sharply, unless a bath smooths them
+        slowly = self.system.capture_speed > 0.0 and not self.system.bath_speed
+        errors = {"averages": one.difference(two) * (SLOWLY if slowly else 1.0)}
         if DENSITIES in self.allowed:
             worst = 0.0
             for i, square in enumerate(one.values[:, ALL.index("v^2")]):

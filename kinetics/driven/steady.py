@@ -30,7 +30,7 @@ _MOST_TURNS, _SETTLED = 400, 1e-13  # of the iteration for the slowest decay, wh
 _HIGHEST_POWER = 20.0
 # Under noise the density next to rest has odd powers of v: errors fall as a power of the number of
 # speeds, and up to 3.8 times as much is left as two solutions differ by
-_SLOWLY = 4.0
+SLOWLY = 4.0
 _LONG = 5.0  # the highest speed over the scale of the axis, where only a field drives
 _FIGURES = {
     "thermal_speed": ("1", "sqrt(<v^2>)"),
@@ -122,7 +122,7 @@ class Steady:
                 apart = np.append(apart, abs(coarse.depth / self.depth - 1.0))
         worst = float(np.max(apart))
         if self.system.heating:
-            worst *= _SLOWLY
+            worst *= SLOWLY
         return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
 
     @property

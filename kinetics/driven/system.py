@@ -78,6 +78,11 @@ class System:
         return CollisionLaw(e, 1.0, self.dimension, mass_ratio=self.mass_ratio)
 
     @property
+    def only_slows(self) -> bool:
+        """Whether there are but drag and collisions that scale with the speed."""
+        return self.law is not None and self.drag > 0.0 and not self.is_driven
+
+    @property
     def only_falls(self) -> bool:
         """Whether there are but a field and collisions that scale with the speed."""
         return self.law is not None and self.field > 0.0 and not (self.heating or self.drag)
@@ -130,7 +135,7 @@ class System:
         """E[1 - s^2], E[1 - s cos chi] and E[(1 + e*)^2 n^2] of resting scatterers, (n,) each."""
         if self.law is not None:
             q, one = self.law.quadrature, np.ones(v.shape)
-            lost = self.law.energy_loss * one, (q.weight @ (1.0 - q.parallel)) * one
+            lost = self.law.energy_loss * one, (q.weight @ (1.0 - q.ratio * q.cosine)) * one
             return *lost, 0.0 * one
         x, w = gauss_legendre(_POINTS)
         if self.dimension == 2:

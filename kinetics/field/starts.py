@@ -17,8 +17,7 @@ from kinetics.field.harmonics import angular
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.kinds import Beam, Rest, VelocitySamples
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 
 _PIECE = 1000  # points that are interpolated at once
 _SLOW = 1.0  # sqrt(g l): isotropic starts with a highest speed below this become velocities

@@ -2,6 +2,6 @@
 
 Each average is one smooth function of v t, averaged over the initial state. May import
 `kinetics.states`, `kinetics.collision` and `kinetics.numerics`. Begin with `backward.py`, the
-equation; `velocity.py` averages over a state, `displacement.py` has the outputs that are made of
-the displacement, and `by_collision.py` the closed forms after N collisions.
+equation; `averages.py` averages over a state, and has the outputs that are made of that;
+`by_collision.py` has the closed forms after N collisions.
 """

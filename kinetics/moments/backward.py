@@ -15,41 +15,45 @@ every later time for every initial state.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import asymptotic_from
-from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import PanelRule, PanelShifts, panel_rule, with_returns
+from kinetics.numerics import FOLDS, LARGEST_LOG, FloatArray
+from kinetics.numerics.chebyshev import PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 _TERMS = 40  # of that series: where T = e^-2 more add nothing
-# For m > 2 panels go on to the last time, or as far as e^X is a number.
-_HARMONICS, _HIGHEST_X = 2, 700.0
 # Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
-# is the most that it may. Narrower panels than the least would take seconds.
-_STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
+# is the most that it may.
+STEEPEST = 4.0
 
 
-def panel_width(degree: float, fall: float = 0.0) -> float:
-    """Width in X of panels for powers of the speed up to ``degree`` in size; see `fall_of`."""
-    by_degree = min(1.0, _STEEPEST / max(abs(degree), _STEEPEST))
-    return min(by_degree, max(_STEEPEST / max(fall, _STEEPEST), _NARROWEST))
+@lru_cache(maxsize=48)
+def asymptotic_from(law: CollisionLaw) -> float:
+    """X = ln T from which averages are asymptotic; inf at rough scatterers.
 
-
-def fall_of(law: CollisionLaw, degree: float) -> float:
-    """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
-
-    There those that have not collided weigh as much as those that have collided once.
+    Corrections fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)]. Smooth scatterers have
+    Re z <= -0.736 (disks with e = 0.03, m = 1): what is left is 2e-13 at worst. Where e < 0 tracers
+    keep their direction for long, and the largest z, of m = 1, is real. At e = 1 corrections to the
+    late power are 1/(nu T), nu the slowest decay of the harmonics 1 and 2.
     """
-    if degree <= 0.0:
-        return 0.0
-    return -math.log(max(float(law.mean_speed_ratio_power(degree)), 1e-300))
+    if law.is_elastic:
+        # of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32
+        rates = [law.harmonic_decay_rate(0.0, m) for m in (1, 2)]
+        return FOLDS - math.log(min([rate for rate in rates if rate > 1e-30], default=1.0))
+    e, slowest = law.effective_restitution, -1.0
+    if law.tangential_restitution != 1.0:
+        return math.inf
+    if e is not None and e < 0.0 and law.harmonic_decay_rate(slowest, 1) < 0.0:
+        from scipy.optimize import brentq
+
+        slowest = brentq(lambda z: law.harmonic_decay_rate(z, 1), slowest, 0.0, rtol=1e-9)
+    return FOLDS / -slowest - math.log(law.mean_log_loss)
 
 
 @dataclass(frozen=True)
@@ -104,17 +108,20 @@ def power_series(degree: float, x: FloatArray, coefficients: FloatArray) -> Floa
 
 
 @lru_cache(maxsize=8)
-def _kept(law: CollisionLaw, nodes: int, width: float, at_once: bool) -> tuple[dict[Any, Any], ...]:
-    """Kernels, shifts, series and the rest that the start does not change: filled as asked for."""
+def _kept(law: CollisionLaw, nodes: int, width: float) -> tuple[dict[Any, Any], ...]:
+    """Kernels, shifts, series and all else, as the start changes nothing: filled as asked for."""
     return {}, {}, {}, {}
 
 
 @dataclass
 class BackwardEquation:
-    """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
+    """Solves for observables on panels in X = ln(u t/l); what is solved is kept with the law.
 
     highest, harmonic : the largest X, and the largest m, that will be asked for
-    nodes, width : Chebyshev nodes of a panel, and its width in X, see `panel_width`
+    nodes, width : Chebyshev nodes of a panel, and its width in X, for powers of the speed up to
+        STEEPEST/width
+    rtol : relative accuracy that will be asked for
+    start : X where the panels begin
     """
 
     law: CollisionLaw
@@ -122,47 +129,28 @@ class BackwardEquation:
     nodes: int
     width: float = 1.0
     harmonic: int = 2
-    _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
-    _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
+    rtol: float = 1e-11
+    start: float = START
 
     def __post_init__(self) -> None:
-        kept = _kept(self.law, self.nodes, self.width, self._at_once(1))
+        self.rule = panel_rule(self.nodes, self.width)
+        kept = _kept(self.law, self.nodes, self.width)
         self._kernels, self._shifts, self._series, self._kept = kept
-        end = min(self.highest, self._saturation)
+        # for m > 2 as far as e^X is a number
+        known = asymptotic_from(self.law) if self.harmonic <= 2 else math.inf
+        end = min(self.highest, known, LARGEST_LOG - 9.0)
         self.count = max(1, math.ceil((end - self.start) / self.width))
-
-    @property
-    def start(self) -> float:
-        """X where the panels begin."""
-        return START
-
-    @property
-    def _saturation(self) -> float:
-        """X beyond which observables are on their asymptotes."""
-        if self.harmonic > _HARMONICS:
-            return _HIGHEST_X
-        if self.law.is_elastic:
-            # corrections to the late power are 1/(nu T), nu the slowest decay of a harmonic:
-            # e^-40 = 4e-18. Of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32
-            rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
-            return 40.0 - math.log(min([rate for rate in rates if rate > 1e-30], default=1.0))
-        return min(asymptotic_from(self.law), _HIGHEST_X)
-
-    @cached_property
-    def rule(self) -> PanelRule:
-        """The collocation of a panel."""
-        return panel_rule(self.nodes, self.width)
 
     def _kernel(self, m: int) -> tuple[FloatArray, FloatArray]:
         """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
         if m not in self._kernels:
-            rate = max(float(self.nodes), _STEEPEST / self.width)
+            rate = max(float(self.nodes), STEEPEST / self.width)
             q = self.law.quadrature_for(rate, m)
             points = q.weight.size
             if points not in self._shifts:  # most harmonics share one quadrature
                 self._shifts[points] = PanelShifts(self.rule, q.log_loss)
-            factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
-            loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
+            lost = q.harmonic_loss(m)[None]
+            loss, gain = self._shifts[points].kernel(q.weight, 1.0 - lost, lost)
             eps, shift = self.law.returns(m) if self._at_once(m) else (0.0, 0.0)
             if eps:
                 loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), shift)
@@ -175,9 +163,11 @@ class BackwardEquation:
 
     def solve(self, y: Observable) -> FloatArray:
         """Values at the nodes of all panels, shape (n_panels, nodes)."""
-        if y not in self._solved:
-            self._solved[y] = self._solve(y)
-        return self._solved[y]
+        key = y, self.count, self.rtol
+        if key not in self._kept:
+            self._kept[key] = self._solve(y)
+        found: FloatArray = self._kept[key]
+        return found
 
     def _solve(self, y: Observable) -> FloatArray:
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
@@ -246,12 +236,13 @@ class BackwardEquation:
         for factor, other in y.sources:
             known = self.series(other)[:_TERMS]
             drive[: known.size] += factor * known
-        law = self.law if self._at_once(y.harmonic) else self.law.without_medium
-        return drive, law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
+        rate_of = self.law.decay_symbol if self._at_once(y.harmonic) else self.law.lost
+        return drive, rate_of(y.degree + np.arange(_TERMS), y.harmonic)
 
     def error_estimate(self, observable: Observable) -> float:
         """What the Chebyshev coefficients of panels leave out, relative to their smaller ends."""
-        if observable not in self._errors:
+        key = "error", observable, self.count, self.rtol
+        if key not in self._kept:
             last, before = self.rule.last_coefficients(self.solve(observable))
             # errors are at most 1.2 times the last coefficient, or a tenth of that times the one
             # before; the rest is for the initial state
@@ -265,8 +256,8 @@ class BackwardEquation:
             )
             size = np.abs(self.solve(scale))
             ends = np.maximum(np.minimum(size[:, 0], size[:, -1]), 1e-3 * size.max(axis=1))
-            self._errors[observable] = float(np.sum(left_out / np.maximum(ends, 1e-300)))
-        return self._errors[observable]
+            self._kept[key] = float(np.sum(left_out / np.maximum(ends, 1e-300)))
+        return float(self._kept[key])
 
     def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:
         """y at X = x, -inf allowed, and whether that is below the panels; each of its shape.
@@ -299,10 +290,7 @@ class BackwardEquation:
         if self.law.is_elastic:
             power = round(math.log(ends[0] / ends[1]) / self.width)
             return np.asarray(ends[0] * np.exp(power * self.width * u))
-        if growth == 0:
-            return np.full(level.shape, ends[0])
-        first = ends[0] - ends[1]
-        if growth < 2 or values.shape[0] <= 3:
-            return np.asarray(ends[0] + first * u)
-        second = ends[0] - 2.0 * ends[1] + ends[2]
-        return np.asarray(ends[0] + first * u + 0.5 * second * u * (u + 1.0))
+        most = growth if values.shape[0] > 3 else min(growth, 1)
+        slope, curve = ends[0] - ends[1], ends[0] - 2.0 * ends[1] + ends[2]
+        terms = np.full(level.shape, ends[0]), slope * u, 0.5 * curve * u * (u + 1.0)
+        return sum(terms[1 : most + 1], terms[0])

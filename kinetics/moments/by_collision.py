@@ -20,13 +20,10 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
-from kinetics.moments.velocity import moment_arguments
-from kinetics.numerics import FloatArray
+from kinetics.moments.averages import as_vector, moment_arguments
+from kinetics.numerics import ROUNDING, FloatArray
 from kinetics.results import Value
 from kinetics.states.state import State
-
-# Where (1 - c)(N + 1) is less than this the bracket is a series; so many terms leave 1e-17 of it.
-_SMALL, _TERMS = 0.1, 14
 
 
 @dataclass(frozen=True)
@@ -80,10 +77,7 @@ class ByCollision(Value):
         """<r> in d at the place of the collision, shape (n_collisions, d)."""
         gap = float(self.law.harmonic_decay_rate(0.0, 1))
         along = self.mean_free_path * _sum_of_powers(self.collision_numbers, gap)
-        first = self._start(0.0, 1)
-        out = np.zeros((self.collision_numbers.size, self.law.dimension))
-        out[:, 0], out[:, 1] = along * first.real, -along * first.imag
-        return out
+        return as_vector(self.law, along * self._start(0.0, 1))
 
     @property
     def mean_time(self) -> FloatArray:
@@ -112,25 +106,27 @@ class ByCollision(Value):
 def _power(gap: float, n: FloatArray) -> FloatArray:
     """(1 - gap)^n, accurate for small gaps; shape of n."""
     with np.errstate(under="ignore", over="ignore"):
-        small = np.exp(n * math.log1p(-min(gap, 0.5)))
-        return np.asarray(small if gap < 0.5 else (1.0 - gap) ** n)
+        return np.asarray(np.exp(n * math.log1p(-gap)) if gap < 0.5 else (1.0 - gap) ** n)
 
 
 def _sum_of_powers(n: FloatArray, gap: float) -> FloatArray:
     """1 + (1 - gap) + ... + (1 - gap)^(n-1), shape of n."""
     if gap == 0.0:
         return n
-    small = -np.expm1(n * math.log1p(-min(gap, 0.5)))
-    return np.asarray((small if gap < 0.5 else 1.0 - _power(gap, n)) / gap)
+    lost = -np.expm1(n * math.log1p(-gap)) if gap < 0.5 else 1.0 - _power(gap, n)
+    return np.asarray(lost / gap)
 
 
 def _pairs(n: FloatArray, gap: float) -> FloatArray:
     """n/(1-c) - c (1-c^n)/(1-c)^2 with c = 1 - gap: the sum of (n-k) c^k, k < n; shape of n."""
-    series, term = np.zeros(n.shape), 0.5 * n * (n + 1.0)
-    for k in range(_TERMS):  # binomial coefficients of n + 1 over k + 2, times (-gap)^k
-        series += term
-        term = term * -gap * (n - 1.0 - k) / (k + 3.0)
-    if gap == 0.0:
-        return series
-    closed = (n - (1.0 - gap) * _sum_of_powers(n, gap)) / gap
-    return np.where((n + 1.0) * gap < _SMALL, series, closed)
+    few = (n + 1.0) * gap < 1.0  # elsewhere the closed form keeps its digits
+    closed = np.zeros(n.shape)
+    if not few.all():
+        closed = (n - (1.0 - gap) * _sum_of_powers(n, gap)) / gap
+    term, k = np.where(few, 0.5 * n * (n + 1.0), 0.0), 0
+    series = term
+    while np.any(np.abs(term) > ROUNDING * series):
+        # binomial coefficients of n + 1 over k + 2, times (-gap)^k
+        term, k = term * -gap * (n - 1.0 - k) / (k + 3.0), k + 1
+        series = series + term
+    return np.where(few, series, closed)

@@ -32,8 +32,8 @@ from numpy.typing import NDArray
 from kinetics.collision.law import CollisionLaw
 from kinetics.collision.medium import Medium
 from kinetics.moments.backward import START, BackwardEquation, Observable, power_series
-from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import PanelRule, PanelShifts
+from kinetics.numerics import ROUNDING, FloatArray
+from kinetics.numerics.chebyshev import Chebyshev, PanelShifts
 from kinetics.numerics.gauss import equal_panels
 
 _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
@@ -41,19 +41,13 @@ _LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over
 _APART = 0.1  # of two rates about 1/b: exp(-0.9 y/b) - exp(-1.1 y/b) is nearly 0.2 (y/b) exp(-y/b)
 _MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
 _SLOWEST, _FASTEST = 0.02, 12.0  # rates per l, and per 2 n, between which they are
-_BY_VECTORS = 16  # nodes up to which eigenvectors lose no more than 1e-12
-_TERMS = 24  # of power series, up to where the fastest loops have fallen to 1/e
+_TERMS = 20  # of power series, up to where the fastest loops have fallen to 1/e
 _SHORTEST = 1e-3  # in l: near loops that are shorter are taken to be so long
 
 
 def met_again(law: CollisionLaw) -> Medium | None:
     """The scatterers that a tracer comes back to; None where there are none, as at e = 0."""
     return law.medium if law.medium is not None and law.medium.restitution else None
-
-
-def _shortest(medium: Medium) -> float:
-    """The shortest near loop in l."""
-    return max(2.0 * medium.density, _SHORTEST)
 
 
 def _pace(medium: Medium) -> float:
@@ -63,9 +57,10 @@ def _pace(medium: Medium) -> float:
 
 def series_end(medium: Medium) -> float:
     """X = ln T up to which power series in T hold the fastest loops."""
-    return math.log(_pace(medium) * _shortest(medium) / _FASTEST)
+    return math.log(_pace(medium) / float(loops(medium)[0].max()))
 
 
+@lru_cache(maxsize=16)
 def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
     """Rates s in 1/l, (n_modes,), and weights w of near loops and of the others, (2, n_modes).
 
@@ -73,7 +68,7 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
     """
     from scipy.special import exp1
 
-    e, a = medium.restitution, _shortest(medium)
+    e, a = medium.restitution, max(2.0 * medium.density, _SHORTEST)
     u, step = equal_panels(math.log(_FASTEST / a / _SLOWEST), _MODES, math.inf)
     grown = np.append(0.5 * _SLOWEST, _SLOWEST * np.exp(u))
     weight = np.append(_SLOWEST, step * grown[1:]) * np.exp(-(_CORRIDOR + grown) * a)
@@ -89,23 +84,26 @@ def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
 
 @lru_cache(maxsize=16)
 def _slopes(nodes: int, width: float) -> tuple[NDArray[Any], ...]:
-    """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that."""
-    rule = PanelRule(nodes, width)
+    """exp(-x) d/dx on a panel but for its first node, and lambda, P, P^-1 of it without that.
+
+    Then, what rounding of the eigenvectors leaves of a function of it.
+    """
+    rule = Chebyshev(nodes, width)
     slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
     value, vector = np.linalg.eig(slopes[:, 1:])
-    return slopes, value, vector, np.linalg.inv(vector)
+    return slopes, value, vector, np.linalg.inv(vector), ROUNDING * np.linalg.cond(vector)
 
 
 def _responses(
-    rule: PanelRule, pull: FloatArray, weights: FloatArray
+    rule: Chebyshev, pull: FloatArray, weights: FloatArray, rtol: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Of R = (exp(-x) d/dx + pull)^-1 on a panel, 0 at its first node; pull (n_panels, n_modes).
 
     The weighted sums of R over modes, (n_panels, n_kinds, nodes - 1, nodes - 1), what is left of 1
     at the first node, and the last rows of R, (n_panels, n_modes, nodes - 1) each.
     """
-    slopes, value, vector, back = _slopes(rule.nodes, rule.width)
-    if rule.nodes > _BY_VECTORS:
+    slopes, value, vector, back, lost = _slopes(rule.nodes, rule.width)
+    if lost > 0.2 * rtol:
         one = np.eye(rule.nodes - 1)
         every: Any = np.linalg.inv(slopes[:, 1:] + pull[:, :, None, None] * one)
         summed = np.moveaxis(np.tensordot(weights, every, axes=(1, 1)), 0, 1)
@@ -128,6 +126,7 @@ class Loops:
     start : X where the panels begin, not above `series_end`
     count : how many panels there are, at most
     harmonics : the m that are asked for
+    rtol : relative accuracy of all this, at least; by default well below that of a panel
 
     shares : factors of kinds of loops, (m, n_kinds); of one harmonic all loops are of one kind
     weights : of modes, (n_kinds, n_modes)
@@ -138,25 +137,26 @@ class Loops:
     def __init__(
         self,
         medium: Medium,
-        rule: PanelRule,
+        rule: Chebyshev,
         start: float,
         count: int,
         harmonics: range,
         degree: float = 0.0,
+        rtol: float = 1.5e-11,
     ) -> None:
         self.rule, self.start, self.count, self.degree = rule, start, count, degree
         self._pace, self._fall = _pace(medium), -math.log(medium.restitution)
         self._rate, weights = loops(medium)
         near = float((weights[0] / self._rate).sum())
         # near and far loops together are eps
-        shares = [((-1.0) ** m, (-1.0) ** m * (medium.returns(m) - near)) for m in harmonics]
+        shares = [((-1.0) ** m, medium.returns(m)[0] - (-1.0) ** m * near) for m in harmonics]
         self.shares, self.weights = np.array(shares), weights
         if len(shares) == 1:
             self.weights, self.shares = self.shares @ weights, np.ones((1, 1))
         n, width = rule.nodes, rule.width
         unit = np.exp(start + width * np.arange(count)) / self._pace  # T/c where a panel begins
         power = np.exp(degree * width * rule.local)
-        here, decay, gained = _responses(rule, unit[:, None] * self._rate, self.weights)
+        here, decay, gained = _responses(rule, unit[:, None] * self._rate, self.weights, rtol)
         self.come = np.zeros((count, len(self.weights), n, n + self._rate.size))
         self.come[:, :, 1:, 1:n] = unit[:, None, None, None] * here * (power[1:, None] / power[1:])
         self.come[:, :, 0, n:] = self.weights
@@ -236,18 +236,17 @@ class DelayedReturns(BackwardEquation):
         """The speed alone is nearer to simulations so."""
         return m == 0
 
-    @property
-    def start(self) -> float:
-        """X where the panels begin."""
+    def __post_init__(self) -> None:
         assert self.law.medium is not None
-        return min(START, series_end(self.law.medium))
+        self.start = min(START, series_end(self.law.medium))
+        super().__post_init__()
 
     def _loops(self, m: int, degree: float) -> Loops:
-        key = Loops, m, degree, self.count
+        key = Loops, m, degree, self.count, self.rtol
         if key not in self._kept:
             assert self.law.medium is not None
-            one = range(m, m + 1)
-            self._kept[key] = Loops(self.law.medium, self.rule, self.start, self.count, one, degree)
+            asked = self.rule, self.start, self.count, range(m, m + 1), degree, self.rtol
+            self._kept[key] = Loops(self.law.medium, *asked)
         return self._kept[key]
 
     def _early(self, y: Observable) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -277,7 +276,7 @@ class DelayedReturns(BackwardEquation):
         From Y where it begins, the gain from U below, f from W below, the modes, and the sources;
         to U, W, the modes where it ends, and Y.
         """
-        key = m, degree, self.count
+        key = m, degree, self.count, self.rtol
         if key not in self._kept:
             (loss, _), loops, n = self._kernel(m), self._loops(m, degree), self.nodes
             one, modes = np.eye(n), loops.kept.shape[1]

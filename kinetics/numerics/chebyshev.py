@@ -8,7 +8,7 @@ from those below it, because the panels are equal.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -50,75 +50,53 @@ def derivative_matrix(nodes: FloatArray, weights: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Chebyshev:
-    """The extrema of a Chebyshev polynomial: both ends of the interval are among them.
+    """Extrema of a Chebyshev polynomial: on one interval, or on each of many equal panels.
 
-    ``nodes`` is their number, 3 at least.
+    nodes : their number, 3 at least; both ends are among them
+    width : of a panel in x
+    local : the points in panels, from 0 to 1, rising, shape (nodes,)
+    weights : their barycentric weights, shape (nodes,)
+    last_two : columns that give the last Chebyshev coefficient and the one before, (nodes, 2)
     """
 
     nodes: int
+    width: float = 1.0
+    local: FloatArray = field(init=False, repr=False, compare=False)
+    weights: FloatArray = field(init=False, repr=False, compare=False)
+    last_two: FloatArray = field(init=False, repr=False, compare=False)
 
-    @cached_property
-    def local(self) -> FloatArray:
-        """The points on [0, 1], rising, shape (nodes,)."""
-        return np.asarray(0.5 * (1.0 - np.cos(self._angle)))
-
-    @property
-    def _angle(self) -> FloatArray:
-        return np.linspace(0.0, math.pi, self.nodes)
-
-    @property
-    def _halves(self) -> FloatArray:
-        return np.pad(np.ones(self.nodes - 2), 1, constant_values=0.5)
-
-    @cached_property
-    def weights(self) -> FloatArray:
-        """Barycentric weights, shape (nodes,)."""
-        return (-1.0) ** np.arange(self.nodes) * self._halves
-
-    @cached_property
-    def _last_two(self) -> FloatArray:
-        """Columns that give the last Chebyshev coefficient and the one before, (nodes, 2)."""
-        last = self.nodes - 1
-        cosines = np.cos(np.outer(self._angle, np.array([last, last - 1])))
+    def __post_init__(self) -> None:
+        made, last = vars(self), self.nodes - 1  # past the lock of a frozen dataclass
+        angle, halves = np.linspace(0.0, math.pi, self.nodes), np.ones(self.nodes)
+        halves[[0, -1]] = 0.5
+        made["local"] = 0.5 * (1.0 - np.cos(angle))
+        made["weights"] = (-1.0) ** np.arange(self.nodes) * halves
+        cosines = np.cos(np.outer(angle, np.array([last, last - 1])))
         # the last coefficient has half the weight of the others
-        return np.asarray(self._halves[:, None] * cosines * [1.0, 2.0] / last)
+        made["last_two"] = halves[:, None] * cosines * [1.0, 2.0] / last
 
     def rows(self, local: FloatArray) -> FloatArray:
-        """Interpolation from the points to local (n,) in [0, 1]: shape (n, nodes)."""
+        """Interpolation from the points to local (n,), in panels: shape (n, nodes)."""
         return interpolation_rows(local[:, None] - self.local, self.weights)
 
-    def last_coefficients(self, values: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
-        """Sizes of the last Chebyshev coefficient and of the one before, of values (..., nodes)."""
-        return np.abs(values @ self._last_two[:, 0]), np.abs(values @ self._last_two[:, 1])
-
-    @cached_property
-    def slopes(self) -> FloatArray:
-        """Derivative on [0, 1] at the points, shape (nodes, nodes)."""
-        return derivative_matrix(self.local, self.weights)
-
-
-@dataclass(frozen=True)
-class PanelRule(Chebyshev):
-    """Chebyshev collocation on each of many equal panels, of this width in x."""
-
-    width: float = 1.0
-
-    @cached_property
-    def derivative(self) -> FloatArray:
-        """d/dx at the nodes, shape (nodes, nodes)."""
-        return self.slopes / self.width
-
     def shares(self, local: FloatArray) -> FloatArray:
-        """`rows` before each row is divided by its sum: local (n,) in panels, (n, nodes)."""
+        """`rows` before each row is divided by its sum."""
         distance = local[:, None] - self.local
         distance += 1e-290  # in place of 0: the reciprocal is finite, and outweighs all others
         return np.asarray(np.divide(self.weights, distance, out=distance))
 
+    def last_coefficients(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Sizes of the last Chebyshev coefficient and of the one before, of values (..., nodes)."""
+        return np.moveaxis(np.abs(values @ self.last_two), -1, 0)
 
-@lru_cache(maxsize=64)
-def panel_rule(nodes: int, width: float) -> PanelRule:
-    """The same rule again: its matrices are not made twice."""
-    return PanelRule(nodes, width)
+    @cached_property
+    def derivative(self) -> FloatArray:
+        """d/dx at the points, shape (nodes, nodes)."""
+        return derivative_matrix(self.local, self.weights) / self.width
+
+
+panel_rule = lru_cache(maxsize=64)(Chebyshev)
+"""The same rule again: its matrices are not made twice."""
 
 
 class PanelShifts:
@@ -129,7 +107,7 @@ class PanelShifts:
     rows : its interpolation from the nodes of that panel, shape (nodes, n_shifts, nodes)
     """
 
-    def __init__(self, rule: PanelRule, shift: FloatArray) -> None:
+    def __init__(self, rule: Chebyshev, shift: FloatArray) -> None:
         local, down = rule.local, shift / rule.width
         self.rule = rule
         self.below = np.maximum(np.ceil(down - local[:, None]), 0.0).astype(int)
@@ -186,7 +164,7 @@ def _average(factor: FloatArray, weight: FloatArray, rows: FloatArray) -> FloatA
 
 
 def with_returns(
-    rule: PanelRule, loss: FloatArray, gain: FloatArray, factor: FloatArray, shift: float
+    rule: Chebyshev, loss: FloatArray, gain: FloatArray, factor: FloatArray, shift: float
 ) -> tuple[FloatArray, FloatArray]:
     """Loss and gain of (K - 1)/(1 - factor S (K - 1)), with S f(x) = f(x - shift), from those of K.
 

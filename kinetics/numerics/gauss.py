@@ -20,10 +20,7 @@ def gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
 def equal_panels(length: float, points: int, longest: float = 1.0) -> tuple[FloatArray, FloatArray]:
     """Nodes and weights on [0, length], in equal panels no longer than ``longest``, flattened."""
     panels = max(1, math.ceil(length / longest))
-    width = length / panels
-    x, w = gauss_legendre(points)
-    nodes = (np.arange(panels)[:, None] + x).ravel() * width
-    return nodes, np.tile(w, panels) * width
+    return panels_between(np.linspace(0.0, length, panels + 1), points)
 
 
 def panels_between(edges: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:

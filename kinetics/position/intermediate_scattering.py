@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
-from kinetics.moments.velocity import Averages
+from kinetics.moments.averages import Averages
 from kinetics.numerics import FOLDS, FloatArray, one_blas_thread
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import Waves
 from kinetics.position.wave_numbers import Indices
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 
 HALVINGS = 6  # of panels that do not resolve what is on them, at most
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
@@ -134,7 +133,7 @@ def scattering_function(
     path, times = averages.mean_free_path, averages.times
     scaled = wave_numbers * path
     typical = math.exp(0.5 * averages.speeds.log_second_moment()) / path
-    most = _LARGEST_DELAYED if averages.has_delays else _LARGEST
+    most = _LARGEST_DELAYED if averages.law.returns(0)[0] else _LARGEST
     limit = most * max(1.0, 1.0 / max(float(times[-1]) * typical, 1e-300))
     if float(scaled.max()) > limit:
         raise InputError(

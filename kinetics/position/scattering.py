@@ -23,10 +23,10 @@ from collections import deque
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import asymptotic_from
+from kinetics.moments.backward import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
 from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
-from kinetics.numerics.chebyshev import PanelRule, PanelShifts, with_returns
+from kinetics.numerics.chebyshev import Chebyshev, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
@@ -43,7 +43,7 @@ _MORE = 4
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 
 
-def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> PanelRule:
+def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> Chebyshev:
     """Panels that resolve exp(-T + i K T), which varies fastest of all."""
     turns = largest * min(1.0, math.exp(min(highest, LARGEST_LOG)) / _TURNING)
     e = min(law.disk_restitutions, default=0.0)
@@ -52,7 +52,7 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
-    return PanelRule(max(6, nodes), width)
+    return Chebyshev(max(6, nodes), width)
 
 
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:

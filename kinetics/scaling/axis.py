@@ -293,7 +293,7 @@ class SpeedAxis:
         n, law, last = self._rule.nodes - 1, self.law, self._panels[-1]
         x = self._bottom - self._width * (1.0 - self._rule.local)
         log_w = self._guess(last)
-        losses = self._losses_of(x, -float(self._rule.slopes[0] @ last) / self._width)
+        losses = self._losses_of(x, -float(self._rule.derivative[0] @ last) / self._width)
         per_flux = np.exp(x[:n]) / law.mean_log_loss
         flux = per_flux[:, None] * losses.flux
         lost = np.expm1(x[:n]) - per_flux * losses.flux_out

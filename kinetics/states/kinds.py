@@ -7,17 +7,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
-from kinetics.numerics import FloatArray
-from kinetics.states import quadrature
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import Points, SpeedFunction, State
+from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray
+from kinetics.states.state import (
+    NO_INTEGRAL,
+    LogMeasure,
+    Points,
+    SpeedFunction,
+    State,
+    evaluate,
+    function_points,
+    gaussian_points,
+    samples_points,
+    table_points,
+)
 from kinetics.validation import (
     check_positive,
     finite_array,
@@ -32,8 +41,8 @@ _FAR_BESSEL = (
     1e9  # scipy has no I(q) beyond; there exp(-q) I(q) is q^-1/2 to 1e-10, and hardly anybody
 )
 _LARGEST_RATIO = 1e4  # of two deviations
-_HIGHEST = 100.0  # standard deviations beyond which a Gaussian is zero, and v^2 may overflow
-_ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
+# Standard deviations beyond which a Gaussian is zero, and v^2 may overflow
+_HIGHEST = 2.0 * math.sqrt(LARGEST_LOG)
 
 
 @dataclass(frozen=True)
@@ -48,6 +57,8 @@ class Gaussian(State):
     deviation_x: float = 1.0
     deviation_y: float = 1.0
     dimension: int = 2
+    _wide: float = field(init=False, repr=False, compare=False)
+    _ratio: float = field(init=False, repr=False, compare=False)
     smooth = True
 
     def __post_init__(self) -> None:
@@ -58,18 +69,11 @@ class Gaussian(State):
         d = whole_number("dimension", self.dimension, 2, 2 if x != y else 3)
         self.store(deviation_x=x, deviation_y=y, dimension=d, lowest_moment=-float(d))
         self.store(highest_harmonic=0 if x == y else None)
+        self.store(_wide=max(x, y), _ratio=max(x, y) / min(x, y))
 
     def in_space(self) -> State | None:
         """The Maxwell distribution of the same deviation, if both are equal."""
         return Gaussian(self.deviation_x, self.deviation_x, 3) if self._ratio == 1.0 else None
-
-    @property
-    def _wide(self) -> float:
-        return max(self.deviation_x, self.deviation_y)
-
-    @property
-    def _ratio(self) -> float:
-        return self._wide / min(self.deviation_x, self.deviation_y)
 
     def _factor(self, m: int, u: FloatArray) -> Any:
         """f_m over the density of components that all have the wider deviation D, at u = v/D.
@@ -89,7 +93,7 @@ class Gaussian(State):
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """Trapezoid rule in ln v."""
         d = self.dimension
-        found = quadrature.gaussian(rtol, lowest, highest, d, self._wide, self._ratio)
+        found = gaussian_points(rtol, lowest, highest, d, self._wide, self._ratio)
         factor = self._factor(m, np.exp(found.x) / self._wide)
         return None if factor is None else LogMeasure(found.x, found.weight * factor)
 
@@ -133,7 +137,7 @@ class Samples(State):
         if m and self._angle is None:
             return None
         turn = np.exp(-1j * m * np.asarray(self._angle)) if m else 1.0
-        return quadrature.samples(np.log(speed), weight * turn, rtol, max(highest, -lowest))
+        return samples_points(np.log(speed), weight * turn, rtol, max(highest, -lowest))
 
 
 @dataclass(frozen=True)
@@ -200,7 +204,7 @@ class Table(State):
         if m >= self._columns.shape[1]:
             return None
         first, values = self._columns[:, 0].real, self._columns[:, m]
-        zero = np.abs(values).max() < _ZERO * first.max()
+        zero = np.abs(values).max() < 10.0 * ROUNDING * first.max()  # of a Fourier transform
         return None if zero else (values if m else first)
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
@@ -208,7 +212,7 @@ class Table(State):
         values = self._values(m)
         if values is None:
             return None
-        found = quadrature.table(self.kinks, values, 0.1 * rtol, lowest)
+        found = table_points(self.kinks, values, 0.1 * rtol, lowest)
         # ln v of points that are close to each other has lost digits: the sum may not be 1
         return LogMeasure(found.x, found.weight / found.weight.sum()) if m == 0 else found
 
@@ -278,11 +282,11 @@ class Functions(State):
             return None
         # a tenth of the allowed error of the norm, so that its check sees the density
         tight = rtol if m else min(rtol, 1e-7)
-        found = quadrature.function(self.terms[m], tight, lowest, highest)
+        found = function_points(self.terms[m], tight, lowest, highest)
         if m:
             return found
         if found is None:
-            raise InputError(quadrature.NO_INTEGRAL)
+            raise InputError(NO_INTEGRAL)
         if np.iscomplexobj(found.weight):
             raise InputError("initial: the speed density is complex; it must be real")
         norm = normalised(found.weight, float(found.weight.sum()))
@@ -290,7 +294,7 @@ class Functions(State):
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
-        return (lambda v: quadrature.evaluate(self.terms[m], v)) if m in self.terms else None
+        return (lambda v: evaluate(self.terms[m], v)) if m in self.terms else None
 
 
 @dataclass(frozen=True)

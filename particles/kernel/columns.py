@@ -4,14 +4,12 @@ They are the layout of saved files too (`particles.files`): append, do not renum
 """
 
 # How a tracer ended: indices into the counts of statuses.
-FINISHED, COLLISION_CAP, TRAPPED, ESCAPED, CAPTURED = range(5)
-STATUSES = 5
+FINISHED, COLLISION_CAP, TRAPPED, ESCAPED, CAPTURED, STATUSES = range(6)  # the last: how many
 
 # Moments, (n_times, MOMENTS): sums over tracers at one output time of 1, v^2, v^4, r^2, r^4, the
 # collisions so far, v(t).v(0), and 1 for a tracer that is trapped or captured. Velocities are
 # multiplied by `Records.scales` first.
-SAMPLES, SPEED2, SPEED4, R2, R4, COLLISIONS, CORRELATION, CAUGHT = range(8)
-MOMENTS = 8
+SAMPLES, SPEED2, SPEED4, R2, R4, COLLISIONS, CORRELATION, CAUGHT, MOMENTS = range(9)
 
 # Sums in a field, (n_times, FIELD_SUMS[dimension]): the velocity, its products v_i v_j (i <= j: xx,
 # xy, yy in the plane, xx, xy, xz, yy, yz, zz in space), and the same of the place.
@@ -19,8 +17,7 @@ FIELD_SUMS_IN_PLANE = 10
 FIELD_SUMS = {2: FIELD_SUMS_IN_PLANE, 3: 18}
 
 # Totals, (TOTALS,): sums over tracers of the path travelled and of the collisions, to their ends.
-TRAVELLED, ALL_COLLISIONS = range(2)
-TOTALS = 2
+TRAVELLED, ALL_COLLISIONS, TOTALS = range(3)
 
 # The end of one tracer, (FINALS[dimension],): ln of its speed, ln of its time, place, collisions,
 # and in three dimensions the third coordinate of the place.

@@ -26,15 +26,12 @@ from particles.events import bounce, is_collapsing
 from particles.kernel import columns
 from particles.kernel.falling import STRUCK, TANGENT, come_along, note_place
 from particles.kernel.lane import RUNNING
+from particles.kernel.pockets import MOST_BOUNCES, NEAR
 from particles.kernel.records import Records, queue_falling
 from particles.kernel.steps import SHORT, enter
 from particles.search import SLOTS
 
 SMALL = 1e-12
-SAME = 1e-9  # in d: centres nearer to each other than this are those of one disk
-NEAR = 1e-8
-BACK = 1e-9  # an angle that has been passed by less than this, by rounding, is reached at once
-MOST_BOUNCES = 10_000
 FALLS, SLIDES, RESTS = range(3)
 # The motion along a disk is a Taylor series, exact to rounding in steps that are short enough: the
 # terms fall as (STEP / 1.5)^k or faster, times in sqrt(d/g): a slide is slower than sqrt(g d).
@@ -150,7 +147,7 @@ def after_short_flight(
         cx, cy, _, slot, node = next_listed(cells, lane.cell, slot, node)
         dx, dy = lane.x - cx, lane.y - cy
         apart = max(abs(cx - lane.struck_x), abs(cy - lane.struck_y))
-        if apart > SAME and dx * dx + dy * dy < least * least:
+        if apart > SHORT and dx * dx + dy * dy < least * least:
             at_x, at_y, least = cx, cy, sqrt(dx * dx + dy * dy)
     if least == 1.0 + NEAR:
         return FALLS
@@ -160,9 +157,12 @@ def after_short_flight(
 
 @called
 def _ahead(angle: float, now: float, way: float) -> float:
-    """Return how far an angle is ahead, the way (+1 or -1) that a tracer slides."""
+    """Return how far an angle is ahead, the way (+1 or -1) that a tracer slides.
+
+    One that has been passed by less than SHORT, by rounding, is reached at once.
+    """
     left = way * (angle - now) % (2.0 * pi)
-    return 0.0 if left > 2.0 * pi - BACK else left
+    return 0.0 if left > 2.0 * pi - SHORT else left
 
 
 @called
@@ -197,7 +197,7 @@ def _disk_ahead(lane: Any, cells: Cells, now: float, way: float) -> tuple[float,
         cx, cy, _, slot, node = next_listed(cells, lane.cell, slot, node)
         dx, dy = cx - lane.struck_x, cy - lane.struck_y
         square = dx * dx + dy * dy
-        if SAME * SAME < square < 4.0:
+        if SHORT * SHORT < square < 4.0:
             there = _ahead(atan2(dy, dx) - way * acos(0.5 * sqrt(square)), now, way)
             if there < left:
                 left, at_x, at_y = there, cx, cy

@@ -23,30 +23,42 @@ from kinetics import (
     solve_scaled,
 )
 from kinetics.outputs import OUTPUTS
+from kinetics.states.state import State
 
 TIMES = [0.0, 1.0, 100.0]
+SPEEDS = np.array([0.0, 0.2, 0.7, 1.0, 1.9, 3.0])
+HEIGHTS = np.array([0.0, 0.3, 0.8, 0.5, 0.4, 0.0])
+HEIGHTS = HEIGHTS / np.trapezoid(HEIGHTS, SPEEDS)
+ANGLES = 2.0 * np.pi * np.arange(16) / 16
+VELOCITIES = np.array([[0.3, 0.1], [-1.0, 0.7], [0.0, -2.0]])
 
 
-def rayleigh(v: Any) -> Any:
-    return v * np.exp(-v * v / 2)
+def gamma_speeds(v: Any) -> Any:
+    """v^2 exp(-v)/2, of which <v^p> = Gamma(3 + p)/2."""
+    return 0.5 * v**2 * np.exp(-v)
 
 
-def quadrupole(v: Any) -> Any:
-    return 0.1 * v * np.exp(-v * v / 2)
+def half_of_it(v: Any) -> Any:
+    return 0.5 * gamma_speeds(v)
 
 
-STATES: dict[str, Callable[[], Any]] = {
-    "gaussian": lambda: "gaussian",
-    "monoenergetic": lambda: "monoenergetic",
-    "two temperatures": lambda: Gaussian(1.0, 1.5),
-    "one speed": lambda: Monoenergetic(2.0),
-    "table": lambda: SpeedTable([0.5, 1.0, 1.5], [0.0, 2.0, 0.0]),
-    "samples": lambda: SpeedSamples([0.5, 1.0, 2.0]),
-    "beam": lambda: Beam(0.3, "gaussian"),
-    "velocities": lambda: VelocitySamples([[1.0, 0.0], [0.0, 2.0]]),
-    "grid": lambda: PolarGrid([0.5, 1.0, 1.5], np.outer([0.0, 1.0, 0.0], np.ones(5)) / np.pi),
-    "density": lambda: SpeedDensity(rayleigh),
-    "harmonics": lambda: AngularHarmonics({0: rayleigh, 2: quadrupole}),
+def polar_values(angles: Any) -> Any:
+    """A density in the velocity plane that is linear in v times v between the speeds."""
+    radial = np.divide(HEIGHTS, SPEEDS, out=np.zeros(6), where=SPEEDS > 0.0)
+    return radial[:, None] * (1.0 + 0.5 * np.cos(angles)) / (2.0 * np.pi)
+
+
+STATES: dict[str, Callable[[], State]] = {
+    "gaussian": Gaussian,
+    "two temperatures": lambda: Gaussian(1.5, 0.75),
+    "one speed": lambda: Monoenergetic(1.3),
+    "table": lambda: SpeedTable(SPEEDS, HEIGHTS),
+    "speeds": lambda: SpeedSamples(np.hypot(*VELOCITIES.T)),
+    "function": lambda: SpeedDensity(gamma_speeds),
+    "beam": lambda: Beam(0.4, "gaussian"),
+    "velocities": lambda: VelocitySamples(VELOCITIES),
+    "harmonics": lambda: AngularHarmonics({0: gamma_speeds, 1: half_of_it}),
+    "polar grid": lambda: PolarGrid(SPEEDS, polar_values(ANGLES)),
 }
 
 
@@ -65,7 +77,7 @@ VALUES: dict[str, Callable[[], Any]] = {
     "solution": lambda: solved("table"),
     "solution with densities": with_densities,
     "elastic solution": lambda: solved("gaussian", 1.0, ("speed_density", "msd")),
-    "rough solution": lambda: solved("samples", 0.7, ("speed_density",)),
+    "rough solution": lambda: solved("speeds", 0.7, ("speed_density",)),
     "scaled": lambda: solve_scaled(0.7, 1e-8),
     "exact": lambda: ScalingSolution(0.7),
     "field": lambda: solve_field(0.7, rtol=1e-4),

@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 
 from kinetics import CollisionLaw, Monoenergetic, Scene, solve, solve_field
 
@@ -69,15 +68,6 @@ def test_the_dispersion_of_swarms() -> None:
         assert state.diffusion_perpendicular == pytest.approx(across, rel=0.02)
 
 
-def test_the_mean_loss_of_neutrons() -> None:
-    """Printed tables of xi, and 2/(A + 2/3), said to be off by 3 per cent at A = 2."""
-    for mass, printed, digits in ((1, 1.0, 3), (2, 0.725, 3), (12, 0.158, 3), (238, 0.0084, 4)):
-        xi = 2 * CollisionLaw(1.0, dimension=3, mass_ratio=mass).mean_log_loss
-        assert round(xi, digits) == printed
-        if mass > 1:
-            assert xi == pytest.approx(2 / (mass + 2 / 3), rel=0.035 if mass < 10 else 1e-3)
-
-
 def placzek(u: float, least: float) -> float:
     """Collisions per lethargy at u after the first one, all intervals ln(1/least) in closed form.
 
@@ -92,30 +82,6 @@ def placzek(u: float, least: float) -> float:
     terms = ((-rate) ** k * (wave(k, u - k * width) - least * wave(k, u - (k + 1) * width))
              for k in intervals)  # fmt: skip
     return sum(terms) / (1 - least)
-
-
-@pytest.mark.parametrize("mass", [2, 3])
-def test_the_collision_density_of_placzek(mass: int) -> None:
-    law = CollisionLaw(1.0, dimension=3, mass_ratio=mass)
-    least = law.least_ratio**2
-    step = -math.log(least)
-    # it rises to the first step, falls there by a/(1 - a), and comes to 1/xi
-    assert placzek(0.0, least) == pytest.approx(1 / (1 - least))
-    assert placzek(0.999 * step, least) > 1.05 / (2 * law.mean_log_loss)
-    fall = placzek(step - 1e-9, least) - placzek(step + 1e-9, least)
-    assert fall == pytest.approx(least / (1 - least), rel=1e-6)
-    late = 8 * step
-    assert placzek(late, least) == pytest.approx(1 / (2 * law.mean_log_loss), rel=1e-6)
-    # its transform: all collisions 1/(1 - E[s^(2 q)]), without the first one
-    for q in (0.5, 1.0, 4.0):
-        ends = [k * step for k in range(9)]
-        parts = [
-            quad(lambda u, q=q: placzek(u, least) * math.exp(-q * u), *ends[k : k + 2])[0]
-            for k in range(8)
-        ]
-        tail = math.exp(-q * late) / (2 * law.mean_log_loss * q)
-        exact = 1 / (1 - law.mean_speed_ratio_power(2 * q)) - 1
-        assert sum(parts) + tail == pytest.approx(exact, rel=1e-7), q
 
 
 def test_a_pulse_of_neutrons_has_the_steps_of_placzek() -> None:

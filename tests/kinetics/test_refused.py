@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,11 @@ def scene(**changes: Any) -> Scene:
 
 def solved(**changes: Any) -> Any:
     return solve(scene(**changes), 1e-2)
+
+
+@cache
+def placed() -> Any:
+    return solved(times=[100.0], outputs=("position_density", "intermediate_scattering"))
 
 
 def light(**changes: Any) -> dict[str, Any]:
@@ -148,6 +154,12 @@ RESULTS: list[tuple[str, Callable[..., Any], list[Any]]] = [
      lambda e: solved(restitution=e, collision_numbers=[10**6]).by_collision.a2, [0.1]),
     ("name", lambda name: solved().plot(name), ["speed"]),
     ("name", lambda name: solved().to_dataframe(name), ["speed"]),
+    ("r", lambda r: placed().position_density(r), [[-1.0], [], ["a"]]),
+    ("scaled_radii", lambda x: placed().scaled_position_density(x), [[NAN]]),
+    ("scaled_radii", lambda x: placed().position_tail(x), [[-0.5]]),
+    ("edges", lambda r: placed().position_fraction(r), [[1.0], [2.0, 1.0]]),
+    ("wave_numbers", lambda k: placed().intermediate_scattering(k), [[], [-1.0], [1e9]]),
+    ("direction", lambda way: placed().intermediate_scattering([1.0], way), [INF]),
     ("rtol", lambda rtol: solve_scaled(0.5, rtol), [0.0, 1e-15, 0.2, NAN, "x", None]),
     ("restitution", solve_scaled, [1.0, "x"]),
     ("restitution", lambda s: solve_scaled(sampled(HALVES, s, [0.0, 0.0])), [[0.5, 1.5]]),
@@ -178,37 +190,16 @@ def test_one_line_names_the_argument(name: str, call: Callable[..., Any], value:
     assert len(str(refused.value)) < 400
 
 
-@pytest.fixture(scope="module")
-def positions() -> Any:
-    outputs = ("position_density", "intermediate_scattering")
-    return solve(Scene(0.6, times=[100.0], outputs=outputs), 1e-2)
-
-
-@pytest.mark.parametrize(
-    ("call", "name"),
-    [
-        (lambda s: s.position_density([-1.0]), "r"),
-        (lambda s: s.position_density([]), "r"),
-        (lambda s: s.position_density(["a"]), "r"),
-        (lambda s: s.scaled_position_density([NAN]), "scaled_radii"),
-        (lambda s: s.position_tail([-0.5]), "scaled_radii"),
-        (lambda s: s.position_fraction([1.0]), "edges"),
-        (lambda s: s.position_fraction([2.0, 1.0]), "edges"),
-        (lambda s: s.ballistic_front[0], ""),
-        (lambda s: s.intermediate_scattering([]), "wave_numbers"),
-        (lambda s: s.intermediate_scattering([-1.0]), "wave_numbers"),
-        (lambda s: s.intermediate_scattering([1e9]), "wave_numbers"),
-        (lambda s: s.intermediate_scattering([1.0], direction=INF), "direction"),
-    ],
-)
-def test_where_there_is_a_density_of_positions_and_where_not(
-    positions: Any, call: Any, name: str
-) -> None:
-    if name:
-        with pytest.raises(InputError, match=f"^{name}: got [^\n]*$"):
-            call(positions)
+def test_outputs_that_were_not_asked_for_say_so() -> None:
+    solution = solved(outputs="msd")
+    assert list(solution.values) == ["msd"]
+    for name in ("position_density", "scaled_position_density", "intermediate_scattering"):
+        with pytest.raises(InputError, match="was not asked for"):
+            getattr(solution, name)([1.0])
     with pytest.raises(InputError, match="was not asked for"):
-        call(solve(Scene(0.6, times=[1.0], outputs="msd")))
+        _ = solution.ballistic_front
+    with pytest.raises(AttributeError, match="'a2' was not asked for; this solution has msd"):
+        _ = solution.a2
 
 
 def test_a_peak_too_narrow_to_find() -> None:

@@ -47,6 +47,7 @@ OVER_TIME: list[Any] = [
     (0.5, dict(bath_speed=1.0), 3, [1, 10]),
     (0.5, dict(heating=1.0), 3, [0.3, 1, 3, 10]),
     (Viscoelastic(0.45), {}, 2, [1, 10, 100, 1000]),
+    (0.7, dict(drag=0.3), 3, [0.3, 3, 30]),
 ]
 
 
@@ -55,7 +56,8 @@ OVER_TIME: list[Any] = [
 def test_averages_over_time(
     law: Any, drive: Any, dimension: int, times: Any, seed: int, size: int
 ) -> None:
-    start, count = "rest" if drive else "monoenergetic", 600 if "heating" in drive else 3000
+    start = "monoenergetic" if drive.keys() <= {"drag"} else "rest"
+    count = 600 if "heating" in drive else 3000
     medium = MEDIA[dimension]
     run = simulate(medium, law, start, times, 20, count * size, seed=seed, **drive)
     scene = Scene(law, medium.number_density, dimension=dimension, initial=start, times=times,

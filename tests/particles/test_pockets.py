@@ -98,6 +98,25 @@ def test_three_planes_against_one_bounce_after_another(law: tuple[float, float])
     assert wrong <= 0.02 * ends[FOR_EVER]
 
 
+def test_a_third_plane_in_the_way_ends_a_groove_before_its_end() -> None:
+    """Bounces between two planes that would never end: most end at the third, which is near."""
+    rng, law, wrong = np.random.default_rng(7), (0.1, 1.0), 0
+    for _ in range(500):
+        across, up = rng.uniform(0.05, 0.25), rng.uniform(0.3, 1.2)
+        normals = np.array([
+            [-np.cos(across), 0.0, np.sin(across)], [np.cos(across), 0.0, np.sin(across)],
+            [np.sin(0.3) * np.cos(up), -np.cos(0.3) * np.cos(up), np.sin(up)],
+        ])  # fmt: skip
+        walls = np.concatenate([normals, 1e-12 * np.array([[0.0], [1.0], [3.0]])], axis=1)
+        u = np.array([-rng.uniform(0.4, 0.9), rng.uniform(0.3, 1.0), rng.uniform(-0.3, 0.1)])
+        u /= np.linalg.norm(u)
+        _, found, ratio = last_bounces(walls.copy(), tuple(u), *law)
+        expected = between_planes(walls, u, law)
+        if expected is not None:
+            wrong += np.max(abs(ratio * np.array(found) - expected)) > 1e-5
+    assert wrong <= 5  # of 500: a groove that leads into the point of the pocket
+
+
 @pytest.mark.parametrize(
     "steepness",
     [

@@ -12,8 +12,7 @@ from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.compare.statistics import effective_groups, errors
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import LogMeasure, State
 
 Array = NDArray[np.float64]
 

@@ -129,7 +129,7 @@ def test_density_on_the_ray_along_the_field() -> None:
     """d_z f = gain - v f there, the gain an integral over the density of other directions."""
     state = solve_field(0.7, rtol=1e-8)
     q = state.law.quadrature_for(10.0, 8)
-    ratio, angle = np.exp(-q.log_loss), np.arccos(np.clip(q.harmonic(1), -1.0, 1.0))
+    ratio, angle = q.ratio, q.deflection
     z, w = panels_between(np.array([-5.0, -2.0, -0.5, 0.0, 0.3, 1.0]), 6)
     before = np.abs(z)[:, None] / ratio
     along, across = before * np.cos(angle) * np.sign(z)[:, None], before * np.sin(angle)

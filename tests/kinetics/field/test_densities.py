@@ -101,7 +101,7 @@ def test_the_collision_term_keeps_mass_and_is_that_of_smooth_densities() -> None
     q = law.quadrature_for(40.0, 3)
     for m in range(4):
         before = v[:, None] / q.ratio
-        gain = v * (np.exp(-(before**2)) @ (q.weight * q.ratio**-3.0 * q.harmonic(m)))
+        gain = v * (np.exp(-(before**2)) @ (q.weight * q.ratio**-3.0 * (1.0 - q.harmonic_loss(m))))
         assert v * f - lost[m] @ f == pytest.approx(gain, abs=1e-6)
 
 

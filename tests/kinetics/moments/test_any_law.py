@@ -176,17 +176,7 @@ def test_one_ratio_goes_on_oscillating() -> None:
 
 @pytest.mark.parametrize(
     ("e", "et", "dimension"),
-    [
-        (1e-4, 0.5, 3),
-        (0.01, 0.5, 3),
-        (0.0, 0.8, 3),
-        (1e-10, 0.5, 2),
-        (0.9, 0.95, 3),
-        (0.0, 1.0, 2),
-        (1e-8, 1.0, 2),
-        (0.5, 1.0, 2),
-        (0.999, 1.0, 2),
-    ],
+    [(1e-4, 0.5, 3), (0.01, 0.5, 3), (0.0, 0.8, 3), (1e-10, 0.5, 2), (0.9, 0.95, 3)],
 )
 def test_late_slope_where_directions_are_forgotten_slowly(
     e: float, et: float, dimension: int

@@ -2,97 +2,41 @@
 
 import copy
 import itertools
-import pickle
 from collections.abc import Callable
 from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
+from example_values import (
+    HEIGHTS,
+    SPEEDS,
+    STATES,
+    VELOCITIES,
+    gamma_speeds,
+    half_of_it,
+    polar_values,
+)
 
 from kinetics import (
     AngularHarmonics,
-    Beam,
-    Gaussian,
-    Monoenergetic,
     PolarGrid,
     Scene,
     SolverStatus,
-    SpeedDensity,
-    SpeedSamples,
     SpeedTable,
     VelocitySamples,
     solve,
 )
-from kinetics.states.state import State
-
-SPEEDS = np.array([0.0, 0.2, 0.7, 1.0, 1.9, 3.0])
-HEIGHTS = np.array([0.0, 0.3, 0.8, 0.5, 0.4, 0.0])
-HEIGHTS = HEIGHTS / np.trapezoid(HEIGHTS, SPEEDS)
-ANGLES = 2.0 * np.pi * np.arange(16) / 16
-VELOCITIES = np.array([[0.3, 0.1], [-1.0, 0.7], [0.0, -2.0]])
-
-
-def gamma_speeds(v: Any) -> Any:
-    """v^2 exp(-v)/2, of which <v^p> = Gamma(3 + p)/2."""
-    return 0.5 * v**2 * np.exp(-v)
-
-
-def half_of_it(v: Any) -> Any:
-    return 0.5 * gamma_speeds(v)
-
-
-def polar_values(angles: Any) -> Any:
-    """A density in the velocity plane that is linear in v times v between the speeds."""
-    radial = np.divide(HEIGHTS, SPEEDS, out=np.zeros(6), where=SPEEDS > 0.0)
-    return radial[:, None] * (1.0 + 0.5 * np.cos(angles)) / (2.0 * np.pi)
-
-
-STATES: dict[str, Callable[[], State]] = {
-    "gaussian": Gaussian,
-    "two temperatures": lambda: Gaussian(1.5, 0.75),
-    "one speed": lambda: Monoenergetic(1.3),
-    "table": lambda: SpeedTable(SPEEDS, HEIGHTS),
-    "speeds": lambda: SpeedSamples(np.hypot(*VELOCITIES.T)),
-    "function": lambda: SpeedDensity(gamma_speeds),
-    "beam": lambda: Beam(0.4, SpeedTable(SPEEDS, HEIGHTS)),
-    "velocities": lambda: VelocitySamples(VELOCITIES),
-    "harmonics": lambda: AngularHarmonics({0: gamma_speeds, 1: half_of_it}),
-    "polar grid": lambda: PolarGrid(SPEEDS, polar_values(ANGLES)),
-}
-OTHERS: dict[str, State] = {
-    "gaussian": Gaussian(2.0, 2.0),
-    "two temperatures": Gaussian(0.75, 1.5),
-    "one speed": Monoenergetic(1.4),
-    "table": SpeedTable(SPEEDS + 0.1, HEIGHTS),
-    "speeds": SpeedSamples([1.0, 2.0]),
-    "function": SpeedDensity(lambda v: gamma_speeds(v)),
-    "beam": Beam(0.5, SpeedTable(SPEEDS, HEIGHTS)),
-    "velocities": VelocitySamples(VELOCITIES[::-1]),
-    "harmonics": AngularHarmonics({0: gamma_speeds, 2: half_of_it}),
-    "polar grid": PolarGrid(SPEEDS, polar_values(ANGLES + 0.1)),
-}
-
-
-def arrays(state: State) -> list[Any]:
-    return [value for value in vars(state).values() if isinstance(value, np.ndarray)]
 
 
 @pytest.mark.parametrize("name", STATES)
 def test_states_are_values(name: str) -> None:
-    state, same, other = STATES[name](), STATES[name](), OTHERS[name]
-    assert state == same
-    assert hash(state) == hash(same)
-    assert state != other
-    assert state != "gaussian"
-    assert len({state, same, other}) == 2
-    for again in (pickle.loads(pickle.dumps(state)), copy.deepcopy(state)):
-        assert again == state
-        assert hash(again) == hash(state)
-        assert not any(array.flags.writeable for array in arrays(again))
-    assert not any(array.flags.writeable for array in arrays(state))
-    with pytest.raises(AttributeError):
-        state.speed = 1.0  # type: ignore[attr-defined]
+    """As their scenes are: tests/kinetics/test_results.py."""
+    state, same = STATES[name](), STATES[name]()
+    assert state == same == copy.deepcopy(state)
+    assert len({state, *(make() for make in STATES.values()), "gaussian"}) == len(STATES) + 1
+    assert VelocitySamples(VELOCITIES) != VelocitySamples(VELOCITIES[::-1])
+    assert SpeedTable(SPEEDS, HEIGHTS) != SpeedTable(SPEEDS + 0.1, HEIGHTS)
     planar = ("two temperatures", "beam", "velocities", "polar grid")
     assert (state.in_space() is None) == (name in planar)
 
@@ -130,10 +74,10 @@ def gaussian_power(p: float, sx: float, sy: float) -> Any:
     return angle * mp.mpf(2) ** (mp.mpf(p) / 2) * mp.gamma(1 + mp.mpf(p) / 2) / (sx * sy)
 
 
-def table_power(p: float) -> Any:
+def table_power(p: float, speeds: Any = SPEEDS, heights: Any = HEIGHTS) -> Any:
     """<v^p> of the linear pieces by the power rule."""
     total, q = mp.mpf(0), mp.mpf(p)
-    for (a, fa), (b, fb) in itertools.pairwise(zip(SPEEDS, HEIGHTS, strict=True)):
+    for (a, fa), (b, fb) in itertools.pairwise(zip(speeds, heights, strict=True)):
         slope = (mp.mpf(fb) - mp.mpf(fa)) / (mp.mpf(b) - mp.mpf(a))
         offset = mp.mpf(fa) - slope * mp.mpf(a)
         for c, k in ((offset, q + 1), (slope, q + 2)):
@@ -159,7 +103,7 @@ NEGATIVE: dict[str, Callable[[float], Any]] = {
     "table": table_power,
     "speeds": samples_power,
     "function": gamma_power,
-    "beam": table_power,
+    "beam": lambda p: gaussian_power(p, 1.0, 1.0),
     "velocities": samples_power,
     "harmonics": gamma_power,
     "polar grid": table_power,
@@ -173,6 +117,22 @@ def test_negative_powers(name: str, p: float) -> None:
     solution = solve(Scene(0.5, initial=STATES[name](), times=[0.0]))
     assert solution.status is SolverStatus.CONVERGED
     assert solution.moment(p)[0] == pytest.approx(float(NEGATIVE[name](p)), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("speed", "density"),
+    [
+        ([1.0, 2.0], [1.0, 1.0]),
+        ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
+        ([0.5, 0.5 + 1e-7, 1.0, 5.0], [0.0, 2.0, 1.0, 0.0]),
+        (np.geomspace(1e-3, 1e3, 40), 1.0 / (1.0 + np.geomspace(1e-3, 1e3, 40) ** 5)),
+    ],
+)
+def test_tables_of_narrow_and_of_wide_pieces(speed: Any, density: Any) -> None:
+    v, f = np.asarray(speed), np.asarray(density) / np.trapezoid(density, speed)
+    solution = solve(Scene(0.5, initial=SpeedTable(v, f), times=[0.0]))
+    for p in (0.5, 1.0, 2.0, 3.0, 4.0):
+        assert solution.moment(p)[0] == pytest.approx(float(table_power(p, v, f)), rel=1e-10)
 
 
 # -- values are taken, not shared -----------------------------------------------------------------

@@ -1,6 +1,5 @@
 """Isotropic initial states: their averages at the start, early in time, and what is refused."""
 
-import itertools
 import math
 from typing import Any
 
@@ -8,7 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kinetics import Scene, SpeedDensity, SpeedSamples, SpeedTable, VelocitySamples, solve
+from kinetics import Scene, SpeedDensity, SpeedSamples, VelocitySamples, solve
 
 BASIC = ("thermal_speed", "temperature", "a2")
 
@@ -79,33 +78,6 @@ def test_moments_of_functions(name: str) -> None:
             assert abs(solution.moment(p)[0] / exact(p) - 1.0) < tolerance, (name, p)
         assert np.isclose(solution.thermal_speed[0], np.sqrt(exact(2)), rtol=1e-9)
         assert np.isclose(solution.temperature[0], 0.5 * exact(2), rtol=1e-9)
-
-
-# -- tables -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("speed", "density"),
-    [
-        ([1.0, 2.0], [1.0, 1.0]),
-        ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
-        ([0.5, 0.5 + 1e-7, 1.0, 5.0], [0.0, 2.0, 1.0, 0.0]),
-        (np.geomspace(1e-3, 1e3, 40), 1.0 / (1.0 + np.geomspace(1e-3, 1e3, 40) ** 5)),
-    ],
-)
-def test_moments_of_tables(speed: Any, density: Any) -> None:
-    """Linear between the points: the integral of each piece by the power rule, in many digits."""
-    v, f = np.asarray(speed, float), np.asarray(density, float)
-    f = f / np.trapezoid(f, v)
-    solution = at_start(SpeedTable(v, f))
-    for p in (0.5, 1, 2, 3, 4):
-        total = mp.mpf(0)
-        ends = itertools.pairwise(zip(map(mp.mpf, v), map(mp.mpf, f), strict=True))
-        for (a, fa), (b, fb) in ends:
-            slope = (fb - fa) / (b - a)
-            total += (fa - slope * a) * (b ** (p + 1) - a ** (p + 1)) / (p + 1)
-            total += slope * (b ** (p + 2) - a ** (p + 2)) / (p + 2)
-        assert abs(solution.moment(p)[0] / float(total) - 1.0) < 1e-10, p
 
 
 # -- samples ----------------------------------------------------------------------------------

@@ -1,11 +1,15 @@
-"""Averages over an initial state: one smooth function of v t for each observable (`backward`)."""
+"""Averages over an initial state: one smooth function of v t for each observable (`backward`).
+
+Those of the displacement come from the equation with its free-streaming term (paper, label
+``inelaslorentz``), as chains of scalar equations; no profile in space is needed.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from functools import cache, cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,24 +17,23 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.moments.backward import (
+    DISPLACEMENT_ALONG_START,
     MEAN_COLLISIONS,
+    MSD_SLOPE,
+    SQUARED_DISPLACEMENT,
     START,
+    STEEPEST,
     BackwardEquation,
     Observable,
-    fall_of,
-    panel_width,
+    quartic_displacement,
     speed_power,
 )
-from kinetics.moments.delayed import DelayedReturns, met_again
-from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import PanelRule, panel_rule
-from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
-from kinetics.validation import real_number, whole_number
+from kinetics.moments.delayed import DelayedReturns
+from kinetics.numerics import LARGEST_LOG, FloatArray
+from kinetics.numerics.chebyshev import Chebyshev, panel_rule
+from kinetics.states.state import LogMeasure, State
+from kinetics.validation import MOST_HARMONICS, real_number, whole_number
 
-# First guess of the nodes of a panel: for every law within one or two of what is needed, because
-# a node is about a digit. A guess that is too small costs a second solve.
-_NODES, _PER_POWER, _PER_DIGIT, _PER_DELAY = 2.0, 0.75, 1.12, 2
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 
 
@@ -40,7 +43,8 @@ class Averages:
 
     mean_free_path in d, times (n_times,) in d/U; degree, lowest, harmonic: largest and smallest
     power of the speed and largest angular harmonic that will be asked for; nodes: of a panel of
-    the backward equation, by default from rtol and degree.
+    the backward equation, by default from rtol and degree. What is kept: harmonics of the start,
+    and powers by p and m and matrices by the points that they average over.
     """
 
     law: CollisionLaw
@@ -52,13 +56,8 @@ class Averages:
     lowest: float = 0.0
     nodes: int | None = None
     harmonic: int = 2
-    _measures: dict[int, LogMeasure | None] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
-    # powers by p and m, and matrices by the points that they average over
-    _kept: dict[tuple[Any, Any], NDArray[Any]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
+    _measures: dict[int, LogMeasure | None] = field(default_factory=dict, init=False, compare=False)
+    _kept: dict[Any, NDArray[Any]] = field(default_factory=dict, init=False, compare=False)
 
     def with_nodes(self, nodes: int) -> Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
@@ -66,31 +65,31 @@ class Averages:
         other._measures.update(self._measures)
         return other
 
-    @property
-    def elastic(self) -> bool:
-        """Speeds are kept, and their powers need not be solved."""
-        return self.law.is_elastic
-
-    @property
-    def has_delays(self) -> bool:
-        """Whether scatterers are met again after a loop."""
-        return met_again(self.law) is not None
-
     def _is_closed(self, y: Observable) -> bool:
         """Whether y has a closed form: speeds are kept, and a harmonic decays at one rate."""
-        return self.elastic and y.is_power and not (y.harmonic and self.has_delays)
+        decays = not (y.harmonic and self.law.returns(0)[0])
+        return self.law.is_elastic and y.is_power and decays
 
     def error_estimate(self, y: Observable) -> float:
         """Relative, of averages of y over all panels, that is over all times."""
         return 0.0 if self._is_closed(y) else self.equation.error_estimate(y)
+
+    @cached_property
+    def _fall(self) -> float:
+        """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
+
+        There those that have not collided weigh as much as those that have collided once.
+        """
+        if self.degree <= 0.0:
+            return 0.0
+        return -math.log(max(float(self.law.mean_speed_ratio_power(self.degree)), 1e-300))
 
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
             # where <v^p> falls by more than e^4 before a bounce, slow tracers that have not
             # collided make what is left of it: a share of the start, 1e-26 at least
-            fall = fall_of(self.law, self.degree)
-            share = math.exp(-min(fall, 60.0)) if fall > 4.0 else 1.0
+            share = math.exp(-min(self._fall, 60.0)) if self._fall > STEEPEST else 1.0
             self._measures[m] = self.state.harmonic(
                 m, self.rtol * share, self.lowest, max(self.degree, 2.0)
             )
@@ -120,25 +119,24 @@ class Averages:
         return 0.5 * self.speeds.log_second_moment()
 
     def _reference(self, log_stretch: FloatArray) -> FloatArray:
-        if self.elastic:
+        if self.law.is_elastic:
             return np.full(log_stretch.shape, self.log_first)
         return np.minimum(self.log_first, -log_stretch - math.log(self.law.mean_log_loss))
 
     @cached_property
-    def width(self) -> float:
-        """Width in X of the panels of the backward equation."""
-        return panel_width(max(abs(self.degree), abs(self.lowest)), fall_of(self.law, self.degree))
-
-    @cached_property
     def equation(self) -> BackwardEquation:
         """The backward equation, up to the largest v t that occurs."""
-        highest = float(self.speeds.x.max() + self.log_stretch[-1])
-        largest = min(max(abs(self.degree), abs(self.lowest)), 4.0)  # narrower panels do the rest
-        first = math.ceil(_NODES + _PER_POWER * largest - _PER_DIGIT * math.log10(self.rtol))
-        if self.has_delays:
-            first += _PER_DELAY
-        kind = DelayedReturns if self.has_delays else BackwardEquation
-        return kind(self.law, max(highest, START), self.nodes or first, self.width, self.harmonic)
+        highest = max(float(self.speeds.x.max() + self.log_stretch[-1]), START)
+        power = max(abs(self.degree), abs(self.lowest))
+        width = max(STEEPEST / max(self._fall, STEEPEST), 1.0 / 32.0)  # more would take seconds
+        width = min(STEEPEST / max(power, STEEPEST), width)
+        # nodes for every law within one or two of what is needed, because a node is about a digit;
+        # what is missing costs a second solve. Of higher powers narrower panels do the rest
+        guess = 2.0 + 0.75 * min(power, 4.0) - 1.12 * math.log10(self.rtol)
+        delayed = bool(self.law.returns(0)[0])
+        nodes = self.nodes or math.ceil(guess) + 2 * delayed
+        kind = DelayedReturns if delayed else BackwardEquation
+        return kind(self.law, highest, nodes, width, self.harmonic, self.rtol)
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
@@ -171,7 +169,7 @@ class Averages:
 
     def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
         """The average at all times, (n_times,); where there are many, most by interpolation."""
-        equation, width, p = self.equation, self.width, y.degree + leading
+        equation, width, p = self.equation, self.equation.width, y.degree + leading
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
         # a node is about one digit: with two more a hundredth of rtol remains
@@ -204,12 +202,12 @@ class Averages:
         out[~late] = self._at(points, y, leading, self.log_stretch[~late])
         return out
 
-    def _rows_of(self, points: LogMeasure, rule: PanelRule, reach: int) -> NDArray[Any]:
+    def _rows_of(self, points: LogMeasure, rule: Chebyshev, reach: int) -> NDArray[Any]:
         """The average at the nodes of a panel in ln t from y in so many panels up to that in X."""
         inner, order = self.equation.rule, np.argsort(points.x)
         out = np.zeros((rule.nodes * reach, inner.nodes), dtype=points.weight.dtype)
         for part in np.array_split(order, 1 + order.size * rule.nodes // _PIECE):
-            place = rule.local[:, None] + (points.x[part] - points.x.max()) / self.width
+            place = rule.local[:, None] + (points.x[part] - points.x.max()) / self.equation.width
             below = np.minimum(np.floor(place), 0.0)
             rows = inner.shares((place - below).ravel())
             weight = np.tile(points.weight[part], rule.nodes) / np.einsum("ij->i", rows)
@@ -236,13 +234,43 @@ class Averages:
         return out
 
 
-# -- outputs that are made of powers of the speed, and the number of collisions --------------------
+# -- outputs ---------------------------------------------------------------------------------------
+
+
+class Part(NamedTuple):
+    """One observable of the backward equation that an output is made of."""
+
+    factor: float  # how often its relative error enters that of the output
+    observable: Observable
+    start: int  # harmonic of the initial state over which it is averaged
+
+
+@cache
+def parts_of(output: str, dimension: int) -> tuple[Part, ...]:
+    """What an output of this file is made of; nothing for other outputs."""
+    square, along = speed_power(2.0), speed_power(1.0, 1)
+    pairs = {
+        "thermal_speed": [(0.5, square)],
+        "temperature": [(1.0, square)],
+        "a2": [(2.0, square), (1.0, speed_power(4.0))],
+        "mean_velocity": [(1.0, along)],
+        "velocity_tensor": [(1.0, square), (1.0, speed_power(2.0, 2))],
+        "collisions": [(1.0, MEAN_COLLISIONS)],
+        "msd": [(1.0, SQUARED_DISPLACEMENT)],
+        "kurtosis": [(2.0, SQUARED_DISPLACEMENT), (1.0, quartic_displacement(dimension))],
+        "velocity_autocorrelation": [(1.0, along)],
+        "diffusion_coefficient": [(1.0, MSD_SLOPE)],
+        "mean_displacement": [(1.0, DISPLACEMENT_ALONG_START)],
+    }.get(output, [])
+    # <v(0).v> is over all initial velocities: v(0) itself takes the direction out
+    own = output != "velocity_autocorrelation"
+    return tuple(Part(factor, y, y.harmonic * own) for factor, y in pairs)
 
 
 def moment_arguments(law: CollisionLaw, state: State, p: Any, m: Any) -> tuple[float, int]:
     """p and m of <v^p exp(-i m phi)>; InputError out of range, or where it does not exist."""
     p = real_number("p", p, -40.0, 40.0)
-    m = whole_number("m", m, 0, 256)
+    m = whole_number("m", m, 0, MOST_HARMONICS)
     lowest = max(state.lowest_moment, law.lowest_power)
     if p <= lowest:
         raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
@@ -268,12 +296,12 @@ def a2(averages: Averages) -> FloatArray:
 
 def mean_velocity(averages: Averages) -> FloatArray:
     """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1; in space (n_times, 3)."""
-    return as_vector(averages, np.exp(averages.log_reference) * averages.power(1.0, 1))
+    return as_vector(averages.law, np.exp(averages.log_reference) * averages.power(1.0, 1))
 
 
-def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
+def as_vector(law: CollisionLaw, along: NDArray[Any]) -> FloatArray:
     """The vector whose harmonic 1 is ``along``, (n_times,): (n_times, 2), in space (n_times, 3)."""
-    found = np.zeros((along.size, averages.law.dimension))
+    found = np.zeros((along.size, law.dimension))
     found[:, 0], found[:, 1] = along.real, -along.imag  # in space it is real
     return found
 
@@ -282,17 +310,67 @@ def velocity_tensor(averages: Averages) -> FloatArray:
     """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2; in space (n_times, 3, 3)."""
     square = np.exp(averages.log_reference) ** 2
     trace, second = square * averages.power(2.0), square * averages.power(2.0, 2)
-    if averages.law.dimension == 3:
-        # v_x^2 = v^2 (1 + 2 P_2)/3, and the rest is shared by y and z
-        tensor = np.zeros((averages.times.size, 3, 3))
-        tensor[:, 0, 0] = (trace + 2.0 * second.real) / 3.0
-        tensor[:, 1, 1] = tensor[:, 2, 2] = (trace - second.real) / 3.0
-        return tensor
-    xx, yy = 0.5 * (trace + second.real), 0.5 * (trace - second.real)
-    xy = -0.5 * second.imag
-    return np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
+    d = averages.law.dimension
+    tensor = np.zeros((averages.times.size, d, d))
+    tensor[:, 0, 0] = (trace + (d - 1.0) * second.real) / d
+    for i in range(1, d):  # in space the rest is shared by y and z
+        tensor[:, i, i] = (trace - second.real) / d
+    tensor[:, 0, 1] = tensor[:, 1, 0] = -0.5 * second.imag  # in space 0
+    return tensor
 
 
 def collisions(averages: Averages) -> FloatArray:
     """Mean number of collisions of a tracer since t = 0, shape (n_times,)."""
     return np.asarray(averages.average(MEAN_COLLISIONS))
+
+
+def _flown(averages: Averages) -> FloatArray:
+    """v_ref t in d, (n_times,): averages of T^-n y times its n-th power do not underflow early."""
+    return np.asarray(np.exp(averages.log_reference) * averages.times)
+
+
+def root_mean_square(averages: Averages) -> FloatArray:
+    """sqrt(<r^2>)(t) in d, shape (n_times,); also where <r^2> is out of range."""
+    square = averages.average(SQUARED_DISPLACEMENT, leading=2)
+    return np.asarray(np.sqrt(square) * _flown(averages))
+
+
+def msd(averages: Averages) -> FloatArray:
+    """<r^2>(t) in d^2, shape (n_times,)."""
+    with np.errstate(over="ignore", under="ignore"):
+        return root_mean_square(averages) ** 2
+
+
+def kurtosis(averages: Averages) -> FloatArray:
+    """<r^4>/<r^2>^2, shape (n_times,); at t = 0 its limit, <v^4>/<v^2>^2."""
+    if averages.law.is_elastic:  # late it stands still, and fourth powers of v t/l overflow
+        last = LARGEST_LOG / 6.0 - averages.log_first + math.log(averages.mean_free_path)
+        if averages.times[-1] > (last := math.exp(min(last, LARGEST_LOG))):
+            averages = replace(averages, times=np.minimum(averages.times, last))
+    second = averages.average(SQUARED_DISPLACEMENT, leading=2)
+    fourth = averages.average(quartic_displacement(averages.law.dimension), leading=4)
+    return np.asarray(fourth / second**2)
+
+
+def velocity_autocorrelation(averages: Averages) -> FloatArray:
+    """<v(0) . v(t)> in U^2, shape (n_times,); negative where most bounces go backwards."""
+    found = averages.average(speed_power(1.0, 1), m=0, start=1.0)
+    return np.asarray(found * np.exp(averages.log_first + averages.log_reference))
+
+
+def diffusion_coefficient(averages: Averages) -> tuple[FloatArray, FloatArray]:
+    """D(t) = d<r^2>/dt/(2 d) in d U, and the slope d<r^2>/d ln t in d^2, (n_times,) each.
+
+    The elastic D tends to (3/8) l <v> in the plane and (1/3) l <v> in space; tracers that cool have
+    a slope that tends to 2 l^2/(kappa (1 - <cos chi>)).
+    """
+    mean, flown = averages.average(MSD_SLOPE, leading=1), _flown(averages)
+    with np.errstate(over="ignore", under="ignore"):
+        speed = np.exp(averages.log_reference) / (2.0 * averages.law.dimension)
+        return mean * flown * speed, mean * flown * flown
+
+
+def mean_displacement(averages: Averages) -> FloatArray:
+    """<r>(t) of a directed start in d, shape (n_times, 2), in space (n_times, 3)."""
+    along = averages.average(DISPLACEMENT_ALONG_START, leading=1)
+    return as_vector(averages.law, along * _flown(averages))
