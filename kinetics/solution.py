@@ -350,8 +350,8 @@ class Solution(Result):
 
         Shape (n_times, n_speeds) each: delta peaks, which :meth:`position_density` leaves out.
         """
-        found = self._moved()
-        return frozen(found.front_radius), frozen(found.front_weight)
+        radius, share = self._moved().uncollided.fronts
+        return frozen(radius), frozen(share)
 
     def position_density(self, r: ArrayLike) -> FloatArray:
         """g(r, t), the radial density of the displacement (paper, fig. ``inelasticposi``), in 1/d.

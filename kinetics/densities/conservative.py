@@ -23,30 +23,26 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.results import Value
 from kinetics.states.state import LogMeasure, State
 
 # Of the spacing: the first one tried, and the finest; each next one is half of the one before.
-_COARSEST, _FINEST = 0.128, 0.0005
+_COARSEST = 0.128
+_FINEST = _COARSEST / 2**8
 # The error over the difference of two spacings. The first bounces from sharp speeds make inverse
 # square roots, whose distribution function converges as sqrt(h): 1/(sqrt(2) - 1) = 2.4, and more
 # where the front lies badly between the nodes. Steps and kinks converge as h at least: 1.
 _SHARP, _ROUGH = 4.0, 2.0
 _MOST_WORK = 1e10  # products of masses with shares of bounces: a second or two
-# Products of a convolution that cost less than its transforms; those of a node by transforms; and
-# what is rounding of these, over the largest.
-_DIRECTLY, _TRANSFORMED, _ROUNDING = 500_000, 300, 1e-15
-# The axis ends e^-12 below the slowest speed that matters, l/t, and where the range of doubles ends
-_DEPTH, _LOWEST = 12.0, 700.0
-_BEST_START = 1e-6  # the start need not be better known than that
+_TRANSFORMED = 300  # shares of bounces from which on transforms are quicker, and what they cost
+_DEPTH = 12.0  # the axis ends e^-12 below the slowest speed that matters, l/t
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
-# Radians of s^z on one cell, so that losses lie a tenth of it apart; and the deepest -ln s apart.
-_NODES_OF_A_CELL, _DEEPEST = 16.0, 40.0
+_NODES_OF_A_CELL = 16.0  # radians of s^z on one cell, so that losses lie a tenth of it apart
 
 
 @dataclass(frozen=True)
@@ -77,19 +73,6 @@ class NodeMasses(Value):
         return np.interp(x, self.x, self.mass[i], left=0.0, right=0.0) / self.spacing
 
 
-def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
-    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
-    low = np.minimum((q.log_loss / spacing).astype(np.int64), math.ceil(_DEEPEST / spacing))
-    # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
-    down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
-    down, weight = np.clip(down, 0.0, 1.0), q.weight * (1.0 - q.harmonic_loss(m))
-    kernel = np.zeros(int(low.max()) + 2)
-    np.add.at(kernel, low, weight * (1.0 - down))
-    np.add.at(kernel, low + 1, weight * down)
-    return kernel
-
-
 def deposit(points: LogMeasure, x: FloatArray, spacing: float) -> NDArray[Any]:
     """Masses of weighted points on the nodes x, mass and energy kept."""
     mass = np.zeros(x.size, dtype=points.weight.dtype)
@@ -100,6 +83,15 @@ def deposit(points: LogMeasure, x: FloatArray, spacing: float) -> NDArray[Any]:
     np.add.at(mass, low, points.weight * (1.0 - up))
     np.add.at(mass, low + 1, points.weight * up)
     return mass
+
+
+def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
+    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
+    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
+    below = np.minimum(q.log_loss, FOLDS)
+    last = math.ceil(float(below.max()) / spacing) + 1
+    points = LogMeasure(-below, q.weight * (1.0 - q.harmonic_loss(m)))
+    return deposit(points, spacing * np.arange(-last, 1.0), spacing)[::-1]
 
 
 def _start_masses(
@@ -172,26 +164,25 @@ class _Axis:
     def _arriving(self, moving: NDArray[Any]) -> NDArray[Any]:
         """Bounces of the moving masses, past the end of the axis; by transforms where shorter."""
         self.work += moving.size * min(self.kernel.size, _TRANSFORMED)
-        if moving.size * self.kernel.size < _DIRECTLY:
+        if self.kernel.size < _TRANSFORMED:
             # what np.convolve does, without its checks
             return np.correlate(moving, self.kernel[::-1], "full")
         from scipy.signal import fftconvolve
 
         found = np.asarray(fftconvolve(moving, self.kernel))
         size = np.abs(found)
-        found[size < _ROUNDING * size.max()] = 0.0  # else the top of the axis never empties
+        found[size < 4.0 * ROUNDING * size.max()] = 0.0  # else the top of the axis never empties
         return np.maximum(found, 0.0) if self.positive else found
 
 
 def solve_conservative(asked: HarmonicProblem) -> Profile:
     """The harmonic at the times, of a start of any kind, e < 1.
 
-    Raises InputError where following the state would take too long, or its harmonic m is zero.
+    Raises InputError where following the state would take too long.
     """
     law, state, times = asked.law, asked.state, asked.times
-    start = state.harmonic(asked.m, min(asked.rtol, _BEST_START))
-    if start is None:
-        raise InputError(f"initial: harmonic {asked.m} of this state is zero")
+    start = state.harmonic(asked.m, min(asked.rtol, 1e-6))  # it need not be better known
+    assert start is not None  # harmonics that are zero are not asked for
     if law.returns(0)[0]:
         raise InputError("initial: at a finite density, speed densities need a smooth start")
     if state.profile(0) is None and law.has_atoms:
@@ -199,27 +190,14 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
             "initial: from sharp speeds, bounces that take single shares of the speed (samples, "
             "et = e) make delta peaks and no density; give a SpeedTable, or ask for averages"
         )
-    found, error = _refined(asked, start, times / asked.mean_free_path)
-    peak_speed, peak_weight = None, None
-    if start.x.size == 1:
-        peak_speed = math.exp(float(start.x[0]))
-        with np.errstate(over="ignore", under="ignore"):
-            peak_weight = start.weight[0] * np.exp(-peak_speed * times / asked.mean_free_path)
-    nodes = found.x.size
-    return Profile(found, times.size, "conservative", nodes, error, peak_speed, peak_weight)
-
-
-def _refined(
-    asked: HarmonicProblem, start: LogMeasure, paths: FloatArray
-) -> tuple[NodeMasses, float]:
-    """The masses at times in l/U, on nodes as close as rtol or the work takes, and their error."""
+    paths = times / asked.mean_free_path
     top = float(start.x.max())
     lowest = min(float(start.x.min()), top, -math.log(max(float(paths[-1]), 1e-300))) - _DEPTH
-    span = min(top - lowest, _LOWEST)
+    span = min(top - lowest, LARGEST_LOG)
     spacing, finest = _COARSEST, _FINEST
     if asked.nodes:
         spacing, finest = 2.0 * span / asked.nodes, span / asked.nodes
-    safe = _SHARP if asked.state.profile(0) is None else _ROUGH
+    safe = _SHARP if state.profile(0) is None else _ROUGH
     # of the tracers that have left a single speed, or a billionth of all
     left = -np.expm1(-math.exp(top) * paths) if start.x.size == 1 else np.ones(paths.size)
     held = np.maximum(left, 1e-9)
@@ -236,7 +214,12 @@ def _refined(
             f"times: got up to {asked.times[-1]:g} at {asked.law.described}; the conservative "
             "method would take too long, ask for earlier times, fewer nodes, or averages only"
         )
-    return found, error
+    peak_speed, peak_weight = None, None
+    if start.x.size == 1:
+        peak_speed = math.exp(top)
+        with np.errstate(over="ignore", under="ignore"):
+            peak_weight = start.weight[0] * np.exp(-peak_speed * paths)
+    return Profile(found, times.size, "conservative", found.x.size, error, peak_speed, peak_weight)
 
 
 def _solve(

@@ -25,8 +25,6 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.state import LogMeasure
 
-_NODES, _PER_UNIT = 32, 4  # in time; and more of them for each unit of ln(1 + t U/l)
-_SLOWEST = 1e-7  # in l/T; a slower tracer hardly collides
 # panels for each octave of the speed, for smooth densities and for those with steps
 _PANELS = {True: 6, False: 60}
 
@@ -51,14 +49,14 @@ class Flights:
         """From a solver of scenes with speed densities at the times that it is given, in d/U."""
         last = float(times[-1]) / path
         end = np.log1p(last)
-        count = _NODES + int(_PER_UNIT * end)
+        count = 32 + int(4.0 * end)
         x = -np.cos(np.pi * np.arange(count) / (count - 1))
         at = np.expm1(0.5 * end * (x + 1.0))
         at[[0, -1]] = 0.0, last
         solution = solve(at * path)
         state = solution.scene.state
         first = float(np.exp(state.harmonic(0, 1e-8).x.max()))
-        octaves = np.log2(first * max(last, 1.0) / _SLOWEST)
+        octaves = np.log2(1e7 * first * max(last, 1.0))  # slower ones hardly collide
         edges = np.linspace(0.0, np.log(2.0) * octaves, int(octaves * _PANELS[state.smooth]) + 1)
         logs, weight = panels_between(np.log(first) + np.append(-edges[::-1], 0.05), 3)
         speeds = np.exp(logs)

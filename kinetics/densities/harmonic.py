@@ -117,10 +117,9 @@ def elastic_profile(asked: HarmonicProblem) -> Profile:
 
 
 # One Cartesian component, by an integral over the other one, or in space over the speed: panels in
-# ln of the other component, in units of a typical speed. Below e^-20 of it, where the density is
+# ln of the other component, in units of a typical speed. Below the first, where the density is
 # constant, the other component is taken in one piece. The error is 1e-8 for smooth densities.
-_LOWEST, _HIGHEST, _PANEL, _POINTS = -20.0, 4.5, 0.5, 10
-_FASTEST = 1e100  # in typical speeds: no tracer is as fast
+_EDGES = np.arange(-20.0, 4.75, 0.5)
 
 
 def component_densities(
@@ -132,18 +131,18 @@ def component_densities(
     unit : speeds of the order of the thermal one, shape (n_times,)
     """
     # with v^2 = x^2 + w^2, of the density g of the speed: g/(pi v) dw, in space g w/(2 v^2) dw
-    y, weight = panels_between(np.arange(_LOWEST, _HIGHEST + 0.5 * _PANEL, _PANEL), _POINTS)
+    y, weight = panels_between(_EDGES, 10)
     out = np.empty((unit.size, x.size))
     for i, one in enumerate(unit.tolist()):
         other = one * np.exp(y)
-        speed = np.hypot(np.minimum(x, _FASTEST * one)[:, None], other)
+        speed = np.hypot(np.minimum(x, 1e100 * one)[:, None], other)
         g = profile.at(i, speed.ravel()).real.reshape(speed.shape)
         if dimension == 3:
             out[i] = (g * (0.5 * (other / speed) ** 2)) @ weight
             continue
         g = g * (other / speed) / np.pi
         # below the first panel the density is that of its first point
-        out[i] = g @ weight + g[:, 0] * math.exp(_LOWEST) * one / other[0]
+        out[i] = g @ weight + g[:, 0] * math.exp(_EDGES[0]) * one / other[0]
     if profile.peak_speed is not None and profile.peak_weight is not None:
         peak = profile.peak_speed  # one speed and any direction
         shape = np.where(x < peak, 0.5 / peak, 0.0)

@@ -24,7 +24,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import ComplexArray, FloatArray
+from kinetics.numerics import FOLDS, ROUNDING, ComplexArray, FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.numerics.recurrence import log_growth, taylor_of_log
@@ -32,11 +32,9 @@ from kinetics.numerics.recurrence import log_growth, taylor_of_log
 # At this real part, with this many Taylor coefficients, the Euler-Maclaurin formula leaves
 # 2 * 8!/((2 pi)^10 24^9) = 3e-16 (see `log_growth`).
 _TOP, _ORDERS = 24, 8
-# Gauss points between two wave numbers, h < 0.5 apart: they leave (3!)^4/(7 (6!)^3) h^7 = 4e-9 of
-# the sixth derivative of ln lambda, which is about 5!/24^6 = 6e-7.
-_BETWEEN = 3
-_NEGLIGIBLE = 1e-19  # bounces of less weight than this are left out: it is below rounding
-_TABLES = 256  # wave numbers whose tables fit into the cache; it changes no result
+SHARE = 0.005  # of what is aimed at, for each of many small parts of the error
+_TOGETHER = 20_000  # numbers of a piece of a table that stay in the cache; it changes no result
+_KEPT = 24.0 * ROUNDING  # of the largest mode of a state: a smaller one is not kept
 
 
 def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) -> ComplexArray:
@@ -49,19 +47,21 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) ->
         # lambda = z/(1 + z), G = 1/z
         return -np.log(1.0 - 1j * k / tilt) if tilt else np.zeros(k.size, dtype=complex)
     q = law.quadrature_for(float(k[-1]), m)
-    kept = q.weight > _NEGLIGIBLE * q.weight.max()
+    kept = q.weight > math.exp(-FOLDS) * q.weight.max()
     xi, weight, turned = q.log_loss[kept], q.weight[kept], 1.0 - q.harmonic_loss(m)[kept]
     steps = tilt + np.arange(_TOP + 1.0)
     powers = np.exp(-np.multiply.outer(xi, steps))
-    # between two wave numbers, z + d: 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d
-    node, between = gauss_legendre(_BETWEEN)
+    # Between two wave numbers, h < 0.5 apart, three Gauss points leave (3!)^4/(7 (6!)^3) h^7 = 4e-9
+    # of the sixth derivative of ln lambda, which is about 5!/24^6 = 6e-7. At z + d
+    # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d
+    node, between = gauss_legendre(3)
     step = k[1] - k[0]
     onward = powers[:, -1:] * np.exp(1j * np.multiply.outer(xi, step * node))
     orders = np.arange(1.0, _ORDERS)
     taylor = powers[:, -1:] * np.cumprod(-xi[:, None] / orders, axis=1)
     factors = (weight * turned)[:, None] * np.hstack([powers, onward.real, onward.imag, taylor])
     rate, real, imag, slopes = np.split(
-        _averages(k, xi, factors), np.cumsum([steps.size, _BETWEEN, _BETWEEN]), axis=1
+        _averages(k, xi, factors), np.cumsum([steps.size, node.size, node.size]), axis=1
     )
     # lambda on the real axis, each relative to itself
     on_axis = -weight @ np.expm1(-np.multiply.outer(xi, steps))
@@ -96,7 +96,7 @@ def _averages(k: FloatArray, xi: FloatArray, factors: FloatArray) -> ComplexArra
     near = np.multiply.outer(0.5 * k[:stride], xi)
     sin_near, cos_near = np.sin(near), np.cos(near)
     out = np.empty((far.shape[0] * stride, factors.shape[1]), dtype=complex)
-    piece = max(1, _TABLES // stride)
+    piece = max(1, _TOGETHER // (stride * xi.size))
     for first in range(0, far.shape[0], piece):
         sin_far, cos_far = np.sin(far[first : first + piece]), np.cos(far[first : first + piece])
         sine = (sin_far * cos_near + cos_far * sin_near).reshape(-1, xi.size)
@@ -107,16 +107,11 @@ def _averages(k: FloatArray, xi: FloatArray, factors: FloatArray) -> ComplexArra
     return out[: k.size]
 
 
-_KEPT = 5e-15  # of the largest mode of a state: a smaller one is rounding, and is not kept
 # Angles that are tried. Near pi/2 exp(-v t/l) falls as cos(angle): there they are closer.
 _ANGLES = (*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.54)
-# For the choice of the angle only: the rounding of f at the lowest speeds, with a margin; with less
-# than this share of rtol no larger angle is taken.
-_ROUNDING, _ENOUGH = 2e-14, 0.005
 # Width in ln v over which a state on a turned axis is brought to zero at both ends of the window,
 # by an error function that stops at this argument; and its value there, with a margin for g over v.
 TAPER, _STEEPEST, _ENDS = 3.0, 4.0, 1e-4
-_TOGETHER = 20_000  # numbers of a piece of the time axis that stay in the cache
 
 
 def modes_of(rows: FloatArray) -> ComplexArray:
@@ -139,7 +134,7 @@ def choose_angle(
     """The angle of the axis for a state on a grid, and ln of the largest 1/gain.
 
     The angle is the smallest that leaves next to nothing of rtol to rounding, or the best one: what
-    rounding leaves is guessed for the choice only.
+    rounding leaves of f at the lowest speeds is guessed, with a margin, for the choice only.
     gain_at : ln of the gain at wave numbers
     spacing : of the nodes that are to be used
     """
@@ -151,11 +146,11 @@ def choose_angle(
     angles = np.array(_ANGLES)
     height = gain_at(k).real + np.multiply.outer(angles, k)
     raised = -height.min(axis=1)
-    lost = raised + (log_size + height).max(axis=1) + math.log(_ROUNDING)
+    lost = raised + (log_size + height).max(axis=1) + math.log(4.0 * _KEPT)
     # the rounding of the highest modes that are kept fills the window up to its ends
     jump = height[:, log_size > -690.0].max(axis=1) + log_size.max()
     lost = np.maximum(lost, jump + math.log(_KEPT * _ENDS))
-    good = lost < max(float(lost.min()), math.log(_ENOUGH * rtol))
+    good = lost < max(float(lost.min()), math.log(SHARE * rtol))
     best = int(good.argmax()) if good.any() else int(lost.argmin())
     return float(angles[best]), float(raised[best])
 

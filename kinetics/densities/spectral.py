@@ -17,29 +17,24 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import HarmonicProblem, Profile
-from kinetics.densities.intertwining import TAPER, choose_angle, intertwine, log_gain
+from kinetics.densities.intertwining import SHARE, TAPER, choose_angle, intertwine, log_gain
 from kinetics.errors import InputError
-from kinetics.numerics import ComplexArray, FloatArray
+from kinetics.numerics import FOLDS, ROUNDING, ComplexArray, FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.results import Value
 from kinetics.scaling.mellin import extent_of
 from kinetics.states.state import LogMeasure, SpeedFunction
 
-# Limits of the work: nodes, of the start alone, and values at nodes and times (a quarter of a
-# gigabyte).
-_MOST_NODES, _MOST_NODES_OF_START, _MOST_VALUES = 40_000, 8192, 3e7
+# Limits of the work: nodes, and values at nodes and times (a quarter of a gigabyte).
+_MOST_NODES, _MOST_VALUES = 40_000, 3e7
 # The solution has 5 nodes where the one that it is compared with has 4, and that one's window ends
-# by so many e-folds of the speed higher up. They are compared at so many times.
-_FINE, _COARSE, _HIGHER, _COMPARED = 5, 4, 2.0, 6
-_SHARE = 0.005  # of that aim, for each of many small parts of the error
+# by so many e-folds of the speed higher up.
+_FINE, _COARSE, _HIGHER = 5, 4, 2.0
 _BELOW_AIM = 6.0  # e-folds below what is aimed at, where the window ends
-_BAND_OF_START = 8.0  # wave number of a start
-_MORE = 1.4  # nodes of each try to resolve the start, over those of the last one
 # What is aimed at, of rtol, and the tilt. Where v t/l goes on oscillating, or tracers forwards, u
-# oscillates at low speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt,
-# and the last time is at so many e-folds. And what rounding allows to aim at.
-_AIMS, _LATEST, _LEAST_AIM = ((1.0, 0.0), (0.03, 0.25)), 40.0, 1e-14
+# oscillates at low speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt.
+_AIMS = ((1.0, 0.0), (0.03, 0.25))
 # The least error that is claimed: for the rounding that two solutions may have in common (2e-13 was
 # seen), and of what is aimed at, below which the low end is cut off.
 _FLOOR, _CUT = 5e-13, 0.1
@@ -54,7 +49,6 @@ _LEAST_MAXIMUM = 0.3
 _SMALL_RATIO, _SLOWEST = 0.3, 0.6
 # Where bounces lead to any speed: those from which f is continued down, over the lowest of them.
 _SPEEDS = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
-_MOST_TERMS = 1_000_000  # of a Fourier sum at once: 16 megabytes
 
 
 @dataclass(frozen=True)
@@ -111,10 +105,10 @@ class GridDensity(Value):
         rise = (high - low) / max(x[second] - x[first], self.grid.spacing)
         return float(x[first]), max(0.0, float(rise) - 1.0)
 
-    def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
-        """In pieces of x, so that memory stays flat."""
+    def _interpolate(self, i: int, x: FloatArray, terms: int = 1_000_000) -> NDArray[Any]:
+        """In pieces of x with so many terms of the Fourier sum, so that memory stays flat."""
         both = _rows(self.values[i])
-        pieces = np.array_split(x, 1 + x.size * self.grid.nodes // _MOST_TERMS)
+        pieces = np.array_split(x, 1 + x.size * self.grid.nodes // terms)
         return _whole(np.hstack([self.grid.interpolate(both, piece) for piece in pieces]))
 
 
@@ -167,10 +161,10 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
         return None
     log_unit = 0.5 * speeds.log_second_moment()
     tau = np.log(asked.times / asked.mean_free_path + math.exp(-log_unit)) + log_unit
-    late = asked.nodes is not None or float(tau[-1]) > _LATEST
+    late = asked.nodes is not None or float(tau[-1]) > FOLDS
     best: Profile | None = None
     for aim, tilt in _AIMS[:1] if late else _AIMS:
-        aimed = max(aim * rtol, _LEAST_AIM)
+        aimed = max(aim * rtol, 50.0 * ROUNDING)
         problem = _Problem(asked, aimed, tilt, start, speeds, log_unit, tau)
         window = _window(law, speeds, aimed, float(tau[-1]))
         narrow = _resolve(problem, *window)
@@ -198,7 +192,7 @@ def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profi
     moved, rows = intertwine(grid, problem.on(grid), gain, angle, pole).at(tau, _FINE)
     down = moved * grid.spacing
     # the other solution: the same wave numbers, but fewer of them, and a window higher up
-    few = np.unique(np.linspace(0, tau.size - 1, min(tau.size, _COMPARED)).astype(int))
+    few = np.unique(np.linspace(0, tau.size - 1, min(tau.size, 6)).astype(int))
     unit = _FINE * grid.spacing  # both grids move by multiples of it
     skipped, nodes = math.ceil(_HIGHER / unit), grid.nodes // _FINE * _COARSE
     other = LogGrid(grid.start + skipped * unit, unit / _COARSE, nodes)
@@ -226,7 +220,7 @@ def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profi
     if asked.nodes is not None:  # few nodes may agree, and say nothing of what is between
         error = max(error, _unresolved(_rows(g)))
     filled = lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None
-    resolved = max(_SHARE * aim, float(of_g.max()))
+    resolved = max(SHARE * aim, float(of_g.max()))
     where = down - problem.log_unit, first, high + grid.spacing
     density = GridDensity(grid, g, *where, resolved, filled)
     return Profile(density, tau.size, "spectral", grid.nodes, error)
@@ -248,11 +242,11 @@ def _resolve(problem: _Problem, low: float, high: float, band: float) -> LogGrid
         count += count % 2
         grid = LogGrid(low, (high - low) / count, count)
         rough = _unresolved(problem.on(grid))
-        if given is not None or rough <= _SHARE * aim:
+        if given is not None or rough <= SHARE * aim:
             return grid
-        if 2 * count > _MOST_NODES_OF_START:
+        if 2 * count > _MOST_NODES // _FINE:
             return grid if rough <= aim else None
-        count = int(_MORE * count)
+        count = int(1.4 * count)
 
 
 def _choose_grid(problem: _Problem, narrow: LogGrid) -> tuple[LogGrid, float]:
@@ -278,7 +272,7 @@ def _choose_grid(problem: _Problem, narrow: LogGrid) -> tuple[LogGrid, float]:
 def _wide(problem: _Problem, narrow: LogGrid, angle: float, raised: float) -> tuple[float, float]:
     """Both ends of the window of u: further down than that of g, and further up as exp(-v t/l)."""
     law, aim = problem.asked.law, problem.aim
-    tail = math.log(_SHARE * aim) - raised - _HIGHER
+    tail = math.log(SHARE * aim) - raised - _HIGHER
     if problem.tilt:
         tail = tail / problem.tilt - float(problem.tau[-1])
     elif problem.asked.m == 0:
@@ -317,7 +311,7 @@ def _window(
     scaled, band = extent_of(law, depth)
     # before that the ring of nearly elastic tracers is still as wide as the start
     if high + duration <= -math.log(law.mean_log_loss) - 1.0:
-        band = _BAND_OF_START
+        band = 8.0
     if law.least_ratio < _SMALL_RATIO:
         low = min(low, -depth)
     return low - 0.5, max(high, min(scaled, high + duration)) + 0.5, band

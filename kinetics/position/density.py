@@ -19,17 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import panels_between
+from kinetics.numerics.gauss import panels_of
 from kinetics.position.directions import element, mean_phase, surface
-from kinetics.position.tail import PowerTail
-from kinetics.position.wave_panel import WavePanel
+from kinetics.position.wave_numbers import PowerTail, WavePanel
 from kinetics.results import Value
 from kinetics.states.state import State
 
-# Edges of the panels that shares are summed on, in sqrt(<r^2>), and points of each; and the step of
-# slopes, over r.
+# Edges of the panels that shares are summed on, in sqrt(<r^2>).
 _EDGES = np.concatenate([np.geomspace(1e-3, 0.1, 8), np.linspace(0.2, 6.0, 30), [7, 8, 10, 15, 50]])
-_SHARES, _STEP = 8, 1e-3
 
 
 @dataclass(frozen=True)
@@ -100,16 +97,6 @@ class Displacement(Value):
         return self.uncollided.mean_free_path
 
     @property
-    def front_radius(self) -> FloatArray:
-        """Of the fronts of sharp speeds, in d, (n_times, n_speeds); n_speeds = 0 for densities."""
-        return self.uncollided.fronts[0]
-
-    @property
-    def front_weight(self) -> FloatArray:
-        """The share of all tracers that are there, (n_times, n_speeds)."""
-        return self.uncollided.fronts[1]
-
-    @property
     def wave_numbers(self) -> int:
         """How many were solved for."""
         return sum(panel.wave_numbers.size for panel in self.panels)
@@ -127,10 +114,11 @@ class Displacement(Value):
             kinks = self.uncollided.state.kinks * self.uncollided.times[time]
         inner = np.concatenate([[0.0], kinks, self.root_mean_square[time] * _EDGES])
         edges = np.unique(np.append(near, inner[inner <= self.reach[time]]))
-        x, weight = panels_between(edges, _SHARES)
-        shares = (weight * self.density(time, x)).reshape(-1, _SHARES).sum(axis=1)
+        x, weight = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), 8)
+        shares = (weight * self.density(time, x.ravel()).reshape(x.shape)).sum(axis=1)
         sums = np.append(0.0, np.cumsum(shares))
-        front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
+        radius, weight = (part[time] for part in self.uncollided.fronts)
+        front = weight @ (radius[:, None] <= r)
         return np.asarray(sums[np.searchsorted(edges, near)] + front)
 
     def collided_in_place(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -138,7 +126,7 @@ class Displacement(Value):
 
         In 1/d^2 and 1/d^3 in the plane, in 1/d^3 and 1/d^4 in space.
         """
-        step = _STEP * r
+        step = 1e-3 * r
         at = r + step * np.array([-2.0, -1.0, 1.0, 2.0, 0.0])[:, None]
         values = self._transform(time, at.ravel()).reshape(at.shape)
         for _ in range(self.dimension):  # the power of l may overflow

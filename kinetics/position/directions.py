@@ -84,11 +84,15 @@ def surface(dimension: int) -> float:
 # Shapes: blocks (m, nodes, nodes), turn (nodes,), right and the solution (m, nodes, n_k),
 # wave_numbers (n_k,). The number of harmonics is odd; beyond the last a_(m+1) = closure a_m, as in
 # steady free flights.
-_ROUNDS = 24  # of the iteration, at most: a few more than it takes where it is quicker
 
 
 def iterate(
-    blocks: FloatArray, turn: FloatArray, right: FloatArray, wave_numbers: FloatArray, least: float
+    blocks: FloatArray,
+    turn: FloatArray,
+    right: FloatArray,
+    wave_numbers: FloatArray,
+    least: float,
+    rounds: int = 24,
 ) -> FloatArray | None:
     """Odd harmonics from even ones and these from those, until less than ``least`` changes.
 
@@ -101,7 +105,7 @@ def iterate(
     even, odd = alone[::2].copy(), alone[1::2].copy()
     closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
     between = np.empty_like(even)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         odd = alone[1::2] + spread[1::2] @ ((even[:-1] - even[1:]) * wave_numbers)
         between[0] = -2.0 * odd[0]  # a_1 stands for a_(-1) too
         np.subtract(odd[:-1], odd[1:], out=between[1:-1])

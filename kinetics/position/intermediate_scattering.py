@@ -13,22 +13,18 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.averages import Averages
-from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.numerics import FOLDS, FloatArray, one_blas_thread
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import mean_phase, share_of_harmonic
-from kinetics.position.scattering import Waves, solve_waves
-from kinetics.position.wave_panel import Indices
+from kinetics.position.scattering import Waves
+from kinetics.position.wave_numbers import Indices
 from kinetics.states.state import LogMeasure, State
 
-_POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
-_HALVINGS = 6  # of the panels of a density whose norm they do not give
+HALVINGS = 6  # of panels that do not resolve what is on them, at most
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
 _LARGEST_DELAYED = 20.0  # the same where returns take time: each panel looks back at all others
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
-# Where the tolerance was missed, F is solved once more for this share of it, not below _LEAST.
-_ONCE_MORE, _LEAST = 0.03, 1e-14
-_WIDEST = 0.5  # K up to which panels do not get narrower with K
-_FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
+_ONCE_MORE = 0.03  # where the tolerance was missed, F is solved once more for this share of it
 _AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 
 
@@ -48,9 +44,9 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
         # the points of a table stop short of its ends
         low, high = min(low, float(kinks[0])) if state.kinks[0] > 0.0 else low, float(kinks[-1])
     kinks = kinks[(kinks > low) & (kinks < high)]
-    for halving in range(_HALVINGS + 1):
+    for halving in range(HALVINGS + 1):
         count = math.ceil((high - low) / spacing * 2**halving) + 1
-        x, w = panels_between(np.union1d(np.linspace(low, high, max(2, count)), kinks), _POINTS)
+        x, w = panels_between(np.union1d(np.linspace(low, high, max(2, count)), kinks), 10)
         v = np.exp(x)
         norm = float(profile(v).real @ (v * w))
         if abs(norm - 1.0) < rtol:
@@ -59,23 +55,20 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
     return LogMeasure(x, values if m else values.real)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Scattering:
     """Solves for F(k, t) of one system and start, as a scene has them; see `Scene.problem`.
 
     systems : how many systems of so many equations have been solved, by their size
+    work : of all `Waves` so far
     """
 
     law: CollisionLaw
     mean_free_path: float
     state: State
     times: FloatArray
-    systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
-
-    @property
-    def work(self) -> float:
-        """The work of the systems solved so far: squares of their sizes, summed."""
-        return float(sum(count * size**2 for size, count in self.systems.items()))
+    systems: Counter[int] = field(default_factory=Counter)
+    work: float = 0.0
 
     def flying(self, time: int) -> float:
         """exp(-T) of the slowest tracers of a start of sharp speeds at a time; 0 for densities."""
@@ -85,65 +78,48 @@ class Scattering:
             path = self.times[time] * float(np.min(self.state.peaks[0])) / self.mean_free_path
             return math.exp(-path)
 
-    def log_stretch(self, which: Indices) -> FloatArray:
-        """ln(t/l) of some of the times, -inf at t = 0, shape of their indices (n_which,)."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log(self.times[which]) - math.log(self.mean_free_path))
+    def average(
+        self,
+        wave_numbers: FloatArray,
+        which: Indices,
+        tolerance: float,
+        direction: float | None = None,
+        collided: bool = False,
+    ) -> tuple[NDArray[Any], float]:
+        """F at K = k l and some of the times, (n_which, n_k), and its error, absolute.
 
-    def _waves(
-        self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
-    ) -> tuple[Waves, LogMeasure, float]:
-        """The backward equation for K = k l up to the largest T of the times."""
+        direction : angle of k to the x axis; None for the mean over the directions: F is real then
+        collided : whether tracers that have not collided are left out
+        """
+        most, dimension = self.state.highest_harmonic, self.law.dimension
+        kept = 0 if direction is None else 10**6 if most is None else most
+        stretch = np.log(self.times[which]) - math.log(self.mean_free_path)
         speeds = points_of(self.state, 0, 1.0, tolerance)
         assert speeds is not None  # harmonic 0 is never zero
-        stretch = self.log_stretch(which)
         highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        waves = solve_waves(self.law, wave_numbers, highest, least, kept)
+        waves = Waves(self.law, wave_numbers, highest, least, kept)
         self.systems[waves.rule.nodes - 1] += waves.systems
-        speeds = points_of(self.state, 0, waves.rule.width, tolerance)
-        assert speeds is not None
-        error = max(float(speeds.weight @ waves.error_at(speeds.x + s)) for s in stretch)
-        return waves, speeds, error
-
-    def collided(
-        self, wave_numbers: FloatArray, which: Indices, tolerance: float
-    ) -> tuple[FloatArray, float]:
-        """F without the tracers that have not collided, (n_which, n_k), and its error, absolute."""
-        waves, speeds, error = self._waves(wave_numbers, which, tolerance)
-        means, dimension = [], self.law.dimension
-        for stretch in self.log_stretch(which):
-            x = speeds.x + stretch
-            left, near = waves(x), x < _FREE
-            path = np.exp(x[near])
-            free = mean_phase(np.outer(path, wave_numbers), dimension)
-            left[near] -= np.exp(-path)[:, None] * free
-            means.append(speeds.weight @ left)
-        return np.array(means), error
-
-    def whole(
-        self, wave_numbers: FloatArray, direction: float | None, tolerance: float
-    ) -> tuple[NDArray[Any], float]:
-        """F (n_times, n_k), and its error; real where k has no direction or the start has none.
-
-        direction : angle of k = K/l to the x axis; None for the mean over the directions
-        """
-        which = np.arange(self.times.size)
-        most = self.state.highest_harmonic
-        kept = 0
-        if direction is not None and most != 0:
-            kept = 10**6 if most is None else most
+        self.work += waves.work
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
-        waves, _, error = self._waves(wave_numbers, which, tolerance, kept)
-        for m in range(min(kept + 1, waves.values.shape[1])):
+        errors = [0.0]
+        for m in range(waves.values.shape[1]):
             start = points_of(self.state, m, waves.rule.width, tolerance)
             if start is None:
                 continue
-            for i, stretch in enumerate(self.log_stretch(which)):
-                mean = start.weight @ waves(start.x + stretch, m)
-                out[i] += share_of_harmonic(m, mean, direction or 0.0, self.law.dimension)
-        return out, error
+            for i, x in enumerate(start.x + stretch[:, None]):
+                values = waves(x, m)
+                if m == 0:
+                    errors.append(float(start.weight @ waves.error_at(x)))
+                if collided:
+                    near = x < math.log(FOLDS)
+                    path = np.exp(x[near])
+                    free = mean_phase(np.outer(path, wave_numbers), dimension)
+                    values[near] -= np.exp(-path)[:, None] * free
+                mean = start.weight @ values
+                out[i] += share_of_harmonic(m, mean, direction or 0.0, dimension)
+        return out, max(errors)
 
 
 @one_blas_thread
@@ -164,21 +140,24 @@ def scattering_function(
             f"wave_numbers: got up to {wave_numbers.max():.4g}; for these times they may reach "
             f"{limit / path:.4g} per d"
         )
-    directed = direction is not None and averages.state.highest_harmonic != 0
-    out = np.ones((times.size, scaled.size), dtype=complex if directed else float)
+    if averages.state.highest_harmonic == 0:
+        direction = None
+    out = np.ones((times.size, scaled.size), dtype=float if direction is None else complex)
     late = times > 0.0
+    every = np.arange(np.count_nonzero(late))
     system = Scattering(averages.law, path, averages.state, times[late])
     left = (scaled > 0.0) & bool(late.any())
     tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():
-        # those within a factor of two share their panels; large ones take much memory each
+        # those within a factor of two share their panels, which get no narrower below K = 1/2;
+        # large ones take much memory each
         largest = float(scaled[left].max())
-        group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
+        group = left & (scaled > largest * (0.5 if largest > 0.5 else 0.2))
         group &= np.cumsum(group) <= max(1.0, _AT_ONCE / (1.0 + largest))
-        found, error = system.whole(scaled[group], direction, tolerance)
+        found, error = system.average(scaled[group], every, tolerance, direction)
         if error > tolerance:  # once more, with more nodes and harmonics
-            asked = max(_ONCE_MORE * tolerance, _LEAST)
-            found, error = system.whole(scaled[group], direction, asked)
+            asked = _ONCE_MORE * tolerance
+            found, error = system.average(scaled[group], every, asked, direction)
         worst = max(worst, error)
         out[np.ix_(late, group)] = found
         left &= ~group

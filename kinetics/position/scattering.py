@@ -19,41 +19,55 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.moments.backward import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, PanelShifts, with_returns
 from kinetics.position.directions import coupling, eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
 _SERIES, _TERMS = 5.0, 40
-_DEEPEST = 40.0  # -ln s: e^-40 of a speed is nothing to a power above the zeroth
-_NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
+NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
 # Nodes of a panel: some, for each decimal digit of the tolerance so many, and more for each turn of
-# K T on it. Harmonics: late besides K for each digit, early besides the K T of free flights.
-_SOME, _FOR_DIGIT, _FOR_TURN = 2.0, 0.85, 0.5
-_LATE_FOR_DIGIT, _EARLY_FOR_DIGIT = 0.45, 2.0
-_TURNING = 3.5  # T at which flights along k are resolved worst
+# K T on it; and T at which flights along k are resolved worst.
+_SOME, _FOR_DIGIT, _FOR_TURN, _TURNING = 2.0, 0.85, 0.5, 3.5
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
 # Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
 # where only m = 0 is wanted, to which the last ones give back their square.
-_MORE, _MOST_MORE = 4, 6
+_MORE = 4
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
-_TOGETHER = 8  # harmonics whose gain is found at once
-_FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the time of elimination
 
 
-@dataclass(frozen=True)
+def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> Chebyshev:
+    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
+    turns = largest * min(1.0, math.exp(min(highest, LARGEST_LOG)) / _TURNING)
+    e = min(law.disk_restitutions, default=0.0)
+    if e < 0.0:
+        turns *= (1.0 + e) ** -0.5
+    width = min(1.0, 1.5 / (turns + 1.0))
+    digits = math.log10(1.0 / tolerance)
+    nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
+    return Chebyshev(max(6, nodes), width)
+
+
+def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
+    """m beyond which a_m is left out: even."""
+    digits = math.log10(1.0 / tolerance)
+    late = digits * (0.5 + largest)
+    # free flights reach m = K T and no further
+    early = _SOME * (1.0 + digits) + largest * math.exp(min(highest, 10.0))
+    return 2 * math.ceil(0.5 * min(late, early))
+
+
 class Waves:
     """a_m for some wave numbers, in space b_m of `directions`, as a function of X = ln T.
 
-    wave_numbers : K = k l, shape (n_k,)
+    wave_numbers : K = k l, of similar size, shape (n_k,)
     start : X where the panels begin
     values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
     coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
@@ -61,16 +75,119 @@ class Waves:
     errors : absolute, up to each panel, by the last Chebyshev coefficients; root of the sum of the
         squares of all harmonics that are kept (m and -m), shape (n_panels,)
     systems : how many systems of rule.nodes - 1 equations were solved
+    work : products of numbers that this took, about: of the kernels, and on the panels
     """
 
-    wave_numbers: FloatArray
-    rule: Chebyshev
-    start: float
-    values: FloatArray
-    coefficients: FloatArray
-    ended: bool
-    errors: FloatArray
-    systems: int
+    def __init__(
+        self,
+        law: CollisionLaw,
+        wave_numbers: FloatArray,
+        highest: float,
+        tolerance: float,
+        kept: int = 0,
+    ) -> None:
+        """Solve on panels up to X = highest.
+
+        tolerance : absolute, of a_0 and of those kept
+        kept : largest m that is wanted, if it is not negligible
+        """
+        self.law, self.wave_numbers, self.tolerance = law, wave_numbers, tolerance
+        largest = float(wave_numbers.max())
+        self.rule = rule = _rule(law, largest, highest, tolerance)
+        limit = highest if law.is_elastic else min(highest, asymptotic_from(law))
+        # where harmonics are kept, those left out must be negligible themselves; otherwise only
+        # what they give back to m = 0, which is their square
+        self._top = top = _harmonics(law, largest, limit, tolerance**2 if kept else tolerance)
+        first, medium = math.log(_SERIES / (largest + 2.0)), met_again(law)
+        if law.returns(0)[0]:  # panels from which a bounce straight back leads to none below them
+            first = min(first, limit - min(law.largest_loss, FOLDS) - 2.0 * rule.width)
+        if medium is not None:
+            first = min(first, series_end(medium))
+        self.start = rule.width * math.floor(min(first, highest) / rule.width)
+        count = max(1, math.ceil((limit - self.start) / rule.width))
+        self._kept = min(kept, top)
+        # row m of the equations over the coupling: free flights then look the same for all m
+        self._coupling = coupling(top, law.dimension)
+        by_row = self._coupling[:, None, None]
+        loss, self._gain = self._kernels(count)
+        self._rise, self._loss = rule.derivative / by_row, loss / by_row
+        self._loops: Loops | None = None
+        if medium is not None:
+            self._loops = Loops(medium, rule, self.start, count, range(top + 1))
+            self._loops.shares *= self._coupling[:, None]
+            self._loops.shares[0] = 0.0  # at once, in the kernel
+        self._of_series = min(top, _TERMS)  # the last harmonic that begins with one of its powers
+        self._run(count)
+
+    def _kernels(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """What a panel loses, and gains from those below it, for each harmonic."""
+        law, rule, top, tolerance = self.law, self.rule, self._top, self.tolerance
+        q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
+        # collisions that lose very much lead to where a_0 is 1, but for K T, and all others 0
+        deep = 2.0 - math.log(tolerance)
+        most = count * rule.width + deep
+        lost = np.stack(list(q.harmonic_losses(top)))
+        # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
+        order = np.arange(1, top + 1)
+        rise = np.log(2.0 * order) - math.log(float(self.wave_numbers.max())) - 1.0
+        rise += math.log(NEGLIGIBLE * tolerance) / order
+        first = np.floor((np.append(-FOLDS, rise) - self.start) / rule.width)
+        self._first = np.minimum(first, count).astype(int)
+        reach = count - self._first + math.ceil(deep / rule.width)
+        shifts = PanelShifts(rule, np.minimum(q.log_loss, most))
+        loss, gain = shifts.kernel(q.weight, 1.0 - lost, lost, reach)
+        self.work = float(lost.size * rule.nodes**2)
+        if law.returns(0)[0]:
+            alone = gain
+            eps = np.array([law.returns(m)[0] for m in range(top + 1)])
+            if met_again(law) is not None:
+                eps[1:] = 0.0  # they take time
+            loss, gain = with_returns(rule, loss, alone, eps, law.returns(0)[1])
+            self.work += float(alone.size * gain.shape[2])
+        return loss, gain
+
+    def _run(self, count: int) -> None:
+        """Up to ``count`` panels, each with as many harmonics as matter there."""
+        kept = self._kept
+        n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
+        reach, recent = self._reach()
+        series, total, returns = self._coefficients()
+        few = self._of_series + 1  # harmonics
+        # all panels, those below the first by the series; high harmonics are 0 until they rise
+        x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
+        filled = _series_sum(total, np.exp(x.ravel())).reshape(reach, n, few, size)
+        panels = np.zeros((self._top + 1, reach + count, n, size))
+        panels[:few, :reach] = np.moveaxis(filled, 2, 0)
+        largest = deque(np.abs(filled).max(axis=(1, 2, 3)).tolist(), maxlen=recent.size)
+        known = np.zeros((self._top + 1, size))
+        known[:few] = _series_sum(series, np.exp(np.array([self.start])))[0]
+        values: list[FloatArray] = []
+        errors: list[float] = []
+        used, self.systems, self.ended = 0, 0, False
+        for j in range(count):
+            rate = np.exp(self.start + j * self.rule.width + local)
+            used = self._panel_harmonics(known, used, rate)
+            drive = self._from_below(panels[: used + 1], j, reach)
+            loss, come = self._loss[: used + 1], drive
+            if returns:
+                loss, come = returns.begin(j, loss, drive)
+            found = self._solve_panel(rate, rate[:, None] * come, known[: used + 1], loss)
+            self.systems += (used + 1) * size
+            self.work += (used + 1) * size * n**2 * (n + reach)
+            known[: used + 1], known[used + 1 :] = found[:, -1], 0.0
+            values.append(np.zeros((kept + 1, n, size)))
+            values[-1][: used + 1] = found[: kept + 1]
+            panels[: used + 1, reach + j] = returns.end(j, found) if returns else found
+            # what the highest harmonic misses goes back to m = 0 as weakened as it came
+            miss = float(np.abs(found[used]).max())
+            errors.append(self._left_out(values[-1]) + (miss if kept else miss**2))
+            largest.append(float(np.abs(found).max()))
+            # nothing that follows is larger than the mean over what collisions lead to it from
+            if len(largest) == recent.size and recent @ largest < NEGLIGIBLE * self.tolerance:
+                self.ended = True
+                break
+        self.values, self.errors = np.array(values), np.maximum.accumulate(errors)
+        self.coefficients = series[:, : kept + 1].copy()
 
     def __call__(self, x: FloatArray, m: int = 0) -> FloatArray:
         """a_m at X = x (n_x,), -inf allowed: shape (n_x, n_k)."""
@@ -101,163 +218,22 @@ class Waves:
         padded = np.concatenate([[0.0], self.errors, [0.0 if self.ended else self.errors[-1]]])
         return padded[np.clip(level + 1.0, 0.0, padded.size - 1.0).astype(int)]
 
-
-def solve_waves(
-    law: CollisionLaw,
-    wave_numbers: FloatArray,
-    highest: float,
-    tolerance: float,
-    kept: int = 0,
-) -> Waves:
-    """Solve for wave numbers K = k l (n_k,), of similar size, up to X = highest.
-
-    tolerance : absolute, of a_0 and of those kept
-    kept : largest m that is wanted, if it is not negligible
-    """
-    largest = float(wave_numbers.max())
-    rule = _rule(law, largest, highest, tolerance)
-    first = math.log(_SERIES / (largest + 2.0))
-    limit = highest if law.is_elastic else min(highest, asymptotic_from(law))
-    # where harmonics are kept, those left out must be negligible themselves; otherwise only what
-    # they give back to m = 0, which is their square
-    top = _harmonics(law, largest, limit, tolerance**2 if kept else tolerance)
-    if law.returns(0)[0]:  # panels from which a bounce straight back leads to none below the first
-        first = min(first, limit - min(law.largest_loss, _DEEPEST) - 2.0 * rule.width)
-    if (medium := met_again(law)) is not None:
-        first = min(first, series_end(medium))
-    start = rule.width * math.floor(min(first, highest) / rule.width)
-    count = max(1, math.ceil((limit - start) / rule.width))
-    return Sweep(law, wave_numbers, rule, start, top, count, tolerance, kept).run()
-
-
-def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> Chebyshev:
-    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
-    turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
-    e = min(law.disk_restitutions, default=0.0)
-    if e < 0.0:
-        turns *= (1.0 + e) ** -0.5
-    width = min(1.0, 1.5 / (turns + 1.0))
-    digits = math.log10(1.0 / tolerance)
-    nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
-    return Chebyshev(max(6, nodes), width)
-
-
-def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
-    """m beyond which a_m is left out: even."""
-    digits = math.log10(1.0 / tolerance)
-    late = _SOME + digits * (_LATE_FOR_DIGIT + largest)
-    # free flights reach m = K T and no further
-    early = _SOME + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
-    return 2 * math.ceil(0.5 * min(late, early))
-
-
-@dataclass
-class Sweep:
-    """The equations of some wave numbers, solved on panel after panel upwards.
-
-    start, count : X where the panels begin, and how many there are, at most
-    top : the last harmonic, even; the others as in `solve_waves`
-    """
-
-    law: CollisionLaw
-    wave_numbers: FloatArray
-    rule: Chebyshev
-    start: float
-    top: int
-    count: int
-    tolerance: float
-    kept: int
-
-    def __post_init__(self) -> None:
-        law, wave_numbers, rule, start = self.law, self.wave_numbers, self.rule, self.start
-        top, count, tolerance = self.top, self.count, self.tolerance
-        q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
-        # collisions that lose very much lead to where a_0 is 1, but for K T, and all others 0
-        deep = 2.0 - math.log(tolerance)
-        most = count * rule.width + deep
-        lost = np.stack(list(q.harmonic_losses(top)))
-        # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
-        order = np.arange(1, top + 1)
-        rise = np.log(2.0 * order) - math.log(float(wave_numbers.max())) - 1.0
-        rise += math.log(_NEGLIGIBLE * tolerance) / order
-        first = np.floor((np.append(-_DEEPEST, rise) - start) / rule.width)
-        self._first = np.minimum(first, count).astype(int)
-        reach = count - self._first + math.ceil(deep / rule.width)
-        shifts = PanelShifts(rule, np.minimum(q.log_loss, most))
-        loss, gain = shifts.kernel(q.weight, 1.0 - lost, lost, reach)
-        if law.returns(0)[0]:
-            eps = np.array([law.returns(m)[0] for m in range(top + 1)])
-            if met_again(law) is not None:
-                eps[1:] = 0.0  # they take time
-            loss, gain = with_returns(rule, loss, gain, eps, law.returns(0)[1])
-        # row m of the equations over the coupling: free flights then look the same for all m
-        self._coupling = coupling(top, law.dimension)
-        self._loops: Loops | None = None
-        if (medium := met_again(law)) is not None:
-            self._loops = Loops(medium, rule, start, count, range(top + 1))
-            self._loops.shares *= self._coupling[:, None]
-            self._loops.shares[0] = 0.0  # at once, in the kernel
-        by_row = self._coupling[:, None, None]
-        self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain
-        self._of_series = min(top, _TERMS)  # the last harmonic that begins with one of its powers
-
-    def run(self) -> Waves:
-        """Up to ``count`` panels, each with as many harmonics as count there."""
-        count, tolerance, kept = self.count, self.tolerance, self.kept
-        n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
-        reach, recent = self._reach()
-        series, total, returns = self._coefficients()
-        few = self._of_series + 1  # harmonics
-        # all panels, those below the first by the series; high harmonics are 0 until they rise
-        x = self.start + (np.arange(reach) - reach)[:, None] * self.rule.width + local
-        filled = _series_sum(total, np.exp(x.ravel())).reshape(reach, n, few, size)
-        panels = np.zeros((self.top + 1, reach + count, n, size))
-        panels[:few, :reach] = np.moveaxis(filled, 2, 0)
-        largest = deque(np.abs(filled).max(axis=(1, 2, 3)).tolist(), maxlen=recent.size)
-        known = np.zeros((self.top + 1, size))
-        known[:few] = _series_sum(series, np.exp(np.array([self.start])))[0]
-        values: list[FloatArray] = []
-        errors: list[float] = []
-        used, systems, ended = 0, 0, False
-        for j in range(count):
-            rate = np.exp(self.start + j * self.rule.width + local)
-            used = self._panel_harmonics(known, used, rate)
-            drive = self._from_below(panels[: used + 1], j, reach)
-            loss, come = self._loss[: used + 1], drive
-            if returns:
-                loss, come = returns.begin(j, loss, drive)
-            found = self._solve_panel(rate, rate[:, None] * come, known[: used + 1], loss)
-            systems += (used + 1) * size
-            known[: used + 1], known[used + 1 :] = found[:, -1], 0.0
-            values.append(np.zeros((min(kept, self.top) + 1, n, size)))
-            values[-1][: used + 1] = found[: kept + 1]
-            panels[: used + 1, reach + j] = returns.end(j, found) if returns else found
-            # what the highest harmonic misses goes back to m = 0 as weakened as it came
-            miss = float(np.abs(found[used]).max())
-            errors.append(self._left_out(values[-1]) + (miss if kept else miss**2))
-            largest.append(float(np.abs(found).max()))
-            # nothing that follows is larger than the mean over what collisions lead to it from
-            if len(largest) == recent.size and recent @ largest < _NEGLIGIBLE * tolerance:
-                ended = True
-                break
-        given = self.wave_numbers, self.rule, self.start, np.array(values)
-        return Waves(
-            *given, series[:, : kept + 1].copy(), ended, np.maximum.accumulate(errors), systems
-        )
-
     def _reach(self) -> tuple[int, FloatArray]:
         """From how many panels below a gain matters, and about how much comes from each of them."""
         size = np.abs(self._gain[0]).max(axis=0, initial=0.0)
         size = size.reshape(-1, self.rule.nodes).sum(axis=1)
-        far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * self.tolerance))
+        far = int(np.count_nonzero(np.cumsum(size) < NEGLIGIBLE * self.tolerance))
         return size.size - far, np.append(size[far:], 1.0)
 
-    def _from_below(self, panels: FloatArray, j: int, reach: int) -> FloatArray:
-        """The gain of panel j from those below it, (m, nodes, n_k); panels from -reach on."""
+    def _from_below(self, panels: FloatArray, j: int, reach: int, together: int = 8) -> FloatArray:
+        """The gain of panel j from those below it, (m, nodes, n_k); panels from -reach on.
+
+        together : harmonics whose gain is found at once
+        """
         used, _, n, size = panels.shape
         drive = np.zeros((used, n, size))
-        for low in range(0, used, _TOGETHER):
-            few = slice(low, min(low + _TOGETHER, used))
+        for low in range(0, used, together):
+            few = slice(low, min(low + together, used))
             back = min(reach, j - int(self._first[low]))
             if back > 0:
                 come = panels[few, j + reach - back : j + reach].reshape(-1, back * n, size)
@@ -297,14 +273,14 @@ class Sweep:
 
     def _panel_harmonics(self, known: FloatArray, used: int, rate: FloatArray) -> int:
         """The last harmonic of a panel that begins with a_m = known (m, n_k): even."""
-        size, tolerance, kept = np.abs(known).max(axis=1), self.tolerance, self.kept
+        size, tolerance, kept = np.abs(known).max(axis=1), self.tolerance, self._kept
         # what comes back to m = 0 is the square at most; those that are kept matter themselves
         rising = 0.1 * tolerance if kept else tolerance**_RISING
         flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
-        more = _MORE + int(flights if kept else min(_MOST_MORE, flights))
+        more = _MORE + int(flights if kept else min(_MORE, flights))
         first, last = (int(np.flatnonzero(size > x).max(initial=0)) for x in (rising, tolerance))
         needed = max(first + more, min(used, last))
-        return min(self.top, needed + needed % 2)
+        return min(self._top, needed + needed % 2)
 
     def _solve_panel(
         self, rate: FloatArray, drive: FloatArray, known: FloatArray, loss: FloatArray
@@ -319,7 +295,9 @@ class Sweep:
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
         inner = None
-        if float(self.wave_numbers.max()) * flights < _FEW_TURNS:
+        # of x radians of K T, iteration makes e^x of its rounding, and takes e x/2 rounds and some
+        # for each digit: up to half of what rounding allows, a third of the time
+        if float(self.wave_numbers.max()) * flights < 0.5 * math.log(self.tolerance / ROUNDING):
             inner = iterate(blocks, turn, right, self.wave_numbers, 1e-3 * self.tolerance)
         if inner is None:
             inner = eliminate(blocks, turn, right, self.wave_numbers)

@@ -13,41 +13,39 @@ from dataclasses import replace
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.numerics import FOLDS, FloatArray, one_blas_thread
 from kinetics.position.density import Displacement, Uncollided
-from kinetics.position.intermediate_scattering import Scattering, points_of
-from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
+from kinetics.position.intermediate_scattering import HALVINGS, Scattering, points_of
+from kinetics.position.scattering import NEGLIGIBLE
+from kinetics.position.wave_numbers import (
+    PowerTail,
+    WavePanel,
+    fit_tail,
+    points_beyond,
+    wave_numbers_between,
+)
 from kinetics.states.state import State
 
-# The work of all times at one tolerance, in squares of the sizes of the systems, 1 to 7 seconds.
-# Where it is not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to
-# ask for more is to leave no less. F is solved up to this K, or K T for densities, at most.
-_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 0.04, 8.0, 60.0
+# The work of all times at one tolerance, in products of numbers, one or two seconds. Where it is
+# not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to ask for more
+# is to leave no less. From sharp speeds F is solved up to this K, or K T.
+_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _FURTHEST = 5e9, 0.04, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
-_FEW = 0.01  # collided tracers below this share of rtol are left out
-_FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
-_ALIKE = 3.0  # of the widths of times that share their wave numbers
-_HALVINGS = 7  # of an interval of wave numbers, at most
 # Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
 # are needed: it decides the norm and the moments.
 _SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
-# Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
-# at 0, fewer where F falls as a power of K.
-_POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 6.0, 1.0, 1.6, 1.3
+_POINTS, _FOR_DIGIT = 6.0, 1.4  # Chebyshev points of an interval: some, and so many for each digit
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-# From the end of one interval to that of the next: before its powers of 1/K are found, after that,
-# and for sharp speeds, where the best of many ends is taken.
-_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
-_FALL = 0.125  # what the powers of 1/K miss falls as K^-8 at least
+# From the end of one interval to that of the next: before its powers of 1/K are found, and after
+# that, at most and at least; the least for sharp speeds, where the best of many ends is taken.
+_STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.6, 1.25
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
-_FITTED = 0.3  # share of K, from above, to which they are fitted ...
-_BETTER = 0.3  # ... and part of the last F that they may miss to be used
-# Error of F beyond over that of the fit; where tracers return; and where every bounce costs more
-# than e^-_LOSSY of the speed: F goes on by steps there, of which the last ones are not seen.
-_BEYOND, _RETURNED, _BY_STEPS, _LOSSY = 2.0, 4.0, 40.0, 0.5
+_FITTED = 0.3  # share of K, from above, to which they are fitted; part of the last F they may miss
+# Error of F beyond over that of the fit, twice as much where tracers return; and where every bounce
+# costs more than e^-_LOSSY of the speed: F goes on by steps there, of which the last are not seen.
+_BEYOND, _BY_STEPS, _LOSSY = 2.0, 40.0, 0.5
 _TAPERED = 1e-2  # what is missed of G where F is tapered towards its last K
 _FAINT = 12.0  # flights after which so few have not collided, or once, that fronts do not count
 
@@ -85,81 +83,71 @@ def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> D
     state, times, most = system.state, system.times, system.work + _MOST_WORK
     uncollided = Uncollided(state, mean_free_path, times)
     with np.errstate(over="ignore"):
-        # no tracer outruns its initial speed
-        reach = np.minimum(times * uncollided.fastest(0.1 * rtol), _FAR * root_mean_square)
-    width = root_mean_square / mean_free_path
-    sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
-    for left, sweep in zip(range(len(sweeps), 0, -1), sweeps, strict=True):
-        sweep.run((most - system.work) / left)
-    tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(width.size)]
+        # no tracer outruns its initial speed, and G falls as exp(-2 R) or faster
+        reach = np.minimum(times * uncollided.fastest(0.1 * rtol), FOLDS * root_mean_square)
+    sweep = _Sweep(system, root_mean_square / mean_free_path, rtol)
+    groups = sweep.groups()
+    for left, group in zip(range(len(groups), 0, -1), groups, strict=True):
+        sweep.run(group, (most - system.work) / left)
     return Displacement(
         uncollided,
         root_mean_square,
-        panels=tuple(panel for sweep in sweeps for panel in sweep.panels),
-        tails=tuple(found[0] if found else None for found in tails),
-        cut=np.minimum.reduce([sweep.cut() for sweep in sweeps]),
+        panels=tuple(sweep.panels),
+        tails=tuple(sweep.tails),
+        cut=sweep.cut,
         reach=reach,
-        error_estimate=float(np.max([sweep.missed for sweep in sweeps])),
+        error_estimate=float(sweep.missed.max()),
         systems=dict(system.systems),
         dimension=law.dimension,
     )
 
 
-def _groups(system: Scattering, width: FloatArray, rtol: float) -> list[list[int]]:
-    """The times in groups that need about the same wave numbers."""
-    groups: dict[tuple[bool, int], list[int]] = {}
-    for i, size in enumerate(width):
-        level = math.ceil(max(0.0, -math.log(max(float(size), 1e-300)) / math.log(_ALIKE)))
-        groups.setdefault((system.flying(i) > _FEW * rtol, level), []).append(i)
-    return list(groups.values())
-
-
 class _Sweep:
-    """F on one interval of wave numbers after another, at some of the times."""
+    """F on one interval of wave numbers after another, for one group of times after another."""
 
-    def __init__(
-        self, system: Scattering, width: FloatArray, which: list[int], rtol: float
-    ) -> None:
-        """width : sqrt(<r^2>)/l, shape (n_times,); which : indices of the times to solve for."""
+    def __init__(self, system: Scattering, width: FloatArray, rtol: float) -> None:
+        """width : sqrt(<r^2>)/l, shape (n_times,)."""
         self.system, self.width, self.rtol = system, width, rtol
         # early, the share of tracers that have collided is about the width, and they would need K
         # up to its reciprocal
-        few = width <= _FEW * rtol
-        here = np.isin(np.arange(width.size), which)
-        self.active = np.nonzero(here & ~few)[0]
-        self.missed = np.where(here & few, width, 0.0)
-        self._widest = float(width[self.active].max(initial=0.0))
+        self._few = width <= NEGLIGIBLE * rtol
+        self.missed = np.where(self._few, width, 0.0)
         self.panels: list[WavePanel] = []
         self.tails: list[PowerTail | None] = [None] * width.size
-        self.sharp = any(system.flying(i) > _FEW * rtol for i in which)
-        self.enough = rtol if self.sharp else _ENOUGH * rtol
+        self.cut = np.full(width.shape, np.inf)  # K from which F is tapered where G is hardly known
         self._solved_error = np.zeros(width.size)
         # the least that was missed of each time, its tail then, and the number of panels
         self._best: dict[int, tuple[float, PowerTail | None, int]] = {}
-        # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
-        law, profile = system.law, system.state.profile(0)
-        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        self._first_power = 0 if 0.0 in law.disk_restitutions or slow else 1
-        if law.throws_back or (law.returns(0)[0] and not self.sharp):
-            self._first_power = 1 - law.dimension
         speeds = points_of(system.state, 0, 1.0, 1e-3)
         assert speeds is not None
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
             self._flights = system.times * typical  # T of a typical tracer
 
-    def run(self, most_work: float) -> None:
+    def groups(self) -> list[list[int]]:
+        """The times in groups that need about the same wave numbers, those that need most last."""
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for i, size in enumerate(self.width):
+            level = math.ceil(max(0.0, -math.log(max(float(size), 1e-300)) / math.log(3.0)))
+            groups.setdefault((self._is_sharp(i), level), []).append(i)
+        return list(groups.values())[::-1]
+
+    def _is_sharp(self, time: int) -> bool:
+        """Whether tracers of sharp speeds have not collided."""
+        return self.system.flying(time) > NEGLIGIBLE * self.rtol
+
+    def run(self, group: list[int], most_work: float) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
-        low, size, high = 0.0, 1.0, 0.0
-        if self.active.size:
-            far = 1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))
-            high = far / self._widest
+        self.active = np.array([i for i in group if not self._few[i]], dtype=int)
+        if self.active.size == 0:
+            return
+        self.sharp = self._is_sharp(group[0])
+        self.enough = self.rtol if self.sharp else _ENOUGH * self.rtol
+        self._widest = float(self.width[self.active].max())
+        low, size = 0.0, 1.0
+        high = (1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))) / self._widest
         begin = done = self.system.work
         while self.active.size:
-            if low >= (_LARGEST_OF_PEAKS if self.sharp else _LARGEST):
-                self.active = self.active[low * self._flights[self.active] <= _LARGEST]
-                if self.active.size == 0:
-                    break
             # rounding of F allows no more than 3e-12
             share = max(1.0, float(np.max(self.width[self.active])) * high)
             solved = _SOLVED if high > _CHEAP else _SOLVED_CHEAPLY
@@ -169,30 +157,28 @@ class _Sweep:
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            step = _STEP_SHARP if self.sharp else _STEP
+            step = _LEAST_STEP if self.sharp else _STEP
             if not self.sharp and all(self.tails[i] is not None for i in self.active):
+                # what the powers of 1/K miss falls as K^-8 at least
                 more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
-                step = min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
+                step = min(_STEP_KNOWN, max(_LEAST_STEP, more**0.125))
             low, high = high, high * step
+            if self.sharp and low >= _LARGEST_OF_PEAKS:
+                self.active = self.active[low * self._flights[self.active] <= _FURTHEST]
             work, done = self.system.work - done, self.system.work
             if done - begin + step**2 * work > most_work:
                 break
         # where more wave numbers left more of G(R) unknown, go back to those that left least; but
         # beside a front all of them are better
-        for i, (missed, tail, count) in self._best.items():
+        for i in group:
+            missed, tail, count = self._best.get(i, (math.inf, None, 0))
             if missed < self.missed[i] and not (self.sharp and missed > _TAPERED):
                 self.missed[i], self.tails[i] = missed, tail
                 later = [panel.without(i) for panel in self.panels[count:]]
                 self.panels[count:] = [panel for panel in later if panel.which.size]
-
-    def cut(self) -> FloatArray:
-        """K from which F is tapered where G is hardly known, else infinite, (n_times,)."""
-        cut = np.full(self.width.shape, np.inf)
-        for i in np.nonzero(self.missed > max(self.enough, _TAPERED))[0]:
-            last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
-            if self.tails[i] is None and last:
-                cut[i] = 0.5 * last[-1]
-        return cut
+            ends = [panel.high for panel in self.panels if panel.of(i) is not None]
+            if self.missed[i] > max(self.enough, _TAPERED) and self.tails[i] is None and ends:
+                self.cut[i] = 0.5 * ends[-1]
 
     def _judge(self, high: float, error: float) -> None:
         """For which times F has ended at K = high; error: on the last interval."""
@@ -211,17 +197,16 @@ class _Sweep:
         """F on an interval of K, halved until its Chebyshev coefficients end; and its error."""
         falls = not self.sharp and low > 0.0 and high * self._widest > _FIRST
         power = self.system.law.dimension + 1 if falls else 0
-        each = _FOR_DIGIT_LATE if falls else _FOR_DIGIT if low else _FOR_DIGIT_AT_ZERO
         digits = math.log10(max(10.0, size / tolerance))
         # and for cos(K T), with which tracers of one speed turn F until they have collided
         flights = self._flights[self.active]
         flying = flights[np.exp(-flights) > tolerance] if self.sharp else np.zeros(0)
         turns = 0.5 * (high - low) * float(flying.max(initial=0.0))
-        count = math.ceil(_POINTS + each * digits + turns)
+        count = math.ceil(_POINTS + _FOR_DIGIT * digits + turns)
         k = wave_numbers_between(low, high, power, count)
-        values, error = self.system.collided(k, self.active, tolerance)
+        values, error = self.system.average(k, self.active, tolerance, collided=True)
         panel = WavePanel(low, high, power, self.active, values)
-        if panel.missed > tolerance / _SOLVED and halvings < _HALVINGS:
+        if panel.missed > tolerance / _SOLVED and halvings < HALVINGS:
             middle = 0.5 * (low + high)
             left, first = self._interval(low, middle, tolerance, size, halvings + 1)
             right, second = self._interval(middle, high, tolerance, size, halvings + 1)
@@ -240,15 +225,17 @@ class _Sweep:
             turns = max(1.0, high * min(float(self._flights[time]), _FAINT))
             return None, float(np.abs(f).max()) * turns ** (0.5 * (self.system.law.dimension - 1.0))
         largest = float(np.abs(last).max())
-        tail, left = self._powers(time, high)
-        return (tail, left) if left < _BETTER * largest else (None, largest)
-
-    def _powers(self, time: int, high: float) -> tuple[PowerTail | None, float]:
-        """The powers of 1/K in which F ends, and what they miss; infinite where there are none."""
         law, begin = self.system.law, max(1.0, 1.0 / self.width[time])
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
-            return None, math.inf
+            return None, largest
+        # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
+        profile, returns = self.system.state.profile(0), law.returns(0)[0]
+        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
+        first = 0 if 0.0 in law.disk_restitutions or slow else 1
+        if law.throws_back or returns:
+            first = 1 - law.dimension
         k, f = points_beyond(self.panels, time, _FITTED * high)
-        tail, left = fit_tail(k, f, begin, law.dimension, self._first_power)
+        tail, left = fit_tail(k, f, begin, law.dimension, first)
         by_steps = _BY_STEPS if law.least_loss > _LOSSY else _BEYOND
-        return tail, left * (_RETURNED if law.returns(0)[0] else by_steps)
+        left *= 2.0 * _BEYOND if returns else by_steps
+        return (tail, left) if left < _FITTED * largest else (None, largest)

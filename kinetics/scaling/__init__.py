@@ -1,7 +1,6 @@
 """The scaled velocity distribution: its closed form, and the discretised solver.
 
-- `closed_form`: ScalingSolution, formulas; `mellin`: what they take from the complex plane;
-  `collisions`: the number of collisions and the path
+- `closed_form`: ScalingSolution, formulas; `mellin`: what they take from the complex plane
 - `scaled_vdf`: solve_scaled and its result; `axis`: the axis of speeds, marched downwards
 
 May import `kinetics.collision` and `kinetics.numerics`. Begin with `closed_form.py` for the

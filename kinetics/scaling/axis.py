@@ -17,49 +17,34 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import FloatArray
+from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, barycentric_weights, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.scaling.mellin import small_deviation
 
-DEEPEST = 230.0  # e^-230 = 1e-100: F further below that of its bulk is not given
+DEEPEST = 100.0 * math.log(10.0)  # in ln F: below 1e-100 of its bulk F is not given
 FEWEST_NODES, MOST_NODES = 8, 256  # of a panel
 _MORE_NODES = 6  # of a panel, than digits
-_RESOLVED = 1e-12  # error of F below which more nodes bring more rounding
-_WIDEST, _DEVIATIONS = 1.0, 5.0  # panels in x, and in deviations of g
+_DEVIATIONS = 5.0  # of g, on a panel
 # In ln F, less ln rtol: how far the first march reaches, and what is assumed above its top is
 # forgotten. F or a moment from further out begins another one at DEEPEST.
-_SHALLOW, _FORGOTTEN = 15.0, 12.0
-_AT_REST = 0.01  # of kappa rtol: v t/l below which g is its power where bounces lead to rest
-_NEGLIGIBLE = 40.0  # e^-40 = 4e-18: of the losses at a speed, what is left out
-_FOLDS = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
+_SHALLOW = 15.0
+_SHARE = (
+    0.01  # of rtol, for each of five small parts of the error: ends, sweeps, powers next to rest
+)
+_RESOLVED = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
 _STEEPEST = 60.0  # g near e = 1, over its deviation: where it is e^-(60^2/2) of its peak
-_SWEEPS = 30  # of the guess of a panel; one to four are taken
-_LEAST_SHARE = 0.05  # of the guess, where a sweep finds less or below 0
-_GAUSS = 40  # points of each panel in a moment
-_END = 5.0  # e^-5 of rtol: what a moment may lack at its ends
-_CUTS = 0.05  # of rtol: what such ends, the power of speed below, and sweeps left out may make
-_LARGEST = 2000.0  # ln of a moment that overflows anyhow
 # Errors of F and of moments over the last coefficients of ln w, at most: measured against the
 # closed form for 6 to 18 nodes, e from 0 to .99, rough disks and two ratios.
 _DENSITY, _MOMENT = 0.15, 1e-3
 # Below this floor no accuracy is promised: rounding moves the axis by it, and F by that times its
 # steepness. Ten times the largest that was found for e from .9 to 1 - 1e-10, on three processors.
-ROUNDING_FLOOR = 64 * float(np.finfo(float).eps)  # 1.4e-14
-
-
-class _Group(NamedTuple):
-    """Losses that lead from nodes of a panel to one panel above it, each (n_points,)."""
-
-    node: NDArray[np.intp]
-    flux: FloatArray
-    rows: FloatArray
+ROUNDING_FLOOR = 64 * ROUNDING  # 1.4e-14
 
 
 class _Losses:
@@ -88,20 +73,16 @@ class _Losses:
         self.flux = self.flux[:, :near]
         self._rule, self._flux, self._place = rule, flux, place
         self._up = np.maximum(np.ceil(place).astype(int) - 1, 0)
-        self._groups: dict[int, _Group] = {}
+        self.furthest = int(self._up.max(initial=0))  # how many panels up losses lead
+        self._groups: dict[int, tuple[NDArray[np.intp], FloatArray, FloatArray]] = {}
 
-    def outside(self, m: int) -> _Group:
-        """What leads to the panel m panels up."""
+    def outside(self, m: int) -> tuple[NDArray[np.intp], FloatArray, FloatArray]:
+        """Of losses to the panel m panels up: their nodes, fluxes and rows there, (n_points,)."""
         if m not in self._groups:
             node, k = np.nonzero(self._up == m)
             rows = self._rule.rows(self._place[node, k] - m)
-            self._groups[m] = _Group(node, self._flux[k], rows)
+            self._groups[m] = node, self._flux[k], rows
         return self._groups[m]
-
-    @property
-    def furthest(self) -> int:
-        """How many panels up losses lead."""
-        return int(self._up.max(initial=0))
 
 
 class SpeedAxis:
@@ -117,7 +98,7 @@ class SpeedAxis:
         self._own_nodes = nodes is None
         deviation = small_deviation(law)
         self._flank = 1.0 / deviation  # steepness of g beside its peak
-        self._width = min(_WIDEST, _DEVIATIONS * deviation)
+        self._width = min(1.0, _DEVIATIONS * deviation)
         self._losses: dict[float, _Losses] = {}
         self._coefficient = _MOMENT
         self._rounding = ROUNDING_FLOOR
@@ -143,10 +124,11 @@ class SpeedAxis:
             pass
         last = max(self._last[1:], default=1.0)
         nodes = 2 * self._rule.nodes
-        if self._own_nodes and _DENSITY * last > max(self.rtol, _RESOLVED) and nodes <= MOST_NODES:
+        missed = _DENSITY * last > max(self.rtol, ROUNDING_FLOOR)
+        if self._own_nodes and missed and nodes <= MOST_NODES:
             # a narrow part of g beside a wide one, as of mixtures
             self._rule, self._losses = Chebyshev(nodes), {}
-            self.__dict__.pop("_gauss_rows", None)
+            self.__dict__.pop("_gauss", None)
             self._march(depth)
             return
         self._bulk = float(self._log_g(np.zeros(1))[0])  # ln F there, up to a constant
@@ -161,7 +143,7 @@ class SpeedAxis:
     def _beginning(self) -> tuple[float, float, float, float]:
         """Where the march begins: x, ln g nearly, and two derivatives of ln w + e^x/kappa."""
         law, q = self.law, self.law.quadrature
-        depth = self._depth + _FORGOTTEN - math.log(self.rtol)
+        depth = self._depth + _SHALLOW - math.log(self.rtol)
         z = np.geomspace(0.02 * self._flank, _STEEPEST * self._flank + 4.0 * depth, 120)
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         x = np.log(law.mean_log_loss * z / rate)
@@ -190,12 +172,8 @@ class SpeedAxis:
         last = max(self._last[1:], default=0.0)
         with np.errstate(over="ignore"):
             unit = _MOMENT * last + abs(math.expm1(min(self.log_moment(1.0), 1.0)))
-        found = (
-            _CUTS * self.rtol
-            + self._coefficient * last
-            + unit * (1.0 + 0.5 * self._steepest)
-            + self._rounding
-        )
+        found = 5.0 * _SHARE * self.rtol + self._coefficient * last + self._rounding
+        found += unit * (1.0 + 0.5 * self._steepest)
         return max(found, 1.0) if self.unresolved else found
 
     def log_moment(self, p: float) -> float:
@@ -208,8 +186,8 @@ class SpeedAxis:
     def _log_sum(self, p: float) -> float:
         """ln of the integral of e^(p x) g, the whole axis."""
         self._rounding = max(self._rounding, abs(p) * ROUNDING_FLOOR)
-        lacks = math.log(self.rtol) - _END
-        (node, weight), rows = gauss_legendre(_GAUSS), self._gauss_rows
+        lacks = math.log(_SHARE * self.rtol)
+        node, weight, rows = self._gauss
         while True:
             left = self._top - self._width * np.arange(1.0, len(self._panels) + 1)
             x = left[:, None] + self._width * node
@@ -222,8 +200,8 @@ class SpeedAxis:
                 if self._deepened():
                     continue
                 self.unresolved = True
-            done = float(size[-1].max()) < largest + lacks or largest - self._bulk > _LARGEST
-            if done or not self._extend():
+            done = float(size[-1].max()) < largest + lacks
+            if done or largest - self._bulk > 2.0 * LARGEST_LOG or not self._extend():
                 break
         total = self._width * float(np.exp(size - largest).sum(axis=0) @ weight)
         if self._is_power:
@@ -243,8 +221,8 @@ class SpeedAxis:
             return np.zeros(0)
         d, lowest = self.law.dimension, float(x.min())
         while self._bottom > lowest:
-            reached = float(self._panels[-1].max()) - (d + 1) * self._bottom
-            if (reached < self._bulk - DEEPEST and not self.law.reaches_rest) or not self._extend():
+            log_f = float(self._panels[-1].max()) - (d + 1) * self._bottom
+            if (log_f < self._bulk - DEEPEST and not self.law.reaches_rest) or not self._extend():
                 break
         out = np.full(x.shape, -math.inf)
         inside = x < self._top - 2.0 * self._width
@@ -268,9 +246,10 @@ class SpeedAxis:
         return out - (self._log_sum(0.0) if self._norm is None else self._norm)
 
     @cached_property
-    def _gauss_rows(self) -> FloatArray:
-        """From a panel to the Gauss points of a moment, (nodes, points)."""
-        return self._rule.rows(gauss_legendre(_GAUSS)[0]).T
+    def _gauss(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Points and weights of a panel in a moment, and the way there, (nodes, points)."""
+        node, weight = gauss_legendre(40)
+        return node, weight, self._rule.rows(node).T
 
     @property
     def _log_g_at_nodes(self) -> FloatArray:
@@ -290,14 +269,14 @@ class SpeedAxis:
     @property
     def _is_power(self) -> bool:
         """Whether g is a power of v t/l below the bottom."""
-        limit = math.log(_AT_REST * self.rtol * self.law.mean_log_loss)
+        limit = math.log(_SHARE * self.rtol * self.law.mean_log_loss)
         return self.law.reaches_rest and self._bottom < limit
 
     def _extend(self) -> bool:
         """One panel further down; False where that is not needed, or does not go."""
         if self._is_power:
             return False
-        if self._bottom < -_LARGEST or not self._add_panel():
+        if self._bottom < -2.0 * LARGEST_LOG or not self._add_panel():
             self.unresolved = True
             return False
         return True
@@ -320,7 +299,7 @@ class SpeedAxis:
         lost = np.expm1(x[:n]) - per_flux * losses.flux_out
         guess = log_w[:n]
         from_above = per_flux * self._from_above(losses, guess)
-        for _ in range(_SWEEPS):
+        for _ in range(30):  # one to four are taken
             above = from_above * np.exp(guess - log_w[:n])
             rise = (losses.rows @ (log_w - log_w[:-1, None])[:, :, None])[:, :, 0]
             matrix = np.matmul((flux * np.exp(rise))[:, None, :], losses.rows)[:, 0, :]
@@ -332,10 +311,10 @@ class SpeedAxis:
                 return False
             if not np.all(np.isfinite(q)):
                 return False
-            change = np.log(np.maximum(q, _LEAST_SHARE))
+            change = np.log(np.maximum(q, 0.05))  # where nothing is found, or less
             log_w = log_w + np.append(change, 0.0)
             # the sweeps are Newton's method: the next change would be the square of this one
-            if float(np.abs(change).max()) < 0.1 * math.sqrt(self.rtol):
+            if float(np.abs(change).max()) < math.sqrt(_SHARE * self.rtol):
                 break
         self._panels.append(log_w)
         self._last.append(float(np.max(self._rule.last_coefficients(log_w))))
@@ -356,12 +335,12 @@ class SpeedAxis:
     def _losses_of(self, x: FloatArray, slope: float) -> _Losses:
         """The losses, resolved as a panel at x (nodes,) needs them; of most panels the same."""
         law = self.law
-        unit = min(_FOLDS / min(1.0, law.largest_loss), _STEEPEST * self._flank)
+        unit = min(_RESOLVED / min(1.0, law.largest_loss), _STEEPEST * self._flank)
         finer = max(0, math.ceil(math.log2(max(slope, 1.0) / unit)))
         # far up only small losses count
         key, reach = 0.0, math.inf
         if finer:
-            key, reach = x[0], math.log1p(_NEGLIGIBLE * self._kappa * math.exp(-x[0]))
+            key, reach = x[0], math.log1p(FOLDS * self._kappa * math.exp(-x[0]))
         if key not in self._losses:
             rate = unit * 2.0**finer
             self._losses[key] = _Losses(law, self._rule, self._width, rate, reach)
@@ -371,7 +350,7 @@ class SpeedAxis:
         """What flux, over e^x/kappa, brings from panels above, over e^log_w: (nodes - 1,)."""
         total = np.zeros(log_w.size)
         for m in range(1, min(losses.furthest, len(self._panels)) + 1):
-            group = losses.outside(m)
-            w = np.exp(group.rows @ self._panels[-m] - log_w[group.node])
-            total += np.bincount(group.node, group.flux * w, total.size)
+            node, flux, rows = losses.outside(m)
+            w = np.exp(rows @ self._panels[-m] - log_w[node])
+            total += np.bincount(node, flux * w, total.size)
         return total

@@ -17,14 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
+from kinetics.numerics import LARGEST_LOG, ROUNDING
+from kinetics.numerics.recurrence import MOST_ORDERS
 from kinetics.results import Result, dataset, variable
-from kinetics.scaling import collisions, mellin
+from kinetics.scaling import mellin
 from kinetics.validation import check_positive, not_negative, real_number, refuse, whole_number
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
-_LARGEST_LOG = 709.0  # of a double
-_MOST_CUMULANTS = 12
-_CLOSE_TO_REST = 1e-16  # corrections are of that order
 
 
 @dataclass(frozen=True)
@@ -60,6 +59,47 @@ class ScaledState(Result):
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         return number
 
+    def _exp(self, p: Any, log_moment: float) -> float:
+        """A moment from its logarithm."""
+        if log_moment > LARGEST_LOG:
+            refuse("p", p, "<c^p> overflows double precision there")
+        return math.exp(log_moment)
+
+    def _scaled_dataset(
+        self: Any, only: Collection[str] | None, c: ArrayLike | None = None, **attributes: Any
+    ) -> Any:
+        """h, a2, moments, and F(c), c up to 4.
+
+        Without F(c) where bounces are elastic. attributes : of `kinetics.results.dataset`
+        """
+        powers, d = np.arange(1.0, 7.0), self.dimension
+        found = {
+            "cooling_rate": variable((), self.cooling_rate, "1", "h(e), from v0 = 2 l/(h t)", "h"),
+            "a2": variable((), self.a2, "1", "<c^4> d/(d+2) - 1", "a2"),
+        }
+        if only is None or "moment" in only:
+            words = "<c^p>, c the speed over the thermal speed"
+            moments = [self.moment(p) for p in powers]
+            found["moment"] = variable(("p",), moments, "1", words, "<c^p>")
+        speeds = (
+            np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
+        )
+        if self.cooling_rate > 0.0 and (not only or "vdf" in only):
+            words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
+            vdf = getattr(self, "reached_vdf", self.vdf)  # the solver: 0 where it does not reach
+            found["vdf"] = variable(("c",), vdf(speeds), "1", words, "F")
+        axes = {
+            "c": variable(("c",), speeds, "1", "speed over the thermal speed"),
+            "p": variable(("p",), powers, "1", "power of the speed"),
+        }
+        title = f"Scaled velocity distribution: {self.law.described}"
+        return dataset(title, self, found, axes, **attributes)
+
+    def _figures(self: Any) -> dict[str, str]:
+        """What a notebook shows."""
+        numbers = {"cooling rate h": f"{self.cooling_rate:.12g}", "a2": f"{self.a2:.12g}"}
+        return {"law": self.law.described} | numbers
+
 
 @dataclass(frozen=True)
 class ScalingSolution(ScaledState):
@@ -83,8 +123,6 @@ class ScalingSolution(ScaledState):
     @cached_property
     def cooling_rate(self) -> float:
         """h(e) = M2/2 = 2 sqrt(kappa lambda(1)), dimensionless (paper, label ``compare2``)."""
-        if self.law.is_elastic:
-            return 0.0
         return 2.0 * math.sqrt(self.law.mean_log_loss * float(self.law.decay_rate(1.0)))
 
     @cached_property
@@ -111,7 +149,7 @@ class ScalingSolution(ScaledState):
         t, and at a finite density.
         """
         self._check_counted()
-        return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), False)
+        return mellin.cumulants(self.law, whole_number("n", n, 1, MOST_ORDERS), False)
 
     def path_cumulants(self, n: int = 3) -> NDArray[Any]:
         """The same of the length X of the path: its k-th cumulant per ln t, in l^k, shape (n,).
@@ -119,7 +157,7 @@ class ScalingSolution(ScaledState):
         1/kappa, E[(ln s)^2]/kappa^3, ...; errors as :meth:`collision_cumulants`.
         """
         self._check_counted()
-        return collisions.cumulants(self.law, whole_number("n", n, 1, _MOST_CUMULANTS), True)
+        return mellin.cumulants(self.law, whole_number("n", n, 1, MOST_ORDERS), True)
 
     def collision_power(self, z: float) -> tuple[float, float]:
         """(theta, C) in E[z^N(t)] ~ C (v0 t/l)^theta at late times, from one speed v0, z > 0.
@@ -135,11 +173,11 @@ class ScalingSolution(ScaledState):
         z = check_positive("z", z)
         if z == 1.0:
             return 0.0, 1.0
-        theta = collisions.power_of(self.law, z)
+        theta = mellin.power_of(self.law, z)
         if theta is None:
             refuse("z", z, "E[z^N] is no power of t from -1000 to 1000 there")
-        log_c = collisions.log_amplitude(self.law, z, theta)
-        if log_c > _LARGEST_LOG:
+        log_c = mellin.log_amplitude(self.law, z, theta)
+        if log_c > LARGEST_LOG:
             refuse("z", z, "C overflows double precision there")
         return theta, math.exp(log_c)
 
@@ -167,10 +205,7 @@ class ScalingSolution(ScaledState):
             return 1.0
         # <c^p> = E[Y^p]/E[Y^2]^(p/2) and E[Y^p] = kappa^-p A(p): the powers of kappa cancel
         log_moment = float(mellin.log_moment(self.law, np.array([p]))[0])
-        log_moment -= 0.5 * p * mellin.log_second_moment(self.law)
-        if log_moment > _LARGEST_LOG:
-            refuse("p", p, "<c^p> overflows double precision there")
-        return math.exp(log_moment)
+        return self._exp(p, log_moment - 0.5 * p * mellin.log_second_moment(self.law))
 
     def scaled_speed_moment(self, p: float) -> float:
         """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`; not elastic."""
@@ -216,51 +251,16 @@ class ScalingSolution(ScaledState):
         return []
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        return scaled_dataset(self, only, status="exact", message="closed form", **points)
+        return self._scaled_dataset(only, status="exact", message="closed form", **points)
 
     def _figures(self) -> dict[str, str]:
-        return scaled_figures(self) | {"d<r^2>/d ln t / l^2": f"{self.diffusion_slope:.12g}"}
+        return super()._figures() | {"d<r^2>/d ln t / l^2": f"{self.diffusion_slope:.12g}"}
 
     def _check_counted(self) -> None:
         if self.law.is_elastic:
             refuse("restitution", self.restitution, "the collisions of elastic bounces grow as t")
         if self.law.medium is not None:
             refuse("scatterers", self.scatterers, "collisions are counted in the dilute gas only")
-
-
-def scaled_dataset(
-    state: Any, only: Collection[str] | None, c: ArrayLike | None = None, **attributes: Any
-) -> Any:
-    """The Dataset of a ScalingSolution or a ScaledVDF: h, a2, moments, and F(c), c up to 4.
-
-    Without F(c) where bounces are elastic. attributes : of `kinetics.results.dataset`
-    """
-    powers, d = np.arange(1.0, 7.0), state.dimension
-    found = {
-        "cooling_rate": variable((), state.cooling_rate, "1", "h(e), from v0 = 2 l/(h t)", "h"),
-        "a2": variable((), state.a2, "1", "<c^4> d/(d+2) - 1", "a2"),
-    }
-    if only is None or "moment" in only:
-        words = "<c^p>, c the speed over the thermal speed"
-        moments = [state.moment(p) for p in powers]
-        found["moment"] = variable(("p",), moments, "1", words, "<c^p>")
-    speeds = np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
-    if state.cooling_rate > 0.0 and (not only or "vdf" in only):
-        words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
-        vdf = getattr(state, "reached_vdf", state.vdf)  # the solver: 0 where it does not reach
-        found["vdf"] = variable(("c",), vdf(speeds), "1", words, "F")
-    axes = {
-        "c": variable(("c",), speeds, "1", "speed over the thermal speed"),
-        "p": variable(("p",), powers, "1", "power of the speed"),
-    }
-    title = f"Scaled velocity distribution: {state.law.described}"
-    return dataset(title, state, found, axes, **attributes)
-
-
-def scaled_figures(state: Any) -> dict[str, str]:
-    """What a notebook shows of a ScalingSolution or a ScaledVDF."""
-    numbers = {"cooling rate h": f"{state.cooling_rate:.12g}", "a2": f"{state.a2:.12g}"}
-    return {"law": state.law.described} | numbers
 
 
 def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -273,5 +273,5 @@ def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray
         return c, np.zeros(c.shape)
     power = -law.lowest_power - law.dimension
     if power == 0.0:
-        c = np.where(c == 0.0, _CLOSE_TO_REST, c)
+        c = np.where(c == 0.0, ROUNDING, c)  # corrections are of that order
     return c, np.full(c.shape, math.inf if power < 0.0 else 0.0)

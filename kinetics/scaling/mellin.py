@@ -1,49 +1,58 @@
-r"""Moments E[Y^z] of the scaling state for any z, and its density by Mellin inversion.
+r"""Moments E[Y^z] of the scaling state for any z, its density, and how many collisions led there.
 
 The logarithm of A(z) = kappa^z E[Y^z] obeys ln A(z+1) = ln A(z) + rho(z) with
 rho(z) = ln(kappa z/lambda(z)), and is the principal solution of that recurrence
 (:mod:`kinetics.numerics.recurrence`), A(0) = A(1) = 1. The density of x = ln(kappa Y) follows by
 Mellin inversion along vertical lines through its saddle points, so that its error is relative to
 itself in both tails.
+
+How many collisions a cooling tracer has had, and how far it has flown: with phi(p) = E[s^p], from
+v = 1 and l = 1, d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)], and E[z^N(t)] = sum_k (-t)^k/k!
+c(k), c the principal solution of c(p+1) = (1 - z phi(p)) c(p), c(0) = 1. This is the Mellin
+transform Gamma(p) c(-p), whose first pole on the right is at -p = theta, phi(theta) = 1/z: hence
+C t^theta, C = Gamma(-theta) c(1 + theta)/(-z phi'(theta)). E[exp(-q X)] of the path X is the same
+with z = 1/(1 + q).
 """
 
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import ComplexArray, FloatArray, one_blas_thread
+from kinetics.numerics import (
+    FOLDS,
+    LARGEST_LOG,
+    ROUNDING,
+    ComplexArray,
+    FloatArray,
+    one_blas_thread,
+)
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
 
 # The Euler-Maclaurin formula is used where Re z >= _START, or as far from the zeros of lambda: with
 # 12 Taylor coefficients it leaves 2 * 12!/((2 pi)^14 16^13) = 1e-18.
 _START = 16
-_NEGLIGIBLE = 39.0  # e^-39 = 1e-17: what is left out at the ends of a line and of its period
-# Of a line, in deviations: how far from its centre it serves at the ends, and beside others, where
-# it loses e^(1.6^2/2) = 4 at most; and the next line is where the centre moves by so many.
-_REACH, _SERVED, _APART = 2.0, 1.5, 2.5
-_NOTHING = -800.0  # ln F below which F is 0
+# Of a line, in deviations: how far from its centre it serves, and half of the way to the next one;
+# it loses e^(1.6^2/2) = 4 at most, between lines of different deviations.
+_SERVES = 1.25
 # Below e^-5 of the speed after a bounce, the tilted density changes between two such lines: closer.
 _RARELY_LOST, _CLOSE = 5.0, 0.4
 _LEAST = 0.02  # share of its terms that a sum must have: two digits are lost there
-_DIFFERENCE = 0.2  # over the deviation, for derivatives of ln A that place lines
 # Where g is a power of speed low down, lines closer to the lowest power would need ever more
 # samples; the lowest line loses e^(0.25 |x|), 2e4 at v t = 1e-17 l.
 _LOWEST_LINE = 0.25
-_NEARLY_ELASTIC = 1e-8  # share of energy lost
-_MOST_SAMPLES = 2000  # of a line: never reached
-_OWN_FACTOR = 5.0  # e-folds
 
 
 def log_second_moment(law: CollisionLaw) -> float:
     """ln A(2) = ln(kappa/lambda(1)) < ln 2: nearly the variance of x where that is small."""
-    if law.energy_loss < _NEARLY_ELASTIC:
+    if law.energy_loss < math.sqrt(ROUNDING):
         # kappa - lambda(1) = E[xi^2]/2 + what returns add, xi = -ln s: else only rounding is left
         q, kappa = law.quadrature, law.mean_log_loss
         return float(q.weight @ q.log_loss**2) / (2.0 * kappa) + law.returns(0)[0] * kappa
@@ -79,10 +88,13 @@ def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
         out = np.empty(z.shape)
         out[low], out[~low] = log_moment(law, z[low]), log_moment(law, z[~low])
         return out
-    shift = _shift(law, float(z.min()))
-    below = _rho(law, z[:, None] + np.arange(shift)).sum(axis=1)
-    integral = np.array([_integral(law, float(shift), float(t)) for t in z + shift])
-    return np.asarray(_from(law, shift, integral, z + shift) - below)
+    n = _shift(law, float(z.min()))
+    # ln A(n), and from there to z + n, from which the recurrence leads down to z
+    known = _rho(law, np.arange(1.0, n)).sum()
+    ends = _taylor_of_rho(law, np.append(n, z + n))
+    integral = _integrals(partial(_rho, law), law, float(n), z + n)
+    grown = log_growth(integral, [c[:1] for c in ends], [c[1:] for c in ends])
+    return np.asarray(known + grown - _rho(law, z[:, None] + np.arange(n)).sum(axis=1))
 
 
 def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
@@ -93,38 +105,37 @@ def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
     return max(_START, math.ceil(_START - a))
 
 
-def _from(law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any]) -> NDArray[Any]:
-    """ln A at ``top`` (n,), from the integral of rho from n up to there, by Euler-Maclaurin."""
-    known = _rho(law, np.arange(1.0, n)).sum()  # ln A(n)
-    begin = _taylor_of_rho(law, np.array([float(n)]))
-    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top)))
-
-
-def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) -> ComplexArray:
-    """ln A(a + i n step), n = 0 ... count - 1."""
-    z = a + 1j * step * np.arange(count)
-    shift = _shift(law, a, step * count)
+def _growth_on_line(law: CollisionLaw, begin: complex, step: float, count: int) -> ComplexArray:
+    """ln of A(begin + i n step)/A(begin), n = 0 ... count - 1."""
+    z = begin + 1j * step * np.arange(count)
+    shift = _shift(law, begin.real, float(z[-1].imag))
     node, weight = gauss_legendre(10)
     offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
-    at = z[:, None] + offsets
-    rate = np.where(at == 0.0, 1.0, law.decay_rates(z, offsets))
-    rho = np.log(np.where(at == 0.0, 1.0, law.mean_log_loss * at / rate))
-    path = np.full(count, complex(_integral(law, float(shift), a + shift)))
-    path[1:] = path[0] + 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
-    return np.asarray(_from(law, shift, path, z + shift) - rho[:, :shift].sum(axis=1))
+    rho = np.log(law.mean_log_loss * (z[1:, None] + offsets) / law.decay_rates(z[1:], offsets))
+    # at the beginning itself, sums of powers might lose their digits next to z = 0
+    rho = np.concatenate([_rho(law, begin + offsets)[None], rho])
+    path = np.append(0.0, 1j * step * np.cumsum(rho[:-1, shift:] @ weight))
+    end = _taylor_of_rho(law, z + shift)
+    below = rho[:, :shift].sum(axis=1)
+    return np.asarray(log_growth(path, [c[0] for c in end], end) - below + below[0])
 
 
-def _integral(law: CollisionLaw, low: float, high: float) -> float:
-    """Integral of rho from low to high on the real axis, where it is smooth."""
-    # rho is analytic within about _START of the path, or 2 pi over the largest loss if that is
+def _integrals(
+    log_ratio: Callable[[FloatArray], FloatArray], law: CollisionLaw, low: float, high: FloatArray
+) -> FloatArray:
+    """Of ln r from low to each of high (n,) on the real axis, where it is smooth."""
+    # ln r is analytic within about _START of the path, or 2 pi over the largest loss if that is
     # further and the lowest power as well: 24 Gauss points for a panel that is no longer leave less
     # than rounding
-    edges = [min(low, high)]
-    while len(edges) == 1 or edges[-1] < max(low, high):
+    first, last = min(low, float(high.min())), max(low, float(high.max()))
+    edges = [first]
+    while edges[-1] < last:
         unit = max(_START, min(2.0 / law.largest_loss, edges[-1] - law.lowest_power))
-        edges.append(min(edges[-1] + unit, max(low, high)))
-    nodes, weights = panels_between(np.array(edges), 24)
-    return math.copysign(1.0, high - low) * float(_rho(law, nodes) @ weights)
+        edges.append(min(edges[-1] + unit, last))
+    ends = np.unique(np.concatenate([edges, [low], high]))
+    nodes, weights = panels_between(ends, 24)
+    sums = np.cumsum(np.append(0.0, (weights * log_ratio(nodes)).reshape(-1, 24).sum(axis=1)))
+    return np.asarray(sums[np.searchsorted(ends, high)] - sums[np.searchsorted(ends, low)])
 
 
 # -- Mellin inversion through the saddle -----------------------------------------------------------
@@ -160,7 +171,12 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     serving = np.searchsorted(between / (deviation[:-1] + deviation[1:]), x)
     out = np.full(x.shape, -math.inf)
     for i, line in enumerate(lines):
-        total = _sum(line, x[serving == i])
+        n = line.step * np.arange(line.samples.size)
+        turn = np.exp(-1j * np.outer(x[serving == i] - line.centre, n))
+        # the phase of the centre is taken out of the samples: no large arguments. Without BLAS,
+        # whose threads would wait for each other
+        rotated = line.samples * np.exp(-1j * n * line.centre)
+        total = 2.0 * np.einsum("ij,j", turn, rotated).real - 1.0
         if i + 1 < len(lines):
             # near e = 0 little may be left of the tilted density above its centre
             lost = total < _LEAST * (2.0 * np.abs(line.samples).sum() - 1.0)
@@ -169,10 +185,10 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
             total = total[~lost]
         mine, total = serving == i, total * line.step / (2.0 * math.pi)
         out[mine] = np.log(np.maximum(total, 1e-300)) + line.log_moment - line.exponent * x[mine]
-    out[x > centre[-1] + _REACH * deviation[-1]] = -math.inf
+    out[x > centre[-1] + _SERVES * deviation[-1]] = -math.inf
     if not law.reaches_rest:
         unknown = math.isfinite(law.lowest_power)
-        out[x < centre[0] - _REACH * deviation[0]] = math.nan if unknown else -math.inf
+        out[x < centre[0] - 2.0 * _SERVES * deviation[0]] = math.nan if unknown else -math.inf
     return out
 
 
@@ -183,12 +199,13 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
         lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law))))
 
     def something(line: Line) -> bool:  # Chernoff: ln g(x) <= ln A(a) - a x
-        return line.log_moment - (line.exponent + law.dimension) * line.centre > _NOTHING
+        log_f = line.log_moment - (line.exponent + law.dimension) * line.centre
+        return log_f > -LARGEST_LOG - FOLDS
 
-    while (end := lines[-1]).centre + _SERVED * end.deviation < highest and something(end):
-        lines.append(_line(law, end.exponent + _APART / end.deviation, end.deviation))
-    while (end := lines[0]).centre - _SERVED * end.deviation > lowest and something(end):
-        step = _APART / end.deviation
+    while (end := lines[-1]).centre + _SERVES * end.deviation < highest and something(end):
+        lines.append(_line(law, end.exponent + 2.0 * _SERVES / end.deviation, end.deviation))
+    while (end := lines[0]).centre - _SERVES * end.deviation > lowest and something(end):
+        step = 2.0 * _SERVES / end.deviation
         if law.largest_loss > _RARELY_LOST:
             step = min(step, _CLOSE)
         exponent = max(end.exponent - step, law.lowest_power + _LOWEST_LINE)
@@ -197,39 +214,28 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
         lines.insert(0, _line(law, exponent, end.deviation))
 
 
-def _sum(line: Line, x: FloatArray) -> FloatArray:
-    """The tilted density at x, shape (n,), as the sum over the samples of a line."""
-    n = np.arange(line.samples.size)
-    turn = np.exp(-1j * np.outer(x - line.centre, n * line.step))
-    # the phase of the centre is taken out of the samples: no large arguments. Without BLAS, whose
-    # threads would wait for each other
-    rotated = line.samples * np.exp(-1j * n * line.step * line.centre)
-    return np.asarray(2.0 * np.einsum("ij,j", turn, rotated).real - 1.0)
-
-
 def _line(law: CollisionLaw, a: float, scale: float) -> Line:
     """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible."""
     # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
     deepest = min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)
-    small = min(_DIFFERENCE / scale, _DIFFERENCE * (a - law.lowest_power))
+    small = 0.2 * min(1.0 / scale, a - law.lowest_power)  # for differences
     steps = np.array([0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 12.0]) / scale
-    down = np.append(steps, 0.5 * min(0.2 / scale, a - law.lowest_power))
+    down = np.append(steps, 2.5 * small)
     down = down[down - a < deepest]
     found = log_moment(law, np.concatenate([[a, a + small, a - small], a + steps, a - down]))
     log_a, (more, less) = float(found[0]), found[1:3] - found[0]
     mean, variance = float(more - less) / (2.0 * small), float(more + less) / small**2
     # Chernoff: where the tilted density is negligible on either side
     above, below = np.split(found[3:] - log_a, [steps.size])
-    right = float(np.min((above + _NEGLIGIBLE) / steps))
-    left = float(np.max(-(below + _NEGLIGIBLE) / down))
-    step = 2.0 * math.pi / (right - left)
-    samples = [np.ones(1, dtype=complex)]
-    count = 1
-    while np.max(np.abs(samples[-1][-4:])) >= math.exp(-_NEGLIGIBLE) and count <= _MOST_SAMPLES:
-        block = max(32, count)
-        samples.append(np.exp(_log_moment_on_line(law, a, step, count + block)[count:] - log_a))
-        count += block
-    return Line(a, mean, math.sqrt(variance), step, log_a, np.concatenate(samples))
+    right = float(np.min((above + FOLDS) / steps))
+    left = float(np.max(-(below + FOLDS) / down))
+    step, samples = 2.0 * math.pi / (right - left), np.ones(1, dtype=complex)
+    while np.max(np.abs(samples[-4:])) >= math.exp(-FOLDS):
+        count = max(32, samples.size)
+        begin = a + 1j * step * (samples.size - 1)
+        more = np.exp(_growth_on_line(law, begin, step, count + 1)[1:])
+        samples = np.append(samples, samples[-1] * more)
+    return Line(a, mean, math.sqrt(variance), step, log_a, samples)
 
 
 def small_deviation(law: CollisionLaw) -> float:
@@ -245,9 +251,101 @@ def extent_of(law: CollisionLaw, depth: float) -> tuple[float, float]:
     """
     deviation = small_deviation(law)
     p = np.geomspace(0.3, 60.0, 24) / deviation
-    # Chernoff's bound; a density of x falls as e^-(e^x), and its own factor e^x is allowed for
-    right = float(np.min((log_moment(law, p) + depth + _OWN_FACTOR) / p))
+    # Chernoff's bound; a density of x falls as e^-(e^x): its own factor e^x is e^5 at most
+    right = float(np.min((log_moment(law, p) + depth + 5.0) / p))
     step, count = 0.5 / deviation, 32
-    while (size := _log_moment_on_line(law, 0.0, step, count).real)[-1] > -depth and count < 1000:
+    while (size := _growth_on_line(law, 0.0, step, count).real)[-1] > -depth and count < 1000:
         count *= 2
     return right - math.log(law.mean_log_loss), step * float(np.count_nonzero(size > -depth))
+
+
+# -- collisions and path at late times -------------------------------------------------------------
+
+_LARGEST_POWER = 1000.0  # |theta|
+
+
+def power_of(law: CollisionLaw, z: float) -> float | None:
+    """theta with phi(theta) = 1/z; None beyond +-1000, and where phi is 1/z nowhere."""
+    from scipy.optimize import brentq
+
+    share = (z - 1.0) / z  # lambda(theta)
+
+    def missed(p: float) -> float:
+        return float(law.decay_rate(p)) - share
+
+    deepest = float(law.quadrature.log_loss.max())
+    lowest = max(-_LARGEST_POWER, (FOLDS - LARGEST_LOG) / deepest, law.lowest_power * (1.0 - 1e-12))
+    low, high = (lowest, 0.0) if z < 1.0 else (0.0, 1.0)
+    while z > 1.0 and missed(high) < 0.0 and high < _LARGEST_POWER:
+        low, high = high, min(2.0 * high, _LARGEST_POWER)
+    if missed(low) > 0.0 or missed(high) < 0.0:
+        return None
+    return float(brentq(missed, low, high, xtol=1e-300, rtol=1e-15, maxiter=500))
+
+
+def log_amplitude(law: CollisionLaw, z: float, theta: float) -> float:
+    """ln C; every factor is positive: the poles of Gamma(-theta) cancel with zeros of 1 - z phi."""
+    n = math.ceil(_START + max(theta, 0.0))
+    j = np.arange(float(n))
+    rate = law.decay_rate(np.append(j, theta))
+    near = np.abs(j - theta) < 0.05  # where the difference of phi is summed, not subtracted
+    apart = np.where(near, 1.0, j - theta)
+    slope = (rate[:-1] - rate[-1]) / apart  # (phi(theta) - phi(j))/(j - theta)
+    if np.any(near):
+        q = law.quadrature_for(n)
+        step = float((j - theta)[near][0])
+        ratio = -np.expm1(-step * q.log_loss) / step if step else q.log_loss
+        slope[near] = (q.weight * np.exp(-theta * q.log_loss)) @ ratio
+    numerator = np.log(z * slope).sum() + math.lgamma(n - theta)
+    denominator = _log_left(law, z, j + 1.0 + theta).sum()
+    top = np.array([n + 1.0 + theta])
+    integral = _integrals(partial(_log_left, law, z), law, float(n), top)
+    begin, end = (_taylor_of_left(law, z, p) for p in (np.array([float(n)]), top))
+    far = float(log_growth(integral, begin, end)[0])
+    # the derivative along the imaginary axis, without cancellation: -phi'(theta) = lambda'(theta)
+    falling = float(law.decay_symbol(np.array([theta + 1e-20j]))[0].imag) / 1e-20
+    return float(numerator - denominator + far - math.log(z * falling))
+
+
+def _log_left(law: CollisionLaw, z: float, p: FloatArray) -> FloatArray:
+    """ln(1 - z phi(p))."""
+    return np.asarray(np.log((1.0 - z) + z * law.decay_rate(p)))
+
+
+def _taylor_of_left(law: CollisionLaw, z: float, p: FloatArray) -> list[NDArray[Any]]:
+    """Taylor coefficients of ln(1 - z phi) at p (n,)."""
+    rate = [z * c for c in law.decay_taylor(p, MOST_ORDERS)]
+    return taylor_of_log([(1.0 - z) + rate[0], *rate[1:]])
+
+
+def cumulants(law: CollisionLaw, n: int, of_path: bool) -> FloatArray:
+    """The first n cumulants of N, or of X in l, per ln t, shape (n,).
+
+    E[exp(u N)] ~ t^theta with -ln(1 - lambda(theta)) = u; E[exp(u X)] with lambda(theta) = u. The
+    series of theta in u is Lagrange's reversion, and its coefficients times k! are the cumulants.
+    """
+    c = _taylor_at_zero(law, n + 1)
+    if not of_path:
+        c = [-one for one in taylor_of_log([np.ones(1), *(-one for one in c[1:])])]
+    f = np.array([float(one[0]) for one in c[1:]])  # u/theta
+    inverse = np.zeros(n)
+    inverse[0] = 1.0 / f[0]
+    for k in range(1, n):
+        inverse[k] = -(f[1 : k + 1] @ inverse[k - 1 :: -1]) / f[0]
+    power, out = np.eye(1, n)[0], np.zeros(n)
+    for k in range(1, n + 1):
+        power = np.convolve(power, inverse)[:n]
+        out[k - 1] = math.factorial(k - 1) * power[k - 1]
+    return out
+
+
+def _taylor_at_zero(law: CollisionLaw, orders: int) -> list[NDArray[Any]]:
+    """Taylor coefficients of lambda at 0, from order 0 to orders - 1, each (1,)."""
+    if q := law.uniform_power:  # lambda = z/(z + q)
+        return [np.array([-((-1.0 / q) ** k) if k else 0.0]) for k in range(orders)]
+    if not law.reaches_rest:
+        return law.decay_taylor(np.zeros(1), orders)
+    # high powers of ln s see bounces beyond all points: from a circle, which encloses no pole
+    turn = np.exp(2j * math.pi * np.arange(64) / 64)
+    found = np.fft.fft(law.decay_symbol(-0.5 * law.lowest_power * turn)).real / 64
+    return [np.array([found[k] / (-0.5 * law.lowest_power) ** k]) for k in range(orders)]

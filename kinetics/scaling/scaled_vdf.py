@@ -17,13 +17,10 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import SolverStatus, judged
-from kinetics.numerics import FloatArray
-from kinetics.scaling.axis import FEWEST_NODES, MOST_NODES, SpeedAxis
-from kinetics.scaling.closed_form import ScaledState, from_rest, scaled_dataset, scaled_figures
+from kinetics.numerics import LARGEST_LOG, FloatArray
+from kinetics.scaling.axis import DEEPEST, FEWEST_NODES, MOST_NODES, SpeedAxis
+from kinetics.scaling.closed_form import ScaledState, from_rest
 from kinetics.validation import check_rtol, not_negative, refuse, whole_number
-
-_LARGEST_LOG = 709.0  # ln of the largest number of double precision
-_LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
 
 
 @dataclass(frozen=True)
@@ -57,17 +54,9 @@ class ScaledVDF(ScaledState):
         return self.dimension / (self.dimension + 2.0) * self.moment(4.0) - 1.0
 
     def moment(self, p: float) -> float:
-        """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow.
-
-        The largest number in place of an overflow where nodes that were given are far too few.
-        """
+        """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow."""
         number = self._power(p)
-        log_moment = self._axis.log_moment(number) - 0.5 * number * self._log_second
-        if log_moment > _LARGEST_LOG:
-            if self.requested_nodes is None or self.error_estimate < 1.0:
-                refuse("p", p, "<c^p> overflows double precision there")
-            self._axis.unresolved = True
-        return math.exp(min(log_moment, _LARGEST_LOG))
+        return self._exp(p, self._axis.log_moment(number) - 0.5 * number * self._log_second)
 
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), same shape as c, accurate relative to F(c) itself in both tails.
@@ -91,10 +80,9 @@ class ScaledVDF(ScaledState):
         log_c = np.log(flat[inside])
         log_g = self._axis.log_density(log_c + 0.5 * self._log_second)
         log_f = log_g - self.dimension * log_c
-        if np.any(log_f > _LARGEST_LOG):  # nodes that were given are far too few
-            self._axis.unresolved = True
         with np.errstate(under="ignore"):
-            out[inside] = np.exp(np.minimum(log_f, _LARGEST_LOG)) / self.law.unit_surface
+            # more than the largest number only if nodes that were given are far too few
+            out[inside] = np.exp(np.minimum(log_f, LARGEST_LOG)) / self.law.unit_surface
         return out.reshape(c.shape)
 
     @property
@@ -134,7 +122,7 @@ class ScaledVDF(ScaledState):
         )
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        found = scaled_dataset(self, only, **points)
+        found = self._scaled_dataset(only, **points)
         return found.assign_attrs(  # of all that is solved by now
             status=self.status.name.lower(),
             message=self.message,
@@ -144,7 +132,7 @@ class ScaledVDF(ScaledState):
 
     def _figures(self) -> dict[str, str]:
         about = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}
-        return scaled_figures(self) | about
+        return super()._figures() | about
 
     def _to_storage(self) -> dict[str, Any]:
         return super()._to_storage() | {"cooling_rate": self.cooling_rate, "a2": self.a2}
@@ -215,7 +203,7 @@ def solve_scaled(
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
         refuse("restitution", restitution, allowed)
-    if _LARGEST_LOSS < law.largest_loss < math.inf:
+    if DEEPEST < law.largest_loss < math.inf:  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
         allowed = "the solver takes 0, or speed ratios of 1e-100 at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
     solution._axis  # noqa: B018  (an error of the arguments must be raised here)

@@ -7,9 +7,11 @@ import mpmath as mp
 import numpy as np
 import pytest
 from marking import slow_but
+from scipy.integrate import quad
 
 from kinetics import (
     AngularHarmonics,
+    Beam,
     CollisionLaw,
     Monoenergetic,
     ScalingSolution,
@@ -144,21 +146,6 @@ def test_elastic_spheres_scatter_in_all_directions_alike() -> None:
         np.testing.assert_allclose(solution.velocity_density(v, angle)[i], exact, rtol=1e-13)
 
 
-def test_one_speed_leaves_a_peak_and_a_density() -> None:
-    """Rough spheres from one speed: exp(-u t/l) have not collided, the first bounce is known.
-
-    At early times f = u t p(s)/u with p(s) = 2 s/(et^2 - e^2) between e and et, zero outside.
-    """
-    e, et, u, early = 0.5, 0.9, 2.0, 1e-7
-    solution = solved(CollisionLaw(e, et, 3), [early / u], 1e-6, initial=Monoenergetic(u))
-    assert solution.uncollided[0] == pytest.approx(math.exp(-early), rel=1e-13)
-    s = np.linspace(e + 0.03, et - 0.03, 30)
-    found = solution.speed_density(u * s)[0]
-    np.testing.assert_allclose(found, early * 2.0 * s / (et**2 - e**2) / u, rtol=1e-2)
-    outside = solution.speed_density(u * np.array([0.3, 0.45, 0.95, 1.1]))[0]
-    assert np.all(outside < 1e-3 * found.min())
-
-
 @pytest.mark.parametrize(
     ("law", "rtol"), [(CollisionLaw(1.0, 0.0), 1e-4), (CollisionLaw(0.0, 0.8, 3), 1e-6)], ids=repr
 )
@@ -171,3 +158,31 @@ def test_the_density_at_rest_is_that_of_the_start(law: CollisionLaw, rtol: float
         assert f.min() > -0.1 * rtol * f.max()
         low = v < 1e-8 * thermal
         assert np.abs(f[low]).max() < rtol * f.max()
+
+
+@pytest.mark.parametrize(("e", "t"), [(0.2, 1.0), (0.6, 5.0), (0.9, 20.0)])
+def test_one_component_against_quadrature_of_the_speed_density(e: float, t: float) -> None:
+    """With v = v_x cosh(u) the integrand is f(v_x cosh u)/pi."""
+    solution = solved(CollisionLaw(e), [t], 1e-8)
+    v0 = solution.thermal_speed[0]
+    for v_x in np.array([0.1, 0.6, 1.3]) * v0:
+        top = np.arccosh(9.0 * v0 / v_x)
+        exact = quad(
+            lambda u, a=v_x: solution.speed_density([a * np.cosh(u)])[0, 0] / np.pi,
+            0.0,
+            top,
+            epsabs=1e-9,
+        )[0]
+        assert np.isclose(solution.velocity_component_density([v_x])[0, 0], exact, rtol=1e-6)
+
+
+@pytest.mark.parametrize("initial", [Monoenergetic(2.0), Beam(0.3, Monoenergetic(2.0))])
+@pytest.mark.parametrize("e", [0.5, 1.0])
+def test_one_component_of_one_speed(e: float, initial: Any) -> None:
+    """1/(pi sqrt(u^2 - v_x^2)): the ring."""
+    v_x = np.array([-1.9, -1.0, 0.0, 0.5, 1.99, 2.5])
+    solution = solved(CollisionLaw(e), [0.0], 1e-3, initial=initial)
+    found = solution.velocity_component_density(v_x)[0]
+    with np.errstate(invalid="ignore"):
+        exact = np.where(np.abs(v_x) < 2.0, 1.0 / (np.pi * np.sqrt(4.0 - v_x**2)), 0.0)
+    assert np.allclose(found, exact, rtol=1e-9)

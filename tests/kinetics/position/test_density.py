@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kinetics import CollisionLaw, Scene, Solution, SolverStatus, SpeedTable, solve
+from kinetics import Beam, CollisionLaw, Scene, Solution, SolverStatus, SpeedTable, solve
 from kinetics.collision import ImpactQuadrature
 from kinetics.moments.averages import Averages, msd
 from kinetics.numerics.gauss import equal_panels
+from kinetics.position.density import Uncollided
 from kinetics.position.sweep import solve_displacement
-from kinetics.states.kinds import Monoenergetic
+from kinetics.states.kinds import Gaussian, Monoenergetic, State, as_state
 
 FloatArray = NDArray[np.float64]
 # the restitutions and times of the paper's figure inelasticposi
@@ -58,9 +59,6 @@ def test_less_accuracy_differs_by_what_was_asked(e: float, t: float) -> None:
         assert np.abs(found.scaled_position_density(r) - best).max() < rtol
 
 
-# -- the isotropic walk, whose solution is known ---------------------------------------------------
-
-
 class Isotropic(CollisionLaw):
     """Elastic, every deflection as likely: a law of the test's own."""
 
@@ -91,14 +89,10 @@ def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
         assert found.error_estimate < 1e-6
     else:
         assert found.error_estimate > 1e-6  # fronts are felt, and it is said
-    assert np.allclose(found.front_radius, t)
-    assert np.allclose(found.front_weight, math.exp(-t))
+    assert np.allclose(found.uncollided.fronts, [[[t]], [[math.exp(-t)]]])
     share = found.within(0, np.array([0.5 * t, t]))
     half = 1.0 - math.exp(0.5 * math.sqrt(3.0) * t - t)
     assert np.abs(share - np.array([half, 1.0])).max() < tolerance
-
-
-# -- limits and identities -------------------------------------------------------------------------
 
 
 def test_a_front_and_a_continuous_part_make_the_whole() -> None:
@@ -136,13 +130,6 @@ def test_norm_for_extreme_restitutions(e: float) -> None:
     assert abs(integrate(g, edges, 2)[0] - 1.0) < 1e-3
 
 
-def test_what_is_not_reached_says_so() -> None:
-    """The second collisions of a start of one speed have fronts, too: F falls slowly."""
-    found = density(0.37, [37.5], "monoenergetic", rtol=1e-6)
-    assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
-    assert found.stats["position_density_error"] > 1e-6
-
-
 @pytest.mark.parametrize(
     ("e", "t", "initial"),
     [
@@ -161,12 +148,6 @@ def test_the_end_of_f_is_right_beyond_the_data(e: float, t: float, initial: obje
     assert best.status.name == found.status.name == "CONVERGED"
     apart = found.scaled_position_density(R) - best.scaled_position_density(R)
     assert np.abs(apart).max() < min(1e-3, 2.0 * found.error_estimate)
-
-
-# -- bad input -------------------------------------------------------------------------------------
-
-
-# -- parts ----------------------------------------------------------------------------------------
 
 
 def test_shares_and_slopes_are_those_of_the_density() -> None:
@@ -203,3 +184,37 @@ def test_a_table_is_the_mixture_of_its_speeds() -> None:
     scene = Scene(0.6, initial="monoenergetic", times=t * v, outputs=outputs)
     parts = solve(scene, rtol=1e-11).intermediate_scattering(k)
     assert np.abs(whole.intermediate_scattering(k)[0] - share @ parts).max() < 1e-9
+
+
+def top_hat(v: FloatArray) -> FloatArray:
+    """1/2 up to a speed of 2: a jump of which nobody tells the solver."""
+    return np.asarray(np.where(v < 2.0, 0.5, 0.0))
+
+
+def root_start(v: FloatArray) -> FloatArray:
+    """v^(1/2) exp(-v), normalised: not smooth at 0."""
+    return np.asarray(np.sqrt(v) * np.exp(-v) / (0.5 * math.sqrt(math.pi)))
+
+
+STARTS: list[tuple[State, Any]] = [
+    (Gaussian(), lambda v: v * np.exp(-0.5 * v * v)),
+    (as_state(root_start), root_start),
+    (as_state(top_hat), top_hat),
+    (SpeedTable([0.2, 0.9, 2.0], [0.0, 1.0 / 0.9, 0.0]), None),
+    (Beam(0.4, speeds="gaussian"), lambda v: v * np.exp(-0.5 * v * v)),
+]
+
+
+@pytest.mark.parametrize(("state", "exact"), STARTS)
+def test_the_density_of_the_uncollided_is_that_of_the_start(state: State, exact: Any) -> None:
+    """f(r/t) exp(-r/l)/t, also between the points at which f was taken."""
+    times = np.array([0.0, 0.3, 40.0, 1e4])
+    found = Uncollided(state, 12.5, times)
+    v = np.concatenate([np.linspace(0.0, 1.9999, 500), np.linspace(2.0001, 9.0, 300)])
+    f = exact(v) if exact else np.interp(v, [0.2, 0.9, 2.0], [0.0, 1.0 / 0.9, 0.0])
+    for i, t in enumerate(times[1:], start=1):
+        r = v * t
+        expected = f * np.exp(-r / 12.5) / t
+        assert np.abs(found.at(i, r) - expected).max() < 3e-13 / t
+    assert not found.at(0, v).any()
+    assert not found.at(1, np.array([1e300])).any()

@@ -11,6 +11,7 @@ from marking import slow_but
 
 from kinetics import InputError, ScalingSolution, solve_scaled
 from kinetics.crosscheck.references import load
+from kinetics.scaling import mellin
 
 TABLE = [1e-3, *np.round(np.arange(0.05, 0.951, 0.05), 2).tolist(), 0.99, 0.999]
 EXTREME = [1e-8, 1e-4, 1 - 1e-4, 1 - 1e-8]
@@ -115,3 +116,12 @@ def test_the_narrow_ring_near_the_elastic_limit(gap: float) -> None:
     solved = solve_scaled(1.0 - gap, 1e-10).vdf(c)
     assert float(np.max(np.abs(solved - F))) < (1e-9 + 1e-14 / width) * float(F.max())
     assert exact.vdf(0.5) == exact.vdf(2.0) == 0.0
+
+
+def test_low_speeds_do_not_depend_on_where_the_lines_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A line next to a whole exponent lost the value at its middle: 1e-5 of F among hard disks."""
+    given, c = {"scatterers": "hard disks", "number_density": 0.05}, np.linspace(0.6, 0.8, 21)
+    f = ScalingSolution(0.99, **given).vdf(c)
+    for apart in (0.8, 1.0, 1.1):
+        monkeypatch.setattr(mellin, "_SERVES", apart)
+        np.testing.assert_allclose(ScalingSolution(0.99, **given).vdf(c), f, rtol=1e-11)
