@@ -26,10 +26,10 @@ from kinetics.position.wave_numbers import (
 )
 from kinetics.states.state import State
 
-# The work of all times at one tolerance, in products of numbers, one or two seconds. Where it is
+# The work of all times at one tolerance, in products of numbers, some five seconds. Where it is
 # not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to ask for more
 # is to leave no less. From sharp speeds F is solved up to this K, or K T.
-_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _FURTHEST = 5e9, 0.04, 8.0, 60.0
+_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _FURTHEST = 2e10, 0.04, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 # Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
