@@ -14,9 +14,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebval
+from numpy.polynomial.legendre import legder, legval
 
 from kinetics.field import radau
 from kinetics.field.forward import Evolution
@@ -29,10 +32,10 @@ from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.kinds import Beam
 from kinetics.states.state import State
 
-_LONGEST = 28.0  # mean free paths of a last flight: the chance of a longer one is 1e-12
-_INTERVALS, _FLIGHT_POINTS = 5, 10  # before and after the turning point: 1e-7 of the peak is missed
-_NEGLIGIBLE = 1e-12  # share of those that arrive
-_TOGETHER = 4000  # points of flights, so few that their harmonics stay in the cache
+_NEGLIGIBLE = 1e-12  # the chance of a last flight that is longer
+_LEFT_OUT = 1e-9  # of the largest harmonic of what collisions make: those that stay below it
+_POINTS = 8  # while the speed changes by e: 1e-8 of the peak is missed
+_TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
 
 
 class LastFlights:
@@ -40,89 +43,89 @@ class LastFlights:
 
     steps : beginning, length, and v times what collisions make at the points of each step of time,
         (n_points, families, M + 1, size); of a steady state one step with one point
-    slowest : G varies on the scale of the speed; what varies below this one counts little
     """
 
     def __init__(
-        self,
-        panels: SpeedPanels,
-        dimension: int,
-        steps: list[tuple[float, float, FloatArray]],
-        slowest: float = 1e-2,
+        self, panels: SpeedPanels, dimension: int, steps: list[tuple[float, float, FloatArray]]
     ) -> None:
-        self._panels, self._dimension, self._slowest = panels, dimension, slowest
+        self._panels = panels
         self._starts = np.array([now for now, _, _ in steps])
         self._lengths = np.array([h for _, h, _ in steps])
-        self._points, self._families, self._count = steps[0][2].shape[:3]
+        self._points = len(steps[0][2])
+        least = _LEFT_OUT * max(np.abs(made).max() for _, _, made in steps)
+        polynomial, slope = (chebval, chebder) if dimension == 2 else (legval, legder)
+        self._sum = partial(polynomial, tensor=False)
         self._made = []
         for _, _, made in steps:
-            by_node = np.moveaxis(made, -1, 1)
-            flat = [by_node[:, p].reshape(-1, self._families * self._count) for p in panels.parts]
-            self._made.append(flat)
+            for p, part in enumerate(panels.parts):
+                # of polynomials in the speed, (families, harmonics, n_points, nodes)
+                found = np.moveaxis(made[..., part] @ panels.to_coefficients(p).T, 0, 2)
+                there = np.nonzero(np.abs(found).max(axis=(0, 2, 3)) > least)[0]
+                found = found[:, : there.max(initial=1) + 1]
+                flat = found.reshape(*found.shape[:2], -1)
+                if len(flat) == 2:  # the harmonics of family 1 are sine times slopes of the others
+                    m = np.maximum(np.arange(flat.shape[1]), 1)[:, None] ** (3 - dimension)
+                    flat = [flat[0], slope(flat[1] / m)]
+                self._made.append(flat)
 
     def density(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """f at the velocities (n,) of tracers after a collision, in units of sqrt(g l)."""
         if time <= 0.0:
             return np.zeros(along.shape)
-        pieces = np.array_split(np.arange(along.size), max(1, along.size // 500))
+        pieces = np.array_split(np.arange(along.size), 1 + along.size // _TOGETHER)
         return np.concatenate([self._piece(time, along[k], across[k]) for k in pieces])
 
     def _piece(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """The same, of a few velocities."""
         with np.errstate(over="ignore"):
-            square = along**2 + across**2
-        straight = 2.0 * _LONGEST / np.sqrt(np.maximum(square, 4.0 * _LONGEST))
-        turned = np.maximum(along, 0.0) + np.sqrt(2.0 * _LONGEST)
-        last = np.minimum(time, np.where(square > 4.0 * _LONGEST, straight, turned))
-        unit = np.maximum(np.abs(across), self._slowest)
-        low, high = np.arcsinh((along - last) / unit), np.arcsinh(along / unit)
+            # the way that a tracer falls is never shorter than without a velocity across the field
+            square = along * np.abs(along) + 2.0 * math.log(_NEGLIGIBLE)
+            reach = np.sqrt(np.maximum(self._panels.highest**2 - across**2, 0.0))
+        first = np.maximum(np.sign(square) * np.sqrt(np.abs(square)), along - time)
+        # G varies on the scale of the speed, but little in the first panel
+        unit = np.maximum(np.abs(across), 1e-3 * self._panels.edges[1])
+        low, high = (np.arcsinh(np.clip(u, -reach, reach) / unit) for u in (first, along))
         turn = np.clip(0.0, low, high)
-        share = np.arange(_INTERVALS + 1.0) / _INTERVALS
-        before = low[:, None] + (turn - low)[:, None] * share
-        after = turn[:, None] + (high - turn)[:, None] * share[1:]
-        ends = np.concatenate([before, after], axis=1)
-        x, w = gauss_legendre(_FLIGHT_POINTS)
-        width = np.diff(ends, axis=1)[:, :, None]
-        u = ends[:, :-1, None] + width * x
-        came = unit[:, None, None] * np.sinh(u)
-        s = np.clip(along[:, None, None] - came, 0.0, last[:, None, None])
-        back, side = (np.broadcast_to(part[:, None, None], s.shape) for part in (-along, across))
-        chance = np.exp(-free_way(back, side, s)) * width * w * unit[:, None, None] * np.cosh(u)
-        at, i, k = np.nonzero(chance > _NEGLIGIBLE)
-        found = self._gained(came[at, i, k], across[at], time - s[at, i, k])
-        return np.asarray(np.bincount(at, chance[at, i, k] * found, along.size), dtype=float)
+        # intervals before and after the turning point
+        begin, length = np.append(low, turn), np.append(turn - low, high - turn)
+        count = np.ceil(length).astype(int)
+        of = np.repeat(np.arange(begin.size), count)
+        which = np.arange(of.size) - np.repeat(np.cumsum(count) - count, count)
+        width = (length[of] / count[of])[:, None]
+        x, w = gauss_legendre(_POINTS)
+        u = begin[of, None] + width * (which[:, None] + x)
+        of %= along.size
+        back, side, scale = (np.repeat(a[of], _POINTS) for a in (-along, across, unit))
+        came = scale * np.sinh(u.ravel())
+        s = np.maximum(-back - came, 0.0)
+        chance = np.exp(-free_way(back, side, s)) * (width * w).ravel() * np.hypot(came, scale)
+        found = chance * self._gained(came, side, time - s)
+        return np.bincount(of, found.reshape(u.shape).sum(axis=1), along.size)
 
     def _gained(self, along: FloatArray, across: FloatArray, time: FloatArray) -> FloatArray:
-        """G at velocities and times, (n,)."""
-        panels, count = self._panels, self._count
-        v = np.hypot(along, across)
-        inside = (v < panels.highest) & (v > 0.0)
-        safe = np.where(v > 0.0, v, 1.0)
-        cosine, sine, v = along / safe, across / safe, np.minimum(v, panels.highest)
+        """G at velocities, none of them 0, and times, (n,)."""
+        panels, v = self._panels, np.hypot(along, across)
+        cosine, sine = along / v, across / v
         step = np.clip(np.searchsorted(self._starts, time, side="right") - 1, 0, None)
         key = step * len(panels.counts) + panels.panel_of(v)
         order = np.argsort(key, kind="stable")
-        out = np.zeros(v.size)
-        changes = np.nonzero(np.diff(key[order]))[0] + 1
-        for group in np.split(order, np.union1d(changes, np.arange(0, v.size, _TOGETHER))):
+        out = np.empty(v.size)
+        for group in np.split(order, np.nonzero(np.diff(key[order]))[0] + 1):
             if group.size == 0:
                 continue
             s, p = divmod(int(key[group[0]]), len(panels.counts))
-            both = panels.rows(p, v[group, None] - panels.speeds[panels.parts[p]])
+            rows = panels.polynomials(p, v[group])
             if self._points > 1:
                 in_time = radau.rows((time[group] - self._starts[s]) / self._lengths[s])
-                both = (in_time[:, :, None] * both[:, None, :]).reshape(group.size, -1)
-            found = both @ self._made[s][p]
-            tables = angular(cosine[group], sine[group], count, self._dimension, self._families)
-            for k, table in enumerate(tables):
-                part = found[:, k * count : (k + 1) * count]
-                out[group] += np.einsum("nm,mn->n", part, table)
-        return np.where(inside, out / safe, 0.0)
+                rows = (in_time[:, :, None] * rows[:, None, :]).reshape(group.size, -1)
+            found = [self._sum(cosine[group], one @ rows.T) for one in self._made[key[group[0]]]]
+            out[group] = found[0] if len(found) == 1 else found[0] + sine[group] * found[1]
+        return out / v
 
 
 _ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
 _CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
-_POINTS = 6  # in an interval of these
+_ANGLE_POINTS = 6  # in an interval of these
 _DIRECTIONS = 64  # of a start of one speed
 # velocities at which two solutions are compared, in units of the usual speed
 _TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
@@ -156,7 +159,7 @@ class VelocityDensity:
         d, time = self._dimension, float(self._evolution.times[i])
         out = np.zeros(v.shape)
         for edges, one in ((_ANGLES, self._flights.density), (_CLOSE, self._smooth)):
-            angle, w = panels_between(edges, _POINTS)
+            angle, w = panels_between(edges, _ANGLE_POINTS)
             share = 2.0 * w if d == 2 else 2.0 * math.pi * w * np.sin(angle)
             along, across = np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle))
             sides = [across, -across][: self._families]

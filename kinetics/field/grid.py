@@ -16,6 +16,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
@@ -163,6 +164,15 @@ class SpeedPanels:
     def _barycentric(self) -> list[FloatArray]:
         # in a variable that runs over 4 the weights are of the order of 1
         return [barycentric_weights(4.0 * gauss_legendre(n)[0]) for n in self.counts]
+
+    def polynomials(self, panel: int, v: FloatArray) -> FloatArray:
+        """Chebyshev's of a panel at speeds v (n,) in it, (n, nodes)."""
+        low, high = self.edges[panel : panel + 2]
+        return chebvander(2.0 * (v - low) / (high - low) - 1.0, self.counts[panel] - 1)
+
+    def to_coefficients(self, panel: int) -> FloatArray:
+        """From values at the nodes of a panel to coefficients of these, (nodes, nodes)."""
+        return np.linalg.inv(self.polynomials(panel, self.speeds[self.parts[panel]]))
 
     def derivative(self, panel: int) -> FloatArray:
         """d/dv of polynomials at the nodes of a panel, shape (nodes, nodes)."""
