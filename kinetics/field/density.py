@@ -34,7 +34,7 @@ from kinetics.states.state import State
 
 _NEGLIGIBLE = 1e-12  # the chance of a last flight that is longer
 _LEFT_OUT = 1e-9  # of the largest harmonic of what collisions make: those that stay below it
-_POINTS = 8  # while the speed changes by e: 1e-8 of the peak is missed
+_POINTS, _FALL = 8, 5.0  # while the speed changes by e, or the chance by e^-5: 1e-7 is missed
 _TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
 
 
@@ -77,21 +77,24 @@ class LastFlights:
 
     def _piece(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """The same, of a few velocities."""
-        with np.errstate(over="ignore"):
-            # the way that a tracer falls is never shorter than without a velocity across the field
-            square = along * np.abs(along) + 2.0 * math.log(_NEGLIGIBLE)
-            reach = np.sqrt(np.maximum(self._panels.highest**2 - across**2, 0.0))
-        first = np.maximum(np.sign(square) * np.sqrt(np.abs(square)), along - time)
+        longest, side = -math.log(_NEGLIGIBLE), np.abs(across)
+        with np.errstate(over="ignore", divide="ignore"):
+            # the way that a tracer falls is never shorter than along, or across, the field alone
+            square = along * np.abs(along) - 2.0 * longest
+            reach = np.sqrt(np.maximum(self._panels.highest**2 - side**2, 0.0))
+            first = along - np.minimum(time, longest / side)
+        first = np.maximum(first, np.sign(square) * np.sqrt(np.abs(square)))
         # G varies on the scale of the speed, but little in the first panel
-        unit = np.maximum(np.abs(across), 1e-3 * self._panels.edges[1])
-        low, high = (np.arcsinh(np.clip(u, -reach, reach) / unit) for u in (first, along))
-        turn = np.clip(0.0, low, high)
-        # intervals before and after the turning point
-        begin, length = np.append(low, turn), np.append(turn - low, high - turn)
-        count = np.ceil(length).astype(int)
+        unit = np.maximum(side, 1e-3 * self._panels.edges[1])
+        first, last = (np.clip(u, -reach, reach) for u in (first, along))
+        turn = np.clip(0.0, first, last)  # intervals end at the turning point
+        begin, end = np.append(first, turn), np.append(turn, last)
+        way = 0.5 * np.abs(end**2 - begin**2) + np.tile(side, 2) * (end - begin)
+        begin, end = (np.arcsinh(u / np.tile(unit, 2)) for u in (begin, end))
+        count = np.ceil(np.maximum(end - begin, way / _FALL)).astype(int)
         of = np.repeat(np.arange(begin.size), count)
         which = np.arange(of.size) - np.repeat(np.cumsum(count) - count, count)
-        width = (length[of] / count[of])[:, None]
+        width = ((end - begin)[of] / count[of])[:, None]
         x, w = gauss_legendre(_POINTS)
         u = begin[of, None] + width * (which[:, None] + x)
         of %= along.size
