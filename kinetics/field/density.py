@@ -34,7 +34,7 @@ from kinetics.states.state import State
 
 _NEGLIGIBLE = 1e-12  # the chance of a last flight that is longer
 _LEFT_OUT = 1e-9  # of the largest harmonic of what collisions make: those that stay below it
-_POINTS, _FALL = 8, 5.0  # while the speed changes by e, or the chance by e^-5: 1e-7 is missed
+_POINTS, _FALL = 8, 9.0  # while the speed changes by e, or the chance by e^-9: 1e-8 is missed
 _TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
 
 
@@ -89,9 +89,9 @@ class LastFlights:
         first, last = (np.clip(u, -reach, reach) for u in (first, along))
         turn = np.clip(0.0, first, last)  # intervals end at the turning point
         begin, end = np.append(first, turn), np.append(turn, last)
-        way = 0.5 * np.abs(end**2 - begin**2) + np.tile(side, 2) * (end - begin)
+        falls = (end**2 + np.tile(side, 2) ** 2) / _FALL
         begin, end = (np.arcsinh(u / np.tile(unit, 2)) for u in (begin, end))
-        count = np.ceil(np.maximum(end - begin, way / _FALL)).astype(int)
+        count = np.ceil((end - begin) * np.maximum(falls, 1.0)).astype(int)
         of = np.repeat(np.arange(begin.size), count)
         which = np.arange(of.size) - np.repeat(np.cumsum(count) - count, count)
         width = ((end - begin)[of] / count[of])[:, None]
