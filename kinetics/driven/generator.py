@@ -22,9 +22,8 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.system import System
-from kinetics.field.harmonics import down, up
+from kinetics.field.harmonics import Chain
 from kinetics.numerics import FloatArray
-from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 
 _ABSORBED, _FALL = 2.0, 8.0  # how strongly, and with which power of m/M, harmonics are damped
@@ -101,8 +100,11 @@ class Generator:
                 # at low speeds it carries directions to ever higher harmonics: they leave here
                 lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
                 matrix -= lost * axis.faded[:, None] * inverse
-        self._slopes = [axis.faded[:, None] * slope for slope in slopes]
-        self._inverse = axis.faded[:, None] * inverse
+        # distributions, as averages of the polynomials, obey the transposed matrices
+        inverse = axis.faded / v
+        pull = [-(axis.faded[:, None] * one).T - np.diag((d - 1.0) * inverse) for one in slopes]
+        lost = -self.matrices.swapaxes(1, 2)
+        self.chain = Chain(d, lost, (pull[1], pull[0]), inverse, system.field)
 
     def _impacts(self, v: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosine of the normal to the velocity, q, and the rate of each quadrature point."""
@@ -190,38 +192,3 @@ class Generator:
         place = np.arange(v.size)
         out[:, place, place] -= np.outer(gone @ q.weight, v)
         return np.asarray(out)
-
-    def raised(self, m: int, family: int) -> FloatArray:
-        """What d/dv_x of harmonic m adds to harmonic m + 1."""
-        return np.asarray(
-            up(m, family, self.system.dimension) * (self._slopes[m % 2] - m * self._inverse)
-        )
-
-    def lowered(self, m: int, family: int) -> FloatArray:
-        """What d/dv_x of harmonic m adds to harmonic m - 1."""
-        turn = (m + self.system.dimension - 2) * self._inverse
-        return np.asarray(down(m, family, self.system.dimension) * (self._slopes[m % 2] + turn))
-
-    def pulled(self, sums: FloatArray) -> FloatArray:
-        """What a unit field adds to a distribution of family 0 per unit time."""
-        out = np.zeros_like(sums)
-        for m in range(self.harmonics):
-            out[m] += self.raised(m, 0).T @ sums[m + 1]
-            out[m + 1] += self.lowered(m + 1, 0).T @ sums[m]
-        return out
-
-    def elimination(
-        self, family: int = 0, shift: complex = 0.0, border: FloatArray | None = None
-    ) -> BlockElimination:
-        """For (shift - L^T) f = source; border : a source (nodes,) where L^T alone is singular."""
-        field, rate = self.system.field, shift if shift.imag else shift.real
-        diagonal = np.diag(np.full(self.axis.size, rate))
-        return BlockElimination(
-            family,
-            self.harmonics,
-            lambda m: diagonal - self.matrices[m].T,
-            lambda m: -field * self.lowered(m, family).T,
-            lambda m: -field * self.raised(m, family).T,
-            field > 0.0,
-            None if border is None else (np.ones(self.axis.size), border),
-        )

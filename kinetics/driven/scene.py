@@ -29,19 +29,6 @@ _TAIL = 1e-3  # of the tolerance: the share of tracers above the top
 _TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 
 
-class _Equation(Equation):
-    """The averages of the polynomials of the axis over f, and over x f and y f.
-
-    along_only : without a field, from an isotropic start, y f is as x f
-    """
-
-    def __init__(self, generator: Generator, along_only: bool) -> None:
-        v, fields = generator.axis.speeds, [("f", 0), ("x", 0), ("y", 1)]
-        fields = fields[:2] if along_only else fields
-        super().__init__(fields, generator.system.dimension, v, np.ones(v.size), generator.rate)
-        self.elimination = generator.elimination  # type: ignore[method-assign]
-
-
 def _scale(system: System, time: float, top: float) -> float:
     """The scale of the axis up to a time: below 1/t no tracer has collided."""
     return min(max(system.scale, math.sqrt(system.field), 0.5 / time), top)
@@ -70,7 +57,10 @@ class _Evolution(March):
         power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
         self.axis = axis
-        equation = _Equation(Generator(system, axis, resolution), isotropic)
+        one, fields = Generator(system, axis, resolution), [("f", 0), ("x", 0), ("y", 1)]
+        if isotropic:  # y f is as x f
+            fields = fields[:2]
+        equation = Equation(one.chain, fields, axis.speeds, np.ones(axis.size), one.rate)
         begin = np.zeros((len(equation.fields), resolution.harmonics + 1, axis.size))
         for m, measure in enumerate(measures):
             if measure is not None:

@@ -59,13 +59,14 @@ class Steady:
         nothing = np.zeros((resolution.harmonics + 1, v.size))
         self.decay = 0.0
         if system.capture_speed:
-            solver = one.elimination()
+            solver = one.chain.elimination()
             start = nothing.copy()
             start[0] = v * np.exp(-v / v[v.size // 2])
             self.sums, time = _slowest(solver, start, lambda f: f)
             self.decay = 1.0 / time
         else:
-            solver = one.elimination(border=v * np.exp(-v / v[v.size // 2]))
+            border = np.ones(v.size), v * np.exp(-v / v[v.size // 2])
+            solver = one.chain.elimination(border=border)
             self.sums = solver.solve(nothing, 1.0)
         self.solver = solver
 
@@ -90,12 +91,12 @@ class Steady:
         spread = [math.nan] * 3
         if not self.system.capture_speed:
             moved = v * along(self.sums, 0, d) - drift * self.sums
-            turned = one.elimination(1).solve((v * across(self.sums, 0, d))[1:])
+            turned = one.chain.elimination(1).solve((v * across(self.sums, 0, d))[1:])
             spread = [float(v @ self.solver.solve(moved)[1]), float(v @ turned[0])]
             if self.system.only_falls:  # speeds are in proportion to sqrt(g)
                 spread += [0.5 * drift / self.system.field]
             else:
-                spread += [float(v @ self.solver.solve(one.pulled(self.sums))[1])]
+                spread += [float(v @ self.solver.solve(one.chain.pulled(self.sums))[1])]
         excess = d * fourth / ((d + 2.0) * second**2) - 1.0
         square = (second + (d - 1.0) * cosine) / d
         return np.array([math.sqrt(second), excess, drift, square, rate, *spread])

@@ -146,7 +146,7 @@ class VelocityDensity:
 
     def __init__(self, evolution: Evolution, state: State, unit: float) -> None:
         self._evolution, self._state, self._speed = evolution, state, 1.0 / unit
-        self._dimension, self._families = evolution.law.dimension, evolution.equation.families
+        self._dimension, self._families = evolution.law.dimension, evolution.families
         self._flights = LastFlights(evolution.axis, self._dimension, evolution.made)
         self._is_sharp = is_sharp(state)
 

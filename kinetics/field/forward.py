@@ -15,46 +15,14 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.field import radau
-from kinetics.field.elimination import Chain, Elimination
 from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices, reached_speed
-from kinetics.field.harmonics import norms
+from kinetics.field.harmonics import Chain, norms
 from kinetics.field.march import SHORTEST_TIME, SQUARES, Equation, March
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
 from kinetics.states.state import State
 
 _MOST_HARMONICS = 40  # seconds, and 200 MB of memory
-
-
-class ForwardEquation(Equation):
-    """Takes the sums of f, and of x f and y f, at the nodes of panels over steps of time.
-
-    highest : M, odd; harmonics 0 ... M
-    symmetric : whether f is symmetric about the field; else it has two families
-    moving : whether x f and y f are solved
-    """
-
-    def __init__(
-        self, law: CollisionLaw, panels: SpeedPanels, highest: int, symmetric: bool, moving: bool
-    ) -> None:
-        self.families = 1 if symmetric else 2
-        fields = [("f", k) for k in range(self.families)]
-        if moving:
-            fields += [("x", k) for k in range(self.families)]
-            fields += [("y", 1 - k) for k in range(self.families)]
-        self.volume = panels.speeds ** (law.dimension - 1.0) * panels.weights
-        super().__init__(fields, law.dimension, panels.speeds, self.volume, panels.speeds)
-        self._loss = loss_matrices(panels, law, highest)
-        self._lost = panels.speeds[:, None] * self._loss
-        self._chains = [Chain(panels, law.dimension, family) for family in (0, 1)]
-
-    def elimination(self, family: int, shift: complex) -> Elimination:
-        """Solves (shift + field + collisions) F = source."""
-        return Elimination(self._chains[family], self._lost, shift)
-
-    def gained(self, f: FloatArray) -> FloatArray:
-        """What sums (..., M + 1, size) gain by collisions per unit time."""
-        return np.asarray(self.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f))
 
 
 @dataclass
@@ -80,9 +48,19 @@ class Evolution(March):
         # below 1/t, no tracer has collided by the time t
         lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
         self.axis = SpeedPanels.rising(highest, lowest, one.nodes)
-        symmetric = self.start.is_symmetric
-        moving = bool(self.asked & SQUARES)
-        self.equation = ForwardEquation(self.law, self.axis, one.harmonics, symmetric, moving)
+        self.families = 1 if self.start.is_symmetric else 2
+        of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
+        fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
+        speeds, self._loss = self.axis.speeds, loss_matrices(self.axis, self.law, one.harmonics)
+        chain = Chain(
+            self.law.dimension,
+            self._loss,
+            self.axis.slopes(self.law.dimension),
+            1.0 / speeds,
+            closed=True,
+        )
+        self._volume = speeds ** (self.law.dimension - 1.0) * self.axis.weights
+        self.equation = Equation(chain, fields, speeds, self._volume, speeds)
         self._run(self.equation, self._begin(), self.start.highest)
 
     @property
@@ -92,11 +70,11 @@ class Evolution(March):
         return more if more.harmonics <= _MOST_HARMONICS else None
 
     def _begin(self) -> FloatArray:
-        count, families = self.resolution.harmonics + 1, self.equation.families
+        count, families = self.resolution.harmonics + 1, self.families
         f = np.zeros((len(self.equation.fields), count, self.axis.size))
         if self.start.velocities is None:
             sums = self.start.projected(self.axis, count, families, self.state)
-            f[:families] = sums / self.equation.volume
+            f[:families] = sums / self._volume
         return f
 
     def _uncollided(self, times: FloatArray) -> FloatArray | float:
@@ -106,16 +84,20 @@ class Evolution(March):
         return np.array([velocities.averages(float(t)) for t in times])
 
     def _early(self, now: float, h: float) -> tuple[FloatArray, FloatArray] | None:
-        velocities, equation = self.start.velocities, self.equation
+        velocities = self.start.velocities
         if velocities is None:
             return None
         count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
-        sums = velocities.projected(fine, self.axis, count, equation.fields)
-        early = radau.projected(sums / equation.volume)
-        return early, equation.gained(early[1:])
+        sums = velocities.projected(fine, self.axis, count, self.equation.fields)
+        early = radau.projected(sums / self._volume)
+        return early, self._gained(early[1:])
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self.state is not None:
-            families, of = self.equation.families, norms(stages.shape[2], self.law.dimension)
-            made = self.equation.gained(stages[:, :families] / of[:families])
+            families, of = self.families, norms(stages.shape[2], self.law.dimension)
+            made = self._gained(stages[:, :families] / of[:families])
             self.made.append((now, h, made * self.axis.speeds))
+
+    def _gained(self, f: FloatArray) -> FloatArray:
+        """What sums (..., M + 1, size) gain by collisions per unit time."""
+        return self.axis.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f)

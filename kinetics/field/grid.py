@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -187,17 +187,17 @@ class SpeedPanels:
             out[at, part] = self.rows(p, v[at, None] - self.speeds[part])
         return out
 
-    def slopes(self, even: bool, dimension: int) -> FloatArray:
-        """v d/dv of an even or an odd harmonic at the nodes, shape (size, size).
+    def slopes(self, dimension: int) -> tuple[FloatArray, FloatArray]:
+        """d/dv of even and of odd harmonics at the nodes, shape (size, size) each.
 
         Even harmonics are 0 at the highest speed; on odd ones nothing is imposed there.
         Source: the strong form of the discontinuous Galerkin method; Hesthaven and Warburton,
         Nodal Discontinuous Galerkin Methods, section 3.2.
         """
-        out = np.zeros((self.size, self.size))
+        both = np.zeros((2, self.size, self.size))
         last = len(self.counts) - 1
-        for p, part in enumerate(self.parts):
-            nodes = self.speeds[part]
+        for (p, part), even in product(enumerate(self.parts), (True, False)):
+            nodes, out = self.speeds[part], both[0 if even else 1]
             out[part, part] = self.derivative(p)
             for neighbour, end, sign in (
                 (p + 1, self.edges[p + 1], 1.0),
@@ -212,7 +212,7 @@ class SpeedPanels:
                     other = self.parts[neighbour]
                     row = self.rows(neighbour, (end - self.speeds[other])[None])
                     out[part, other] += np.outer(jump, row)
-        return np.asarray(self.speeds[:, None] * out)
+        return both[0], both[1]
 
 
 _RATE = 70.0  # f falls no faster than v^-70 where it counts: for the average over impacts

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.field import radau
-from kinetics.field.harmonics import across, along
+from kinetics.field.harmonics import Chain, across, along
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 
@@ -64,18 +64,18 @@ def refined(
 class Equation:
     """Takes distributions over one step of time after another.
 
+    chain : what changes the sums of each harmonic at some speeds
     fields : name and family of each: of f, and of x f and y f, of which f is the source. Without
         y f of family 1 it is as x f
-    dimension, speeds : at which each has its sums (`harmonics`), (M + 1, size)
-    weights : of averages over the speed, (size,)
+    speeds, weights : of averages over the speed, (size,)
     rate : of collisions, (size,)
     """
 
     def __init__(
-        self, fields: list[tuple[str, int]], dimension: int, speeds: FloatArray,
+        self, chain: Chain, fields: list[tuple[str, int]], speeds: FloatArray,
         weights: FloatArray, rate: FloatArray,
     ) -> None:  # fmt: skip
-        self.fields, self.dimension, self.speeds = fields, dimension, speeds
+        self.chain, self.fields, self.speeds = chain, fields, speeds
         self._weights, self._rate, self._modes = weights, rate, radau.modes()
         self._factors: tuple[float, list[dict[int, BlockElimination]]] = (0.0, [])
 
@@ -96,10 +96,6 @@ class Equation:
         ]
         return np.stack([one + np.zeros(len(f)) for one in found], axis=1)
 
-    def elimination(self, family: int, shift: complex) -> BlockElimination:
-        """Solves (shift + what changes a family) f = source."""
-        raise NotImplementedError
-
     def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
         """The fields (n_fields, M + 1, size) at all points of a step, (STAGES + 1, *f.shape).
 
@@ -108,7 +104,9 @@ class Equation:
         if h != self._factors[0]:
             used, shifts = {k for _, k in self.fields}, [1.0 / (h * one[0]) for one in self._modes]
             shifts = [z if abs(z.imag) > 1e-12 * abs(z) else z.real for z in shifts]
-            self._factors = h, [{k: self.elimination(k, z) for k in used} for z in shifts]
+            self._factors = h, [
+                {k: self.chain.elimination(k, z) for k in used} for z in shifts
+            ]
         out = np.zeros((radau.STAGES + 1, *f.shape))
         out[0] = f
         by_mode = zip(self._modes, self._factors[1], strict=True)
@@ -122,10 +120,10 @@ class Equation:
                 part = slice(one.first, one.last + 1)
                 every = right[k]
                 if name == "x":
-                    every = every + self.speeds * along(found[family], family, self.dimension)
+                    every = every + self.speeds * along(found[family], family, self.chain.dimension)
                 elif name == "y":
                     from_ = 1 - family
-                    every = every + self.speeds * across(found[from_], from_, self.dimension)
+                    every = every + self.speeds * across(found[from_], from_, self.chain.dimension)
                 found[k, part] = one.solve(every[part])
             out[1:] += (stages[:, None, None, None] * found).real
         return out

@@ -14,9 +14,8 @@ from scipy.special import roots_jacobi
 
 from kinetics.collision import CollisionLaw
 from kinetics.field.density import LastFlights
-from kinetics.field.elimination import Chain, Elimination
 from kinetics.field.grid import Resolution, SpeedPanels, highest_speed, loss_matrices
-from kinetics.field.harmonics import norms
+from kinetics.field.harmonics import Chain, norms
 from kinetics.numerics import FloatArray
 
 _LOWEST = 0.03  # of the first panel of laws whose bounces may nearly stop a tracer
@@ -37,9 +36,10 @@ class SteadyDensity:
         self.panels = SpeedPanels.rising(highest, lowest, one.nodes, tail=True)
         v, d = self.panels.speeds, law.dimension
         self._loss = loss_matrices(self.panels, law, one.harmonics)
+        chain = Chain(d, self._loss, self.panels.slopes(d), 1.0 / v, closed=True)
         # a source anywhere, for the border: its factor comes out as 0
-        border = v ** (d - 1.0) * self.panels.weights, v**2 * np.exp(-v)
-        solver = Elimination(Chain(self.panels, d), v[:, None] * self._loss, border=border)
+        border = v ** (d - 1.0) * self.panels.weights, v * np.exp(-v)
+        solver = chain.elimination(border=border)
         self._sums = solver.solve(np.zeros((one.harmonics + 1, v.size)), 1.0)
         self.harmonics = self._sums / norms(one.harmonics + 1, d)[0]
 
