@@ -26,7 +26,6 @@ from kinetics.field.harmonics import Chain
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 
-_ABSORBED, _FALL = 2.0, 8.0  # how strongly, and with which power of m/M, harmonics are damped
 _SINGULAR = 4  # the power by which points gather at slow impacts, where e varies as v_n^(1/5)
 _FIRST_HARMONICS = 54  # at most, so that one finer solution is still quick
 _TURNS = 1.0  # of a power of the speed, per node, in the average over bounces that scale
@@ -96,15 +95,11 @@ class Generator:
             slope, second = slopes[m % 2], slopes[1 - m % 2] @ slopes[m % 2]
             spread = second + (d - 1.0) * inverse @ slope - m * (m + d - 2.0) * inverse**2
             matrix += noise * spread - system.drag * v[:, None] * slope
-            if system.field_rules:
-                # at low speeds it carries directions to ever higher harmonics: they leave here
-                lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
-                matrix -= lost * axis.faded[:, None] * inverse
         # distributions, as averages of the polynomials, obey the transposed matrices
         inverse = axis.faded / v
         pull = [-(axis.faded[:, None] * one).T - np.diag((d - 1.0) * inverse) for one in slopes]
         lost = -self.matrices.swapaxes(1, 2)
-        self.chain = Chain(d, lost, (pull[1], pull[0]), inverse, system.field)
+        self.chain = Chain(d, lost, (pull[1], pull[0]), inverse, system.field, system.field_rules)
 
     def _impacts(self, v: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosine of the normal to the velocity, q, and the rate of each quadrature point."""

@@ -52,14 +52,9 @@ class Evolution(March):
         of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
         fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
         speeds, self._loss = self.axis.speeds, loss_matrices(self.axis, self.law, one.harmonics)
-        chain = Chain(
-            self.law.dimension,
-            self._loss,
-            self.axis.slopes(self.law.dimension),
-            1.0 / speeds,
-            closed=True,
-        )
-        self._volume = speeds ** (self.law.dimension - 1.0) * self.axis.weights
+        d = self.law.dimension
+        chain = Chain(d, self._loss, self.axis.slopes(d), 1.0 / speeds)
+        self._volume = speeds ** (d - 1.0) * self.axis.weights
         self.equation = Equation(chain, fields, speeds, self._volume, speeds)
         self._run(self.equation, self._begin(), self.start.highest)
 

@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 
+_ABSORBED, _FALL = 2.0, 8.0  # how strongly, and with which power of m/M, harmonics are damped
+
 
 def angular(
     cosine: FloatArray, sine: FloatArray, count: int, dimension: int, families: int = 2
@@ -102,7 +104,9 @@ class Chain:
     slopes : d/dv of even and of odd harmonics, (size, size) each
     inverse : 1/v, (size,)
     field : its strength; at 0 no harmonic knows another
-    closed : whether the next harmonic after the last one is told by it, and not 0
+    absorbs : whether the highest harmonics are damped: where a field alone bends slow tracers, on
+        the ray along it f is not smooth, as tracers on it have come by rest; what is as rough as
+        that travels to ever higher harmonics, and leaves there
     """
 
     dimension: int
@@ -110,7 +114,7 @@ class Chain:
     slopes: tuple[FloatArray, FloatArray]
     inverse: FloatArray
     field: float = 1.0
-    closed: bool = False
+    absorbs: bool = True
 
     def _pull(self, share: float, parity: int, turn: float) -> FloatArray:
         return share * (self.slopes[parity % 2] + np.diag(turn * self.inverse))
@@ -122,17 +126,6 @@ class Chain:
     def from_below(self, m: int, family: int = 0) -> FloatArray:
         """What harmonic m - 1 takes from row m per unit time, in a unit field."""
         return self._pull(down(m, family, self.dimension), m - 1, 1.0 - m)
-
-    def _beyond(self, m: int, family: int) -> FloatArray:
-        """Of harmonic m + 1 to the last row m; acts on harmonic m.
-
-        On the ray along the field f is not smooth: tracers on it have come by rest, and f_m falls
-        as m^-3. So f_(m+1) = (m/(m+1))^3 f_m; what is as rough as that travels towards high
-        harmonics, and leaves here. With the slope of an odd harmonic this term only takes away from
-        the integral of the square: steps are stable for any number of harmonics.
-        """
-        share = (m / (m + 1.0)) ** 3 * down(m + 1, family, self.dimension)
-        return self._pull(share, 1, m + self.dimension - 1.0)
 
     def pulled(self, sums: FloatArray) -> FloatArray:
         """What a unit field adds to sums of family 0 per unit time."""
@@ -151,16 +144,15 @@ class Chain:
         """Solves (shift + field + collisions) F = source for all harmonics of a family.
 
         They are eliminated in pairs, from the highest pair down: at low speeds the field outweighs
-        the collisions, so that a single harmonic is no good pivot. A closed chain has pairs alone.
+        the collisions, so that a single harmonic is no good pivot.
         border : for shift 0 the mass of harmonic 0, and a source: the system alone is singular
         """
         last = len(self.lost) - 1
-        last -= (last - family + 1) % 2 * self.closed
         diagonal = np.diag(np.full(self.inverse.size, shift if shift.imag else shift.real))
 
         def own(m: int) -> NDArray[Any]:
-            block = diagonal + self.lost[m]
-            return block + self.field * self._beyond(m, family) if self.closed and m == last else block
+            leaves = _ABSORBED * m * (m / max(last, 1)) ** _FALL * self.field * self.absorbs
+            return self.lost[m] + diagonal + np.diag(leaves * self.inverse)
 
         return BlockElimination(
             family,

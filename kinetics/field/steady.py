@@ -36,7 +36,7 @@ class SteadyDensity:
         self.panels = SpeedPanels.rising(highest, lowest, one.nodes, tail=True)
         v, d = self.panels.speeds, law.dimension
         self._loss = loss_matrices(self.panels, law, one.harmonics)
-        chain = Chain(d, self._loss, self.panels.slopes(d), 1.0 / v, closed=True)
+        chain = Chain(d, self._loss, self.panels.slopes(d), 1.0 / v)
         # a source anywhere, for the border: its factor comes out as 0
         border = v ** (d - 1.0) * self.panels.weights, v * np.exp(-v)
         solver = chain.elimination(border=border)
