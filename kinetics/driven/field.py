@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.driven.steady import SteadyState, solved
-from kinetics.driven.system import System
+from kinetics.driven.generator import solved
+from kinetics.driven.steady import SteadyState
 from kinetics.errors import ToleranceWarning
+from kinetics.field.density import SteadyDensity
 from kinetics.field.grid import Resolution
-from kinetics.field.steady import SteadyDensity
+from kinetics.field.system import System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Value
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds

@@ -13,19 +13,18 @@ import numpy as np
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
 from kinetics.driven.steady import angular_sum
-from kinetics.driven.system import System
 from kinetics.errors import InputError
 from kinetics.field import radau
 from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
 from kinetics.field.scene import DENSITIES, FieldScene
+from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
-_MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
+_MOST_STEPS = 2000
 _RANGE = 6.0  # of the highest speeds at times that are solved together
 _DECADES = 10.0  # the power of the axis where nothing drives: v^(1/10) is smooth on it
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
-_TAIL = 1e-3  # of the tolerance: the share of tracers above the top
 _TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 
 
@@ -53,7 +52,7 @@ class _Evolution(March):
         assert measures[0] is not None
         fastest = float(np.exp(measures[0].x.max()))
         driven = system.is_driven
-        top = system.top(_TAIL * resolution.rtol, last, fastest)
+        top = system.top(TAIL * resolution.rtol, last, fastest)
         power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
         self.axis = axis
@@ -78,9 +77,7 @@ class _Evolution(March):
     @property
     def finer(self) -> Resolution | None:
         """A finer resolution; None where there is none."""
-        more = self.resolution.finer()
-        enough = more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS
-        return more if enough and self.steps < _MOST_STEPS else None
+        return self.resolution.finer if self.steps < _MOST_STEPS else None
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self._densities:
@@ -113,13 +110,13 @@ class DrivenScene(FieldScene):
         return parts, worst
 
     def _top(self, i: int) -> float:
-        return self.system.top(_TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)
+        return self.system.top(TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)
 
     def _refined(self, times: FloatArray) -> tuple[_Evolution, dict[str, float]]:
         """The best solution up to some times, and its errors."""
         last = max(float(times[-1]), SHORTEST_TIME)
         scale = _scale(self.system, last, math.inf)
-        span = math.asinh(self.system.top(_TAIL * self.rtol, last, 6.0) / scale)
+        span = math.asinh(self.system.top(TAIL * self.rtol, last, 6.0) / scale)
         there = self.state.highest_harmonic
         first = Resolution.first(
             self.system, self.rtol, span, max(2, 2 if there is None else there)

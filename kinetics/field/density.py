@@ -14,19 +14,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
 from numpy.polynomial.legendre import legder, legval
+from scipy.special import roots_jacobi
 
+from kinetics.collision import CollisionLaw
 from kinetics.field import radau
-from kinetics.field.forward import Evolution
-from kinetics.field.grid import SpeedPanels
-from kinetics.field.harmonics import angular
-from kinetics.field.march import ALL
+from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices
+from kinetics.field.harmonics import Chain, angular, norms
+from kinetics.field.march import ALL, Evolution
 from kinetics.field.starts import Velocities, free_way
+from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.kinds import Beam
@@ -62,7 +64,7 @@ class LastFlights:
                 found = np.moveaxis(made[..., part] @ panels.to_coefficients(p).T, 0, 2)
                 there = np.nonzero(np.abs(found).max(axis=(0, 2, 3)) > least)[0]
                 found = found[:, : there.max(initial=1) + 1]
-                flat = found.reshape(*found.shape[:2], -1)
+                flat: Any = found.reshape(*found.shape[:2], -1)
                 if len(flat) == 2:  # the harmonics of family 1 are sine times slopes of the others
                     m = np.maximum(np.arange(flat.shape[1]), 1)[:, None] ** (3 - dimension)
                     flat = [flat[0], slope(flat[1] / m)]
@@ -103,7 +105,8 @@ class LastFlights:
         s = np.maximum(-back - came, 0.0)
         chance = np.exp(-free_way(back, side, s)) * (width * w).ravel() * np.hypot(came, scale)
         found = chance * self._gained(came, side, time - s)
-        return np.bincount(of, found.reshape(u.shape).sum(axis=1), along.size)
+        of_each = found.reshape(u.shape).sum(axis=1)
+        return np.asarray(np.bincount(of, of_each, along.size), dtype=float)
 
     def _gained(self, along: FloatArray, across: FloatArray, time: FloatArray) -> FloatArray:
         """G at velocities, none of them 0, and times, (n,)."""
@@ -228,3 +231,56 @@ class VelocityDensity:
                 out += np.real(value) * even[m] - np.imag(value) * odd[m]
         out /= self._evolution.law.unit_surface * v ** (d - 1)
         return out * np.exp(-free_way(u, across, np.full(u.shape, time)))
+
+
+class SteadyDensity:
+    """Harmonics of f on given panels; (field + collisions) f = 0, with mass 1.
+
+    law : the collision law, not elastic
+    one : panels and harmonics
+    """
+
+    def __init__(self, law: CollisionLaw, one: Resolution) -> None:
+        self.law = law
+        highest = System(law, law.dimension, field=1.0).top(TAIL * one.rtol)
+        least = law.least_ratio  # below it f varies as (v/least)^2 ln v
+        lowest = one.lowest * (min(1.0, max(3.0 * least, 0.03)) if least else 1.0)
+        self.panels = SpeedPanels.rising(highest, lowest, one.nodes, tail=True)
+        v, d = self.panels.speeds, law.dimension
+        self._loss = loss_matrices(self.panels, law, one.harmonics)
+        chain = Chain(d, self._loss, self.panels.slopes(d), 1.0 / v)
+        # a source anywhere, for the border: its factor comes out as 0
+        border = v ** (d - 1.0) * self.panels.weights, v * np.exp(-v)
+        solver = chain.elimination(border=border)
+        self._sums = solver.solve(np.zeros((one.harmonics + 1, v.size)), 1.0)
+        self.harmonics = self._sums / norms(one.harmonics + 1, d)[0]
+
+    def moment(self, p: float, m: int) -> float:
+        """<v^p cos(m phi)>, for p > -d; for p > -d - 1 where m > 0 and f_m is 0 at rest."""
+        v, d = self.panels.speeds, self.law.dimension
+        f, first = self._sums[m], self.panels.parts[0]
+        rest = slice(first.stop, None)
+        above = (v[rest] ** (p + d - 1.0) * f[rest]) @ self.panels.weights[rest]
+        return float(above + self._first_panel(f[first], p + d - 1.0))
+
+    def _first_panel(self, f: FloatArray, power: float) -> float:
+        """Integral of v^power f over the first panel, with f or f/v a polynomial there."""
+        at, top = self.panels.speeds[self.panels.parts[0]], self.panels.edges[1]
+        if power <= -1.0:
+            f, power = f / at, power + 1.0
+        x, w = roots_jacobi(f.size, 0.0, power)
+        rows = self.panels.rows(0, 0.5 * top * (x[:, None] + 1.0) - at)
+        return float((0.5 * top) ** (power + 1.0) * (w @ (rows @ f)))
+
+    @cached_property
+    def _flights(self) -> LastFlights:
+        f, v = self.harmonics, self.panels.speeds
+        made = v * (v * f - np.einsum("mij,mj->mi", self._loss, f))
+        return LastFlights(self.panels, self.law.dimension, [(0.0, 1.0, made[None, None])])
+
+    def density(self, along: FloatArray, across: FloatArray) -> FloatArray:
+        """f at velocities (n,) in sqrt(g l)."""
+        found = self._flights.density(math.inf, along, across)
+        if math.isinf(self.law.largest_loss):  # the logarithm of the angle
+            found[(across == 0.0) & (along >= 0.0)] = math.inf
+        return found

@@ -32,33 +32,6 @@ _RATIO = 3.0  # of the ends of a panel, over time
 _FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
 
 
-def highest_speed(law: CollisionLaw, accuracy: float) -> float:
-    """The speed above which f is negligible in the steady state, in sqrt(g l).
-
-    Nearly elastic tracers have f = exp(-a v^4) with a = d kappa lambda_1(0)/4, up to the speed
-    where the free fall exp(-v^2/2) is slower.
-    """
-    loss = float(law.harmonic_decay_rate(0.0, 1))
-    a = 0.25 * law.dimension * law.mean_log_loss * loss
-    fall = math.log(1.0 / accuracy) + 11.0
-    if 16.0 * a * fall < 1.0:
-        return (fall / a) ** 0.25
-    return math.sqrt(2.0 * fall + 0.25 / a)
-
-
-def reached_speed(law: CollisionLaw, time: float, accuracy: float) -> float:
-    """A speed that tracers from rest do not reach in this time, in sqrt(g l).
-
-    A free fall may be sqrt(2 x 30) long. Nearly elastic tracers reach more: f falls as
-    exp(-a v^3/t), a = 8/27 for disks (and 1/3 for spheres), up to the speeds of the steady state.
-    """
-    fall = math.log(1.0 / accuracy) + 6.0
-    growing = (27.0 / 8.0 * fall * time) ** (1.0 / 3.0)
-    if not law.is_elastic:
-        growing = min(growing, highest_speed(law, accuracy))
-    return max(math.sqrt(2.0 * fall), growing)
-
-
 @dataclass(frozen=True)
 class Resolution:
     """How finely the velocity, and the time, are resolved.
@@ -168,11 +141,12 @@ class SpeedPanels:
     def polynomials(self, panel: int, v: FloatArray) -> FloatArray:
         """Chebyshev's of a panel at speeds v (n,) in it, (n, nodes)."""
         low, high = self.edges[panel : panel + 2]
-        return chebvander(2.0 * (v - low) / (high - low) - 1.0, self.counts[panel] - 1)
+        x = 2.0 * (v - low) / (high - low) - 1.0
+        return np.asarray(chebvander(x, self.counts[panel] - 1))
 
     def to_coefficients(self, panel: int) -> FloatArray:
         """From values at the nodes of a panel to coefficients of these, (nodes, nodes)."""
-        return np.linalg.inv(self.polynomials(panel, self.speeds[self.parts[panel]]))
+        return np.asarray(np.linalg.inv(self.polynomials(panel, self.speeds[self.parts[panel]])))
 
     def derivative(self, panel: int) -> FloatArray:
         """d/dv of polynomials at the nodes of a panel, shape (nodes, nodes)."""

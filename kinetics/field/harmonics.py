@@ -97,7 +97,7 @@ def across(sums: NDArray[Any], family: int, dimension: int) -> NDArray[Any]:
 
 @dataclass(frozen=True)
 class Chain:
-    """The sums of a distribution lose lost[m] F_m, and what the field takes from harmonic to harmonic.
+    """The sums of a distribution lose lost[m] F_m, and the field takes them to other harmonics.
 
     dimension : d
     lost : of harmonics 0 ... M, per unit time, (M + 1, size, size)

@@ -12,9 +12,8 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
 from kinetics.field.density import VelocityDensity, is_sharp
-from kinetics.field.forward import Evolution
 from kinetics.field.grid import Resolution
-from kinetics.field.march import ALL, refined
+from kinetics.field.march import ALL, Evolution, refined
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State

@@ -81,7 +81,7 @@ class Velocities:
         return np.asarray(self.weight * np.exp(-way))
 
     def averages(self, time: float) -> FloatArray:
-        """What tracers without a collision add to the averages `forward.AVERAGES`."""
+        """What tracers without a collision add to the averages `march.AVERAGES`."""
         u, q = self.along + time, self.across
         x, y = (self.along + 0.5 * time) * time, q * time
         half, odd = 1.0 / (self.dimension - 1.0), 0.0 if self.symmetric else 1.0
@@ -95,7 +95,7 @@ class Velocities:
     ) -> FloatArray:
         """Sums over tracers without a collision of harmonics and polynomials on the panels.
 
-        fields : name and family of what is summed, as in `forward`: 1, x or y.
+        fields : name and family of what is summed, as in `march`: 1, x or y.
             Shape (n_times, n_fields, count, size)
         """
         out = np.zeros((times.size, len(fields), count, panels.size))

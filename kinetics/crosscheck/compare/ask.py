@@ -22,8 +22,8 @@ from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart,
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import X2, Sample, from_ensemble
 from kinetics.crosscheck.words import numeral
-from kinetics.driven.restitution import impact_restitution
 from kinetics.errors import InputError
+from kinetics.field.restitution import impact_restitution
 from kinetics.validation import one_of, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.tracks import Tracks, bad
-from kinetics.driven.restitution import Viscoelastic, impact_restitution
-from kinetics.driven.system import DRIVES
+from kinetics.field.restitution import Viscoelastic, impact_restitution
+from kinetics.field.system import DRIVES
 from kinetics.validation import refuse
 
 Array = NDArray[np.float64]
