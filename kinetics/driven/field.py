@@ -21,9 +21,6 @@ from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Value
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
 
-_BEST_DENSITY, _WORST_DENSITY = 1e-6, 1e-2
-_DENSITY_RATIO = 300.0  # a resolution that is enough for averages leaves more of the density
-_LOOKED_AT = 60  # velocities of which the error of the density is found, and as many again
 _FIGURES = {
     "drift": ("sqrt(g l)", "<v_x>, the percolation velocity"),
     "mean_square_speed": ("g l", "<v^2>"),
@@ -101,11 +98,11 @@ class FieldState(SteadyState):
         across = np.outer(v_, np.sin(phi)).ravel()
         coarse, fine = self._densities
         found = fine.density(along, across)
-        order = np.argsort(np.abs(across))  # the closest to the ray, and some of all others
-        seen = np.union1d(order[:_LOOKED_AT], order[:: 1 + order.size // _LOOKED_AT])
+        order, few = np.argsort(np.abs(across)), 60  # the closest to the ray, and some of all
+        seen = np.union1d(order[:few], order[:: 1 + order.size // few])
         with np.errstate(invalid="ignore"):
             unsure = np.abs(found[seen] - coarse.density(along[seen], across[seen]))
-        allowed = min(max(_DENSITY_RATIO * self.rtol, _BEST_DENSITY), _WORST_DENSITY)
+        allowed = float(np.clip(300.0 * self.rtol, 1e-6, 1e-2))
         missed = float(np.nanmax(unsure, initial=0.0) / fine.harmonics[0].max())
         if missed > allowed:
             text = f"vdf: the error estimate {missed:.1e} exceeds {allowed:.1e}, at low speeds or"
@@ -149,24 +146,14 @@ class FieldState(SteadyState):
 
 @dataclass(frozen=True)
 class FieldUnits(Value):
-    """The steady state in one's own units of length and time; made by `FieldState.in_units`.
-
-    Attributes
-    ----------
-    mean_free_path : l
-    time : sqrt(l/g), in which the drift is reached
-    drift : the percolation velocity, along the field
-    root_mean_square_speed : sqrt(<v^2>)
-    collision_rate : collisions in the unit of time
-    diffusion_parallel, diffusion_perpendicular : about the drift, length^2/time
-    """
+    """The steady state in one's own units of length and time; made by `FieldState.in_units`."""
 
     mean_free_path: float
-    time: float
-    drift: float
+    time: float  # sqrt(l/g), in which the drift is reached
+    drift: float  # the percolation velocity, along the field
     root_mean_square_speed: float
     collision_rate: float
-    diffusion_parallel: float
+    diffusion_parallel: float  # about the drift, length^2/time
     diffusion_perpendicular: float
 
 

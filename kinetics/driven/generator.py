@@ -23,6 +23,7 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.driven.axis import SpeedAxis
+from kinetics.field.grid import bounces
 from kinetics.field.harmonics import Chain, across, along
 from kinetics.field.march import refined
 from kinetics.field.system import System
@@ -30,9 +31,6 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 
-_SINGULAR = 4  # the power by which points gather at slow impacts, where e varies as v_n^(1/5)
-_FIRST_HARMONICS = 54  # at most, so that one finer solution is still quick
-_STOPPED = 14.0  # -ln s of bounces that count as one: so slow tracers, 1e-6, are as few as that
 _MOST_NODES, _MOST_HARMONICS = 180, 70
 _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
 _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
@@ -60,7 +58,8 @@ class Resolution:
         if system.only_falls:
             assert system.law is not None
             lossy = 1.0 + 0.4 * system.law.mean_log_loss  # then directions vary faster
-            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), _FIRST_HARMONICS)
+            # at most so many that one finer solution is left
+            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), 4 * _MOST_HARMONICS // 5 - 2)
             return cls(math.ceil((6.0 + 2.3 * digits) * lossy**0.4), 0, turns, 10.0**-digits)
         if not system.is_driven:
             nodes = 20.0 + 5.0 * digits
@@ -145,7 +144,8 @@ class Generator:
         x, weight = gauss_legendre(count)
         if not self.system.is_singular:
             return x, weight
-        return x**_SINGULAR, weight * _SINGULAR * x ** (_SINGULAR - 1.0)
+        power = 4.0  # as e varies as v_n^(1/5)
+        return x**power, weight * power * x ** (power - 1.0)
 
     def _collide(self) -> None:
         """Matrices of collisions for each harmonic, and the rate at each speed."""
@@ -180,18 +180,11 @@ class Generator:
     def _scaled(self, law: CollisionLaw) -> FloatArray:
         """The matrices where all speeds have the same bounces: what changes, without rounding."""
         axis, v = self.axis, self.axis.speeds
-        q = law.quadrature_for(axis.size, self.harmonics // 2)
-        gone = np.array(list(q.harmonic_losses(self.harmonics)))
-        kept, lost = q.weight * (1.0 - gone), q.log_loss
-        stopped = lost > _STOPPED
-        if stopped.any():
-            mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
-            kept = np.c_[kept[:, ~stopped], kept[:, stopped].sum(axis=1)]
-            lost = np.append(lost[~stopped], -np.log(mean))
+        kept, gone, lost = bounces(law, axis.size, self.harmonics)
         changed = np.stack([change @ kept.T for change in axis.changes(lost)], axis=-1)
         out = v[:, None] * (changed.swapaxes(0, 1) @ axis.to_coefficients(0))
         place = np.arange(v.size)
-        out[:, place, place] -= np.outer(gone @ q.weight, v)
+        out[:, place, place] -= np.outer(gone.sum(axis=1), v)
         return np.asarray(out)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -17,13 +17,12 @@ from kinetics.errors import InputError
 from kinetics.field import radau
 from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
 from kinetics.field.scene import DENSITIES, FieldScene
+from kinetics.field.starts import Start
 from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
-_MOST_STEPS = 2000
 _RANGE = 6.0  # of the highest speeds at times that are solved together
-_DECADES = 10.0  # the power of the axis where nothing drives: v^(1/10) is smooth on it
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
 _TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 
@@ -36,11 +35,11 @@ def _scale(system: System, time: float, top: float) -> float:
 class _Evolution(March):
     """One start over time, in units of l and U; as in a field, on the axis of driven tracers."""
 
-    most_steps = _MOST_STEPS
+    most_steps = 2000
 
     def __init__(
-        self, system: System, state: State, times: FloatArray, resolution: Resolution,
-        asked: frozenset[str], densities: bool, isotropic: bool,
+        self, system: System, state: State, times: FloatArray, asked: frozenset[str],
+        densities: bool, isotropic: bool, resolution: Resolution,
     ) -> None:  # fmt: skip
         """isotropic : only the speeds of the start count."""
         self.times, self.resolution, self.asked = times, resolution, asked
@@ -49,35 +48,28 @@ class _Evolution(March):
             state.harmonic(m, 0.1 * resolution.rtol, 0.0, 4.0)
             for m in range(1 if isotropic else resolution.harmonics + 1)
         ]
-        assert measures[0] is not None
-        fastest = float(np.exp(measures[0].x.max()))
+        start = Start(tuple(measures), 1.0)
+        if not start.is_symmetric:
+            text = "in a field, and for outputs with a direction, it must be symmetric"
+            raise InputError(f"initial: of a driven tracer, {text} about the x axis")
         driven = system.is_driven
-        top = system.top(TAIL * resolution.rtol, last, fastest)
-        power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
+        top = system.top(TAIL * resolution.rtol, last, start.highest)
+        power, scale = (1.0, _scale(system, last, top)) if driven else (10.0, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
         self.axis = axis
         one, fields = Generator(system, axis, resolution), [("f", 0), ("x", 0), ("y", 1)]
         if isotropic:  # y f is as x f
             fields = fields[:2]
         equation = Equation(one.chain, fields, axis.speeds, np.ones(axis.size), one.rate)
-        begin = np.zeros((len(equation.fields), resolution.harmonics + 1, axis.size))
-        for m, measure in enumerate(measures):
-            if measure is not None:
-                if np.iscomplexobj(measure.weight) and np.abs(measure.weight.imag).max() > 1e-9:
-                    text = "in a field, and for outputs with a direction, it must be symmetric"
-                    raise InputError(f"initial: of a driven tracer, {text} about the x axis")
-                profile = state.profile(m) if densities else None
-                if profile is None:
-                    begin[0, m] = measure.weight.real @ axis.rows(np.exp(measure.x), m % 2)
-                else:
-                    begin[0, m] = axis.averaged(lambda v, of=profile: np.real(of(v)), m % 2)  # type: ignore[misc]
+        begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
+        begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
         self.sums = np.zeros((times.size, *begin.shape[1:]))
-        self._run(equation, begin, fastest)
+        self._run(equation, begin, start.highest)
 
     @property
     def finer(self) -> Resolution | None:
         """A finer resolution; None where there is none."""
-        return self.resolution.finer if self.steps < _MOST_STEPS else None
+        return self.resolution.finer if self.steps < self.most_steps else None
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self._densities:
@@ -115,34 +107,26 @@ class DrivenScene(FieldScene):
     def _refined(self, times: FloatArray) -> tuple[_Evolution, dict[str, float]]:
         """The best solution up to some times, and its errors."""
         last = max(float(times[-1]), SHORTEST_TIME)
-        scale = _scale(self.system, last, math.inf)
-        span = math.asinh(self.system.top(TAIL * self.rtol, last, 6.0) / scale)
+        top = self.system.top(TAIL * self.rtol, last, 6.0)
+        span = math.asinh(top / _scale(self.system, last, math.inf))
         there = self.state.highest_harmonic
-        first = Resolution.first(
-            self.system, self.rtol, span, max(2, 2 if there is None else there)
-        )
+        first = Resolution.first(self.system, self.rtol, span, max(2, there or 0))
         # without a field what has no direction forgets those of the start
         directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
         alike = not self.system.field and (there == 0 or not directed)
-        rest = self._asked, DENSITIES in self.allowed, alike
-
-        def solve(resolution: Resolution) -> _Evolution:
-            return _Evolution(self.system, self.state, times, resolution, *rest)
-
+        asked = self._asked, DENSITIES in self.allowed, alike
+        solve = partial(_Evolution, self.system, self.state, times, *asked)
         return refined(solve, first, self._apart, self.allowed)
 
-    def _apart(self, one: Any, two: Any) -> dict[str, float]:
-        """How far two solutions are apart; densities of the speed, over their maximum."""
-        errors = {"averages": one.difference(two)}
-        if DENSITIES in self.allowed:
-            worst = 0.0
-            for i, square in enumerate(one.values[:, ALL.index("v^2")]):
-                v = math.sqrt(max(square, 0.0)) * _TRIED
-                f, other = (self._speed_density(e, i, v) for e in (one, two))
-                apart = float(np.abs(f - other).max() / max(np.abs(f).max(), 1e-300))
-                worst = max(worst, apart if math.isfinite(apart) else math.inf)
-            errors[DENSITIES] = worst
-        return errors
+    def _densities_apart(self, one: Any, two: Any) -> float:
+        """Of the speed, over their maximum."""
+        worst = 0.0
+        for i, square in enumerate(one.values[:, ALL.index("v^2")]):
+            v = math.sqrt(max(square, 0.0)) * _TRIED
+            f, other = (self._speed_density(e, i, v) for e in (one, two))
+            apart = float(np.abs(f - other).max() / max(np.abs(f).max(), 1e-300))
+            worst = max(worst, apart if math.isfinite(apart) else math.inf)
+        return worst
 
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
@@ -174,9 +158,8 @@ class DrivenScene(FieldScene):
 
     def speed_density(self, v: FloatArray) -> FloatArray:
         """In 1/U at all times, shape (n_times, n_v)."""
-        return np.array(
-            [self._speed_density(one, i, v) for one in self._parts for i in range(one.times.size)]
-        )
+        parts = ((one, i) for one in self._parts for i in range(one.times.size))
+        return np.array([self._speed_density(one, i, v) for one, i in parts])
 
     def _speed_density(self, one: _Evolution, i: int, v: FloatArray) -> FloatArray:
         d = self.law.dimension
@@ -184,11 +167,5 @@ class DrivenScene(FieldScene):
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""
-        d = self.law.dimension
-        return np.array(
-            [
-                angular_sum(one.axis.density(f, v, d), phi, d)
-                for one in self._parts
-                for f in one.sums
-            ]
-        )
+        d, parts = self.law.dimension, ((one.axis, f) for one in self._parts for f in one.sums)
+        return np.array([angular_sum(axis.density(f, v, d), phi, d) for axis, f in parts])

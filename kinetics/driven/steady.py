@@ -222,7 +222,7 @@ class DrivenState(SteadyState):
         speed = real_number("speed", speed, 0.0)
         one = self._fine
         start = np.zeros_like(one.sums)
-        start[0] = one.axis.rows(np.array([speed]))[0]
+        start[0] = one.axis.interpolation(np.array([speed]))[0]
         spent = one.solver.solve(start)
         depth = float(spent[1] @ one.axis.speeds)
         return depth, float(spent[0].sum()), float(spent[0] @ one.generator.rate)

@@ -27,7 +27,7 @@ from kinetics.field import radau
 from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices
 from kinetics.field.harmonics import Chain, angular, norms
 from kinetics.field.march import ALL, Evolution
-from kinetics.field.starts import Velocities, free_way
+from kinetics.field.starts import FEW, TOGETHER, Velocities, free_way
 from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
@@ -37,7 +37,6 @@ from kinetics.states.state import State
 _NEGLIGIBLE = 1e-12  # the chance of a last flight that is longer
 _LEFT_OUT = 1e-9  # of the largest harmonic of what collisions make: those that stay below it
 _POINTS, _FALL = 8, 9.0  # while the speed changes by e, or the chance by e^-9: 1e-8 is missed
-_TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
 
 
 class LastFlights:
@@ -74,7 +73,7 @@ class LastFlights:
         """f at the velocities (n,) of tracers after a collision, in units of sqrt(g l)."""
         if time <= 0.0:
             return np.zeros(along.shape)
-        pieces = np.array_split(np.arange(along.size), 1 + along.size // _TOGETHER)
+        pieces = np.array_split(np.arange(along.size), 1 + along.size // TOGETHER)
         return np.concatenate([self._piece(time, along[k], across[k]) for k in pieces])
 
     def _piece(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -131,8 +130,6 @@ class LastFlights:
 
 _ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
 _CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
-_ANGLE_POINTS = 6  # in an interval of these
-_DIRECTIONS = 64  # of a start of one speed
 # velocities at which two solutions are compared, in units of the usual speed
 _TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
 _LOOKED_AT = np.linspace(0.1, 2.5, 17)  # speeds at which a density may not be below zero
@@ -165,7 +162,7 @@ class VelocityDensity:
         d, time = self._dimension, float(self._evolution.times[i])
         out = np.zeros(v.shape)
         for edges, one in ((_ANGLES, self._flights.density), (_CLOSE, self._smooth)):
-            angle, w = panels_between(edges, _ANGLE_POINTS)
+            angle, w = panels_between(edges, _POINTS)
             share = 2.0 * w if d == 2 else 2.0 * math.pi * w * np.sin(angle)
             along, across = np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle))
             sides = [across, -across][: self._families]
@@ -206,7 +203,7 @@ class VelocityDensity:
         if velocities is None and self._state.highest_harmonic == 0:
             speeds = start.measures[0]
             assert speeds is not None
-            velocities = Velocities.isotropic(speeds, self._speed, _DIRECTIONS, self._dimension)
+            velocities = Velocities.isotropic(speeds, self._speed, FEW, self._dimension)
         elif velocities is None:  # samples
             velocity = self._speed * np.asarray(self._state.velocity)  # type: ignore[attr-defined]
             velocities = Velocities.samples(velocity)

@@ -11,9 +11,11 @@ function is conserved, as it is for tracers that fall freely, and no error grows
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -26,7 +28,7 @@ from kinetics.numerics.chebyshev import (
     derivative_matrix,
     interpolation_rows,
 )
-from kinetics.numerics.gauss import gauss_legendre
+from kinetics.numerics.gauss import gauss_legendre, panels_between
 
 _RATIO = 3.0  # of the ends of a panel, over time
 _FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
@@ -51,16 +53,16 @@ class Resolution:
     def steady(cls, rtol: float, harmonics: int) -> Resolution:
         """One for the density of the steady state; harmonics : as many as averages need."""
         digits = -math.log10(max(rtol, 1e-12))
-        nodes = math.ceil(4.4 + 0.85 * digits)
-        return cls(max(nodes, 6), harmonics | 1, 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
+        nodes = max(math.ceil(4.4 + 0.85 * digits), _FEWEST)
+        return cls(nodes, harmonics | 1, 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
 
     @classmethod
     def over_time(cls, rtol: float) -> Resolution:
         """A first one for averages and densities over time."""
         digits = -math.log10(max(rtol, 1e-7))  # more takes a minute
+        nodes = max(math.ceil(2.5 + 1.3 * digits), _FEWEST)
         harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
-        nodes = math.ceil(1.3 * digits + 1.5)
-        return cls(max(nodes, 6), harmonics, 0.6 * 10.0 ** (-digits / 6.0), 2.0 * 10.0**-digits)
+        return cls(nodes, harmonics, 0.6 * 10.0 ** (-digits / 6.0), 2.0 * 10.0**-digits)
 
     def finer(self) -> Resolution:
         """With half as many harmonics again, some more nodes and shorter steps."""
@@ -152,14 +154,21 @@ class SpeedPanels:
         """d/dv of polynomials at the nodes of a panel, shape (nodes, nodes)."""
         return derivative_matrix(self.speeds[self.parts[panel]], self._barycentric[panel])
 
-    def interpolation(self, v: FloatArray) -> FloatArray:
+    def interpolation(self, v: FloatArray, parity: int = 0) -> FloatArray:
         """Rows that take values at the nodes to those at speeds v (n,): shape (n, size)."""
+        del parity  # of the function: all are polynomials
         out = np.zeros((v.size, self.size))
         panel = self.panel_of(v)
         for p in np.unique(panel):
             at, part = np.nonzero(panel == p)[0], self.parts[p]
             out[at, part] = self.rows(p, v[at, None] - self.speeds[part])
         return out
+
+    def averaged(self, density: Callable[[FloatArray], Any], parity: int, kinks: Any) -> Any:
+        """Averages, over a density of the speed, of the polynomials of each node, (size,)."""
+        edges = np.union1d(self.edges, kinks)
+        v, w = panels_between(edges[edges <= self.highest], max(self.counts) + 2)
+        return (w * density(v)) @ self.interpolation(v, parity)
 
     def slopes(self, dimension: int) -> tuple[FloatArray, FloatArray]:
         """d/dv of even and of odd harmonics at the nodes, shape (size, size) each.
@@ -191,7 +200,25 @@ class SpeedPanels:
 
 _RATE = 70.0  # f falls no faster than v^-70 where it counts: for the average over impacts
 _SMALL = 0.1  # -ln s below which changes of polynomials would lose digits
-_STOPPED = 9.0  # -ln s of bounces that count as one: so slow tracers, 1e-4, are as few as that
+_STOPPED = 14.0  # -ln s of bounces that count as one: so slow tracers, 1e-6, are as few as that
+
+
+def bounces(
+    law: CollisionLaw, rate: float, highest: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What harmonics keep and lose in bounces, (highest + 1, n) each, and -ln s of these, (n,).
+
+    For functions as fast as s^rate; all bounces that nearly stop a tracer are one.
+    """
+    q = law.quadrature_for(rate, highest // 2)
+    gone = np.array(list(q.harmonic_losses(highest)))
+    kept, gone, lost = q.weight * (1.0 - gone), q.weight * gone, q.log_loss
+    stopped = lost > _STOPPED
+    if stopped.any():
+        kept, gone = (np.c_[x[:, ~stopped], x[:, stopped].sum(axis=1)] for x in (kept, gone))
+        mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
+        lost = np.append(lost[~stopped], -np.log(mean))
+    return kept, gone, lost
 
 
 def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> FloatArray:
@@ -203,14 +230,8 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
     kept, also of densities that are not smooth. Only what changes in a bounce is summed: no digits
     are lost as bounces become elastic.
     """
-    q = law.quadrature_for(_RATE, highest // 2)  # polynomials hide what is finer
-    gone = np.array([q.harmonic_loss(m) for m in range(highest + 1)])
-    kept, gone, lost = q.weight * (1.0 - gone), q.weight * gone, q.log_loss
-    stopped = lost > _STOPPED
-    if stopped.any():
-        kept, gone = (np.c_[x[:, ~stopped], x[:, stopped].sum(axis=1)] for x in (kept, gone))
-        mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
-        lost = np.append(lost[~stopped], -np.log(mean))
+    # polynomials hide what is finer
+    kept, gone, lost = bounces(law, _RATE, highest)
     ratio, edges, d = np.exp(-lost), np.array(panels.edges), law.dimension
     out = np.zeros((highest + 1, panels.size, panels.size))
     for p, source in enumerate(panels.parts):

@@ -42,7 +42,6 @@ _SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
 SHORTEST_TIME = 1e-12
 _FIRST = 0.5  # of the first step, in free flights of the fastest
 _MOST_HARMONICS = 40  # in a field: seconds, and 200 MB of memory
-_WORSE = 10.0  # by so much an error may be larger than one before, and finer ones are tried
 
 T = TypeVar("T")
 
@@ -52,11 +51,13 @@ def refined(
     first: Any,
     apart: Callable[[T, T], dict[str, float]],
     allowed: Mapping[str, float],
+    worse: float = 10.0,
 ) -> tuple[T, dict[str, float]]:
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
     solve : from a resolution to a solution, whose ``finer`` is the next one, None at the end
     apart : the errors by their names, of which those in ``allowed`` decide
+    worse : by so much an error may be larger than one before, and finer ones are tried
     """
     best: Any = solve(first)
     last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
@@ -66,7 +67,7 @@ def refined(
         worst = max(found[name] / most for name, most in allowed.items())
         if worst < least:
             best, errors, least = last, found, worst
-        elif worst > _WORSE * least:  # rounding grows
+        elif worst > worse * least:  # rounding grows
             break
     return best, errors
 

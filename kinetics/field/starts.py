@@ -9,21 +9,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from kinetics.field.grid import SpeedPanels
 from kinetics.field.harmonics import angular
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import gauss_legendre, panels_between
+from kinetics.numerics.gauss import gauss_legendre
 from kinetics.states.kinds import Beam, Rest, VelocitySamples
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-_PIECE = 1000  # points that are interpolated at once
-_SLOW = 1.0  # sqrt(g l): isotropic starts with a highest speed below this become velocities
-_FEW = 64  # so many samples are followed each
-_STRAIGHT = 1e-15  # components across a velocity that are rounding
+TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
+FEW = 64  # so many samples, or directions, are followed each
+_STRAIGHT = 4.0 * np.finfo(float).eps  # components across a velocity that are rounding
 
 
 def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
@@ -99,7 +99,7 @@ class Velocities:
             Shape (n_times, n_fields, count, size)
         """
         out = np.zeros((times.size, len(fields), count, panels.size))
-        for part in np.array_split(np.arange(self.along.size), 1 + self.along.size // _PIECE):
+        for part in np.array_split(np.arange(self.along.size), 1 + self.along.size // TOGETHER):
             a, q = np.broadcast_arrays(
                 self.along[part], self.across[part] * np.ones((times.size, 1))
             )
@@ -149,10 +149,10 @@ class Start:
             along, across = v * math.cos(state.direction), v * math.sin(state.direction)
             straight = math.sin(state.direction) == 0.0
             return cls((speeds,), speed, Velocities(along, across, w, straight, dimension))
-        if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= _FEW:
+        if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= FEW:
             return cls((speeds,), speed, Velocities.samples(speed * np.asarray(state.velocity)))
         there = state.highest_harmonic
-        if there == 0 and v.max() < _SLOW:
+        if there == 0 and v.max() < 1.0:  # sqrt(g l)
             found = Velocities.isotropic(speeds, speed, (harmonics + 1) // 2, dimension)
             return cls((speeds,), speed, found)
         last = harmonics if there is None else min(there, harmonics)
@@ -163,7 +163,7 @@ class Start:
         """Whether the state is symmetric about the field."""
         if self.velocities is not None:
             return self.velocities.symmetric
-        return not any(np.any(np.imag(m.weight)) for m in self.measures if m)
+        return not any(np.any(np.abs(np.imag(m.weight)) > 1e-9) for m in self.measures if m)
 
     @property
     def highest(self) -> float:
@@ -172,26 +172,22 @@ class Start:
             return float(np.max(np.hypot(self.velocities.along, self.velocities.across)))
         return max(self.speed * float(np.exp(m.x.max())) for m in self.measures if m)
 
-    def projected(
-        self, panels: SpeedPanels, count: int, families: int, state: State | None
-    ) -> FloatArray:
-        """Sums over the start of harmonics and polynomials, (families, count, size).
+    def projected(self, axis: Any, count: int, families: int, state: State | None) -> FloatArray:
+        """Sums over the start of harmonics and polynomials of an axis, (families, count, size).
 
         state : whose profiles, where it has them, are integrated: right point by point as well
         """
-        out = np.zeros((families, count, panels.size))
+        out, unit = np.zeros((families, count, axis.size)), self.speed
         for m, measure in enumerate(self.measures[:count]):
             profile = None if state is None or measure is None else state.profile(m)
-            if measure is None:
-                continue
-            if state is None or profile is None:
-                v, weight = self.speed * np.exp(measure.x), measure.weight
-            else:
-                edges = np.union1d(panels.edges, self.speed * np.asarray(state.kinks))
-                v, w = panels_between(edges[edges <= panels.highest], max(panels.counts) + 2)
-                weight = w / self.speed * profile(v / self.speed)
-            for part in np.array_split(np.arange(v.size), max(1, v.size // _PIECE)):
-                found = weight[part] @ panels.interpolation(v[part])
-                # the weights have the factor exp(-i m phi)
-                out[:, m] += np.array([found.real, -found.imag])[:families]
+            found: Any = np.zeros(axis.size)
+            if state is not None and profile is not None:
+                kinks = unit * np.asarray(state.kinks)
+                found = axis.averaged(lambda v, f=profile: f(v / unit) / unit, m % 2, kinks)
+            elif measure is not None:
+                v = unit * np.exp(measure.x)
+                for part in np.array_split(np.arange(v.size), 1 + v.size // TOGETHER):
+                    found = found + measure.weight[part] @ axis.interpolation(v[part], m % 2)
+            # the weights have the factor exp(-i m phi)
+            out[:, m] = np.stack([np.real(found), -np.imag(found)])[:families]
         return out

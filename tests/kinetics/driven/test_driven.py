@@ -18,7 +18,6 @@ from kinetics import (
     Monoenergetic,
     ScalingSolution,
     Scene,
-    ToleranceWarning,
     Viscoelastic,
     load,
     solve,
@@ -130,12 +129,9 @@ def test_a_bath_and_a_field(d, e, expected):
     found = (state.drift, state.mean_square_speed, state.mean_square_along)
     assert found == pytest.approx(expected[:3], rel=1e-6)
     assert state.diffusion_parallel == pytest.approx(expected[3], rel=1e-6)
-    # a weak field drives as the mobility says, and its own mobility is du/dg
-    weak = [solve_steady(e, d, bath_speed=1.0, field=g, rtol=1e-9) for g in (0.99, 1.01)]
-    assert (weak[1].drift - weak[0].drift) / 0.02 == pytest.approx(state.mobility, rel=1e-4)
 
 
-@pytest.mark.parametrize("drives", [{}, {"drag": 1.0}, {"heating": 0.01}])
+@pytest.mark.parametrize("drives", [{}, {"drag": 1.0}, {"heating": 0.01}, {"bath_speed": 1.0}])
 def test_the_mobility_in_a_field_is_the_slope_of_the_drift(drives: dict[str, float]) -> None:
     state, *near = (solve_steady(0.7, field=g, rtol=1e-9, **drives) for g in (1.0, 0.99, 1.01))
     slope = (near[1].drift - near[0].drift) / 0.02
@@ -335,12 +331,6 @@ def test_all_stick_without_a_field_in_the_end():
 def test_what_cannot_be_solved_is_refused(given, named):
     with pytest.raises(InputError, match=f"^{named}"):
         Scene(**{"restitution": 0.5, "times": [1.0], **given})
-
-
-def test_a_miss_is_said():
-    with pytest.warns(ToleranceWarning):
-        solution = solve(one_l(0.5, capture_speed=0.3, times=[3.0]), rtol=1e-9)
-    assert solution.error_estimate > 1e-9
 
 
 @pytest.mark.parametrize("law", [0.5, Viscoelastic(0.3), ([0.5, 1.0], [0.9, 0.7])])
