@@ -35,7 +35,12 @@ _FIGURES = {
 
 @dataclass(frozen=True)
 class SteadyState(Result):
-    """What the answers of `solve_steady` and `kinetics.solve_field` share."""
+    """What the answers of `solve_steady` and `kinetics.solve_field` share.
+
+    error_estimate : relative error of the figures, the difference of two resolutions
+    status, message : SolverStatus, and in words what misses its tolerance and what to change
+    plan, stats : what was solved, and numbers about the work
+    """
 
     restitution: Any
     dimension: int
@@ -83,7 +88,7 @@ class SteadyState(Result):
     def _order(self, p: float, m: int, lowest: float) -> tuple[float, int]:
         """The arguments of `moment`, checked."""
         m = whole_number("m", m, 0, self._fine.resolution.harmonics)
-        allowed = f"for m = {m} it must be above {lowest:g}, and at most {20}"
+        allowed = f"for m = {m} it must be above {lowest:g}, and at most 20"
         return real_number("p", p, math.nextafter(lowest, 0.0), 20.0, allowed), m
 
     def _dataset(self: Any, only: Collection[str] | None = None, **points: Any) -> Any:

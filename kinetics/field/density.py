@@ -60,7 +60,7 @@ class LastFlights:
         for _, _, made in steps:
             for p, part in enumerate(panels.parts):
                 # of polynomials in the speed, (families, harmonics, n_points, nodes)
-                found = np.moveaxis(made[..., part] @ panels.to_coefficients(p).T, 0, 2)
+                found = np.moveaxis(made[..., part] @ panels.to_coefficients[p].T, 0, 2)
                 there = np.nonzero(np.abs(found).max(axis=(0, 2, 3)) > least)[0]
                 found = found[:, : there.max(initial=1) + 1]
                 flat: Any = found.reshape(*found.shape[:2], -1)
@@ -153,8 +153,6 @@ class VelocityDensity:
     def at(self, i: int, along: FloatArray, across: FloatArray) -> FloatArray:
         """f at the i-th time and velocities (n,), in sqrt(g l); without sharp velocities."""
         time = float(self._evolution.times[i])
-        if self._families == 1:  # each velocity once
-            across = np.abs(across)
         return self._flights.density(time, along, across) + self._smooth(time, along, across)
 
     def by_speed(self, i: int, v: FloatArray) -> FloatArray:
@@ -262,11 +260,11 @@ class SteadyDensity:
 
     def _first_panel(self, f: FloatArray, power: float) -> float:
         """Integral of v^power f over the first panel, with f or f/v a polynomial there."""
-        at, top = self.panels.speeds[self.panels.parts[0]], self.panels.edges[1]
+        top = self.panels.edges[1]
         if power <= -1.0:
-            f, power = f / at, power + 1.0
+            f, power = f / self.panels.speeds[: f.size], power + 1.0
         x, w = roots_jacobi(f.size, 0.0, power)
-        rows = self.panels.rows(0, 0.5 * top * (x[:, None] + 1.0) - at)
+        rows = self.panels.rows(0, 0.5 * top * (x + 1.0))
         return float((0.5 * top) ** (power + 1.0) * (w @ (rows @ f)))
 
     @cached_property

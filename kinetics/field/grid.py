@@ -18,16 +18,11 @@ from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
+from numpy.polynomial.chebyshev import chebder, chebvander
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import (
-    barycentric_weights,
-    derivative_matrix,
-    interpolation_rows,
-)
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 
 _RATIO = 3.0  # of the ends of a panel, over time
@@ -131,28 +126,26 @@ class SpeedPanels:
         """The panel in which each speed lies; the last one above all, shape of v."""
         return np.clip(np.searchsorted(self.edges, v, side="left") - 1, 0, len(self.counts) - 1)
 
-    def rows(self, panel: int, difference: FloatArray) -> FloatArray:
-        """Interpolation in a panel: ``difference`` is the speed less each node, (n, nodes)."""
-        return interpolation_rows(difference, self._barycentric[panel])
+    def polynomials(self, panel: int, v: FloatArray) -> FloatArray:
+        """Chebyshev's of a panel at speeds in it, (*v.shape, nodes)."""
+        low, high = self.edges[panel : panel + 2]
+        return np.asarray(chebvander(2.0 * (v - low) / (high - low) - 1.0, self.counts[panel] - 1))
 
     @cached_property
-    def _barycentric(self) -> list[FloatArray]:
-        # in a variable that runs over 4 the weights are of the order of 1
-        return [barycentric_weights(4.0 * gauss_legendre(n)[0]) for n in self.counts]
+    def to_coefficients(self) -> list[FloatArray]:
+        """From values at the nodes of a panel to coefficients of these, (nodes, nodes) each."""
+        parts = enumerate(self.parts)
+        return [np.linalg.inv(self.polynomials(p, self.speeds[part])) for p, part in parts]
 
-    def polynomials(self, panel: int, v: FloatArray) -> FloatArray:
-        """Chebyshev's of a panel at speeds v (n,) in it, (n, nodes)."""
-        low, high = self.edges[panel : panel + 2]
-        x = 2.0 * (v - low) / (high - low) - 1.0
-        return np.asarray(chebvander(x, self.counts[panel] - 1))
-
-    def to_coefficients(self, panel: int) -> FloatArray:
-        """From values at the nodes of a panel to coefficients of these, (nodes, nodes)."""
-        return np.asarray(np.linalg.inv(self.polynomials(panel, self.speeds[self.parts[panel]])))
+    def rows(self, panel: int, v: FloatArray) -> FloatArray:
+        """Interpolation in a panel to speeds in it, (*v.shape, nodes)."""
+        return self.polynomials(panel, v) @ self.to_coefficients[panel]
 
     def derivative(self, panel: int) -> FloatArray:
         """d/dv of polynomials at the nodes of a panel, shape (nodes, nodes)."""
-        return derivative_matrix(self.speeds[self.parts[panel]], self._barycentric[panel])
+        low, high = self.edges[panel : panel + 2]
+        values = self.polynomials(panel, self.speeds[self.parts[panel]])[:, :-1]
+        return values @ chebder(self.to_coefficients[panel], scl=2.0 / (high - low))
 
     def interpolation(self, v: FloatArray, parity: int = 0) -> FloatArray:
         """Rows that take values at the nodes to those at speeds v (n,): shape (n, size)."""
@@ -160,8 +153,8 @@ class SpeedPanels:
         out = np.zeros((v.size, self.size))
         panel = self.panel_of(v)
         for p in np.unique(panel):
-            at, part = np.nonzero(panel == p)[0], self.parts[p]
-            out[at, part] = self.rows(p, v[at, None] - self.speeds[part])
+            at = np.nonzero(panel == p)[0]
+            out[at, self.parts[p]] = self.rows(p, v[at])
         return out
 
     def averaged(self, density: Callable[[FloatArray], Any], parity: int, kinks: Any) -> Any:
@@ -188,13 +181,12 @@ class SpeedPanels:
             ):
                 if end == 0.0 or not (even == (sign > 0.0) or (p == last and neighbour > last)):
                     continue
-                own = self.rows(p, (end - nodes)[None])[0]
+                own = self.rows(p, np.array([end]))[0]
                 jump = sign * own * (end / nodes) ** (dimension - 1) / self.weights[part]
                 out[part, part] -= np.outer(jump, own)
                 if neighbour <= last:
-                    other = self.parts[neighbour]
-                    row = self.rows(neighbour, (end - self.speeds[other])[None])
-                    out[part, other] += np.outer(jump, row)
+                    row = self.rows(neighbour, np.array([end]))
+                    out[part, self.parts[neighbour]] += np.outer(jump, row)
         return both[0], both[1]
 
 
@@ -248,10 +240,10 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
             v = low[used, None] + width[used, None] * x  # (n_used, n_points)
             weight = width[used, None] * w * v**d  # the volume, and the rate of collisions
             change = -np.expm1(-lost[used])[:, None] * v
-            before = panels.rows(p, v[..., None] - panels.speeds[source])
+            before = panels.rows(p, v)
             weighed = weight[..., None] * before
             loss = np.tensordot(gone[:, used], np.matmul(before.swapaxes(1, 2), weighed), axes=1)
-            after = panels.rows(t, (v - change)[..., None] - panels.speeds[target])
+            after = panels.rows(t, v - change)
             if t == p:
                 changed = before - after
                 small = np.nonzero(lost[used] < _SMALL)[0]
@@ -269,9 +261,6 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
 def _changes(panels: SpeedPanels, panel: int, v: FloatArray, change: FloatArray) -> FloatArray:
     """Polynomials at v less those at v - change, (*v.shape, nodes): integrals of their slope."""
     x, w = gauss_legendre(panels.counts[panel] // 2)
-    nodes = panels.speeds[panels.parts[panel]]
-    slopes = sum(
-        share * panels.rows(panel, (v - point * change)[..., None] - nodes)
-        for point, share in zip(x, w, strict=True)
-    )
+    parts = zip(x, w, strict=True)
+    slopes = sum(share * panels.rows(panel, v - point * change) for point, share in parts)
     return np.asarray(change[..., None] * (slopes @ panels.derivative(panel)))
