@@ -48,9 +48,7 @@ class FieldState(SteadyState):
     mean_speed : <v> in sqrt(g l): the number of collisions in a time sqrt(l/g)
     diffusion_parallel, diffusion_perpendicular : half the growth rate of the variance along the
         field, and in one direction across it, in sqrt(g l^3)
-    error_estimate : relative error of these figures
-    status, message : SolverStatus, and in words what misses its tolerance and what to change
-    plan, stats : what was solved, and numbers about the work
+    error_estimate, status, message, plan, stats : see :class:`SteadyState`
     """
 
     tangential_restitution: float | None
@@ -126,22 +124,19 @@ class FieldState(SteadyState):
         In any consistent units: with m/s^2, m and 1/m^3 (1/m^2 for disks) the results are in m and
         s. Raises InputError unless all are finite numbers above 0.
         """
-        g = check_positive("acceleration", acceleration)
-        d = check_positive("diameter", diameter)
-        rho = check_positive("number_density", number_density)
+        given = {
+            "acceleration": acceleration,
+            "diameter": diameter,
+            "number_density": number_density,
+        }
+        g, d, rho = (check_positive(name, x) for name, x in given.items())
         path = self.law.mean_free_path(rho, d)
         speed, time = math.sqrt(g * path), math.sqrt(path / g)
         if not 0.0 < speed * path < math.inf:
             refuse("number_density", rho, "with this diameter it is out of range")
-        return FieldUnits(
-            mean_free_path=path,
-            time=time,
-            drift=self.drift * speed,
-            root_mean_square_speed=math.sqrt(self.mean_square_speed) * speed,
-            collision_rate=self.mean_speed / time,
-            diffusion_parallel=self.diffusion_parallel * speed * path,
-            diffusion_perpendicular=self.diffusion_perpendicular * speed * path,
-        )
+        drift, root = self.drift * speed, math.sqrt(self.mean_square_speed) * speed
+        spread = self.diffusion_parallel * speed * path, self.diffusion_perpendicular * speed * path
+        return FieldUnits(path, time, drift, root, self.mean_speed / time, *spread)
 
 
 @dataclass(frozen=True)

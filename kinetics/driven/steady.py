@@ -144,9 +144,7 @@ class DrivenState(SteadyState):
     mobility : what a small further field adds to the drift, over that field; NaN where they stick
     capture_time, capture_depth : of tracers that stick, the time T and, in a field, the distance Z
         in which the number of those that still move falls by a factor e; else infinite
-    error_estimate : relative error of these figures, the difference of two resolutions
-    status, message : SolverStatus, and in words what misses its tolerance and what to change
-    plan, stats : what was solved, and numbers about the work
+    error_estimate, status, message, plan, stats : see :class:`SteadyState`
     """
 
     bath_speed: float

@@ -217,15 +217,14 @@ class VelocityDensity:
         there, top = self._state.highest_harmonic, self._evolution.resolution.harmonics
         last = top if there is None else min(there, top)
         even, odd = angular(u / v, across / v, max(last, 1) + 1, d)
+        of = norms(last + 1, d)[0, :, 0] * self._speed
         for m in range(last + 1):
             profile = self._state.profile(m)
             if profile is not None:
-                share = (1.0 if m == 0 else 2.0) if d == 2 else 2.0 * m + 1.0
-                value = share * np.asarray(profile(v / self._speed)) / self._speed
+                value = np.asarray(profile(v / self._speed)) / of[m]
                 # the harmonics have the factor exp(-i m phi)
                 out += np.real(value) * even[m] - np.imag(value) * odd[m]
-        out /= self._evolution.law.unit_surface * v ** (d - 1)
-        return out * np.exp(-free_way(u, across, np.full(u.shape, time)))
+        return out / v ** (d - 1) * np.exp(-free_way(u, across, np.full(u.shape, time)))
 
 
 class SteadyDensity:

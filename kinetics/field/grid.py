@@ -135,7 +135,8 @@ class SpeedPanels:
     def to_coefficients(self) -> list[FloatArray]:
         """From values at the nodes of a panel to coefficients of these, (nodes, nodes) each."""
         parts = enumerate(self.parts)
-        return [np.linalg.inv(self.polynomials(p, self.speeds[part])) for p, part in parts]
+        found = (np.linalg.inv(self.polynomials(p, self.speeds[part])) for p, part in parts)
+        return [np.asarray(each, dtype=float) for each in found]
 
     def rows(self, panel: int, v: FloatArray) -> FloatArray:
         """Interpolation in a panel to speeds in it, (*v.shape, nodes)."""

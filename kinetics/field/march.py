@@ -255,21 +255,17 @@ class Evolution(March):
         chain = Chain(d, self._loss, self.axis.slopes(d), 1.0 / speeds)
         self._volume = speeds ** (d - 1.0) * self.axis.weights
         self.equation = Equation(chain, fields, speeds, self._volume, speeds)
-        self._run(self.equation, self._begin(), self.start.highest)
+        f = np.zeros((len(fields), one.harmonics + 1, speeds.size))
+        if self.start.velocities is None:
+            sums = self.start.projected(self.axis, one.harmonics + 1, self.families, self.state)
+            f[: self.families] = sums / self._volume
+        self._run(self.equation, f, self.start.highest)
 
     @property
     def finer(self) -> Resolution | None:
         """A finer resolution; None where there is none."""
         more = self.resolution.finer()
         return more if more.harmonics <= _MOST_HARMONICS else None
-
-    def _begin(self) -> FloatArray:
-        count, families = self.resolution.harmonics + 1, self.families
-        f = np.zeros((len(self.equation.fields), count, self.axis.size))
-        if self.start.velocities is None:
-            sums = self.start.projected(self.axis, count, families, self.state)
-            f[:families] = sums / self._volume
-        return f
 
     def _uncollided(self, times: FloatArray) -> FloatArray | float:
         velocities = self.start.velocities

@@ -83,16 +83,19 @@ def test_both_limits_of_diffusion_in_a_bath(dimension):
 
 
 @pytest.mark.parametrize(
-    ("d", "square", "msd"),  # prototype
-    [(2, [3.837032851, 5.99994432], [0.778765411, 30.4133630]),
-     (3, [5.37495250, 8.9999150987], [1.16690073, 51.95647264])],
+    ("drive", "d", "times", "square", "msd"),  # prototype
+    [("bath_speed", 2, [1.0, 10.0], [3.837032851, 5.99994432], [0.778765411, 30.4133630]),
+     ("bath_speed", 3, [1.0, 10.0], [5.37495250, 8.9999150987], [1.16690073, 51.95647264]),
+     ("heating", 3, [0.3, 1.0, 3.0, 10.0],
+      [1.6749445393, 4.0976132511, 5.3927428231, 5.4400273913],
+      [0.049032632436, 1.1859428, 9.2512541802, 40.961352774])],
 )  # fmt: skip
-def test_from_rest_in_a_bath(d, square, msd):
-    scene = one_l(0.5, d, bath_speed=1.0, initial="rest", times=[1.0, 10.0],
+def test_from_rest(drive, d, times, square, msd):
+    scene = one_l(0.5, d, initial="rest", times=times, **{drive: 1.0},
                   outputs=("thermal_speed", "msd", "diffusion_coefficient"))  # fmt: skip
     solution = solve(scene)
     assert solution.thermal_speed**2 == pytest.approx(square, rel=1e-8)
-    assert solution.msd == pytest.approx(msd, rel=1e-8)
+    assert solution.msd == pytest.approx(msd, rel=1e-8 if drive == "bath_speed" else 3e-8)
     assert solution.msd_slope / (2 * d * solution.times) == pytest.approx(
         solution.diffusion_coefficient, rel=1e-12
     )
@@ -233,16 +236,6 @@ def test_drag_of_one():
     half = solve_steady(0.5, heating=1.0, drag=1.0)
     assert half.moment(3) == pytest.approx(2.29328419707, rel=1e-10)  # prototype
     assert half.diffusion_coefficient == pytest.approx(0.264737814294, rel=1e-10)
-
-
-def test_heated_from_rest():
-    scene = one_l(0.5, 3, heating=1.0, initial="rest", times=[0.3, 1.0, 3.0, 10.0],
-                  outputs=("thermal_speed", "msd"))  # fmt: skip
-    solution = solve(scene)
-    square = [1.6749445393, 4.0976132511, 5.3927428231, 5.4400273913]  # prototype
-    assert solution.thermal_speed**2 == pytest.approx(square, rel=1e-8)
-    msd = [0.049032632436, 1.1859428, 9.2512541802, 40.961352774]
-    assert solution.msd == pytest.approx(msd, rel=3e-8)
 
 
 # -- a restitution that depends on the impact speed ------------------------------------------------
