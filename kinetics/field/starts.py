@@ -100,14 +100,10 @@ class Velocities:
         """
         out = np.zeros((times.size, len(fields), count, panels.size))
         for part in np.array_split(np.arange(self.along.size), 1 + self.along.size // TOGETHER):
-            a, q = np.broadcast_arrays(
-                self.along[part], self.across[part] * np.ones((times.size, 1))
-            )
-            t = np.broadcast_to(times[:, None], a.shape)
-            v = np.hypot(a + t, q)
-            safe = np.where(v > 0.0, v, 1.0)
-            cosine = np.where(v > 0.0, (a + t) / safe, 1.0)
-            flat = angular(cosine.ravel(), (q / safe).ravel(), count, self.dimension)
+            a, q, t = np.broadcast_arrays(self.along[part], self.across[part], times[:, None])
+            v = np.maximum(np.hypot(a + t, q), 1e-300)
+            cosine, sine = (a + t) / v, q / v
+            flat = angular(cosine.ravel(), sine.ravel(), count, self.dimension)
             tables = [table.reshape(count, *a.shape).swapaxes(0, 1) for table in flat]
             rows = panels.interpolation(np.minimum(v, panels.highest).ravel())
             left = self.weight[part] * np.exp(-free_way(a, q, t))
