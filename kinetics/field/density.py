@@ -78,7 +78,7 @@ class LastFlights:
 
     def _piece(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """The same, of a few velocities."""
-        longest, side = -math.log(_NEGLIGIBLE), np.abs(across)
+        longest, side = -math.log(_NEGLIGIBLE), np.minimum(np.abs(across), self._panels.highest)
         with np.errstate(over="ignore", divide="ignore"):
             # the way that a tracer falls is never shorter than along, or across, the field alone
             square = along * np.abs(along) - 2.0 * longest

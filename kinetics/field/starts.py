@@ -34,7 +34,7 @@ def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         gained = np.where(first + last > 0.0, time * (u + a) / (first + last), 0.0)
         nearest = np.where(a > 0.0, first + a, q * q / (first - a))
-        turned = q * q * np.log1p((time + gained) / nearest)
+        turned = q * q * np.log1p(np.maximum(time + gained, 0.0) / nearest)
     turned = np.where(is_straight | (q == 0.0), 0.0, turned)
     straight = np.where(is_straight & (a < 0.0), 0.5 * (u * np.abs(u) - a * np.abs(a)), 0.0)
     bent = 0.5 * (time * last + a * gained + turned)

@@ -117,7 +117,9 @@ def test_density(d: int) -> None:
     assert f.min() > -1e-9
     assert (w * v ** (d - 1)) @ f @ share == pytest.approx(1.0, abs=1e-6)
     assert (w * v**d) @ f @ (share * np.cos(phi)) == pytest.approx(state.drift, abs=1e-6)
-    assert np.all(state.vdf([100.0], [0.0]) == 0.0)
+    assert np.all(state.vdf([100.0, 1e200], [0.0, 1.0, 3.0]) == 0.0)
+    ray = state.vdf([1e-3, 1.0], [0.0, 1e-12, 1e-9, 1e-7])
+    assert ray == pytest.approx(np.repeat(ray[:, :1], 4, axis=1), rel=1e-5)
 
 
 def test_density_on_the_ray_along_the_field() -> None:
