@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from kinetics.collision import CollisionLaw as CollisionLaw
     from kinetics.driven.field import FieldState as FieldState
     from kinetics.driven.field import solve_field as solve_field
-    from kinetics.driven.restitution import Viscoelastic as Viscoelastic
     from kinetics.driven.steady import DrivenState as DrivenState
     from kinetics.driven.steady import solve_steady as solve_steady
     from kinetics.errors import InputError as InputError
     from kinetics.errors import SolverStatus as SolverStatus
     from kinetics.errors import ToleranceWarning as ToleranceWarning
+    from kinetics.field.restitution import Viscoelastic as Viscoelastic
     from kinetics.results import load as load
     from kinetics.scaling.closed_form import ScalingSolution as ScalingSolution
     from kinetics.scaling.scaled_vdf import ScaledVDF as ScaledVDF
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 _SHOWN = {
     "collision": "CollisionLaw",
     "driven.field": "FieldState solve_field",
-    "driven.restitution": "Viscoelastic",
+    "field.restitution": "Viscoelastic",
     "driven.steady": "DrivenState solve_steady",
     "errors": "InputError SolverStatus ToleranceWarning",
     "results": "load",
@@ -64,7 +64,7 @@ _HIDDEN = {
     "crosscheck": "Comparison",
     "driven.field": "FieldUnits",
     "errors": "PlanStep",
-    "driven.restitution": "RestitutionFunction TabulatedRestitution",
+    "field.restitution": "RestitutionFunction TabulatedRestitution",
     "moments.by_collision": "ByCollision",
     "states.kinds": "Rest",
 }

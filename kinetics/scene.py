@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
-from kinetics.driven.restitution import impact_restitution
-from kinetics.driven.system import DRIVES, System, checked_drives
+from kinetics.field.restitution import impact_restitution
+from kinetics.field.system import DRIVES, System, checked_drives
 from kinetics.numerics import FloatArray
 from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 from kinetics.results import Value

@@ -36,7 +36,7 @@ ROOMS: dict[str, set[str]] = {
     "field": BASE | {"states"},
     "driven": BASE | {"states", "field"},
     "outputs": {"moments"},
-    "scene": BASE | {"states", "outputs", "driven"},
+    "scene": BASE | {"states", "outputs", "field"},
     "solver": BASE | {"moments", "densities", "position", "field", "driven", "outputs", "scene"},
     "solution": BASE | VELOCITY | QUESTION | {"position"},
 }

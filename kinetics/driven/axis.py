@@ -105,7 +105,7 @@ class SpeedAxis:
         x = np.arcsinh(y * (self.highest / self.scale)) / self._span
         return np.clip(x if self.power == 1.0 else x ** (1.0 / self.power), 0.0, 1.0)
 
-    def rows(self, v: FloatArray, parity: int = 0) -> FloatArray:
+    def interpolation(self, v: FloatArray, parity: int = 0) -> FloatArray:
         """Interpolation to speeds v (n,), shape (n, size)."""
         x = self.local(v)
         nodes, weights = self._points
@@ -152,11 +152,12 @@ class SpeedAxis:
 
     # -- densities, from the averages of the polynomials that are 1 at one point, 0 at the others --
 
-    def averaged(self, density: Callable[[FloatArray], FloatArray], parity: int) -> FloatArray:
+    def averaged(self, density: Callable[[FloatArray], Any], parity: int, kinks: Any) -> Any:
         """These averages over a density of the speed, (size,)."""
+        del kinks  # few nodes are enough between them: polynomials are of the whole axis
         x, w = gauss_legendre(4 * self.size)
         v = self._speed(x)
-        return np.asarray((w * self._stretch(x) * density(v)) @ self.rows(v, parity))
+        return (w * self._stretch(x) * density(v)) @ self.interpolation(v, parity)
 
     def density(self, sums: FloatArray, v: FloatArray, dimension: int) -> FloatArray:
         """f at speeds v (n,), where f_m v^(d-1) has these averages (M + 1, size): (M + 1, n).

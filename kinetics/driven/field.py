@@ -11,18 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.driven.steady import SteadyState, solved
-from kinetics.driven.system import System
+from kinetics.driven.generator import solved
+from kinetics.driven.steady import SteadyState
 from kinetics.errors import ToleranceWarning
+from kinetics.field.density import SteadyDensity
 from kinetics.field.grid import Resolution
-from kinetics.field.steady import SteadyDensity
+from kinetics.field.system import System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Value
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
 
-_BEST_DENSITY, _WORST_DENSITY = 1e-6, 1e-2
-_DENSITY_RATIO = 300.0  # a resolution that is enough for averages leaves more of the density
-_LOOKED_AT = 60  # velocities of which the error of the density is found, and as many again
 _FIGURES = {
     "drift": ("sqrt(g l)", "<v_x>, the percolation velocity"),
     "mean_square_speed": ("g l", "<v^2>"),
@@ -50,9 +48,7 @@ class FieldState(SteadyState):
     mean_speed : <v> in sqrt(g l): the number of collisions in a time sqrt(l/g)
     diffusion_parallel, diffusion_perpendicular : half the growth rate of the variance along the
         field, and in one direction across it, in sqrt(g l^3)
-    error_estimate : relative error of these figures
-    status, message : SolverStatus, and in words what misses its tolerance and what to change
-    plan, stats : what was solved, and numbers about the work
+    error_estimate, status, message, plan, stats : see :class:`SteadyState`
     """
 
     tangential_restitution: float | None
@@ -100,11 +96,11 @@ class FieldState(SteadyState):
         across = np.outer(v_, np.sin(phi)).ravel()
         coarse, fine = self._densities
         found = fine.density(along, across)
-        order = np.argsort(np.abs(across))  # the closest to the ray, and some of all others
-        seen = np.union1d(order[:_LOOKED_AT], order[:: 1 + order.size // _LOOKED_AT])
+        order, few = np.argsort(np.abs(across)), 60  # the closest to the ray, and some of all
+        seen = np.union1d(order[:few], order[:: 1 + order.size // few])
         with np.errstate(invalid="ignore"):
             unsure = np.abs(found[seen] - coarse.density(along[seen], across[seen]))
-        allowed = min(max(_DENSITY_RATIO * self.rtol, _BEST_DENSITY), _WORST_DENSITY)
+        allowed = float(np.clip(300.0 * self.rtol, 1e-6, 1e-2))
         missed = float(np.nanmax(unsure, initial=0.0) / fine.harmonics[0].max())
         if missed > allowed:
             text = f"vdf: the error estimate {missed:.1e} exceeds {allowed:.1e}, at low speeds or"
@@ -128,44 +124,31 @@ class FieldState(SteadyState):
         In any consistent units: with m/s^2, m and 1/m^3 (1/m^2 for disks) the results are in m and
         s. Raises InputError unless all are finite numbers above 0.
         """
-        g = check_positive("acceleration", acceleration)
-        d = check_positive("diameter", diameter)
-        rho = check_positive("number_density", number_density)
+        given = {
+            "acceleration": acceleration,
+            "diameter": diameter,
+            "number_density": number_density,
+        }
+        g, d, rho = (check_positive(name, x) for name, x in given.items())
         path = self.law.mean_free_path(rho, d)
         speed, time = math.sqrt(g * path), math.sqrt(path / g)
         if not 0.0 < speed * path < math.inf:
             refuse("number_density", rho, "with this diameter it is out of range")
-        return FieldUnits(
-            mean_free_path=path,
-            time=time,
-            drift=self.drift * speed,
-            root_mean_square_speed=math.sqrt(self.mean_square_speed) * speed,
-            collision_rate=self.mean_speed / time,
-            diffusion_parallel=self.diffusion_parallel * speed * path,
-            diffusion_perpendicular=self.diffusion_perpendicular * speed * path,
-        )
+        drift, root = self.drift * speed, math.sqrt(self.mean_square_speed) * speed
+        spread = self.diffusion_parallel * speed * path, self.diffusion_perpendicular * speed * path
+        return FieldUnits(path, time, drift, root, self.mean_speed / time, *spread)
 
 
 @dataclass(frozen=True)
 class FieldUnits(Value):
-    """The steady state in one's own units of length and time; made by `FieldState.in_units`.
-
-    Attributes
-    ----------
-    mean_free_path : l
-    time : sqrt(l/g), in which the drift is reached
-    drift : the percolation velocity, along the field
-    root_mean_square_speed : sqrt(<v^2>)
-    collision_rate : collisions in the unit of time
-    diffusion_parallel, diffusion_perpendicular : about the drift, length^2/time
-    """
+    """The steady state in one's own units of length and time; made by `FieldState.in_units`."""
 
     mean_free_path: float
-    time: float
-    drift: float
+    time: float  # sqrt(l/g), in which the drift is reached
+    drift: float  # the percolation velocity, along the field
     root_mean_square_speed: float
     collision_rate: float
-    diffusion_parallel: float
+    diffusion_parallel: float  # about the drift, length^2/time
     diffusion_perpendicular: float
 
 

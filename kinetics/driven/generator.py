@@ -1,4 +1,4 @@
-r"""The generator of the velocity of a driven tracer, harmonic by harmonic.
+r"""The generator of the velocity of a driven tracer, harmonic by harmonic, and its steady state.
 
 Of a function h = sum_m H_m(v) Y_m of the velocity, Y_m = cos(m phi) in the plane and P_m(cos theta)
 in space about the field (family 0), or sin(m phi) and P_m^1(cos theta) cos(azimuth) across it
@@ -15,23 +15,28 @@ axis: they obey the transposed matrices, and averages over them are sums.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.driven.axis import SpeedAxis
-from kinetics.driven.system import System
-from kinetics.field.harmonics import down, up
+from kinetics.field.grid import bounces
+from kinetics.field.harmonics import Chain, across, along
+from kinetics.field.march import refined
+from kinetics.field.system import System
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 
-_ABSORBED, _FALL = 2.0, 8.0  # how strongly, and with which power of m/M, harmonics are damped
-_SINGULAR = 4  # the power by which points gather at slow impacts, where e varies as v_n^(1/5)
-_FIRST_HARMONICS = 54  # at most, so that one finer solution is still quick
-_TURNS = 1.0  # of a power of the speed, per node, in the average over bounces that scale
-_STOPPED = 14.0  # -ln s of bounces that count as one: so slow tracers, 1e-6, are as few as that
+_MOST_NODES, _MOST_HARMONICS = 180, 70
+_FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
+# Under noise the density next to rest has odd powers of v, and where impacts begin to stick it has a
+# root: errors fall as a power of the number of speeds, and up to 3.8 times as much is left as two
+# solutions differ by
+SLOWLY = 4.0
 _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
 
 
@@ -57,7 +62,8 @@ class Resolution:
         if system.only_falls:
             assert system.law is not None
             lossy = 1.0 + 0.4 * system.law.mean_log_loss  # then directions vary faster
-            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), _FIRST_HARMONICS)
+            # at most so many that one finer solution is left
+            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), 4 * _MOST_HARMONICS // 5 - 2)
             return cls(math.ceil((6.0 + 2.3 * digits) * lossy**0.4), 0, turns, 10.0**-digits)
         if not system.is_driven:
             nodes = 20.0 + 5.0 * digits
@@ -74,13 +80,14 @@ class Resolution:
         points = math.ceil(14.0 + 0.26 * digits**2 if system.field else 6.0 + 2.4 * digits)
         return cls(math.ceil(nodes), points, max(harmonics, math.ceil(coupled)), 10.0**-digits)
 
-    def finer(self) -> Resolution:
-        """With more of everything; harmonics only where a field couples them."""
-        m, more = self.harmonics, self.nodes // 5 + 3
+    @property
+    def finer(self) -> Resolution | None:
+        """With more of everything, harmonics only where a field couples them; None at the end."""
+        nodes = self.nodes + self.nodes // 5 + 3
         points = self.points + self.points // 5 + 3
-        return Resolution(
-            self.nodes + more, points, m if m < 3 else m + m // 4 + 2, 0.2 * self.rtol
-        )
+        m = self.harmonics if self.harmonics < 3 else self.harmonics + self.harmonics // 4 + 2
+        enough = nodes <= _MOST_NODES and m <= _MOST_HARMONICS
+        return Resolution(nodes, points, m, 0.2 * self.rtol) if enough else None
 
 
 class Generator:
@@ -97,12 +104,11 @@ class Generator:
             slope, second = slopes[m % 2], slopes[1 - m % 2] @ slopes[m % 2]
             spread = second + (d - 1.0) * inverse @ slope - m * (m + d - 2.0) * inverse**2
             matrix += noise * spread - system.drag * v[:, None] * slope
-            if system.field_rules:
-                # at low speeds it carries directions to ever higher harmonics: they leave here
-                lost = _ABSORBED * m * (m / max(self.harmonics, 1)) ** _FALL * system.field
-                matrix -= lost * axis.faded[:, None] * inverse
-        self._slopes = [axis.faded[:, None] * slope for slope in slopes]
-        self._inverse = axis.faded[:, None] * inverse
+        # distributions, as averages of the polynomials, obey the transposed matrices
+        inverse = axis.faded / v
+        pull = [-(axis.faded[:, None] * one).T - np.diag((d - 1.0) * inverse) for one in slopes]
+        lost = -self.matrices.swapaxes(1, 2)
+        self.chain = Chain(d, lost, (pull[1], pull[0]), inverse, system.field, system.field_rules)
 
     def _impacts(self, v: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosine of the normal to the velocity, q, and the rate of each quadrature point."""
@@ -142,7 +148,8 @@ class Generator:
         x, weight = gauss_legendre(count)
         if not self.system.is_singular:
             return x, weight
-        return x**_SINGULAR, weight * _SINGULAR * x ** (_SINGULAR - 1.0)
+        power = 4.0  # as e varies as v_n^(1/5)
+        return x**power, weight * power * x ** (power - 1.0)
 
     def _collide(self) -> None:
         """Matrices of collisions for each harmonic, and the rate at each speed."""
@@ -177,51 +184,116 @@ class Generator:
     def _scaled(self, law: CollisionLaw) -> FloatArray:
         """The matrices where all speeds have the same bounces: what changes, without rounding."""
         axis, v = self.axis, self.axis.speeds
-        q = law.quadrature_for(_TURNS * axis.size, self.harmonics // 2)
-        gone = np.array(list(q.harmonic_losses(self.harmonics)))
-        kept, lost = q.weight * (1.0 - gone), q.log_loss
-        stopped = lost > _STOPPED
-        if stopped.any():
-            mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
-            kept = np.c_[kept[:, ~stopped], kept[:, stopped].sum(axis=1)]
-            lost = np.append(lost[~stopped], -np.log(mean))
+        kept, gone, lost = bounces(law, axis.size, self.harmonics)
         changed = np.stack([change @ kept.T for change in axis.changes(lost)], axis=-1)
         out = v[:, None] * (changed.swapaxes(0, 1) @ axis.to_coefficients(0))
         place = np.arange(v.size)
-        out[:, place, place] -= np.outer(gone @ q.weight, v)
+        out[:, place, place] -= np.outer(gone.sum(axis=1), v)
         return np.asarray(out)
 
-    def raised(self, m: int, family: int) -> FloatArray:
-        """What d/dv_x of harmonic m adds to harmonic m + 1."""
-        return np.asarray(
-            up(m, family, self.system.dimension) * (self._slopes[m % 2] - m * self._inverse)
-        )
 
-    def lowered(self, m: int, family: int) -> FloatArray:
-        """What d/dv_x of harmonic m adds to harmonic m - 1."""
-        turn = (m + self.system.dimension - 2) * self._inverse
-        return np.asarray(down(m, family, self.system.dimension) * (self._slopes[m % 2] + turn))
+class Steady:
+    """The steady state at one resolution; with sticking, that of the tracers that still move."""
 
-    def pulled(self, sums: FloatArray) -> FloatArray:
-        """What a unit field adds to a distribution of family 0 per unit time."""
-        out = np.zeros_like(sums)
-        for m in range(self.harmonics):
-            out[m] += self.raised(m, 0).T @ sums[m + 1]
-            out[m + 1] += self.lowered(m + 1, 0).T @ sums[m]
-        return out
+    def __init__(self, system: System, resolution: Resolution) -> None:
+        alone, fading = system.only_falls, not system.field or system.capture_speed > 0.0
+        top = system.top((1e-5 if alone else 0.01) * resolution.rtol)
+        scale, power = (0.2 * top, 2.0) if alone else (system.scale, 1.0)
+        smooth = system.bath_speed > 0.0
+        self.axis = axis = SpeedAxis(top, scale, resolution.nodes, power, smooth, fading)
+        self.generator = one = Generator(system, axis, resolution)
+        v, self.system, self.resolution = axis.speeds, system, resolution
+        self.finer = resolution.finer
+        nothing = np.zeros((resolution.harmonics + 1, v.size))
+        self.decay = 0.0
+        if system.capture_speed:
+            solver = one.chain.elimination()
+            start = nothing.copy()
+            start[0] = v * np.exp(-v / v[v.size // 2])
+            self.sums, time = _slowest(solver, start, lambda f: f)
+            self.decay = 1.0 / time
+        else:
+            border = np.ones(v.size), v * np.exp(-v / v[v.size // 2])
+            solver = one.chain.elimination(border=border)
+            self.sums = solver.solve(nothing, 1.0)
+        self.solver = solver
 
-    def elimination(
-        self, family: int = 0, shift: complex = 0.0, border: FloatArray | None = None
-    ) -> BlockElimination:
-        """For (shift - L^T) f = source; border : a source (nodes,) where L^T alone is singular."""
-        field, rate = self.system.field, shift if shift.imag else shift.real
-        diagonal = np.diag(np.full(self.axis.size, rate))
-        return BlockElimination(
-            family,
-            self.harmonics,
-            lambda m: diagonal - self.matrices[m].T,
-            lambda m: -field * self.lowered(m, family).T,
-            lambda m: -field * self.raised(m, family).T,
-            field > 0.0,
-            None if border is None else (np.ones(self.axis.size), border),
-        )
+    def average(self, p: float, m: int) -> float:
+        """<v^p Y_m>; p may be any number above -d."""
+        sums, v = self.sums[m], self.axis.speeds
+        if p >= 0.0:
+            return float(v**p @ sums)
+        x, w = gauss_legendre(max(200, 4 * v.size))
+        top, d, power = self.axis.highest, self.system.dimension, 12
+        speed, weight = top * x**power, w * power * x ** (power - 1.0) * top
+        f = self.axis.density(self.sums[: m + 1], speed, d)[m]
+        return float((weight * speed ** (p + d - 1.0)) @ f)
+
+    @cached_property
+    def figures(self) -> FloatArray:
+        """The figures of `steady.DrivenState`, (8,)."""
+        one, v, d = self.generator, self.axis.speeds, self.system.dimension
+        drift, second, fourth = self.average(1, 1), self.average(2, 0), self.average(4, 0)
+        cosine = self.average(2, 2) if one.harmonics > 1 else 0.0
+        rate = float(one.rate @ self.sums[0])
+        spread = [math.nan] * 3
+        if not self.system.capture_speed:
+            moved = v * along(self.sums, 0, d) - drift * self.sums
+            turned = one.chain.elimination(1).solve((v * across(self.sums, 0, d))[1:])
+            spread = [float(v @ self.solver.solve(moved)[1]), float(v @ turned[0])]
+            if self.system.only_falls:  # speeds are in proportion to sqrt(g)
+                spread += [0.5 * drift / self.system.field]
+            else:
+                spread += [float(v @ self.solver.solve(one.chain.pulled(self.sums))[1])]
+        excess = d * fourth / ((d + 2.0) * second**2) - 1.0
+        square = (second + (d - 1.0) * cosine) / d
+        return np.array([math.sqrt(second), excess, drift, square, rate, *spread])
+
+    @cached_property
+    def depth(self) -> float:
+        """Z, with which the share of tracers that get further down a field falls, exp(-x/Z)."""
+        v, d = self.axis.speeds, self.system.dimension
+        return _slowest(self.solver, self.sums, lambda f: v * along(f, 0, d))[1]
+
+    def apart(self, coarse: Steady) -> dict[str, float]:
+        """The largest difference of the figures from a coarser solution's, relative to each.
+
+        1 + a2 for a2; the drift relative to the thermal speed, unless a field alone drives.
+        """
+        scale = np.abs(self.figures)
+        scale[1] = 1.0
+        if not self.system.only_falls:
+            scale[2] = self.figures[0]
+        apart = np.abs(self.figures - coarse.figures) / scale
+        if self.system.capture_speed:
+            apart = np.append(apart[:5], abs(coarse.decay / self.decay - 1.0))
+            if self.system.field:
+                apart = np.append(apart, abs(coarse.depth / self.depth - 1.0))
+        worst = float(np.max(apart))
+        if self.system.heating:
+            worst *= SLOWLY
+        return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
+
+
+def _slowest(
+    elimination: BlockElimination,
+    f: FloatArray,
+    weighed: Callable[[FloatArray], FloatArray],
+    turns: int = 400,
+) -> tuple[FloatArray, float]:
+    """f with -L^T f = weighed(f)/T and the longest T: its sum is 1, and T; NaN if not found."""
+    size = 0.0
+    for _ in range(turns):
+        f = elimination.solve(weighed(f))
+        before, size = size, float(f[0].sum())
+        f = f / size
+        if abs(size - before) <= 0.1 * _FLOOR * abs(size):
+            return f, size
+    return f, math.nan
+
+
+def solved(system: System, rtol: float) -> tuple[Steady, float]:
+    """The first that differs from a coarser one by less than rtol, or the best; and its error."""
+    first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
+    fine, errors = refined(partial(Steady, system), first, Steady.apart, {"averages": rtol})
+    return fine, errors["averages"]

@@ -25,15 +25,12 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
 
-_FACTORS, _PATH = 12, 64  # of the product as they are; points of the integral over the others
+_FACTORS, _PATH = 12, 64  # of the product as they are; points of integrals, and of lines at once
 _END = 2.0 + 3.0 * _FACTORS  # lambda's argument where that begins
-_STEP = 3  # points of the integral over a step along a line
 _NEGLIGIBLE = 39.0  # e^-39 = 1e-17
-_APART, _SERVED = 2.0, 1.2  # of lines, in deviations; at the ends each serves so many of them
+_APART = 2.0  # of lines, in deviations; at the ends each serves somewhat more than half of it
 _LOWEST = 0.4  # the lowest line above -d, where the density is that at rest
 _AT_REST = 1e-9  # a speed at which the density is what it is at rest
-_BLOCK = 64  # points of a line at once
-_MOST = 2000  # of a line: never reached
 
 
 def log_moment(
@@ -72,7 +69,7 @@ def density(law: CollisionLaw, v: FloatArray, lines: list[Line]) -> FloatArray:
     """
     x, d = np.log(np.maximum(v, _AT_REST)), law.dimension
     lines[:] = lines or [Line(law, 0.0)]
-    while x.max(initial=0.0) > lines[-1].centre + _SERVED * lines[-1].deviation:
+    while x.max(initial=0.0) > lines[-1].centre + 0.6 * _APART * lines[-1].deviation:
         lines.append(Line(law, lines[-1].exponent + _APART / lines[-1].deviation))
     while (end := lines[0]).exponent > _LOWEST - d:
         lines.insert(0, Line(law, max(end.exponent - _APART / end.deviation, _LOWEST - d)))
@@ -100,14 +97,14 @@ class Line:
         self._log, found = float(near[1]), [np.ones(1, dtype=complex)]
         node, weight = gauss_legendre(_PATH)
         path = exponent * complex(_log_rate(law, _END + exponent * node) @ weight)
-        node, weight = gauss_legendre(_STEP)
+        node, weight = gauss_legendre(3)
         count = 0
-        while np.abs(found[-1][-4:]).max() > math.exp(-_NEGLIGIBLE) and count < _MOST:
-            z = exponent + 1j * step * np.arange(count, count + _BLOCK)
+        while np.abs(found[-1][-4:]).max() > math.exp(-_NEGLIGIBLE):
+            z = exponent + 1j * step * np.arange(count, count + _PATH)
             parts = 1j * step * (_log_rate(law, _END + z[:, None] + 1j * step * node) @ weight)
             paths = path + np.cumsum(parts)
             found.append(np.exp(log_moment(law, z + 1j * step, paths) - self._log))
-            path, count = complex(paths[-1]), count + _BLOCK
+            path, count = complex(paths[-1]), count + _PATH
         self._samples = np.concatenate(found)
 
     def density(self, x: FloatArray) -> FloatArray:

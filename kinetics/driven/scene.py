@@ -5,43 +5,28 @@ from __future__ import annotations
 import bisect
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from scipy.special import logsumexp
 
 from kinetics.driven.axis import FADING, SpeedAxis
-from kinetics.driven.generator import Generator, Resolution
-from kinetics.driven.steady import SLOWLY, angular_sum
-from kinetics.driven.system import System
+from kinetics.driven.generator import SLOWLY, Generator, Resolution
+from kinetics.driven.steady import angular_sum
 from kinetics.errors import InputError
 from kinetics.field import radau
 from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
 from kinetics.field.scene import DENSITIES, FieldScene
+from kinetics.field.starts import Start
+from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.kinds import Rest
 from kinetics.states.state import State
 
-_MOST_NODES, _MOST_HARMONICS, _MOST_STEPS = 180, 50, 2000
 _RANGE = 6.0  # of the highest speeds at times that are solved together
-_DECADES = 10.0  # the power of the axis where nothing drives: v^(1/10) is smooth on it
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
-_TAIL = 1e-3  # of the tolerance: the share of tracers above the top
 _TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
-
-
-class _Equation(Equation):
-    """The averages of the polynomials of the axis over f, and over x f and y f.
-
-    along_only : without a field, from an isotropic start, y f is as x f
-    """
-
-    def __init__(self, generator: Generator, along_only: bool) -> None:
-        v, fields = generator.axis.speeds, [("f", 0), ("x", 0), ("y", 1)]
-        fields = fields[:2] if along_only else fields
-        super().__init__(fields, generator.system.dimension, v, np.ones(v.size), generator.rate)
-        self.elimination = generator.elimination  # type: ignore[method-assign]
 
 
 def _scale(system: System, time: float, top: float) -> float:
@@ -52,11 +37,11 @@ def _scale(system: System, time: float, top: float) -> float:
 class _Evolution(March):
     """One start over time, in units of l and U; as in a field, on the axis of driven tracers."""
 
-    most_steps = _MOST_STEPS
+    most_steps = 2000
 
     def __init__(
-        self, system: System, state: State, times: FloatArray, resolution: Resolution,
-        asked: frozenset[str], densities: bool, isotropic: bool,
+        self, system: System, state: State, times: FloatArray, asked: frozenset[str],
+        densities: bool, isotropic: bool, resolution: Resolution,
     ) -> None:  # fmt: skip
         """isotropic : only the speeds of the start count."""
         self.times, self.resolution, self.asked = times, resolution, asked
@@ -65,28 +50,25 @@ class _Evolution(March):
             state.harmonic(m, 0.1 * resolution.rtol, 0.0, 4.0)
             for m in range(1 if isotropic else resolution.harmonics + 1)
         ]
-        assert measures[0] is not None
-        fastest = float(np.exp(measures[0].x.max()))
-        driven, tail = system.is_driven, _TAIL * resolution.rtol
-        if driven:  # what fades towards the top changes averages of the start by less than the tail
-            share = logsumexp(FADING * measures[0].x, b=abs(measures[0].weight)) - math.log(tail)
+        start = Start(tuple(measures), 1.0)
+        if not start.is_symmetric:
+            text = "in a field, and for outputs with a direction, it must be symmetric"
+            raise InputError(f"initial: of a driven tracer, {text} about the x axis")
+        driven, tail, fastest = system.is_driven, TAIL * resolution.rtol, start.highest
+        if driven and (speeds := measures[0]) is not None:
+            # what fades towards the top changes averages of the start by less than the tail does
+            share = logsumexp(FADING * speeds.x, b=abs(speeds.weight)) - math.log(tail)
             fastest = max(fastest, math.exp(share / FADING))
         top = system.top(tail, last, fastest)
-        power, scale = (1.0, _scale(system, last, top)) if driven else (_DECADES, 8.0 * top)
+        power, scale = (1.0, _scale(system, last, top)) if driven else (10.0, 8.0 * top)
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
         self.axis = axis
-        equation = _Equation(Generator(system, axis, resolution), isotropic)
-        begin = np.zeros((len(equation.fields), resolution.harmonics + 1, axis.size))
-        for m, measure in enumerate(measures):
-            if measure is not None:
-                if np.iscomplexobj(measure.weight) and np.abs(measure.weight.imag).max() > 1e-9:
-                    text = "in a field, and for outputs with a direction, it must be symmetric"
-                    raise InputError(f"initial: of a driven tracer, {text} about the x axis")
-                profile = state.profile(m) if densities else None
-                if profile is None:
-                    begin[0, m] = measure.weight.real @ axis.rows(np.exp(measure.x), m % 2)
-                else:
-                    begin[0, m] = axis.averaged(lambda v, of=profile: np.real(of(v)), m % 2)  # type: ignore[misc]
+        one, fields = Generator(system, axis, resolution), [("f", 0), ("x", 0), ("y", 1)]
+        if isotropic:  # y f is as x f
+            fields = fields[:2]
+        equation = Equation(one.chain, fields, axis.speeds, np.ones(axis.size), one.rate)
+        begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
+        begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
         self.sums = np.zeros((times.size, *begin.shape[1:]))
         self._run(equation, begin, fastest)
         if isinstance(state, Rest):  # at time 0 all but "1" is 0, not what rounding leaves
@@ -95,9 +77,7 @@ class _Evolution(March):
     @property
     def finer(self) -> Resolution | None:
         """A finer resolution; None where there is none."""
-        more = self.resolution.finer()
-        enough = more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS
-        return more if enough and self.steps < _MOST_STEPS else None
+        return self.resolution.finer if self.steps < self.most_steps else None
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self._densities:
@@ -130,42 +110,38 @@ class DrivenScene(FieldScene):
         return parts, worst
 
     def _top(self, i: int) -> float:
-        return self.system.top(_TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)
+        return self.system.top(TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)
 
     def _refined(self, times: FloatArray) -> tuple[_Evolution, dict[str, float]]:
         """The best solution up to some times, and its errors."""
         last = max(float(times[-1]), SHORTEST_TIME)
-        scale = _scale(self.system, last, math.inf)
-        span = math.asinh(self.system.top(_TAIL * self.rtol, last, 6.0) / scale)
+        top = self.system.top(TAIL * self.rtol, last, 6.0)
+        span = math.asinh(top / _scale(self.system, last, math.inf))
         there = self.state.highest_harmonic
-        first = Resolution.first(
-            self.system, self.rtol, span, max(2, 2 if there is None else there)
-        )
+        first = Resolution.first(self.system, self.rtol, span, max(2, there or 0))
         # without a field what has no direction forgets those of the start
         directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
         alike = not self.system.field and (there == 0 or not directed)
-        asked = self._asked | ({"1"} if self.system.capture_speed else set())
-        rest = asked, DENSITIES in self.allowed, alike
-
-        def solve(resolution: Resolution) -> _Evolution:
-            return _Evolution(self.system, self.state, times, resolution, *rest)
-
+        names = self._asked | ({"1"} if self.system.capture_speed else set())
+        asked = names, DENSITIES in self.allowed, alike
+        solve = partial(_Evolution, self.system, self.state, times, *asked)
         return refined(solve, first, self._apart, self.allowed)
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:
-        """How far two solutions are apart; densities of the speed, over their maximum."""
-        # where impacts begin to stick averages bend sharply, unless a bath smooths them
+        """Where impacts begin to stick averages bend sharply, unless a bath smooths them."""
         slowly = self.system.capture_speed > 0.0 and not self.system.bath_speed
-        errors = {"averages": one.difference(two) * (SLOWLY if slowly else 1.0)}
-        if DENSITIES in self.allowed:
-            worst = 0.0
-            for i, square in enumerate(one.values[:, ALL.index("v^2")]):
-                v = math.sqrt(max(square, 0.0)) * _TRIED
-                f, other = (self._speed_density(e, i, v) for e in (one, two))
-                apart = float(np.abs(f - other).max() / max(np.abs(f).max(), 1e-300))
-                worst = max(worst, apart if math.isfinite(apart) else math.inf)
-            errors[DENSITIES] = worst
-        return errors
+        errors = super()._apart(one, two)
+        return errors | {"averages": errors["averages"] * (SLOWLY if slowly else 1.0)}
+
+    def _densities_apart(self, one: Any, two: Any) -> float:
+        """Of the speed, over their maximum."""
+        worst = 0.0
+        for i, square in enumerate(one.values[:, ALL.index("v^2")]):
+            v = math.sqrt(max(square, 0.0)) * _TRIED
+            f, other = (self._speed_density(e, i, v) for e in (one, two))
+            apart = float(np.abs(f - other).max() / max(np.abs(f).max(), 1e-300))
+            worst = max(worst, apart if math.isfinite(apart) else math.inf)
+        return worst
 
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
@@ -197,9 +173,8 @@ class DrivenScene(FieldScene):
 
     def speed_density(self, v: FloatArray) -> FloatArray:
         """In 1/U at all times, shape (n_times, n_v)."""
-        return np.array(
-            [self._speed_density(one, i, v) for one in self._parts for i in range(one.times.size)]
-        )
+        parts = ((one, i) for one in self._parts for i in range(one.times.size))
+        return np.array([self._speed_density(one, i, v) for one, i in parts])
 
     def _speed_density(self, one: _Evolution, i: int, v: FloatArray) -> FloatArray:
         d = self.law.dimension
@@ -207,11 +182,5 @@ class DrivenScene(FieldScene):
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""
-        d = self.law.dimension
-        return np.array(
-            [
-                angular_sum(one.axis.density(f, v, d), phi, d)
-                for one in self._parts
-                for f in one.sums
-            ]
-        )
+        d, parts = self.law.dimension, ((one.axis, f) for one in self._parts for f in one.sums)
+        return np.array([angular_sum(axis.density(f, v, d), phi, d) for axis, f in parts])

@@ -1,37 +1,25 @@
-"""The steady state of a driven tracer: its solution, and `solve_steady` with its answer."""
+"""`solve_steady` and its answer: the steady state of a driven tracer."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import astuple, dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.driven.axis import SpeedAxis
-from kinetics.driven.generator import Generator, Resolution
+from kinetics.driven.generator import Resolution, Steady, solved
 from kinetics.driven.heated import Line, density, log_moment
-from kinetics.driven.system import DRIVES, System
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged
-from kinetics.field.harmonics import across, along, angular, norms
-from kinetics.field.march import refined
+from kinetics.field.harmonics import angular, norms
+from kinetics.field.system import DRIVES, System
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.numerics.blocks import BlockElimination
-from kinetics.numerics.gauss import gauss_legendre
 from kinetics.results import Result, dataset, variable
 from kinetics.validation import check_rtol, finite_line, real_number, refuse, speeds, whole_number
 
-_FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
-_MOST_NODES, _MOST_HARMONICS = 150, 70
-_MOST_TURNS, _SETTLED = 400, 1e-13  # of the iteration for the slowest decay, when tracers stick
-_HIGHEST_POWER = 20.0
-# Under noise the density next to rest has odd powers of v: errors fall as a power of the number of
-# speeds, and up to 3.8 times as much is left as two solutions differ by
-SLOWLY = 4.0
-_LONG = 5.0  # the highest speed over the scale of the axis, where only a field drives
 _FIGURES = {
     "thermal_speed": ("1", "sqrt(<v^2>)"),
     "a2": ("1", "d <v^4>/((d + 2) <v^2>^2) - 1"),
@@ -45,117 +33,14 @@ _FIGURES = {
 """Figures -> unit, where speeds have none, and words."""
 
 
-class Steady:
-    """The steady state at one resolution; with sticking, that of the tracers that still move."""
-
-    def __init__(self, system: System, resolution: Resolution) -> None:
-        alone, fading = system.only_falls, not system.field or system.capture_speed > 0.0
-        top = system.top((1e-5 if alone else 0.01) * resolution.rtol)
-        scale, power = (top / _LONG, 2.0) if alone else (system.scale, 1.0)
-        smooth = system.bath_speed > 0.0
-        self.axis = axis = SpeedAxis(top, scale, resolution.nodes, power, smooth, fading)
-        self.generator = one = Generator(system, axis, resolution)
-        v, self.system, self.resolution = axis.speeds, system, resolution
-        nothing = np.zeros((resolution.harmonics + 1, v.size))
-        self.decay = 0.0
-        if system.capture_speed:
-            solver = one.elimination()
-            start = nothing.copy()
-            start[0] = v * np.exp(-v / v[v.size // 2])
-            self.sums, time = _slowest(solver, start, lambda f: f)
-            self.decay = 1.0 / time
-        else:
-            solver = one.elimination(border=v * np.exp(-v / v[v.size // 2]))
-            self.sums = solver.solve(nothing, 1.0)
-        self.solver = solver
-
-    def average(self, p: float, m: int) -> float:
-        """<v^p Y_m>; p may be any number above -d."""
-        sums, v = self.sums[m], self.axis.speeds
-        if p >= 0.0:
-            return float(v**p @ sums)
-        x, w = gauss_legendre(max(200, 4 * v.size))
-        top, d, power = self.axis.highest, self.system.dimension, 12
-        speed, weight = top * x**power, w * power * x ** (power - 1.0) * top
-        f = self.axis.density(self.sums[: m + 1], speed, d)[m]
-        return float((weight * speed ** (p + d - 1.0)) @ f)
-
-    @cached_property
-    def figures(self) -> FloatArray:
-        """The values of _FIGURES, (8,)."""
-        one, v, d = self.generator, self.axis.speeds, self.system.dimension
-        drift, second, fourth = self.average(1, 1), self.average(2, 0), self.average(4, 0)
-        cosine = self.average(2, 2) if one.harmonics > 1 else 0.0
-        rate = float(one.rate @ self.sums[0])
-        spread = [math.nan] * 3
-        if not self.system.capture_speed:
-            moved = v * along(self.sums, 0, d) - drift * self.sums
-            turned = one.elimination(1).solve((v * across(self.sums, 0, d))[1:])
-            spread = [float(v @ self.solver.solve(moved)[1]), float(v @ turned[0])]
-            if self.system.only_falls:  # speeds are in proportion to sqrt(g)
-                spread += [0.5 * drift / self.system.field]
-            else:
-                spread += [float(v @ self.solver.solve(one.pulled(self.sums))[1])]
-        excess = d * fourth / ((d + 2.0) * second**2) - 1.0
-        square = (second + (d - 1.0) * cosine) / d
-        return np.array([math.sqrt(second), excess, drift, square, rate, *spread])
-
-    @cached_property
-    def depth(self) -> float:
-        """Z, with which the share of tracers that get further down a field falls, exp(-x/Z)."""
-        v, d = self.axis.speeds, self.system.dimension
-        return _slowest(self.solver, self.sums, lambda f: v * along(f, 0, d))[1]
-
-    def apart(self, coarse: Steady) -> dict[str, float]:
-        """The largest difference of the figures from a coarser solution's, relative to each.
-
-        1 + a2 for a2; the drift relative to the thermal speed, unless a field alone drives.
-        """
-        scale = np.abs(self.figures)
-        scale[1] = 1.0
-        if not self.system.only_falls:
-            scale[2] = self.figures[0]
-        apart = np.abs(self.figures - coarse.figures) / scale
-        if self.system.capture_speed:
-            apart = np.append(apart[:5], abs(coarse.decay / self.decay - 1.0))
-            if self.system.field:
-                apart = np.append(apart, abs(coarse.depth / self.depth - 1.0))
-        worst = float(np.max(apart))
-        if self.system.heating:
-            worst *= SLOWLY
-        return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
-
-    @property
-    def finer(self) -> Resolution | None:
-        """A finer resolution; None where there is none."""
-        more = self.resolution.finer()
-        return more if more.nodes <= _MOST_NODES and more.harmonics <= _MOST_HARMONICS else None
-
-
-def _slowest(
-    elimination: BlockElimination, f: FloatArray, weighed: Callable[[FloatArray], FloatArray]
-) -> tuple[FloatArray, float]:
-    """f with -L^T f = weighed(f)/T and the longest T: its sum is 1, and T; NaN if not found."""
-    size = 0.0
-    for _ in range(_MOST_TURNS):
-        f = elimination.solve(weighed(f))
-        before, size = size, float(f[0].sum())
-        f = f / size
-        if abs(size - before) <= _SETTLED * abs(size):
-            return f, size
-    return f, math.nan
-
-
-def solved(system: System, rtol: float) -> tuple[Steady, float]:
-    """The first that differs from a coarser one by less than rtol, or the best; and its error."""
-    first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
-    fine, errors = refined(partial(Steady, system), first, Steady.apart, {"averages": rtol})
-    return fine, errors["averages"]
-
-
 @dataclass(frozen=True)
 class SteadyState(Result):
-    """What the answers of `solve_steady` and `kinetics.solve_field` share."""
+    """What the answers of `solve_steady` and `kinetics.solve_field` share.
+
+    error_estimate : relative error of the figures, the difference of two resolutions
+    status, message : SolverStatus, and in words what misses its tolerance and what to change
+    plan, stats : what was solved, and numbers about the work
+    """
 
     restitution: Any
     dimension: int
@@ -203,8 +88,8 @@ class SteadyState(Result):
     def _order(self, p: float, m: int, lowest: float) -> tuple[float, int]:
         """The arguments of `moment`, checked."""
         m = whole_number("m", m, 0, self._fine.resolution.harmonics)
-        allowed = f"for m = {m} it must be above {lowest:g}, and at most {_HIGHEST_POWER:g}"
-        return real_number("p", p, math.nextafter(lowest, 0.0), _HIGHEST_POWER, allowed), m
+        allowed = f"for m = {m} it must be above {lowest:g}, and at most 20"
+        return real_number("p", p, math.nextafter(lowest, 0.0), 20.0, allowed), m
 
     def _dataset(self: Any, only: Collection[str] | None = None, **points: Any) -> Any:
         """Points: speeds, and angles to the field in radians."""
@@ -259,9 +144,7 @@ class DrivenState(SteadyState):
     mobility : what a small further field adds to the drift, over that field; NaN where they stick
     capture_time, capture_depth : of tracers that stick, the time T and, in a field, the distance Z
         in which the number of those that still move falls by a factor e; else infinite
-    error_estimate : relative error of these figures, the difference of two resolutions
-    status, message : SolverStatus, and in words what misses its tolerance and what to change
-    plan, stats : what was solved, and numbers about the work
+    error_estimate, status, message, plan, stats : see :class:`SteadyState`
     """
 
     bath_speed: float
@@ -342,7 +225,7 @@ class DrivenState(SteadyState):
         speed = real_number("speed", speed, 0.0)
         one = self._fine
         start = np.zeros_like(one.sums)
-        start[0] = one.axis.rows(np.array([speed]))[0]
+        start[0] = one.axis.interpolation(np.array([speed]))[0]
         spent = one.solver.solve(start)
         depth = float(spent[1] @ one.axis.speeds)
         return depth, float(spent[0].sum()), float(spent[0] @ one.generator.rate)

@@ -14,25 +14,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebval
+from numpy.polynomial.legendre import legder, legval
+from scipy.special import roots_jacobi
 
+from kinetics.collision import CollisionLaw
 from kinetics.field import radau
-from kinetics.field.forward import Evolution
-from kinetics.field.grid import SpeedPanels
-from kinetics.field.harmonics import angular
-from kinetics.field.march import ALL
-from kinetics.field.starts import Velocities, free_way
+from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices
+from kinetics.field.harmonics import Chain, angular, norms
+from kinetics.field.march import ALL, Evolution
+from kinetics.field.starts import FEW, TOGETHER, Velocities, free_way
+from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.kinds import Beam
 from kinetics.states.state import State
 
-_LONGEST = 28.0  # mean free paths of a last flight: the chance of a longer one is 1e-12
-_INTERVALS, _FLIGHT_POINTS = 5, 10  # before and after the turning point: 1e-7 of the peak is missed
-_NEGLIGIBLE = 1e-12  # share of those that arrive
-_TOGETHER = 4000  # points of flights, so few that their harmonics stay in the cache
+_NEGLIGIBLE = 1e-12  # the chance of a last flight that is longer
+_LEFT_OUT = 1e-9  # of the largest harmonic of what collisions make: those that stay below it
+_POINTS, _FALL = 8, 9.0  # while the speed changes by e, or the chance by e^-9: 1e-8 is missed
 
 
 class LastFlights:
@@ -40,90 +44,92 @@ class LastFlights:
 
     steps : beginning, length, and v times what collisions make at the points of each step of time,
         (n_points, families, M + 1, size); of a steady state one step with one point
-    slowest : G varies on the scale of the speed; what varies below this one counts little
     """
 
     def __init__(
-        self,
-        panels: SpeedPanels,
-        dimension: int,
-        steps: list[tuple[float, float, FloatArray]],
-        slowest: float = 1e-2,
+        self, panels: SpeedPanels, dimension: int, steps: list[tuple[float, float, FloatArray]]
     ) -> None:
-        self._panels, self._dimension, self._slowest = panels, dimension, slowest
+        self._panels = panels
         self._starts = np.array([now for now, _, _ in steps])
         self._lengths = np.array([h for _, h, _ in steps])
-        self._points, self._families, self._count = steps[0][2].shape[:3]
+        self._points = len(steps[0][2])
+        least = _LEFT_OUT * max(np.abs(made).max() for _, _, made in steps)
+        polynomial, slope = (chebval, chebder) if dimension == 2 else (legval, legder)
+        self._sum = partial(polynomial, tensor=False)
         self._made = []
         for _, _, made in steps:
-            by_node = np.moveaxis(made, -1, 1)
-            flat = [by_node[:, p].reshape(-1, self._families * self._count) for p in panels.parts]
-            self._made.append(flat)
+            for p, part in enumerate(panels.parts):
+                # of polynomials in the speed, (families, harmonics, n_points, nodes)
+                found = np.moveaxis(made[..., part] @ panels.to_coefficients[p].T, 0, 2)
+                there = np.nonzero(np.abs(found).max(axis=(0, 2, 3)) > least)[0]
+                found = found[:, : there.max(initial=1) + 1]
+                flat: Any = found.reshape(*found.shape[:2], -1)
+                if len(flat) == 2:  # the harmonics of family 1 are sine times slopes of the others
+                    m = np.maximum(np.arange(flat.shape[1]), 1)[:, None] ** (3 - dimension)
+                    flat = [flat[0], slope(flat[1] / m)]
+                self._made.append(flat)
 
     def density(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """f at the velocities (n,) of tracers after a collision, in units of sqrt(g l)."""
         if time <= 0.0:
             return np.zeros(along.shape)
-        pieces = np.array_split(np.arange(along.size), max(1, along.size // 500))
+        pieces = np.array_split(np.arange(along.size), 1 + along.size // TOGETHER)
         return np.concatenate([self._piece(time, along[k], across[k]) for k in pieces])
 
     def _piece(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """The same, of a few velocities."""
-        with np.errstate(over="ignore"):
-            square = along**2 + across**2
-        straight = 2.0 * _LONGEST / np.sqrt(np.maximum(square, 4.0 * _LONGEST))
-        turned = np.maximum(along, 0.0) + np.sqrt(2.0 * _LONGEST)
-        last = np.minimum(time, np.where(square > 4.0 * _LONGEST, straight, turned))
-        unit = np.maximum(np.abs(across), self._slowest)
-        low, high = np.arcsinh((along - last) / unit), np.arcsinh(along / unit)
-        turn = np.clip(0.0, low, high)
-        share = np.arange(_INTERVALS + 1.0) / _INTERVALS
-        before = low[:, None] + (turn - low)[:, None] * share
-        after = turn[:, None] + (high - turn)[:, None] * share[1:]
-        ends = np.concatenate([before, after], axis=1)
-        x, w = gauss_legendre(_FLIGHT_POINTS)
-        width = np.diff(ends, axis=1)[:, :, None]
-        u = ends[:, :-1, None] + width * x
-        came = unit[:, None, None] * np.sinh(u)
-        s = np.clip(along[:, None, None] - came, 0.0, last[:, None, None])
-        back, side = (np.broadcast_to(part[:, None, None], s.shape) for part in (-along, across))
-        chance = np.exp(-free_way(back, side, s)) * width * w * unit[:, None, None] * np.cosh(u)
-        at, i, k = np.nonzero(chance > _NEGLIGIBLE)
-        found = self._gained(came[at, i, k], across[at], time - s[at, i, k])
-        return np.asarray(np.bincount(at, chance[at, i, k] * found, along.size), dtype=float)
+        longest, side = -math.log(_NEGLIGIBLE), np.minimum(np.abs(across), self._panels.highest)
+        with np.errstate(over="ignore", divide="ignore"):
+            # the way that a tracer falls is never shorter than along, or across, the field alone
+            square = along * np.abs(along) - 2.0 * longest
+            reach = np.sqrt(np.maximum(self._panels.highest**2 - side**2, 0.0))
+            first = along - np.minimum(time, longest / side)
+        first = np.maximum(first, np.sign(square) * np.sqrt(np.abs(square)))
+        # G varies on the scale of the speed, but little in the first panel
+        unit = np.maximum(side, 1e-3 * self._panels.edges[1])
+        first, last = (np.clip(u, -reach, reach) for u in (first, along))
+        turn = np.clip(0.0, first, last)  # intervals end at the turning point
+        begin, end = np.append(first, turn), np.append(turn, last)
+        falls = (end**2 + np.tile(side, 2) ** 2) / _FALL
+        begin, end = (np.arcsinh(u / np.tile(unit, 2)) for u in (begin, end))
+        count = np.ceil((end - begin) * np.maximum(falls, 1.0)).astype(int)
+        of = np.repeat(np.arange(begin.size), count)
+        which = np.arange(of.size) - np.repeat(np.cumsum(count) - count, count)
+        width = ((end - begin)[of] / count[of])[:, None]
+        x, w = gauss_legendre(_POINTS)
+        u = begin[of, None] + width * (which[:, None] + x)
+        of %= along.size
+        back, side, scale = (np.repeat(a[of], _POINTS) for a in (-along, across, unit))
+        came = scale * np.sinh(u.ravel())
+        s = np.maximum(-back - came, 0.0)
+        chance = np.exp(-free_way(back, side, s)) * (width * w).ravel() * np.hypot(came, scale)
+        found = chance * self._gained(came, side, time - s)
+        of_each = found.reshape(u.shape).sum(axis=1)
+        return np.asarray(np.bincount(of, of_each, along.size), dtype=float)
 
     def _gained(self, along: FloatArray, across: FloatArray, time: FloatArray) -> FloatArray:
-        """G at velocities and times, (n,)."""
-        panels, count = self._panels, self._count
-        v = np.hypot(along, across)
-        inside = (v < panels.highest) & (v > 0.0)
-        safe = np.where(v > 0.0, v, 1.0)
-        cosine, sine, v = along / safe, across / safe, np.minimum(v, panels.highest)
+        """G at velocities, none of them 0, and times, (n,)."""
+        panels, v = self._panels, np.hypot(along, across)
+        cosine, sine = along / v, across / v
         step = np.clip(np.searchsorted(self._starts, time, side="right") - 1, 0, None)
         key = step * len(panels.counts) + panels.panel_of(v)
         order = np.argsort(key, kind="stable")
-        out = np.zeros(v.size)
-        changes = np.nonzero(np.diff(key[order]))[0] + 1
-        for group in np.split(order, np.union1d(changes, np.arange(0, v.size, _TOGETHER))):
+        out = np.empty(v.size)
+        for group in np.split(order, np.nonzero(np.diff(key[order]))[0] + 1):
             if group.size == 0:
                 continue
             s, p = divmod(int(key[group[0]]), len(panels.counts))
-            both = panels.rows(p, v[group, None] - panels.speeds[panels.parts[p]])
+            rows = panels.polynomials(p, v[group])
             if self._points > 1:
                 in_time = radau.rows((time[group] - self._starts[s]) / self._lengths[s])
-                both = (in_time[:, :, None] * both[:, None, :]).reshape(group.size, -1)
-            found = both @ self._made[s][p]
-            tables = angular(cosine[group], sine[group], count, self._dimension, self._families)
-            for k, table in enumerate(tables):
-                part = found[:, k * count : (k + 1) * count]
-                out[group] += np.einsum("nm,mn->n", part, table)
-        return np.where(inside, out / safe, 0.0)
+                rows = (in_time[:, :, None] * rows[:, None, :]).reshape(group.size, -1)
+            found = [self._sum(cosine[group], one @ rows.T) for one in self._made[key[group[0]]]]
+            out[group] = found[0] if len(found) == 1 else found[0] + sine[group] * found[1]
+        return out / v
 
 
 _ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
 _CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
-_POINTS = 6  # in an interval of these
-_DIRECTIONS = 64  # of a start of one speed
 # velocities at which two solutions are compared, in units of the usual speed
 _TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
 _LOOKED_AT = np.linspace(0.1, 2.5, 17)  # speeds at which a density may not be below zero
@@ -140,15 +146,13 @@ class VelocityDensity:
 
     def __init__(self, evolution: Evolution, state: State, unit: float) -> None:
         self._evolution, self._state, self._speed = evolution, state, 1.0 / unit
-        self._dimension, self._families = evolution.law.dimension, evolution.equation.families
+        self._dimension, self._families = evolution.law.dimension, evolution.families
         self._flights = LastFlights(evolution.axis, self._dimension, evolution.made)
         self._is_sharp = is_sharp(state)
 
     def at(self, i: int, along: FloatArray, across: FloatArray) -> FloatArray:
         """f at the i-th time and velocities (n,), in sqrt(g l); without sharp velocities."""
         time = float(self._evolution.times[i])
-        if self._families == 1:  # each velocity once
-            across = np.abs(across)
         return self._flights.density(time, along, across) + self._smooth(time, along, across)
 
     def by_speed(self, i: int, v: FloatArray) -> FloatArray:
@@ -197,7 +201,7 @@ class VelocityDensity:
         if velocities is None and self._state.highest_harmonic == 0:
             speeds = start.measures[0]
             assert speeds is not None
-            velocities = Velocities.isotropic(speeds, self._speed, _DIRECTIONS, self._dimension)
+            velocities = Velocities.isotropic(speeds, self._speed, FEW, self._dimension)
         elif velocities is None:  # samples
             velocity = self._speed * np.asarray(self._state.velocity)  # type: ignore[attr-defined]
             velocities = Velocities.samples(velocity)
@@ -213,12 +217,64 @@ class VelocityDensity:
         there, top = self._state.highest_harmonic, self._evolution.resolution.harmonics
         last = top if there is None else min(there, top)
         even, odd = angular(u / v, across / v, max(last, 1) + 1, d)
+        of = norms(last + 1, d)[0, :, 0] * self._speed
         for m in range(last + 1):
             profile = self._state.profile(m)
             if profile is not None:
-                share = (1.0 if m == 0 else 2.0) if d == 2 else 2.0 * m + 1.0
-                value = share * np.asarray(profile(v / self._speed)) / self._speed
+                value = np.asarray(profile(v / self._speed)) / of[m]
                 # the harmonics have the factor exp(-i m phi)
                 out += np.real(value) * even[m] - np.imag(value) * odd[m]
-        out /= self._evolution.law.unit_surface * v ** (d - 1)
-        return out * np.exp(-free_way(u, across, np.full(u.shape, time)))
+        return out / v ** (d - 1) * np.exp(-free_way(u, across, np.full(u.shape, time)))
+
+
+class SteadyDensity:
+    """Harmonics of f on given panels; (field + collisions) f = 0, with mass 1.
+
+    law : the collision law, not elastic
+    one : panels and harmonics
+    """
+
+    def __init__(self, law: CollisionLaw, one: Resolution) -> None:
+        self.law = law
+        highest = System(law, law.dimension, field=1.0).top(TAIL * one.rtol)
+        least = law.least_ratio  # below it f varies as (v/least)^2 ln v
+        lowest = one.lowest * (min(1.0, max(3.0 * least, 0.03)) if least else 1.0)
+        self.panels = SpeedPanels.rising(highest, lowest, one.nodes, tail=True)
+        v, d = self.panels.speeds, law.dimension
+        self._loss = loss_matrices(self.panels, law, one.harmonics)
+        chain = Chain(d, self._loss, self.panels.slopes(d), 1.0 / v)
+        # a source anywhere, for the border: its factor comes out as 0
+        border = v ** (d - 1.0) * self.panels.weights, v * np.exp(-v)
+        solver = chain.elimination(border=border)
+        self._sums = solver.solve(np.zeros((one.harmonics + 1, v.size)), 1.0)
+        self.harmonics = self._sums / norms(one.harmonics + 1, d)[0]
+
+    def moment(self, p: float, m: int) -> float:
+        """<v^p cos(m phi)>, for p > -d; for p > -d - 1 where m > 0 and f_m is 0 at rest."""
+        v, d = self.panels.speeds, self.law.dimension
+        f, first = self._sums[m], self.panels.parts[0]
+        rest = slice(first.stop, None)
+        above = (v[rest] ** (p + d - 1.0) * f[rest]) @ self.panels.weights[rest]
+        return float(above + self._first_panel(f[first], p + d - 1.0))
+
+    def _first_panel(self, f: FloatArray, power: float) -> float:
+        """Integral of v^power f over the first panel, with f or f/v a polynomial there."""
+        top = self.panels.edges[1]
+        if power <= -1.0:
+            f, power = f / self.panels.speeds[: f.size], power + 1.0
+        x, w = roots_jacobi(f.size, 0.0, power)
+        rows = self.panels.rows(0, 0.5 * top * (x + 1.0))
+        return float((0.5 * top) ** (power + 1.0) * (w @ (rows @ f)))
+
+    @cached_property
+    def _flights(self) -> LastFlights:
+        f, v = self.harmonics, self.panels.speeds
+        made = v * (v * f - np.einsum("mij,mj->mi", self._loss, f))
+        return LastFlights(self.panels, self.law.dimension, [(0.0, 1.0, made[None, None])])
+
+    def density(self, along: FloatArray, across: FloatArray) -> FloatArray:
+        """f at velocities (n,) in sqrt(g l)."""
+        found = self._flights.density(math.inf, along, across)
+        if math.isinf(self.law.largest_loss):  # the logarithm of the angle
+            found[(across == 0.0) & (along >= 0.0)] = math.inf
+        return found

@@ -11,51 +11,22 @@ function is conserved, as it is for tracers that fall freely, and no error grows
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebvander
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import (
-    barycentric_weights,
-    derivative_matrix,
-    interpolation_rows,
-)
-from kinetics.numerics.gauss import gauss_legendre
+from kinetics.numerics.gauss import gauss_legendre, panels_between
 
 _RATIO = 3.0  # of the ends of a panel, over time
 _FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
-
-
-def highest_speed(law: CollisionLaw, accuracy: float) -> float:
-    """The speed above which f is negligible in the steady state, in sqrt(g l).
-
-    Nearly elastic tracers have f = exp(-a v^4) with a = d kappa lambda_1(0)/4, up to the speed
-    where the free fall exp(-v^2/2) is slower.
-    """
-    loss = float(law.harmonic_decay_rate(0.0, 1))
-    a = 0.25 * law.dimension * law.mean_log_loss * loss
-    fall = math.log(1.0 / accuracy) + 11.0
-    if 16.0 * a * fall < 1.0:
-        return (fall / a) ** 0.25
-    return math.sqrt(2.0 * fall + 0.25 / a)
-
-
-def reached_speed(law: CollisionLaw, time: float, accuracy: float) -> float:
-    """A speed that tracers from rest do not reach in this time, in sqrt(g l).
-
-    A free fall may be sqrt(2 x 30) long. Nearly elastic tracers reach more: f falls as
-    exp(-a v^3/t), a = 8/27 for disks (and 1/3 for spheres), up to the speeds of the steady state.
-    """
-    fall = math.log(1.0 / accuracy) + 6.0
-    growing = (27.0 / 8.0 * fall * time) ** (1.0 / 3.0)
-    if not law.is_elastic:
-        growing = min(growing, highest_speed(law, accuracy))
-    return max(math.sqrt(2.0 * fall), growing)
 
 
 @dataclass(frozen=True)
@@ -77,16 +48,16 @@ class Resolution:
     def steady(cls, rtol: float, harmonics: int) -> Resolution:
         """One for the density of the steady state; harmonics : as many as averages need."""
         digits = -math.log10(max(rtol, 1e-12))
-        nodes = math.ceil(4.4 + 0.85 * digits)
-        return cls(max(nodes, 6), harmonics | 1, 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
+        nodes = max(math.ceil(4.4 + 0.85 * digits), _FEWEST)
+        return cls(nodes, harmonics | 1, 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
 
     @classmethod
     def over_time(cls, rtol: float) -> Resolution:
         """A first one for averages and densities over time."""
         digits = -math.log10(max(rtol, 1e-7))  # more takes a minute
+        nodes = max(math.ceil(2.5 + 1.3 * digits), _FEWEST)
         harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
-        nodes = math.ceil(1.3 * digits + 1.5)
-        return cls(max(nodes, 6), harmonics, 0.6 * 10.0 ** (-digits / 6.0), 2.0 * 10.0**-digits)
+        return cls(nodes, harmonics, 0.6 * 10.0 ** (-digits / 6.0), 2.0 * 10.0**-digits)
 
     def finer(self) -> Resolution:
         """With half as many harmonics again, some more nodes and shorter steps."""
@@ -155,39 +126,55 @@ class SpeedPanels:
         """The panel in which each speed lies; the last one above all, shape of v."""
         return np.clip(np.searchsorted(self.edges, v, side="left") - 1, 0, len(self.counts) - 1)
 
-    def rows(self, panel: int, difference: FloatArray) -> FloatArray:
-        """Interpolation in a panel: ``difference`` is the speed less each node, (n, nodes)."""
-        return interpolation_rows(difference, self._barycentric[panel])
+    def polynomials(self, panel: int, v: FloatArray) -> FloatArray:
+        """Chebyshev's of a panel at speeds in it, (*v.shape, nodes)."""
+        low, high = self.edges[panel : panel + 2]
+        return np.asarray(chebvander(2.0 * (v - low) / (high - low) - 1.0, self.counts[panel] - 1))
 
     @cached_property
-    def _barycentric(self) -> list[FloatArray]:
-        # in a variable that runs over 4 the weights are of the order of 1
-        return [barycentric_weights(4.0 * gauss_legendre(n)[0]) for n in self.counts]
+    def to_coefficients(self) -> list[FloatArray]:
+        """From values at the nodes of a panel to coefficients of these, (nodes, nodes) each."""
+        parts = enumerate(self.parts)
+        found = (np.linalg.inv(self.polynomials(p, self.speeds[part])) for p, part in parts)
+        return [np.asarray(each, dtype=float) for each in found]
+
+    def rows(self, panel: int, v: FloatArray) -> FloatArray:
+        """Interpolation in a panel to speeds in it, (*v.shape, nodes)."""
+        return self.polynomials(panel, v) @ self.to_coefficients[panel]
 
     def derivative(self, panel: int) -> FloatArray:
         """d/dv of polynomials at the nodes of a panel, shape (nodes, nodes)."""
-        return derivative_matrix(self.speeds[self.parts[panel]], self._barycentric[panel])
+        low, high = self.edges[panel : panel + 2]
+        values = self.polynomials(panel, self.speeds[self.parts[panel]])[:, :-1]
+        return values @ chebder(self.to_coefficients[panel], scl=2.0 / (high - low))
 
-    def interpolation(self, v: FloatArray) -> FloatArray:
+    def interpolation(self, v: FloatArray, parity: int = 0) -> FloatArray:
         """Rows that take values at the nodes to those at speeds v (n,): shape (n, size)."""
+        del parity  # of the function: all are polynomials
         out = np.zeros((v.size, self.size))
         panel = self.panel_of(v)
         for p in np.unique(panel):
-            at, part = np.nonzero(panel == p)[0], self.parts[p]
-            out[at, part] = self.rows(p, v[at, None] - self.speeds[part])
+            at = np.nonzero(panel == p)[0]
+            out[at, self.parts[p]] = self.rows(p, v[at])
         return out
 
-    def slopes(self, even: bool, dimension: int) -> FloatArray:
-        """v d/dv of an even or an odd harmonic at the nodes, shape (size, size).
+    def averaged(self, density: Callable[[FloatArray], Any], parity: int, kinks: Any) -> Any:
+        """Averages, over a density of the speed, of the polynomials of each node, (size,)."""
+        edges = np.union1d(self.edges, kinks)
+        v, w = panels_between(edges[edges <= self.highest], max(self.counts) + 2)
+        return (w * density(v)) @ self.interpolation(v, parity)
+
+    def slopes(self, dimension: int) -> tuple[FloatArray, FloatArray]:
+        """d/dv of even and of odd harmonics at the nodes, shape (size, size) each.
 
         Even harmonics are 0 at the highest speed; on odd ones nothing is imposed there.
         Source: the strong form of the discontinuous Galerkin method; Hesthaven and Warburton,
         Nodal Discontinuous Galerkin Methods, section 3.2.
         """
-        out = np.zeros((self.size, self.size))
+        both = np.zeros((2, self.size, self.size))
         last = len(self.counts) - 1
-        for p, part in enumerate(self.parts):
-            nodes = self.speeds[part]
+        for (p, part), even in product(enumerate(self.parts), (True, False)):
+            nodes, out = self.speeds[part], both[0 if even else 1]
             out[part, part] = self.derivative(p)
             for neighbour, end, sign in (
                 (p + 1, self.edges[p + 1], 1.0),
@@ -195,19 +182,36 @@ class SpeedPanels:
             ):
                 if end == 0.0 or not (even == (sign > 0.0) or (p == last and neighbour > last)):
                     continue
-                own = self.rows(p, (end - nodes)[None])[0]
+                own = self.rows(p, np.array([end]))[0]
                 jump = sign * own * (end / nodes) ** (dimension - 1) / self.weights[part]
                 out[part, part] -= np.outer(jump, own)
                 if neighbour <= last:
-                    other = self.parts[neighbour]
-                    row = self.rows(neighbour, (end - self.speeds[other])[None])
-                    out[part, other] += np.outer(jump, row)
-        return np.asarray(self.speeds[:, None] * out)
+                    row = self.rows(neighbour, np.array([end]))
+                    out[part, self.parts[neighbour]] += np.outer(jump, row)
+        return both[0], both[1]
 
 
 _RATE = 70.0  # f falls no faster than v^-70 where it counts: for the average over impacts
 _SMALL = 0.1  # -ln s below which changes of polynomials would lose digits
-_STOPPED = 9.0  # -ln s of bounces that count as one: so slow tracers, 1e-4, are as few as that
+_STOPPED = 14.0  # -ln s of bounces that count as one: so slow tracers, 1e-6, are as few as that
+
+
+def bounces(
+    law: CollisionLaw, rate: float, highest: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What harmonics keep and lose in bounces, (highest + 1, n) each, and -ln s of these, (n,).
+
+    For functions as fast as s^rate; all bounces that nearly stop a tracer are one.
+    """
+    q = law.quadrature_for(rate, highest // 2)
+    gone = np.array(list(q.harmonic_losses(highest)))
+    kept, gone, lost = q.weight * (1.0 - gone), q.weight * gone, q.log_loss
+    stopped = lost > _STOPPED
+    if stopped.any():
+        kept, gone = (np.c_[x[:, ~stopped], x[:, stopped].sum(axis=1)] for x in (kept, gone))
+        mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
+        lost = np.append(lost[~stopped], -np.log(mean))
+    return kept, gone, lost
 
 
 def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> FloatArray:
@@ -219,14 +223,8 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
     kept, also of densities that are not smooth. Only what changes in a bounce is summed: no digits
     are lost as bounces become elastic.
     """
-    q = law.quadrature_for(_RATE, highest // 2)  # polynomials hide what is finer
-    gone = np.array([q.harmonic_loss(m) for m in range(highest + 1)])
-    kept, gone, lost = q.weight * (1.0 - gone), q.weight * gone, q.log_loss
-    stopped = lost > _STOPPED
-    if stopped.any():
-        kept, gone = (np.c_[x[:, ~stopped], x[:, stopped].sum(axis=1)] for x in (kept, gone))
-        mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
-        lost = np.append(lost[~stopped], -np.log(mean))
+    # polynomials hide what is finer
+    kept, gone, lost = bounces(law, _RATE, highest)
     ratio, edges, d = np.exp(-lost), np.array(panels.edges), law.dimension
     out = np.zeros((highest + 1, panels.size, panels.size))
     for p, source in enumerate(panels.parts):
@@ -243,10 +241,10 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
             v = low[used, None] + width[used, None] * x  # (n_used, n_points)
             weight = width[used, None] * w * v**d  # the volume, and the rate of collisions
             change = -np.expm1(-lost[used])[:, None] * v
-            before = panels.rows(p, v[..., None] - panels.speeds[source])
+            before = panels.rows(p, v)
             weighed = weight[..., None] * before
             loss = np.tensordot(gone[:, used], np.matmul(before.swapaxes(1, 2), weighed), axes=1)
-            after = panels.rows(t, (v - change)[..., None] - panels.speeds[target])
+            after = panels.rows(t, v - change)
             if t == p:
                 changed = before - after
                 small = np.nonzero(lost[used] < _SMALL)[0]
@@ -264,9 +262,6 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
 def _changes(panels: SpeedPanels, panel: int, v: FloatArray, change: FloatArray) -> FloatArray:
     """Polynomials at v less those at v - change, (*v.shape, nodes): integrals of their slope."""
     x, w = gauss_legendre(panels.counts[panel] // 2)
-    nodes = panels.speeds[panels.parts[panel]]
-    slopes = sum(
-        share * panels.rows(panel, (v - point * change)[..., None] - nodes)
-        for point, share in zip(x, w, strict=True)
-    )
+    parts = zip(x, w, strict=True)
+    slopes = sum(share * panels.rows(panel, v - point * change) for point, share in parts)
     return np.asarray(change[..., None] * (slopes @ panels.derivative(panel)))

@@ -1,22 +1,31 @@
 """Averages over time, for one initial state: steps of time, and how two resolutions bound errors.
 
 Distributions and their first moments of the place go from step to step by the rule of `radau`;
-steps grow as they become smooth. In a field (`forward`) and for driven tracers (`kinetics.driven`).
+steps grow as they become smooth: in a field (`Evolution`), and for driven tracers elsewhere.
+
+With x f and y f, integrated over the place, d_t (x f) = (field + collisions) (x f) + v_x f and the
+same for y, all averages of the velocity and the displacement up to second order follow.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.collision import CollisionLaw
 from kinetics.field import radau
-from kinetics.field.harmonics import across, along
+from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices
+from kinetics.field.harmonics import Chain, across, along, norms
+from kinetics.field.starts import Start
+from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
+from kinetics.states.state import State
 
 AVERAGES = (
     *("v_x", "v_y", "v^2", "v^2 cos 2", "v_x v_y", "v^4", "v"),
@@ -32,7 +41,7 @@ _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
 _SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
 SHORTEST_TIME = 1e-12
 _FIRST = 0.5  # of the first step, in free flights of the fastest
-_WORSE = 10.0  # by so much an error may be larger than one before, and finer ones are tried
+_MOST_HARMONICS = 40  # in a field: seconds, and 200 MB of memory
 
 T = TypeVar("T")
 
@@ -42,11 +51,13 @@ def refined(
     first: Any,
     apart: Callable[[T, T], dict[str, float]],
     allowed: Mapping[str, float],
+    worse: float = 10.0,
 ) -> tuple[T, dict[str, float]]:
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
     solve : from a resolution to a solution, whose ``finer`` is the next one, None at the end
     apart : the errors by their names, of which those in ``allowed`` decide
+    worse : by so much an error may be larger than one before, and finer ones are tried
     """
     best: Any = solve(first)
     last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
@@ -56,7 +67,7 @@ def refined(
         worst = max(found[name] / most for name, most in allowed.items())
         if worst < least:
             best, errors, least = last, found, worst
-        elif worst > _WORSE * least:  # rounding grows
+        elif worst > worse * least:  # rounding grows
             break
     return best, errors
 
@@ -64,18 +75,18 @@ def refined(
 class Equation:
     """Takes distributions over one step of time after another.
 
+    chain : what changes the sums of each harmonic at some speeds
     fields : name and family of each: of f, and of x f and y f, of which f is the source. Without
         y f of family 1 it is as x f
-    dimension, speeds : at which each has its sums (`harmonics`), (M + 1, size)
-    weights : of averages over the speed, (size,)
+    speeds, weights : of averages over the speed, (size,)
     rate : of collisions, (size,)
     """
 
     def __init__(
-        self, fields: list[tuple[str, int]], dimension: int, speeds: FloatArray,
+        self, chain: Chain, fields: list[tuple[str, int]], speeds: FloatArray,
         weights: FloatArray, rate: FloatArray,
     ) -> None:  # fmt: skip
-        self.fields, self.dimension, self.speeds = fields, dimension, speeds
+        self.chain, self.fields, self.speeds = chain, fields, speeds
         self._weights, self._rate, self._modes = weights, rate, radau.modes()
         self._factors: tuple[float, list[dict[int, BlockElimination]]] = (0.0, [])
 
@@ -96,10 +107,6 @@ class Equation:
         ]
         return np.stack([one + np.zeros(len(f)) for one in found], axis=1)
 
-    def elimination(self, family: int, shift: complex) -> BlockElimination:
-        """Solves (shift + what changes a family) f = source."""
-        raise NotImplementedError
-
     def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
         """The fields (n_fields, M + 1, size) at all points of a step, (STAGES + 1, *f.shape).
 
@@ -108,7 +115,7 @@ class Equation:
         if h != self._factors[0]:
             used, shifts = {k for _, k in self.fields}, [1.0 / (h * one[0]) for one in self._modes]
             shifts = [z if abs(z.imag) > 1e-12 * abs(z) else z.real for z in shifts]
-            self._factors = h, [{k: self.elimination(k, z) for k in used} for z in shifts]
+            self._factors = h, [{k: self.chain.elimination(k, z) for k in used} for z in shifts]
         out = np.zeros((radau.STAGES + 1, *f.shape))
         out[0] = f
         by_mode = zip(self._modes, self._factors[1], strict=True)
@@ -122,10 +129,10 @@ class Equation:
                 part = slice(one.first, one.last + 1)
                 every = right[k]
                 if name == "x":
-                    every = every + self.speeds * along(found[family], family, self.dimension)
+                    every = every + self.speeds * along(found[family], family, self.chain.dimension)
                 elif name == "y":
                     from_ = 1 - family
-                    every = every + self.speeds * across(found[from_], from_, self.dimension)
+                    every = every + self.speeds * across(found[from_], from_, self.chain.dimension)
                 found[k, part] = one.solve(every[part])
             out[1:] += (stages[:, None, None, None] * found).real
         return out
@@ -212,3 +219,75 @@ class March:
     def difference(self, coarse: March) -> float:
         """The largest difference from another solution, relative to the scale of each average."""
         return self._relative(self.values - coarse.values, self.values)
+
+
+@dataclass
+class Evolution(March):
+    """One start over time in a field, in units of sqrt(g l) and sqrt(l/g).
+
+    Of a start that is a few velocities, those that have not collided are in closed form (`starts`),
+    and are the source of the others: so averages over smooth functions are right, however rough the
+    density is.
+    state : of which the start is made, if its density is asked for point by point
+    made : beginning, length, and v times what collisions make at the points, of each step; if the
+        density is asked for
+    """
+
+    law: CollisionLaw
+    start: Start
+    times: FloatArray
+    resolution: Resolution
+    asked: frozenset[str]
+    state: State | None = None
+    made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        one, last = self.resolution, max(float(self.times[-1]), SHORTEST_TIME)
+        d = self.law.dimension
+        highest = System(self.law, d, field=1.0).top(TAIL * one.rtol, last, self.start.highest)
+        # below 1/t, no tracer has collided by the time t
+        lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
+        self.axis = SpeedPanels.rising(highest, lowest, one.nodes)
+        self.families = 1 if self.start.is_symmetric else 2
+        of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
+        fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
+        speeds, self._loss = self.axis.speeds, loss_matrices(self.axis, self.law, one.harmonics)
+        chain = Chain(d, self._loss, self.axis.slopes(d), 1.0 / speeds)
+        self._volume = speeds ** (d - 1.0) * self.axis.weights
+        self.equation = Equation(chain, fields, speeds, self._volume, speeds)
+        f = np.zeros((len(fields), one.harmonics + 1, speeds.size))
+        if self.start.velocities is None:
+            sums = self.start.projected(self.axis, one.harmonics + 1, self.families, self.state)
+            f[: self.families] = sums / self._volume
+        self._run(self.equation, f, self.start.highest)
+
+    @property
+    def finer(self) -> Resolution | None:
+        """A finer resolution; None where there is none."""
+        more = self.resolution.finer()
+        return more if more.harmonics <= _MOST_HARMONICS else None
+
+    def _uncollided(self, times: FloatArray) -> FloatArray | float:
+        velocities = self.start.velocities
+        if velocities is None or not times.size:
+            return 0.0
+        return np.array([velocities.averages(float(t)) for t in times])
+
+    def _early(self, now: float, h: float) -> tuple[FloatArray, FloatArray] | None:
+        velocities = self.start.velocities
+        if velocities is None:
+            return None
+        count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
+        sums = velocities.projected(fine, self.axis, count, self.equation.fields)
+        early = radau.projected(sums / self._volume)
+        return early, self._gained(early[1:])
+
+    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
+        if self.state is not None:
+            families, of = self.families, norms(stages.shape[2], self.law.dimension)
+            made = self._gained(stages[:, :families] / of[:families])
+            self.made.append((now, h, made * self.axis.speeds))
+
+    def _gained(self, f: FloatArray) -> FloatArray:
+        """What sums (..., M + 1, size) gain by collisions per unit time."""
+        return self.axis.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f)

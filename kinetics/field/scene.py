@@ -12,16 +12,14 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
 from kinetics.field.density import VelocityDensity, is_sharp
-from kinetics.field.forward import Evolution
 from kinetics.field.grid import Resolution
-from kinetics.field.march import ALL, refined
+from kinetics.field.march import ALL, Evolution, refined
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
 DENSITIES = "densities"
 _BEST_DENSITY = 1e-4
-_AT_REST = 0.1  # starts slower than this, times rtol and the first time, are at rest
 _MADE_OF = {
     "a2": {"v^4"},
     "collisions": {"collisions"},
@@ -99,17 +97,20 @@ class FieldScene:
         """How far two solutions are apart."""
         errors = {"averages": one.difference(two)}
         if DENSITIES in self.allowed:
-            errors[DENSITIES] = self._densities(one).difference(self._densities(two))
+            errors[DENSITIES] = self._densities_apart(one, two)
         return errors
+
+    def _densities_apart(self, one: Any, two: Any) -> float:
+        return self._densities(one).difference(self._densities(two))
 
     def _evolution(self, resolution: Resolution) -> Evolution:
         start = Start.of(
             self.state, 0.1 * self.rtol, 1.0 / self._speed, resolution.harmonics, self.law.dimension
         )
-        # isotropic starts change averages by the square of their velocities
+        # starts that change averages by less are at rest; isotropic ones by the square of theirs
         isotropic = self.state.highest_harmonic == 0
         small = math.sqrt(self.rtol) if isotropic else self.rtol
-        if start.highest < _AT_REST * small * min(1.0, float(self._scaled[0])):
+        if start.highest < 0.1 * small * min(1.0, float(self._scaled[0])):
             start = Start.rest(self.law.dimension)
         state = self.state if DENSITIES in self.allowed else None
         return Evolution(self.law, start, self._scaled, resolution, self._asked, state)
@@ -188,10 +189,8 @@ class FieldScene:
     def _tensor(self, xx: FloatArray, xy: FloatArray, yy: FloatArray) -> FloatArray:
         """Shape (n_times, d, d); in space the state is symmetric about x."""
         d = self.law.dimension
-        out = np.zeros((xx.size, d, d))
+        out = yy[:, None, None] * np.eye(d)
         out[:, 0, 0] = xx
-        for i in range(1, d):
-            out[:, i, i] = yy
         if d == 2:
             out[:, 0, 1] = out[:, 1, 0] = xy
         return out

@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from kinetics.field.grid import SpeedPanels
 from kinetics.field.harmonics import angular
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import gauss_legendre, panels_between
+from kinetics.numerics.gauss import gauss_legendre
 from kinetics.states.kinds import Beam, Rest, VelocitySamples
 from kinetics.states.state import LogMeasure, State
 
-_PIECE = 1000  # points that are interpolated at once
-_SLOW = 1.0  # sqrt(g l): isotropic starts with a highest speed below this become velocities
-_FEW = 64  # so many samples are followed each
-_STRAIGHT = 1e-15  # components across a velocity that are rounding
+TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
+FEW = 64  # so many samples, or directions, are followed each
+_STRAIGHT = 4.0 * np.finfo(float).eps  # components across a velocity that are rounding
 
 
 def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
@@ -33,7 +33,7 @@ def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         gained = np.where(first + last > 0.0, time * (u + a) / (first + last), 0.0)
         nearest = np.where(a > 0.0, first + a, q * q / (first - a))
-        turned = q * q * np.log1p((time + gained) / nearest)
+        turned = q * q * np.log1p(np.maximum(time + gained, 0.0) / nearest)
     turned = np.where(is_straight | (q == 0.0), 0.0, turned)
     straight = np.where(is_straight & (a < 0.0), 0.5 * (u * np.abs(u) - a * np.abs(a)), 0.0)
     bent = 0.5 * (time * last + a * gained + turned)
@@ -80,7 +80,7 @@ class Velocities:
         return np.asarray(self.weight * np.exp(-way))
 
     def averages(self, time: float) -> FloatArray:
-        """What tracers without a collision add to the averages `forward.AVERAGES`."""
+        """What tracers without a collision add to the averages `march.AVERAGES`."""
         u, q = self.along + time, self.across
         x, y = (self.along + 0.5 * time) * time, q * time
         half, odd = 1.0 / (self.dimension - 1.0), 0.0 if self.symmetric else 1.0
@@ -94,19 +94,15 @@ class Velocities:
     ) -> FloatArray:
         """Sums over tracers without a collision of harmonics and polynomials on the panels.
 
-        fields : name and family of what is summed, as in `forward`: 1, x or y.
+        fields : name and family of what is summed, as in `march`: 1, x or y.
             Shape (n_times, n_fields, count, size)
         """
         out = np.zeros((times.size, len(fields), count, panels.size))
-        for part in np.array_split(np.arange(self.along.size), 1 + self.along.size // _PIECE):
-            a, q = np.broadcast_arrays(
-                self.along[part], self.across[part] * np.ones((times.size, 1))
-            )
-            t = np.broadcast_to(times[:, None], a.shape)
-            v = np.hypot(a + t, q)
-            safe = np.where(v > 0.0, v, 1.0)
-            cosine = np.where(v > 0.0, (a + t) / safe, 1.0)
-            flat = angular(cosine.ravel(), (q / safe).ravel(), count, self.dimension)
+        for part in np.array_split(np.arange(self.along.size), 1 + self.along.size // TOGETHER):
+            a, q, t = np.broadcast_arrays(self.along[part], self.across[part], times[:, None])
+            v = np.maximum(np.hypot(a + t, q), 1e-300)
+            cosine, sine = (a + t) / v, q / v
+            flat = angular(cosine.ravel(), sine.ravel(), count, self.dimension)
             tables = [table.reshape(count, *a.shape).swapaxes(0, 1) for table in flat]
             rows = panels.interpolation(np.minimum(v, panels.highest).ravel())
             left = self.weight[part] * np.exp(-free_way(a, q, t))
@@ -148,10 +144,10 @@ class Start:
             along, across = v * math.cos(state.direction), v * math.sin(state.direction)
             straight = math.sin(state.direction) == 0.0
             return cls((speeds,), speed, Velocities(along, across, w, straight, dimension))
-        if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= _FEW:
+        if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= FEW:
             return cls((speeds,), speed, Velocities.samples(speed * np.asarray(state.velocity)))
         there = state.highest_harmonic
-        if there == 0 and v.max() < _SLOW:
+        if there == 0 and v.max() < 1.0:  # sqrt(g l)
             found = Velocities.isotropic(speeds, speed, (harmonics + 1) // 2, dimension)
             return cls((speeds,), speed, found)
         last = harmonics if there is None else min(there, harmonics)
@@ -162,7 +158,7 @@ class Start:
         """Whether the state is symmetric about the field."""
         if self.velocities is not None:
             return self.velocities.symmetric
-        return not any(np.any(np.imag(m.weight)) for m in self.measures if m)
+        return not any(np.any(np.abs(np.imag(m.weight)) > 1e-9) for m in self.measures if m)
 
     @property
     def highest(self) -> float:
@@ -171,26 +167,22 @@ class Start:
             return float(np.max(np.hypot(self.velocities.along, self.velocities.across)))
         return max(self.speed * float(np.exp(m.x.max())) for m in self.measures if m)
 
-    def projected(
-        self, panels: SpeedPanels, count: int, families: int, state: State | None
-    ) -> FloatArray:
-        """Sums over the start of harmonics and polynomials, (families, count, size).
+    def projected(self, axis: Any, count: int, families: int, state: State | None) -> FloatArray:
+        """Sums over the start of harmonics and polynomials of an axis, (families, count, size).
 
         state : whose profiles, where it has them, are integrated: right point by point as well
         """
-        out = np.zeros((families, count, panels.size))
+        out, unit = np.zeros((families, count, axis.size)), self.speed
         for m, measure in enumerate(self.measures[:count]):
             profile = None if state is None or measure is None else state.profile(m)
-            if measure is None:
-                continue
-            if state is None or profile is None:
-                v, weight = self.speed * np.exp(measure.x), measure.weight
-            else:
-                edges = np.union1d(panels.edges, self.speed * np.asarray(state.kinks))
-                v, w = panels_between(edges[edges <= panels.highest], max(panels.counts) + 2)
-                weight = w / self.speed * profile(v / self.speed)
-            for part in np.array_split(np.arange(v.size), max(1, v.size // _PIECE)):
-                found = weight[part] @ panels.interpolation(v[part])
-                # the weights have the factor exp(-i m phi)
-                out[:, m] += np.array([found.real, -found.imag])[:families]
+            found: Any = np.zeros(axis.size)
+            if state is not None and profile is not None:
+                kinks = unit * np.asarray(state.kinks)
+                found = axis.averaged(lambda v, f=profile: f(v / unit) / unit, m % 2, kinks)
+            elif measure is not None:
+                v = unit * np.exp(measure.x)
+                for part in np.array_split(np.arange(v.size), 1 + v.size // TOGETHER):
+                    found = found + measure.weight[part] @ axis.interpolation(v[part], m % 2)
+            # the weights have the factor exp(-i m phi)
+            out[:, m] = np.stack([np.real(found), -np.imag(found)])[:families]
         return out

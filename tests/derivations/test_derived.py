@@ -22,7 +22,7 @@ from kinetics import sonine as printed_numbers
 from kinetics.collision import law_in_medium
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
-from kinetics.driven.system import System
+from kinetics.field.system import System
 from kinetics.moments.backward import Observable, quartic_displacement
 
 RANDOM = np.random.default_rng(20240607)

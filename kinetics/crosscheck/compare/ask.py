@@ -19,8 +19,8 @@ from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
 from kinetics.crosscheck.data.sample import X2, Law, Sample, errors, from_ensemble, read_sample
 from kinetics.crosscheck.words import numeral
-from kinetics.driven.restitution import impact_restitution
 from kinetics.errors import InputError
+from kinetics.field.restitution import impact_restitution
 from kinetics.validation import one_of, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)

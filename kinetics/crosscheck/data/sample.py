@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from kinetics.crosscheck.data import formats
 from kinetics.crosscheck.data.tracks import Asked, Rows, Tracks, bad, dense, name_of
 from kinetics.crosscheck.words import numeral
-from kinetics.driven.restitution import Viscoelastic, impact_restitution
-from kinetics.driven.system import DRIVES
+from kinetics.field.restitution import Viscoelastic, impact_restitution
+from kinetics.field.system import DRIVES
 from kinetics.validation import refuse
 
 Array = NDArray[np.float64]

@@ -25,14 +25,9 @@ LAWS: list[dict[str, Any]] = [
     {"restitution": 0.4, "tangential_restitution": 0.4},
     {"restitution": 0.0, "tangential_restitution": 0.5},
 ]
-SLOW = [LAWS[k] for k in (1, 2, 4, 6)]
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [pytest.param(law, marks=pytest.mark.slow if law in SLOW else ()) for law in LAWS],
-    ids=str,
-)
+@pytest.mark.parametrize("arguments", LAWS, ids=str)
 def test_exact_relations(arguments: dict[str, Any]) -> None:
     """Moments of the first two rows of the equation, with averages of the collision law."""
     state = solve_field(**arguments)
@@ -122,7 +117,9 @@ def test_density(d: int) -> None:
     assert f.min() > -1e-9
     assert (w * v ** (d - 1)) @ f @ share == pytest.approx(1.0, abs=1e-6)
     assert (w * v**d) @ f @ (share * np.cos(phi)) == pytest.approx(state.drift, abs=1e-6)
-    assert np.all(state.vdf([100.0], [0.0]) == 0.0)
+    assert np.all(state.vdf([100.0, 1e200], [0.0, 1.0, 3.0]) == 0.0)
+    ray = state.vdf([1e-3, 1.0], [0.0, 1e-12, 1e-9, 1e-7])
+    assert ray == pytest.approx(np.repeat(ray[:, :1], 4, axis=1), rel=1e-5)
 
 
 def test_density_on_the_ray_along_the_field() -> None:
@@ -144,8 +141,8 @@ def test_density_where_bounces_stop_a_tracer() -> None:
     state = solve_field(0.0, rtol=1e-8)
     assert np.all(np.isinf(state.vdf([0.5, 1.0], [0.0])))
     with pytest.warns(ToleranceWarning, match="vdf"):
-        close = state.vdf([1.0], [1e-3, 1e-2, 1e-1])[0]
-    assert np.all(np.diff(close) < 0.0)
+        close = state.vdf([1.0], [1e-5, 1e-4, 1e-3, 1e-2])[0]
+    assert np.diff(close) == pytest.approx(np.full(3, -0.083), rel=0.03)  # a logarithm
     with pytest.warns(ToleranceWarning, match="vdf"):
         solve_field(1e-12, rtol=1e-6).vdf([1.0], [0.0])
 
@@ -154,13 +151,13 @@ def test_in_units() -> None:
     state = solve_field(0.7, 3)
     found = state.in_units(9.81, 1e-3, 1e8)
     path = 1.0 / (math.pi * 1e-6 * 1e8)
-    assert found.mean_free_path == pytest.approx(path, rel=1e-14)
-    assert found.drift == pytest.approx(state.drift * math.sqrt(9.81 * path), rel=1e-14)
-    assert found.time == pytest.approx(math.sqrt(path / 9.81), rel=1e-14)
-    coefficient = state.diffusion_parallel * math.sqrt(9.81 * path**3)
-    assert found.diffusion_parallel == pytest.approx(coefficient, rel=1e-14)
-    rate = state.mean_speed * math.sqrt(9.81 / path)
-    assert found.collision_rate == pytest.approx(rate, rel=1e-14)
+    units = {"drift": math.sqrt(9.81 * path)} | dict.fromkeys(
+        COEFFICIENTS, math.sqrt(9.81 * path**3)
+    )
+    for name, unit in units.items():
+        assert getattr(found, name) == pytest.approx(getattr(state, name) * unit, rel=1e-14)
+    figures = path, math.sqrt(path / 9.81), state.mean_speed * math.sqrt(9.81 / path)
+    assert (found.mean_free_path, found.time, found.collision_rate) == pytest.approx(figures)
     with pytest.raises(InputError):
         state.in_units(1e300, 1e-300, 1.0)
 

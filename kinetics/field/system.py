@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.driven.restitution import ImpactRestitution, impact_restitution
+from kinetics.field.restitution import ImpactRestitution, impact_restitution
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.validation import check_mass_ratio, check_restitution, real_number, whole_number
 
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 """What a System has beside a restitution, a mass ratio and a field."""
+TAIL = 1e-3  # of a tolerance: the share of tracers above the highest speed
 _LEAST_TOP = 1e-12  # of the speeds that are looked at: a system that stays below is at rest
 _STRONG = 0.45  # a speed over sqrt(g l), from which on harmonics fall exponentially
-_POINTS = 24  # of the impact parameter, for the size of losses
 
 
 def checked_drives(**drives: Any) -> dict[str, float]:
@@ -137,7 +137,7 @@ class System:
             q, one = self.law.quadrature, np.ones(v.shape)
             lost = self.law.energy_loss * one, (q.weight @ (1.0 - q.ratio * q.cosine)) * one
             return *lost, 0.0 * one
-        x, w = gauss_legendre(_POINTS)
+        x, w = gauss_legendre(24)
         if self.dimension == 2:
             c, w = np.cos(0.5 * np.pi * x), 0.5 * np.pi * w * np.cos(0.5 * np.pi * x)
         else:
