@@ -33,9 +33,9 @@ from kinetics.numerics.gauss import gauss_legendre
 
 _MOST_NODES, _MOST_HARMONICS = 180, 70
 _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
-# Under noise the density next to rest has odd powers of v, and where impacts begin to stick it has a
-# root: errors fall as a power of the number of speeds, and up to 3.8 times as much is left as two
-# solutions differ by
+# Under noise the density next to rest has odd powers of v, where impacts begin to stick a root:
+# errors fall as a power of the number of speeds, and up to 3.8 times what two solutions differ by
+# is left
 SLOWLY = 4.0
 _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
 
