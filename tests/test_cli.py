@@ -291,6 +291,7 @@ def test_parts_of_a_run_are_merged_to_the_same_file(lorentz: Any) -> None:
     assert lorentz.json("merge", "[12].h5", "-o", "a.h5") == whole
     assert Path("a.h5").read_bytes() == Path("whole.h5").read_bytes()
     assert "exists" in lorentz.refused("merge", "1.h5", "2.h5", "-o", "a.h5")
+    assert "a.csv" in lorentz.refused(*TINY, "-o", "a.csv")  # it would not be a table
     given = simulate(BoltzmannGrad(0.04), lambda v: 0.5 + 0 * v, [[1.0, 0.0]], [1.0], 2, 1)
     given.save("b.h5")
     document = lorentz.json("merge", "b.h5", "-o", "c.h5")

@@ -62,7 +62,7 @@ MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "di
         help="What to save beside the averages, separated by commas: speed_histogram, "
         "velocity_component_histogram, displacement_histogram, free_path_histogram, "
         "free_time_histogram, positions, velocities, finals.")
-@option("-o", "--output", type=options.Output(""), metavar="HDF5",
+@option("-o", "--output", type=options.Output(".h5", ".hdf5", ".h5md"), metavar="HDF5",
         help="Save here, configuration by configuration; FILE.h5md: positions and velocities as "
         "H5MD, for other programs, written at the end.")
 @option("--part", callback=options.part_of, metavar="K/N",
@@ -113,7 +113,7 @@ def simulate(
     short_help="Join the parts of a run.",
 )
 @click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
-@option("-o", "--output", type=options.Output(""), metavar="HDF5", required=True,
+@option("-o", "--output", type=options.Output(".h5", ".hdf5"), metavar="HDF5", required=True,
         help="Save the whole run here, to the bits that it has if run at once.")  # fmt: skip
 @options.json_option
 def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
