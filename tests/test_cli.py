@@ -88,11 +88,12 @@ def test_bad_input_gets_one_line_that_names_it(lorentz: Any, arguments: str, nam
 @pytest.mark.parametrize("arguments", [SOLVE, ("simulate",), ("derive", "--only", "ad8")])
 def test_an_output_is_refused_before_any_work(lorentz: Any, arguments: tuple[str, ...]) -> None:
     option = "--latex" if arguments[0] == "derive" else "-o"
-    assert "mkdir -p no/such" in lorentz.refused(*arguments, option, "no/such/a.csv")
+    name = "a.h5" if arguments[0] == "simulate" else "a.csv"
+    assert "mkdir -p no/such" in lorentz.refused(*arguments, option, f"no/such/{name}")
     Path("file").write_text("mine")
     for command in ("report", "bench", "stress"):
         lorentz.refused(command, "-o", "file")
-    lorentz.refused(*arguments, option, "file/deeper.csv")
+    lorentz.refused(*arguments, option, f"file/{name}")
     assert {name: Path(name).read_text() for name in os.listdir()} == {"file": "mine"}
 
 
