@@ -29,15 +29,16 @@ HALF_LENGTH = 48  # |integrand| falls as exp(-pi |Im w|/2)
 # -- power series in T, for every T ----------------------------------------------------------------
 
 
-def _series_digits(reduced_time: Any) -> int:
-    # terms grow as T^k/k! before they cancel: T/ln(10) digits
-    return DIGITS + int(0.5 * float(reduced_time)) + 10
+def early_power(
+    e: Any, p: Any, reduced_time: Any, start: Any = None, *, integrated: bool = False
+) -> Any:
+    """T^p m_p(T): sum of (-T)^k/k! lambda(p) ... lambda(p+k-1), times <v^(p+k)>(0) = start(p+k).
 
-
-def early_power(e: Any, p: Any, reduced_time: Any, start: Any = None) -> Any:
-    """T^p m_p(T): sum of (-T)^k/k! lambda(p) ... lambda(p+k-1), times <v^(p+k)>(0) = start(p+k)."""
+    integrated: its integral over T in place of it, over T^p; of p = 1 the number of collisions.
+    """
     t = float(reduced_time)
-    digits = _series_digits(t if start is None else t * t)
+    # terms grow as T^k/k! before they cancel: T/ln(10) digits
+    digits = DIGITS + int(0.5 * (t if start is None else t * t)) + 10
     with mp.workdps(digits):
         t, p = mp.mpf(reduced_time), mp.mpmathify(p)
         weigh = start or (lambda q: mp.mpf(1))
@@ -46,21 +47,8 @@ def early_power(e: Any, p: Any, reduced_time: Any, start: Any = None) -> Any:
         term = t**p
         total = term * weigh(p)
         for k in range(count):
-            term *= -t * (1 - phi[k]) / (k + 1)
+            term *= -t * (1 - phi[k]) / (k + 1 + integrated)
             total += term * weigh(p + k + 1)
-        return total
-
-
-def early_collisions(e: Any, reduced_time: Any) -> Any:
-    """N(T) = integral of m_1: the series of m_1 term by term."""
-    with mp.workdps(_series_digits(reduced_time)):
-        t = mp.mpf(reduced_time)
-        count = 60 + int(4 * float(t))
-        phi = speed_ratio_powers(e, 1, count)
-        total, term = mp.mpf(0), t
-        for k in range(count):
-            total += term
-            term *= -t * (1 - phi[k]) / (k + 2)
         return total
 
 
@@ -215,7 +203,7 @@ def evolution(
                 if reduced < 2 and power and exact is not None:
                     value = early_power(e, power, reduced, exact)
                 elif reduced < 2 and key == "collisions" and name == "monoenergetic":
-                    value = early_collisions(e, reduced)
+                    value = early_power(e, 1, reduced, integrated=True)
                 elif reduced < 2 and key == "msd" and name == "monoenergetic":
                     value = early_square(reduced)
                 else:
