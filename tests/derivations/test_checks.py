@@ -1,15 +1,10 @@
 """The verdicts: which rows stand; exact zero, zero by numbers, a difference, or no decision."""
 
-import ast
-import subprocess
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 import sympy as sp
 
-import derivations
 from derivations import Check, Status, verify
 from derivations import symbols as sy
 from derivations.checks import Difference, check, compare, judge
@@ -100,29 +95,6 @@ def test_numbers_that_were_known_before(label: str, name: str, value: float, row
 def test_an_unknown_label_is_refused(labels) -> None:
     with pytest.raises(ValueError, match="label"):
         verify(labels)
-
-
-def test_importing_the_package_is_light_and_stating_derives_nothing() -> None:
-    code = (
-        "import sys, derivations; print('sympy' in sys.modules, 'mpmath' in sys.modules);"
-        "derivations.printed_equation('vchange'); print('derivations.derived' in sys.modules)"
-    )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.split() == ["False", "False", "False"]
-
-
-def test_printed_and_derived_know_nothing_of_each_other() -> None:
-    root = Path(derivations.__file__).parent
-    allowed = {
-        "printed": {"symbols", "formal", "printers"},
-        "derived": {"symbols", "formal", "premises"},
-    }
-    for room, rooms in allowed.items():
-        for path in (root / room).glob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.ImportFrom) and node.level == 2:
-                    names = [node.module] if node.module else [name.name for name in node.names]
-                    assert set(names) <= rooms, path.name
 
 
 # -- the comparison ------------------------------------------------------------------------------
