@@ -5,19 +5,16 @@ within 4 standard errors of the equation's solution, or of what is exact. With -
 three distant seeds, with ten times the tracers.
 """
 
-import json
 from functools import partial
 from math import pi, sqrt
-from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from sigmas import check, mean, square
 
 import particles.configuration
-from kinetics import Scene, compare, solve, solve_steady
+from kinetics import Scene, solve, solve_steady
 from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, Viscoelastic, simulate
 
 MEDIA = {2: BoltzmannGrad(0.5), 3: BoltzmannGrad(1 / pi, dimension=3)}
@@ -234,32 +231,6 @@ def test_fixed_scatterers_hold_what_strikes_them_slowly(medium: Any) -> None:
     run = simulate(medium, 0.3, times=[1e9], media=2, tracers=50, capture_speed=1e-3)
     assert (run.statuses.captured, run.statuses.trapped) == (100, 0)
     assert run.thermal_speed.value[0] == 0.0 < run.statuses.trap_times.min()
-
-
-ALL = dict(bath_speed=0.5, heating=0.3, drag=0.2, field=0.1)
-
-
-STICKY = dict(heating=1.0, capture_speed=0.2)
-RUNS = [(Viscoelastic(0.3), ALL), (lambda v: 0.5, STICKY), (([0, 1], [1, 0.5]), STICKY), (0.5, ALL)]
-
-
-@pytest.mark.parametrize(("law", "drive"), RUNS)
-def test_a_run_is_saved_as_it_is(law: Any, drive: Any, tmp_path: Path) -> None:
-    arguments: Any = dict(times=[0.5, 2.0], media=3, tracers=5) | drive
-    arguments["observables"] = ["positions", "velocities"]
-    run = simulate(MEDIA[3], law, **arguments, output=tmp_path / "a.h5", workers=2)
-    again = simulate(MEDIA[3], law, **arguments, output=tmp_path / "a.h5", resume=True, workers=1)
-    assert run == again == particles.load(tmp_path / "a.h5") == simulate(MEDIA[3], law, **arguments)
-    for name, value in drive.items():
-        assert getattr(run, name) == value
-        assert f"{name}={value}" in repr(run)
-        assert json.loads(run.to_xarray().attrs["scene"])[name] == value
-    run.write_h5md(tmp_path / "a.h5md")
-    with h5py.File(tmp_path / "a.h5md") as file:
-        assert file["parameters/heating"][()] == drive["heating"]
-    with pytest.raises(ValueError, match="heating"):
-        compare(run, heating=-1.0)
-    assert all(np.isfinite(path.places).all() for path in run.trajectories(3, until=2.0))
 
 
 def test_viscoelastic_is_what_it_says() -> None:

@@ -3,7 +3,6 @@
 4 sigma for each number, 3 for the drift; chi-squares of independent tracers, of 24 none below .001.
 """
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from scipy.stats import chi2
 from sigmas import check_averages
 
 from kinetics import Scene, solve, solve_field
-from particles import BoltzmannGrad, Ensemble, simulate
+from particles import BoltzmannGrad, simulate
 from particles.arguments import make_plan
 from particles.events import scatter, scatter_in_space
 
@@ -22,7 +21,6 @@ SOME = [CASES[1], CASES[4]]
 NAMES = ("thermal_speed", "a2", "msd", "kurtosis", "collisions")
 TIMES = np.array([0.7, 4.0, 40.0])  # l/U
 TRACERS = 400_000
-TINY: dict[str, Any] = dict(times=[1.0, 2.0], media=2, tracers=3)
 
 
 def density(dimension: int) -> float:
@@ -103,12 +101,3 @@ def test_the_drift_in_a_field(alpha: float, mass: float, dimension: int) -> None
     assert drift.error[0] < 0.003 * drift.value[0]
     state = solve_field(alpha, dimension, mass_ratio=mass)
     assert abs(drift.value[0] - state.drift) < 3.0 * drift.error[0]
-
-
-def test_it_is_part_of_a_run_unless_the_scatterers_are_fixed(tmp_path: Path) -> None:
-    run, fixed = (simulate(BoltzmannGrad(0.04), 1.0, **TINY, mass_ratio=m) for m in (0.5, np.inf))
-    run.save(str(tmp_path / "run.h5"))
-    assert Ensemble.load(str(tmp_path / "run.h5")) == run
-    assert '"mass_ratio": 0.5' in run.to_xarray().attrs["scene"]
-    assert "mass_ratio" not in fixed.to_xarray().attrs["scene"]  # JSON has no infinity
-    assert simulate(BoltzmannGrad(0.04), 1.0, **TINY) == fixed
