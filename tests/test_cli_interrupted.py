@@ -30,7 +30,7 @@ END = "\nparticles.simulate = simulate\nsys.exit(cli.main())\n"
 
 BUSY = {
     "code that swallows it": "    print('begun', flush=True)\n    while True:\n        try:\n"
-    "            time.sleep(60)\n        except BaseException:\n            pass",
+    "            time.sleep(60)\n        except BaseException:\n            pass"
 }
 
 

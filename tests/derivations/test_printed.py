@@ -6,14 +6,18 @@ from importlib.resources import files
 
 from derivations.printed import PRINTED
 
-FIGURES = "collision v0re hetomu2 msdtheory inelasticposi scalev impact sign soninediffuse".split()
+_FIGURES = "collision v0re hetomu2 msdtheory inelasticposi scalev impact sign soninediffuse"
 
 
 def test_every_label_of_the_paper_has_one_row(rows) -> None:
     assert len(PRINTED) == 133
     assert [label for label in rows if ":" not in label] == list(PRINTED)
     without = {label for label, row in PRINTED.items() if row.formula is None}
-    assert without == {label for label, row in PRINTED.items() if not row.source} == set(FIGURES)
+    assert (
+        without
+        == {label for label, row in PRINTED.items() if not row.source}
+        == set(_FIGURES.split())
+    )
 
 
 def test_the_transcriptions_are_those_that_were_read_again() -> None:

@@ -47,13 +47,10 @@ def averages(
 
 
 @question(
-    1e-11,
-    disks={"restitution": 0.7},
-    inelastic={"restitution": 0.0},
-    nearly_elastic={"restitution": 0.99},
-    spheres={"restitution": 0.4, "dimension": 3},
+    1e-11, disks={"restitution": 0.7}, inelastic={"restitution": 0.0},
+    nearly_elastic={"restitution": 0.99}, spheres={"restitution": 0.4, "dimension": 3},
     rough={"restitution": 0.7, "tangential_restitution": 0.8},
-)
+)  # fmt: skip
 def scaling_closed_form(**law: Any) -> Any:
     from kinetics import ScalingSolution
 
@@ -63,12 +60,10 @@ def scaling_closed_form(**law: Any) -> Any:
 
 
 @question(
-    3e-11,
-    disks={"restitution": 0.7},
-    inelastic={"restitution": 0.0},
+    3e-11, disks={"restitution": 0.7}, inelastic={"restitution": 0.0},
     spheres={"restitution": 0.4, "dimension": 3},
     rough={"restitution": 0.7, "tangential_restitution": 0.8},
-)
+)  # fmt: skip
 def scaling_solver(**law: Any) -> Any:
     from kinetics import solve_scaled
 
@@ -77,15 +72,12 @@ def scaling_solver(**law: Any) -> Any:
 
 
 @question(
-    1e-9,
-    readme={"restitution": 0.7, "number_density": 0.04},
-    inelastic={"restitution": 0.0},
-    elastic={"restitution": 1.0},
-    one_speed={"restitution": 0.4, "initial": "monoenergetic"},
+    1e-9, readme={"restitution": 0.7, "number_density": 0.04}, inelastic={"restitution": 0.0},
+    elastic={"restitution": 1.0}, one_speed={"restitution": 0.4, "initial": "monoenergetic"},
     spheres={"restitution": 0.7, "dimension": 3},
     rough={"restitution": 0.7, "tangential_restitution": 0.5},
     dense={"restitution": 0.7, "number_density": 0.1},
-)
+)  # fmt: skip
 def averages_over_time(**scene: Any) -> Any:
     return averages(**scene)
 
@@ -129,11 +121,9 @@ def finite_density(**scene: Any) -> Any:
 
 
 @question(
-    1e-7,
-    gaussian={"restitution": 0.7},
-    spheres={"restitution": 0.5, "dimension": 3},
+    1e-7, gaussian={"restitution": 0.7}, spheres={"restitution": 0.5, "dimension": 3},
     elastic={"restitution": 1.0},
-)
+)  # fmt: skip
 def speed_density(**scene: Any) -> Any:
     from kinetics import Scene, solve
 
@@ -345,15 +335,10 @@ def write_gsd(path: Path, times: Any, place: Any, speed: Any) -> None:
 
 
 FILES: dict[str, Callable[..., None]] = {
-    "run.csv": write_table,
-    "run.parquet": write_table,
-    "columns.npz": write_table,
-    "run.npz": write_arrays,
-    "run.h5md": write_h5md,
-    "run.dump": write_dump,
-    "run.xyz": write_xyz,
+    "run.csv": write_table, "run.parquet": write_table, "columns.npz": write_table,
+    "run.npz": write_arrays, "run.h5md": write_h5md, "run.dump": write_dump, "run.xyz": write_xyz,
     "run.gsd": write_gsd,
-}
+}  # fmt: skip
 SINGLE_PRECISION = ("run.gsd",)
 TOLD: dict[str, list[str]] = {
     "true": ["-e", "0.7", "--number-density", "0.04"],

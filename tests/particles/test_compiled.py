@@ -50,9 +50,7 @@ def test_a_change_in_another_file_than_the_kernels_is_compiled(tmp_path: Path) -
     assert after < before
 
 
-def test_where_compiled_code_cannot_be_kept_it_is_compiled_in_every_process(
-    tmp_path: Path,
-) -> None:
+def test_where_compiled_code_cannot_be_kept_it_is_compiled_in_every_process(tmp_path: Path) -> None:
     """As for a user without a home, in a read-only installation; a file keeps root out as well."""
     source = Path(particles.__file__).parent
     copy = tmp_path / "particles"

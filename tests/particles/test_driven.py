@@ -23,12 +23,10 @@ several = pytest.mark.parametrize(("seed", "size"), SEEDS)
 
 
 OVER_TIME: list[Any] = [
-    (0.5, dict(bath_speed=1.0), 2, [1, 10]),
-    (0.5, dict(bath_speed=1.0), 3, [1, 10]),
-    (0.5, dict(heating=1.0), 3, [0.3, 1, 3, 10]),
-    (Viscoelastic(0.45), {}, 2, [1, 10, 100, 1000]),
+    (0.5, dict(bath_speed=1.0), 2, [1, 10]), (0.5, dict(bath_speed=1.0), 3, [1, 10]),
+    (0.5, dict(heating=1.0), 3, [0.3, 1, 3, 10]), (Viscoelastic(0.45), {}, 2, [1, 10, 100, 1000]),
     (0.7, dict(drag=0.3), 3, [0.3, 3, 30]),
-]
+]  # fmt: skip
 
 
 @several

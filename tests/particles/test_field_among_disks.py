@@ -13,13 +13,10 @@ def gaps(medium: HardDisks | Poisson, seed: int, places: np.ndarray) -> np.ndarr
 
 
 STRESS = [
-    (HardDisks(0.04, 4000), 0.9, 0.08),
-    (HardDisks(0.5, 4000), 0.7, 1.0),
-    (Poisson(0.3, 4000), 0.9, -0.5),
-    (Poisson(0.1, 4000), 0.0, 0.2),
-    (Poisson(0.2, 4000), 0.98, 5.0),
-    (HardDisks(0.3, 4000), 1.0, 0.3),
-]
+    (HardDisks(0.04, 4000), 0.9, 0.08), (HardDisks(0.5, 4000), 0.7, 1.0),
+    (Poisson(0.3, 4000), 0.9, -0.5), (Poisson(0.1, 4000), 0.0, 0.2),
+    (Poisson(0.2, 4000), 0.98, 5.0), (HardDisks(0.3, 4000), 1.0, 0.3),
+]  # fmt: skip
 
 
 def check_energy_and_gaps(medium: HardDisks | Poisson, e: float, g: float, size: tuple) -> int:
@@ -82,9 +79,7 @@ def corners_of(positions: np.ndarray, box: float, field: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.6])
-def test_tracers_are_trapped_in_corners_that_hold_them_and_nowhere_else(
-    restitution: float,
-) -> None:
+def test_tracers_are_trapped_in_corners_that_hold_them_and_nowhere_else(restitution: float) -> None:
     n, box = 0.3, 60.0
     rng = np.random.default_rng(3)
     positions = rng.uniform(0, box, (int(n * box * box), 2))

@@ -7,14 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from particles import (
-    BoltzmannGrad,
-    HardDisks,
-    HardSpheres,
-    PoissonSpheres,
-    arguments,
-    simulate,
-)
+from particles import BoltzmannGrad, HardDisks, HardSpheres, PoissonSpheres, arguments, simulate
 from particles.placement import build
 
 GOOD: dict[str, Any] = dict(restitution=0.5, times=[1.0, 9.0], media=2, tracers=2)

@@ -22,15 +22,11 @@ def run(medium: Any, **arguments: Any) -> Any:
 @pytest.mark.parametrize(
     "medium",
     [
-        HardDisks(0.04, 400),
-        HardDisks(0.16, 400, diameter=0.5),
-        Poisson(0.1, 400),
-        SQUARE,
-        BoltzmannGrad(0.04),
-        HardSpheres(0.1, count=400),
+        HardDisks(0.04, 400), HardDisks(0.16, 400, diameter=0.5), Poisson(0.1, 400), SQUARE,
+        BoltzmannGrad(0.04), HardSpheres(0.1, count=400),
     ],
     ids=lambda medium: type(medium).__name__,
-)
+)  # fmt: skip
 def test_a_path_ends_where_and_when_the_run_says(medium: Any) -> None:
     ensemble = run(medium)
     paths = ensemble.trajectories(5, configuration=1)

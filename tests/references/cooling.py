@@ -163,13 +163,9 @@ def power_law_speeds(w: Any) -> Any:
 
 
 STARTS: dict[str, Callable[[Any], Any]] = {
-    "monoenergetic": one_speed,
-    "gaussian": gaussian_speeds,
-    "table": table_speeds,
-    "samples": sample_speeds,
-    "exponential": exponential_speeds,
-    "power_law": power_law_speeds,
-}
+    "monoenergetic": one_speed, "gaussian": gaussian_speeds, "table": table_speeds,
+    "samples": sample_speeds, "exponential": exponential_speeds, "power_law": power_law_speeds,
+}  # fmt: skip
 
 # -- the tables ------------------------------------------------------------------------------------
 
