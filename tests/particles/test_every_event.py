@@ -155,18 +155,22 @@ def test_the_scaling_state_looks_the_same_at_any_time(medium: Any) -> None:
         assert np.all(error < 0.05 * scaled)
 
 
-def test_a_free_road_is_an_escape() -> None:
+@pytest.mark.parametrize("field", [0.0, 1.0])
+def test_a_free_road_is_an_escape(field: float) -> None:
     # A square lattice with a tracer along its axis meets nothing, ever.
     lattice = np.stack(np.meshgrid([0.0, 5.0], [0.0, 5.0]), axis=-1).reshape(-1, 2)
-    medium = Positions(lattice, 10.0, start=(2.5, 2.5))
-    ahead = np.array([[1.0, 0.0]])
-    run = simulate(medium, 0.5, ahead, times=[1.0, 1e9], media=1, tracers=1)
+    arguments: Any = dict(media=1, tracers=1, field=field, depth=50.0 if field else None)
+    medium, ahead = Positions(lattice, 10.0, start=(2.5, 2.5)), np.array([[1.0, 0.0]])
+    run = simulate(medium, 0.5, ahead, [10.0, 1e9], **arguments)
     assert run.statuses.escaped == 1
     assert list(run.samples) == [1, 0]
-    # Before the limit it is a flight like any other.
-    run = simulate(medium, 0.5, ahead, times=[1.0, 1e5], media=1, tracers=1)
-    assert run.statuses.finished == 1
-    assert run.msd.value[1] == pytest.approx(1e10, rel=1e-12)
+    assert run.msd.value[0] == pytest.approx((10.0 + 50.0 * field) ** 2, rel=1e-12)
+    if field:
+        assert run.passage_times[0] == pytest.approx(np.sqrt(101.0) - 1.0, rel=1e-12)
+    else:  # before the limit it is a flight like any other
+        run = simulate(medium, 0.5, ahead, [1.0, 1e5], **arguments)
+        assert run.statuses.finished == 1
+        assert run.msd.value[1] == pytest.approx(1e10, rel=1e-12)
 
 
 @pytest.mark.parametrize("law", [(1.0, 1.0), (0.5, 0.5), (0.9, 0.3), (0.5, 0.0)])

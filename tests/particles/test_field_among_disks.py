@@ -102,15 +102,6 @@ def test_tracers_are_trapped_in_corners_that_hold_them_and_nowhere_else(restitut
     )
 
 
-def test_a_tracer_in_a_free_corridor_escapes() -> None:
-    lattice = np.stack(np.meshgrid([0.0, 5.0], [0.0, 5.0]), axis=-1).reshape(-1, 2)
-    medium = Positions(lattice, 10.0, start=(2.5, 2.5))
-    run = simulate(medium, 0.5, "rest", [10.0, 1e9], media=1, tracers=1, field=1.0, depth=50.0)
-    assert run.statuses.escaped == 1
-    assert run.mean_displacement.value[0, 0] == pytest.approx(50.0, rel=1e-12)
-    assert run.passage_times[0] == pytest.approx(10.0, rel=1e-12)
-
-
 @pytest.mark.parametrize("field", [1e-98, 1e-12, 1e12, 1e98])
 def test_any_size_of_the_field_and_of_the_start(field: float) -> None:
     scale = np.sqrt(field)

@@ -30,7 +30,6 @@ RUNS: list[tuple[str, list[Any], dict[str, Any]]] = [
     ("restitution", [1.2, NAN, lambda v: 1 + v, lambda v: v[:3], lambda v: "hard",
                      ([1.0, 0.5], [0.5, 0.5]), ([0.5, 1.0], [0.5, 1.5])], {}),
     ("restitution", [Viscoelastic(1)], dict(medium=DISKS, field=1.0)),
-    ("restitution", [True, np.True_, b"0.7", "0.7"], {}),
     ("tangential_restitution", ["rough"], {}),
     ("tangential_restitution", [0.0], dict(restitution=0.0)),
     ("times", [[True], ["1.0"], np.array(["1.0"], object)], {}),
