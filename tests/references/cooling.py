@@ -175,11 +175,11 @@ TIMES = [0.01, 0.3, 3.0, 12.5, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7,
 
 
 def evolution(
-    e: float, names: list[str], powers: list[float], early_square: Callable[[Any], Any]
+    e: float, names: list[str], powers: list[float], early: Callable[[Any], Any]
 ) -> dict[str, Any]:
     """Averages at TIMES, by the power series up to t/l = 2, by Mellin-Barnes integrals later.
 
-    early_square : <r^2>/l^2 of a monoenergetic start, by its series
+    early : <r^2>/l^2 and <r^4>/l^4 of a monoenergetic start, by their series
     """
     line, turned = Line(e, 0, "-0.6"), Line(e, 1, "-0.3")
     square = square_weight(line, turned, one_speed)
@@ -201,7 +201,7 @@ def evolution(
                 elif reduced < 2 and key == "collisions" and name == "monoenergetic":
                     value = early_power(e, 1, reduced, integrated=True)
                 elif reduced < 2 and key == "msd" and name == "monoenergetic":
-                    value = early_square(reduced)
+                    value = early(reduced)[0]
                 else:
                     value = line.integrate(weight, reduced)
                 value *= FREE_PATH**2 if key == "msd" else reduced**-power
