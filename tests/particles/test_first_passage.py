@@ -8,15 +8,11 @@ from particles import BoltzmannGrad, Poisson, simulate
 DISKS = BoltzmannGrad(0.5)
 
 
-@pytest.mark.parametrize(
-    ("medium", "restitution"),
-    [
-        (BoltzmannGrad(0.5), 0.8),
-        (BoltzmannGrad(0.1, dimension=3), 0.8),
-        (Poisson(0.1, 1000), 0.8),
-        (Poisson(0.1, 1000), 0.0),  # many a tracer slides past the depth
-    ],
-)
+CASES = [(DISKS, 0.8), (BoltzmannGrad(0.1, dimension=3), 0.8), (Poisson(0.1, 1000), 0.8)]
+CASES += [(Poisson(0.1, 1000), 0.0)]  # many a tracer slides past the depth
+
+
+@pytest.mark.parametrize(("medium", "restitution"), CASES)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_first_passage_is_when_the_depth_is_first_reached(
     medium: BoltzmannGrad | Poisson, restitution: float, sign: float
@@ -24,8 +20,7 @@ def test_the_first_passage_is_when_the_depth_is_first_reached(
     times = np.linspace(0.0, 12.0, 601)
     run = simulate(
         medium, restitution, times=times, media=2, tracers=100, field=0.6 * sign,
-        depth=2.5 * sign,
-        observables=["positions"],
+        depth=2.5 * sign, observables=["positions"],
     )  # fmt: skip
     assert run.passage_times.shape == (200,)
     beyond = sign * run.positions[:, :, 0] >= 2.5

@@ -55,6 +55,15 @@ def early_power(
 # -- Mellin-Barnes integrals -----------------------------------------------------------------------
 
 
+def along_line(values: list[Any], step: Any, log_t: Any) -> Any:
+    """1/pi Re of the integral of values exp(-i y ln T) over y > 0, by the trapezoid rule."""
+    turn, total, phase = mp.expj(-step * log_t), -values[0].real / 2, mp.mpc(1)
+    for value in values:
+        total += (value * phase).real
+        phase *= turn
+    return total * step / mp.pi
+
+
 class Line:
     """1/Q_m(-w) at w = centre + i n STEP, and Mellin-Barnes integrals over that line."""
 
@@ -67,12 +76,8 @@ class Line:
     def integrate(self, weight: list[Any], reduced_time: Any) -> Any:
         """1/(2 pi i) integral of weight(w) T^-w/Q(-w), weight at the points of the line."""
         log_t = mp.log(mp.mpf(reduced_time))
-        turn = mp.expj(-STEP * log_t)
-        total, phase = mp.mpf(0), mp.mpc(1)
-        for n, (a, b) in enumerate(zip(weight, self.inverse, strict=True)):
-            total += (a * b * phase).real * (1 if n else mp.mpf(1) / 2)
-            phase *= turn
-        return total * STEP / mp.pi * mp.exp(-self.w[0].real * log_t)
+        values = [a * b for a, b in zip(weight, self.inverse, strict=True)]
+        return along_line(values, STEP, log_t) * mp.exp(-self.w[0].real * log_t)
 
     def power(self, p: Any, start: Any) -> list[Any]:
         """Weight of (t/l)^p <v^p cos(m phi)>; the line must lie between -p and the poles."""
