@@ -1,11 +1,12 @@
 """simulate(): reproducible, within known laws, clear about bad input."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
 from sigmas import check, mean
 
-import particles
 from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
 
 TIMES = [0.0, 1.0, 30.0, 1000.0]
@@ -86,17 +87,10 @@ def test_a_collision_cap_says_whom_it_leaves_out() -> None:
     assert statuses.collision_cap == ensemble.missing[-1]
 
 
-@pytest.mark.parametrize(
-    ("one", "twice"),
-    [
-        (Poisson(0.1, 500), Poisson(0.1 / 4, 500, diameter=2.0)),
-        (HardSpheres(0.1, count=500), HardSpheres(0.1 / 8, diameter=2.0, count=500)),
-        (PoissonSpheres(0.1, count=500), PoissonSpheres(0.1 / 8, diameter=2.0, count=500)),
-    ],
-)
-def test_diameter_only_sets_the_unit_of_length(
-    one: particles.Medium, twice: particles.Medium
-) -> None:
+@pytest.mark.parametrize("kind", [Poisson, HardSpheres, PoissonSpheres])
+def test_diameter_only_sets_the_unit_of_length(kind: Any) -> None:
+    one = kind(0.1, count=500)
+    twice = kind(0.1 / 2**one.dimension, count=500, diameter=2.0)
     names = ["positions", "displacement_histogram", "finals"]
     a = simulate(one, 0.5, times=[1, 20], media=3, tracers=9, observables=names)
     b = simulate(twice, 0.5, times=[2, 40], media=3, tracers=9, observables=names)
