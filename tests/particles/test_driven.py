@@ -83,10 +83,8 @@ def test_a_bath_in_a_field(dimension: int, e: float, seed: int, size: int) -> No
     growth, error = np.diff(spread.value)[0] / 96, np.hypot(*spread.error) / 96
     found = run.drift.value[1], v2[1], tensor.value[1, 0, 0], growth
     state = solve_steady(e, dimension, **drive, rtol=1e-6)
-    figures = (
-        *(state.drift, state.mean_square_speed, state.mean_square_along),
-        state.diffusion_parallel,
-    )
+    figures = [state.drift, state.mean_square_speed, state.mean_square_along]
+    figures.append(state.diffusion_parallel)
     check(found, (run.drift.error[1], v2_error[1], tensor.error[1, 0, 0], error), figures, 0.15)
 
 

@@ -13,13 +13,8 @@ def test_the_error_of_a_share_of_unequal_configurations_is_cochrans() -> None:
     n = 4
     m = rng.integers(100, 300, (n, 1)).astype(float)
     counts = rng.binomial(m.astype(int), 0.3)[:, :, None].astype(float)
-    estimate = share(
-        counts.sum(axis=0),
-        (counts**2).sum(axis=0),
-        (counts * m[:, :, None]).sum(axis=0),
-        np.stack((m.sum(axis=0), (m**2).sum(axis=0))),
-        n,
-    )
+    products = (part.sum(axis=0) for part in (counts, counts**2, counts * m[:, :, None]))
+    estimate = share(*products, np.stack((m.sum(axis=0), (m**2).sum(axis=0))), n)
     p = counts.sum() / m.sum()
     variance = n / (n - 1) * np.sum((counts[:, 0, 0] - p * m[:, 0]) ** 2) / m.sum() ** 2
     assert estimate.value[0, 0] == pytest.approx(p, rel=1e-14)

@@ -19,11 +19,7 @@ SOME = [CASES[1], CASES[4]]
 NAMES = ("thermal_speed", "a2", "msd", "kurtosis", "collisions")
 TIMES = np.array([0.7, 4.0, 40.0])  # l/U
 TRACERS = 400_000
-
-
-def density(dimension: int) -> float:
-    """Of scatterers, so that l = 1."""
-    return 0.5 if dimension == 2 else 1.0 / np.pi
+MEDIA = {2: BoltzmannGrad(0.5), 3: BoltzmannGrad(1.0 / np.pi, dimension=3)}  # l = 1
 
 
 def check_counts(counts: Any, shares: Any) -> None:
@@ -38,12 +34,13 @@ def check_counts(counts: Any, shares: Any) -> None:
 @pytest.mark.parametrize(("alpha", "mass", "dimension"), slow_but(SOME, CASES))
 def test_runs_meet_the_kinetic_equation(alpha: float, mass: float, dimension: int) -> None:
     run = simulate(
-        BoltzmannGrad(density(dimension), dimension=dimension), alpha, times=TIMES, media=200,
-        tracers=TRACERS // 200, seed=6, observables=["positions", "velocities"], mass_ratio=mass,
+        MEDIA[dimension], alpha, times=TIMES, media=200, tracers=TRACERS // 200, seed=6,
+        observables=["positions", "velocities"], mass_ratio=mass,
     )  # fmt: skip
     usual: dict[str, Any] = dict(
-        number_density=density(dimension), times=TIMES, dimension=dimension, mass_ratio=mass
-    )
+        number_density=MEDIA[dimension].number_density, times=TIMES, dimension=dimension,
+        mass_ratio=mass,
+    )  # fmt: skip
     outputs = (*NAMES, "speed_density", "intermediate_scattering")
     solution = solve(Scene(alpha, **usual, outputs=outputs), rtol=1e-6)
     check_averages(run, solution, NAMES)
@@ -70,8 +67,8 @@ def test_runs_meet_the_kinetic_equation(alpha: float, mass: float, dimension: in
 )
 def test_the_drift_in_a_field(alpha: float, mass: float, dimension: int) -> None:
     run = simulate(
-        BoltzmannGrad(density(dimension), dimension=dimension), alpha, "rest", [30.0], media=100,
-        tracers=600, seed=2, field=1.0, mass_ratio=mass,
+        MEDIA[dimension], alpha, "rest", [30.0], media=100, tracers=600, seed=2, field=1.0,
+        mass_ratio=mass,
     )  # fmt: skip
     drift = run.drift
     assert drift.error[0] < 0.003 * drift.value[0]
