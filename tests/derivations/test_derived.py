@@ -183,10 +183,7 @@ def test_the_printed_curves_of_the_solver_meet_the_printed_formulas() -> None:
         (law.cooling_rate_fitted(value), rate),
         (law.thermal_speed(time, rate), of("veq", e, sy.t, at=walk)(value, time)),
         (law.msd_random_walk(time, value), of("msd", e, sy.t, at=walk)(value, time)),
-        (
-            law.position_given_speed(radii, 0.75, 0.6),
-            of("posivel", R, eta, sy.V)(radii, 0.75, 0.6),
-        ),
+        (law.position_given_speed(radii, 0.75, 0.6), of("posivel", R, eta, sy.V)(radii, 0.75, 0.6)),
         (law.position_peak(radii), of("peakg", R, eta, sy.Vbar)(radii, 0.75, np.sqrt(0.5))),
         (law.position_far_tail(radii, 0.25), of("semig", R, eta)(radii, 0.25)),
         (law.position_tail(radii), tail(radii, *at_saddle)),

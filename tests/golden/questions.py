@@ -10,6 +10,8 @@ tenfold or more at each of them, and processors differ in roundings.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import tempfile
 import warnings
@@ -17,7 +19,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
+import pandas as pd
+
+import particles as package
+from derivations import verify
+from kinetics import (
+    Beam,
+    CollisionLaw,
+    ScalingSolution,
+    Scene,
+    SpeedTable,
+    solve,
+    solve_field,
+    solve_scaled,
+)
+from kinetics.cli import main
 
 NUMBERS = Path(__file__).with_name("numbers.json")
 TIMES = [1.0, 30.0, 1e3, 1e6]
@@ -40,60 +58,44 @@ def question(
 def averages(
     outputs: str = "thermal_speed a2 msd kurtosis", rtol: float = 1e-10, **scene: Any
 ) -> Any:
-    from kinetics import Scene, solve
-
     found = solve(Scene(**{"times": TIMES, **scene}, outputs=tuple(outputs.split())), rtol=rtol)
     return [getattr(found, name) for name in outputs.split()]
 
 
 @question(
-    1e-11,
-    disks={"restitution": 0.7},
-    inelastic={"restitution": 0.0},
-    nearly_elastic={"restitution": 0.99},
-    spheres={"restitution": 0.4, "dimension": 3},
+    1e-11, disks={"restitution": 0.7}, inelastic={"restitution": 0.0},
+    nearly_elastic={"restitution": 0.99}, spheres={"restitution": 0.4, "dimension": 3},
     rough={"restitution": 0.7, "tangential_restitution": 0.8},
-)
+)  # fmt: skip
 def scaling_closed_form(**law: Any) -> Any:
-    from kinetics import ScalingSolution
-
     exact = ScalingSolution(**law)
     c = [0.3, 1.0, 2.5, 8.0]
     return exact.cooling_rate, exact.a2, exact.moment(3.5), exact.diffusion_slope, exact.vdf(c)
 
 
 @question(
-    3e-11,
-    disks={"restitution": 0.7},
-    inelastic={"restitution": 0.0},
+    3e-11, disks={"restitution": 0.7}, inelastic={"restitution": 0.0},
     spheres={"restitution": 0.4, "dimension": 3},
     rough={"restitution": 0.7, "tangential_restitution": 0.8},
-)
+)  # fmt: skip
 def scaling_solver(**law: Any) -> Any:
-    from kinetics import solve_scaled
-
     vdf = solve_scaled(**law)
     return vdf.cooling_rate, vdf.a2, vdf.moment(3.5), vdf.vdf([0.3, 1.0, 2.5, 8.0])
 
 
 @question(
-    1e-9,
-    readme={"restitution": 0.7, "number_density": 0.04},
-    inelastic={"restitution": 0.0},
-    elastic={"restitution": 1.0},
-    one_speed={"restitution": 0.4, "initial": "monoenergetic"},
+    1e-9, readme={"restitution": 0.7, "number_density": 0.04}, inelastic={"restitution": 0.0},
+    elastic={"restitution": 1.0}, one_speed={"restitution": 0.4, "initial": "monoenergetic"},
     spheres={"restitution": 0.7, "dimension": 3},
     rough={"restitution": 0.7, "tangential_restitution": 0.5},
     dense={"restitution": 0.7, "number_density": 0.1},
-)
+)  # fmt: skip
 def averages_over_time(**scene: Any) -> Any:
     return averages(**scene)
 
 
 @question()
 def averages_of_a_beam() -> Any:
-    from kinetics import Beam
-
     return averages(
         "mean_velocity velocity_autocorrelation msd", restitution=0.7, initial=Beam(direction=0.5)
     )
@@ -101,8 +103,6 @@ def averages_of_a_beam() -> Any:
 
 @question()
 def averages_of_a_table_of_speeds() -> Any:
-    from kinetics import SpeedTable
-
     v = np.linspace(0.0, 4.0, 41)
     f = v * np.exp(-(v**2))
     return averages(restitution=0.8, initial=SpeedTable(v, f / np.trapezoid(f, v)))
@@ -110,8 +110,6 @@ def averages_of_a_table_of_speeds() -> Any:
 
 @question(1e-8)
 def law_of_ones_own() -> Any:
-    from kinetics import CollisionLaw, ScalingSolution
-
     law = CollisionLaw.from_samples([0.5, 0.3, 0.2], [0.9, 0.5, 0.7], [-0.5, 0.1, 0.8], 2)
     exact = ScalingSolution(law)
     return exact.cooling_rate, exact.a2, averages(restitution=law)
@@ -129,22 +127,16 @@ def finite_density(**scene: Any) -> Any:
 
 
 @question(
-    1e-7,
-    gaussian={"restitution": 0.7},
-    spheres={"restitution": 0.5, "dimension": 3},
+    1e-7, gaussian={"restitution": 0.7}, spheres={"restitution": 0.5, "dimension": 3},
     elastic={"restitution": 1.0},
-)
+)  # fmt: skip
 def speed_density(**scene: Any) -> Any:
-    from kinetics import Scene, solve
-
     solution = solve(Scene(**scene, times=[3.0, 300.0], outputs="speed_density"), rtol=1e-9)
     return solution.speed_density([0.01, 0.1, 0.5, 1.5])
 
 
 @question(2e-7, late={"times": [300.0]}, early={"times": [20.0], "restitution": 0.9})
 def position_density(restitution: float = 0.7, times: Any = ()) -> Any:
-    from kinetics import Scene, solve
-
     scene = Scene(restitution, times=times, outputs=("position_density", "msd"))
     found = solve(scene, rtol=1e-8)
     return found.position_density([1.0, 20.0, 60.0]), found.scaled_position_density([0.5, 1.0, 2.0])
@@ -152,8 +144,6 @@ def position_density(restitution: float = 0.7, times: Any = ()) -> Any:
 
 @question(1e-8, gaussian={"restitution": 0.7}, spheres={"restitution": 0.5, "dimension": 3})
 def scattering_function(**scene: Any) -> Any:
-    from kinetics import Scene, solve
-
     wanted = Scene(**scene, times=[3.0, 100.0], outputs="intermediate_scattering")
     return solve(wanted, rtol=1e-9).intermediate_scattering([0.01, 0.1, 0.5])
 
@@ -170,8 +160,6 @@ FIELD = {
 
 @question(3e-11, **{name: {"which": name} for name in FIELD})
 def steady_state_in_a_field(which: str) -> Any:
-    from kinetics import solve_field
-
     shape, e = which.split()
     state = solve_field(float(e), dimension=3 if shape == "spheres" else 2, rtol=1e-11)
     parts = ("drift", "mean_square_speed", "mean_speed", "diffusion_parallel")
@@ -181,8 +169,6 @@ def steady_state_in_a_field(which: str) -> Any:
 @question(1e-6)
 def averages_in_a_field() -> Any:
     """From rest, e = .7, at t = .1, .5, 2, 5 in sqrt(l/g), in sqrt(g l) and l."""
-    from kinetics import Scene, solve
-
     g = 0.08
     scale = np.sqrt(12.5 / g)
     times = scale * np.array([0.1, 0.5, 2.0, 5.0])
@@ -210,8 +196,6 @@ MEDIA: dict[str, dict[str, Any]] = {
     HardDisks_rough={"medium": "HardDisks", "tangential_restitution": 0.8},
 )
 def particles(medium: str, **arguments: Any) -> Any:
-    import particles as package
-
     made = getattr(package, medium.split()[0])(**MEDIA[medium])
     run = package.simulate(
         made, restitution=0.7, times=[0.5, 10.0, 25.0], media=2, tracers=20, seed=7, workers=1,
@@ -222,8 +206,6 @@ def particles(medium: str, **arguments: Any) -> Any:
 
 @question(1e-12)
 def paper_algebra() -> Any:
-    from derivations import verify
-
     checks = verify()
     return [
         [
@@ -275,8 +257,6 @@ def columns(times: Any, place: Any, speed: Any) -> dict[str, Any]:
 
 
 def write_table(path: Path, *run: Any) -> None:
-    import pandas as pd
-
     frame = pd.DataFrame(columns(*run))
     if path.suffix == ".parquet":
         frame.to_parquet(path)
@@ -291,8 +271,6 @@ def write_arrays(path: Path, times: Any, place: Any, speed: Any) -> None:
 
 
 def write_h5md(path: Path, times: Any, place: Any, speed: Any) -> None:
-    import h5py
-
     image = np.floor(place / SIDE).astype(int)
     with h5py.File(path, "w") as file:
         file.create_group("h5md").attrs["version"] = [1, 1]
@@ -345,15 +323,10 @@ def write_gsd(path: Path, times: Any, place: Any, speed: Any) -> None:
 
 
 FILES: dict[str, Callable[..., None]] = {
-    "run.csv": write_table,
-    "run.parquet": write_table,
-    "columns.npz": write_table,
-    "run.npz": write_arrays,
-    "run.h5md": write_h5md,
-    "run.dump": write_dump,
-    "run.xyz": write_xyz,
+    "run.csv": write_table, "run.parquet": write_table, "columns.npz": write_table,
+    "run.npz": write_arrays, "run.h5md": write_h5md, "run.dump": write_dump, "run.xyz": write_xyz,
     "run.gsd": write_gsd,
-}
+}  # fmt: skip
 SINGLE_PRECISION = ("run.gsd",)
 TOLD: dict[str, list[str]] = {
     "true": ["-e", "0.7", "--number-density", "0.04"],
@@ -364,11 +337,6 @@ TOLD: dict[str, list[str]] = {
 
 def judged(file: Path, *told: str) -> Any:
     """What `lorentz compare --json` says of a file: the whole document."""
-    import contextlib
-    import io
-
-    from kinetics.cli import main
-
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         status = main(["compare", str(file), "--timestep", str(STEP), "--json", *told])

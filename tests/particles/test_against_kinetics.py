@@ -6,6 +6,7 @@ fixed seed: of some 150 numbers, strongly correlated in time, 0.01 are expected 
 
 import numpy as np
 import pytest
+from sigmas import check, check_averages
 
 from kinetics import ScalingSolution, Scene, solve
 from particles import BoltzmannGrad, simulate
@@ -30,10 +31,7 @@ def test_boltzmann_grad_meets_the_kinetic_equation(
     solution = solve(
         Scene(restitution, 0.04, **usual, dimension=dimension, outputs=NAMES), rtol=1e-7
     )
-    for name in NAMES:
-        estimate = getattr(ensemble, name)
-        sigmas = (estimate.value - getattr(solution, name)) / estimate.error
-        assert np.all(abs(sigmas) < 4), (name, sigmas)
+    check_averages(ensemble, solution, NAMES)
 
 
 @pytest.mark.parametrize(("restitution", "dimension"), [(0.5, 2), (0.7, 3)])
@@ -51,4 +49,4 @@ def test_collisions_scatter_as_the_closed_form_says(restitution: float, dimensio
     slope = (late.mean(axis=1) - early.mean(axis=1)) / np.log(1e3)
     spread = np.hypot(late.std(axis=1, ddof=1), early.std(axis=1, ddof=1)) / np.log(1e3)
     expected = ScalingSolution(restitution, dimension=dimension).collision_cumulants(2)
-    assert np.all(np.abs(slope - expected) < 4.0 * spread / np.sqrt(40))
+    check(slope, spread / np.sqrt(40), expected)

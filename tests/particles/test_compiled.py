@@ -21,31 +21,33 @@ print(e.thermal_speed.value[0], sum(kernel.stats.cache_hits.values()))
 """
 
 
-def run(folder: Path) -> list[float]:
-    environment = os.environ | {"PYTHONPATH": str(folder)}
-    environment.pop("NUMBA_CACHE_DIR", None)
-    output = subprocess.run(
-        [sys.executable, "-c", PROGRAM], cwd=folder, env=environment, capture_output=True,
-        text=True, check=True,
-    ).stdout  # fmt: skip
-    return [float(word) for word in output.split()]
+def copied(folder: Path) -> Path:
+    source, copy = Path(particles.__file__).parent, folder / "particles"
+    shutil.copytree(source, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    return copy
+
+
+def run(folder: Path, program: str, **environment: str) -> "subprocess.CompletedProcess[str]":
+    """What a new process says that imports the copy in this folder."""
+    kept = {k: v for k, v in os.environ.items() if k not in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME")}
+    kept |= {"PYTHONPATH": str(folder)} | environment
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, env=kept, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return done
 
 
 @pytest.mark.slow
 def test_a_change_in_another_file_than_the_kernels_is_compiled(tmp_path: Path) -> None:
-    shutil.copytree(
-        Path(particles.__file__).parent, tmp_path / "particles",
-        ignore=shutil.ignore_patterns("__pycache__"),
-    )  # fmt: skip
-    before, hits = run(tmp_path)
+    events = copied(tmp_path) / "events.py"
+    before, hits = map(float, run(tmp_path, PROGRAM).stdout.split())
     assert hits == 0
-    assert run(tmp_path) == [before, 1]
-    events = tmp_path / "particles" / "events.py"
-    text = events.read_text(encoding="utf-8")
-    line = "    return along, ratio"
+    assert [*map(float, run(tmp_path, PROGRAM).stdout.split())] == [before, 1]
+    text, line = events.read_text(encoding="utf-8"), "    return along, ratio"
     assert text.count(line) == 1
     events.write_text(text.replace(line, "    return along, 0.5 * ratio"), encoding="utf-8")
-    after, hits = run(tmp_path)
+    after, hits = map(float, run(tmp_path, PROGRAM).stdout.split())
     assert hits == 0
     assert after < before
 
@@ -54,22 +56,13 @@ def test_where_compiled_code_cannot_be_kept_it_is_compiled_in_every_process(
     tmp_path: Path,
 ) -> None:
     """As for a user without a home, in a read-only installation; a file keeps root out as well."""
-    source = Path(particles.__file__).parent
-    copy = tmp_path / "particles"
-    shutil.copytree(source, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    for file in copy.rglob("__init__.py"):
+    for file in copied(tmp_path).rglob("__init__.py"):
         (file.parent / "__pycache__").write_text("")
     (tmp_path / "home").write_text("")
-    environment = os.environ | {"PYTHONPATH": str(tmp_path), "HOME": str(tmp_path / "home")}
-    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
-        environment.pop(name, None)
-    done = subprocess.run(
-        [sys.executable, "-c", "import particles.placement, particles.kernel.follow"],
-        cwd=tmp_path, env=environment, capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert done.stderr.count("Warning") == 1
-    assert "compiled code cannot be kept (no folder for it can be written)" in done.stderr
+    program = "import particles.placement, particles.kernel.follow"
+    said = run(tmp_path, program, HOME=str(tmp_path / "home")).stderr
+    assert said.count("Warning") == 1
+    assert "compiled code cannot be kept (no folder for it can be written)" in said
 
 
 def three(monkeypatch: pytest.MonkeyPatch, folder: Path) -> int:

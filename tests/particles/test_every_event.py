@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scattered import Around
 
-from particles import (
-    BoltzmannGrad,
-    HardDisks,
-    HardSpheres,
-    Poisson,
-    PoissonSpheres,
-    Positions,
-    simulate,
-)
+import particles
+from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
 
 INSIDE = 1e-13  # no tracer is nearer to a scatterer than 1 - INSIDE; rounding of 100 d is 1e-14
 PLACE = {2: [2, 3], 3: [2, 3, 5]}  # columns of `finals`
+
+
+MORE = [
+    (HardDisks(0.04, 4000), (0.7, 0.9)), (HardDisks(0.3, 4000), (1.0, 1.0)),
+    (Poisson(0.1, 4000), (0.0, 1.0)), (HardSpheres(0.4, count=3000), (1.0, 1.0)),
+    (PoissonSpheres(0.03, count=3000), (0.9, 0.4)),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -26,11 +26,7 @@ PLACE = {2: [2, 3], 3: [2, 3, 5]}  # columns of `finals`
         (Poisson(0.3, 4000), (0.9, 1.0)),
         (HardSpheres(0.03, count=3000), (0.7, 1.0)),
         (PoissonSpheres(0.2, count=3000), (0.5, 1.0)),
-        pytest.param(HardDisks(0.04, 4000), (0.7, 0.9), marks=pytest.mark.slow),
-        pytest.param(HardDisks(0.3, 4000), (1.0, 1.0), marks=pytest.mark.slow),
-        pytest.param(Poisson(0.1, 4000), (0.0, 1.0), marks=pytest.mark.slow),
-        pytest.param(HardSpheres(0.4, count=3000), (1.0, 1.0), marks=pytest.mark.slow),
-        pytest.param(PoissonSpheres(0.03, count=3000), (0.9, 0.4), marks=pytest.mark.slow),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in MORE),
     ],
 )
 def test_every_event(medium: Any, law: tuple[float, float]) -> None:
@@ -155,18 +151,22 @@ def test_the_scaling_state_looks_the_same_at_any_time(medium: Any) -> None:
         assert np.all(error < 0.05 * scaled)
 
 
-def test_a_free_road_is_an_escape() -> None:
+@pytest.mark.parametrize("field", [0.0, 1.0])
+def test_a_free_road_is_an_escape(field: float) -> None:
     # A square lattice with a tracer along its axis meets nothing, ever.
     lattice = np.stack(np.meshgrid([0.0, 5.0], [0.0, 5.0]), axis=-1).reshape(-1, 2)
-    medium = Positions(lattice, 10.0, start=(2.5, 2.5))
-    ahead = np.array([[1.0, 0.0]])
-    run = simulate(medium, 0.5, ahead, times=[1.0, 1e9], media=1, tracers=1)
+    arguments: Any = dict(media=1, tracers=1, field=field, depth=50.0 if field else None)
+    medium, ahead = particles.Positions(lattice, 10.0, start=(2.5, 2.5)), np.array([[1.0, 0.0]])
+    run = simulate(medium, 0.5, ahead, [10.0, 1e9], **arguments)
     assert run.statuses.escaped == 1
     assert list(run.samples) == [1, 0]
-    # Before the limit it is a flight like any other.
-    run = simulate(medium, 0.5, ahead, times=[1.0, 1e5], media=1, tracers=1)
-    assert run.statuses.finished == 1
-    assert run.msd.value[1] == pytest.approx(1e10, rel=1e-12)
+    assert run.msd.value[0] == pytest.approx((10.0 + 50.0 * field) ** 2, rel=1e-12)
+    if field:
+        assert run.passage_times[0] == pytest.approx(np.sqrt(101.0) - 1.0, rel=1e-12)
+    else:  # before the limit it is a flight like any other
+        run = simulate(medium, 0.5, ahead, [1.0, 1e5], **arguments)
+        assert run.statuses.finished == 1
+        assert run.msd.value[1] == pytest.approx(1e10, rel=1e-12)
 
 
 @pytest.mark.parametrize("law", [(1.0, 1.0), (0.5, 0.5), (0.9, 0.3), (0.5, 0.0)])

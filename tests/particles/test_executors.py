@@ -9,20 +9,12 @@ from typing import Any
 
 import pytest
 
-from particles import (
-    OBSERVABLES,
-    BoltzmannGrad,
-    Ensemble,
-    HardDisks,
-    HardSpheres,
-    Poisson,
-    PoissonSpheres,
-    simulate,
-)
+import particles
+from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Poisson, simulate
 
 MEDIA = (
     HardDisks(0.05, 800), Poisson(0.1, 400), HardSpheres(0.1, count=500),
-    PoissonSpheres(0.2, count=500), BoltzmannGrad(0.04), BoltzmannGrad(0.04, dimension=3),
+    particles.PoissonSpheres(0.2, count=500), BoltzmannGrad(0.04), BoltzmannGrad(0.04, dimension=3),
 )  # fmt: skip
 
 
@@ -32,7 +24,7 @@ def run(
     return [
         simulate(
             medium, 0.4, times=[0.0, 1.0, 40.0], media=9, tracers=25, seed=seed, workers=workers,
-            executor=executor, observables=OBSERVABLES, **part,
+            executor=executor, observables=particles.OBSERVABLES, **part,
         )
         for medium in MEDIA
     ] + [

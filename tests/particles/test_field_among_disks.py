@@ -7,43 +7,30 @@ from scipy.spatial import cKDTree
 
 from particles import HardDisks, Poisson, Positions, simulate
 
-
-def gaps(medium: HardDisks | Poisson, seed: int, places: np.ndarray) -> np.ndarray:
-    return Around(medium, seed).nearest(places.reshape(-1, 2))[0] - 1
-
-
 STRESS = [
-    (HardDisks(0.04, 4000), 0.9, 0.08),
-    (HardDisks(0.5, 4000), 0.7, 1.0),
-    (Poisson(0.3, 4000), 0.9, -0.5),
-    (Poisson(0.1, 4000), 0.0, 0.2),
-    (Poisson(0.2, 4000), 0.98, 5.0),
-    (HardDisks(0.3, 4000), 1.0, 0.3),
-]
-
-
-def check_energy_and_gaps(medium: HardDisks | Poisson, e: float, g: float, size: tuple) -> int:
-    tracers, n_times, last = size
-    run = simulate(
-        medium, e, times=np.linspace(0.05, last, n_times), media=1, tracers=tracers, seed=11,
-        field=g, observables=["positions", "velocities"],
-    )  # fmt: skip
-    # Rounding of coordinates as large as these.
-    rounding = 1e-15 * (10 + abs(run.positions).max())
-    assert gaps(medium, 11, run.positions).min() > -rounding
-    energy = (run.velocities**2).sum(axis=2) / 2 - g * run.positions[:, :, 0]
-    gain = np.diff(energy, axis=0)
-    assert gain.max() < 1e-9
-    if e == 1.0:
-        assert abs(gain).max() < 1e-9
-    return run.collision_total
+    (HardDisks(0.04, 4000), 0.9, 0.08), (HardDisks(0.5, 4000), 0.7, 1.0),
+    (Poisson(0.3, 4000), 0.9, -0.5), (Poisson(0.1, 4000), 0.0, 0.2),
+    (Poisson(0.2, 4000), 0.98, 5.0), (HardDisks(0.3, 4000), 1.0, 0.3),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("medium", "e", "g"), STRESS)
 def test_no_tracer_is_inside_a_disk_and_none_gains_energy(
     medium: HardDisks | Poisson, e: float, g: float
 ) -> None:
-    check_energy_and_gaps(medium, e, g, (100, 200, 60.0))
+    run = simulate(
+        medium, e, times=np.linspace(0.05, 60.0, 200), media=1, tracers=100, seed=11, field=g,
+        observables=["positions", "velocities"],
+    )  # fmt: skip
+    # Rounding of coordinates as large as these.
+    rounding = 1e-15 * (10 + abs(run.positions).max())
+    distance, _ = Around(medium, 11).nearest(run.positions.reshape(-1, 2))
+    assert distance.min() - 1 > -rounding
+    energy = (run.velocities**2).sum(axis=2) / 2 - g * run.positions[:, :, 0]
+    gain = np.diff(energy, axis=0)
+    assert gain.max() < 1e-9
+    if e == 1.0:
+        assert abs(gain).max() < 1e-9
 
 
 @pytest.mark.parametrize("medium", [HardDisks(0.1, 400), Poisson(0.2, 400)])
@@ -82,9 +69,7 @@ def corners_of(positions: np.ndarray, box: float, field: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.6])
-def test_tracers_are_trapped_in_corners_that_hold_them_and_nowhere_else(
-    restitution: float,
-) -> None:
+def test_tracers_are_trapped_in_corners_that_hold_them_and_nowhere_else(restitution: float) -> None:
     n, box = 0.3, 60.0
     rng = np.random.default_rng(3)
     positions = rng.uniform(0, box, (int(n * box * box), 2))
@@ -105,15 +90,6 @@ def test_tracers_are_trapped_in_corners_that_hold_them_and_nowhere_else(
     np.testing.assert_allclose(
         run.drift_of_moving.value[:3] * (1 - fraction.value[:3]), run.drift.value[:3], rtol=1e-12
     )
-
-
-def test_a_tracer_in_a_free_corridor_escapes() -> None:
-    lattice = np.stack(np.meshgrid([0.0, 5.0], [0.0, 5.0]), axis=-1).reshape(-1, 2)
-    medium = Positions(lattice, 10.0, start=(2.5, 2.5))
-    run = simulate(medium, 0.5, "rest", [10.0, 1e9], media=1, tracers=1, field=1.0, depth=50.0)
-    assert run.statuses.escaped == 1
-    assert run.mean_displacement.value[0, 0] == pytest.approx(50.0, rel=1e-12)
-    assert run.passage_times[0] == pytest.approx(10.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("field", [1e-98, 1e-12, 1e12, 1e98])

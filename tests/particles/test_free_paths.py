@@ -6,29 +6,22 @@ import numpy as np
 import pytest
 from scattered import Around, places
 
-from particles import (
-    BoltzmannGrad,
-    HardDisks,
-    HardSpheres,
-    Poisson,
-    PoissonSpheres,
-    simulate,
-)
+from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
+
+FIRST: dict[str, Any] = dict(restitution=1.0, media=400, tracers=50, max_collisions=1)
+MANY: dict[str, Any] = dict(media=100, tracers=100, max_collisions=20)
 
 
 @pytest.mark.parametrize(
     ("medium", "path", "run"),
     [
-        (Poisson(0.1, 1000), 5.0, dict(restitution=1.0, media=400, tracers=50, max_collisions=1)),
-        (PoissonSpheres(0.2, count=3000), 5 / np.pi,
-         dict(restitution=1.0, media=400, tracers=50, max_collisions=1)),
-        (BoltzmannGrad(0.04), 12.5, dict(media=100, tracers=100, max_collisions=20)),
-        (BoltzmannGrad(0.04, dimension=3), 25 / np.pi,
-         dict(media=100, tracers=100, max_collisions=20)),
-        (BoltzmannGrad(0.5), 1.0,
-         dict(media=50, tracers=100, max_collisions=40, initial="rest", field=2.0)),
+        (Poisson(0.1, 1000), 5.0, FIRST),
+        (PoissonSpheres(0.2, count=3000), 5 / np.pi, FIRST),
+        (BoltzmannGrad(0.04), 12.5, MANY),
+        (BoltzmannGrad(0.04, dimension=3), 25 / np.pi, MANY),
+        (BoltzmannGrad(0.5), 1.0, MANY | dict(initial="rest", field=2.0)),
     ],
-)  # fmt: skip
+)
 def test_free_paths_are_exponential(medium: Any, path: float, run: dict[str, Any]) -> None:
     # Of overlapping scatterers the first ones only: those that do not cover the start are in the
     # way. Tracers of one medium share them, so the spread over media is the error; 4.5 sigma in
@@ -65,7 +58,7 @@ def test_elastic_diffusion_among_overlapping_disks(density: float, expected: flo
     assert abs(ratios.mean() - expected) < 0.002 + 3 * error
 
 
-def free_volume_over_surface(medium: Any, seed: int, c: int, points: int) -> tuple[float, float]:
+def free_volume_and_surface(medium: Any, seed: int, c: int, points: int) -> tuple[float, float]:
     """Volume that is left to a tracer and its surface: random places, in the box and on the
     scatterers, that none covers."""
     rng, d = np.random.default_rng(1), medium.dimension
@@ -78,41 +71,34 @@ def free_volume_over_surface(medium: Any, seed: int, c: int, points: int) -> tup
     return free, exposed * {2: 2 * np.pi, 3: 4 * np.pi}[d] * medium.count
 
 
-@pytest.mark.parametrize(
-    "medium",
-    [
-        pytest.param(HardDisks(0.1, 4000), marks=pytest.mark.slow),
-        pytest.param(HardSpheres(0.3, count=4000), marks=pytest.mark.slow),
-        pytest.param(PoissonSpheres(0.1, count=4000), marks=pytest.mark.slow),
-    ],
-)
+SANTALO = [HardDisks(0.1, 4000), HardSpheres(0.3, count=4000), PoissonSpheres(0.1, count=4000)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("medium", SANTALO)
 def test_the_mean_free_path_is_that_of_santalo(medium: Any) -> None:
     # pi V/S in the plane, 4 V/S in space, of what a tracer's centre is free to visit.
     media = 12
     run = simulate(medium, 1.0, "monoenergetic", times=[1500.0], media=media, tracers=60, seed=6)
-    parts = [free_volume_over_surface(medium, 6, c, 40_000) for c in range(media)]
+    parts = [free_volume_and_surface(medium, 6, c, 40_000) for c in range(media)]
     volume, surface = np.sum(parts, axis=0)
     path, expected = run.mean_free_path, {2: np.pi, 3: 4.0}[medium.dimension] * volume / surface
     assert path.error < 0.01 * path.value
     # The integral by random places: 0.3 % or so.
     assert abs(path.value - expected) < 3.5 * np.hypot(path.error, 0.003 * expected)
-    rho = medium.number_density
     if isinstance(medium, PoissonSpheres):  # any density (Santalo)
-        assert abs(path.value * np.pi * rho - 1) < 0.015
+        assert abs(path.value * np.pi * medium.number_density - 1) < 0.015
 
 
 @pytest.mark.parametrize(
     ("medium", "more"),
     [
-        (BoltzmannGrad(0.04), {}),
-        (BoltzmannGrad(0.04, diameter=2.0, dimension=3), {}),
-        (HardDisks(0.1, 200, diameter=0.5), {}),
-        (PoissonSpheres(0.1, count=300), {}),
-        (BoltzmannGrad(0.04), dict(field=1e-13)),
-        (HardDisks(0.1, 200), dict(field=1e-13)),
+        (BoltzmannGrad(0.04), {}), (BoltzmannGrad(0.04, diameter=2.0, dimension=3), {}),
+        (HardDisks(0.1, 200, diameter=0.5), {}), (PoissonSpheres(0.1, count=300), {}),
+        (BoltzmannGrad(0.04), dict(field=1e-13)), (HardDisks(0.1, 200), dict(field=1e-13)),
         (BoltzmannGrad(0.04, dimension=3), dict(bath_speed=1e-13)),
     ],
-)
+)  # fmt: skip
 def test_at_speed_one_a_flight_lasts_as_long_as_it_is(medium: Any, more: dict[str, Any]) -> None:
     names = ["free_path_histogram", "free_time_histogram"]
     run = simulate(medium, 1.0, "monoenergetic", times=[40.0], media=4, tracers=50, seed=2,

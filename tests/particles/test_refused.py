@@ -7,30 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from particles import (
-    BoltzmannGrad,
-    HardDisks,
-    HardSpheres,
-    Poisson,
-    PoissonSpheres,
-    Positions,
-    Viscoelastic,
-    load,
-    simulate,
-)
+import particles
+from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
 
 NAN, LONG = float("nan"), 10**400
 GOOD: dict[str, Any] = dict(
     medium=BoltzmannGrad(0.5), restitution=0.5, times=[1.0], media=2, tracers=2, workers=1
 )
 DISKS, SPHERES = HardDisks(0.1, 400), HardSpheres(0.1, count=400)
-PLACES = Positions([[1.0, 1.0]], 6.0)
+PLACES = particles.Positions([[1.0, 1.0]], 6.0)
 RUNS: list[tuple[str, list[Any], dict[str, Any]]] = [
     # argument; values of it; what else is asked
     ("restitution", [1.2, NAN, lambda v: 1 + v, lambda v: v[:3], lambda v: "hard",
                      ([1.0, 0.5], [0.5, 0.5]), ([0.5, 1.0], [0.5, 1.5])], {}),
-    ("restitution", [Viscoelastic(1)], dict(medium=DISKS, field=1.0)),
-    ("restitution", [True, np.True_, b"0.7", "0.7"], {}),
+    ("restitution", [particles.Viscoelastic(1)], dict(medium=DISKS, field=1.0)),
     ("tangential_restitution", ["rough"], {}),
     ("tangential_restitution", [0.0], dict(restitution=0.0)),
     ("times", [[True], ["1.0"], np.array(["1.0"], object)], {}),
@@ -68,7 +58,7 @@ RUNS: list[tuple[str, list[Any], dict[str, Any]]] = [
     ("capture_speed", [0.1], dict(mass_ratio=2.0)),
     ("capture_speed", [0.1], dict(medium=DISKS, field=1.0)),
 ]  # fmt: skip
-START = partial(Positions, box_side=10)
+START = partial(particles.Positions, box_side=10)
 MEDIA: list[tuple[str, Any]] = [
     ("number_density", lambda: Poisson(-1, 10)),
     ("number_density", lambda: HardDisks(0.9, 1000)),
@@ -87,7 +77,7 @@ MEDIA: list[tuple[str, Any]] = [
     ("dimension", lambda: BoltzmannGrad(0.1, dimension=4)),
     ("number_density", lambda: HardDisks("0.04")),
     ("diameter", lambda: HardDisks(0.04, diameter=True)),
-    ("box_side", lambda: Positions([[1, 2]], 3.0)),
+    ("box_side", lambda: particles.Positions([[1, 2]], 3.0)),
     ("positions", lambda: START([[5.5, 5]])),  # it covers the start
     ("positions", lambda: START([[1, 1], [0, 9.2]], start=(0, 0))),
     ("positions", lambda: START([[1, 1], [np.nan, 2]])),
@@ -98,7 +88,7 @@ MEDIA: list[tuple[str, Any]] = [
     ("positions", lambda: START(np.ma.masked_all((1, 2)))),
     ("start", lambda: START([[1, 2]], start=(1,))),
     ("start", lambda: START([[1, 2]], start=(0, -1e308))),
-    ("b", lambda: Viscoelastic(-1.0)),
+    ("b", lambda: particles.Viscoelastic(-1.0)),
     *((n, lambda n=n, v=v: simulate(**GOOD).trajectories(**{"tracers": 1, n: v}))
       for n, v in (("tracers", 9), ("configuration", 2), ("until", -1.0), ("collisions", 1001))),
 ]  # fmt: skip
@@ -123,5 +113,5 @@ def test_numbers_of_numpy_are_numbers(tmp_path: Path) -> None:
     medium = HardDisks(np.float32(0.0625), count=np.int64(400), diameter=np.float16(1.0))
     run = simulate(medium, np.float32(0.5), times=np.arange(1, 3), media=np.int8(2), tracers=2)
     run.save(tmp_path / "run.h5")
-    assert load(tmp_path / "run.h5") == run
+    assert particles.load(tmp_path / "run.h5") == run
     assert run == simulate(HardDisks(0.0625, 400), 0.5, times=[1.0, 2.0], media=2, tracers=2)

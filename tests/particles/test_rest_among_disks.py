@@ -18,10 +18,7 @@ def released(medium: Medium, media: int, tracers: int, last: float = 20.0) -> En
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "medium",
-    [Poisson(0.2, 400, diameter=2.0), HardDisks(0.3, 400)],
-)
+@pytest.mark.parametrize("medium", [Poisson(0.2, 400, diameter=2.0), HardDisks(0.3, 400)])
 def test_tracers_begin_at_free_places_all_over_the_box(medium: HardDisks | Poisson) -> None:
     n = 400
     plan = released(medium, 1, n, 0.1).plan

@@ -19,18 +19,11 @@ def run(medium: Any, **arguments: Any) -> Any:
     return simulate(medium, 0.7, **kept)
 
 
-@pytest.mark.parametrize(
-    "medium",
-    [
-        HardDisks(0.04, 400),
-        HardDisks(0.16, 400, diameter=0.5),
-        Poisson(0.1, 400),
-        SQUARE,
-        BoltzmannGrad(0.04),
-        HardSpheres(0.1, count=400),
-    ],
-    ids=lambda medium: type(medium).__name__,
-)
+DISKS = [HardDisks(0.16, 400, diameter=0.5), Poisson(0.1, 4000), SQUARE]
+OTHERS = [HardDisks(0.04, 400), BoltzmannGrad(0.04), HardSpheres(0.1, count=400)]
+
+
+@pytest.mark.parametrize("medium", [*DISKS, *OTHERS], ids=lambda medium: type(medium).__name__)
 def test_a_path_ends_where_and_when_the_run_says(medium: Any) -> None:
     ensemble = run(medium)
     paths = ensemble.trajectories(5, configuration=1)
@@ -46,11 +39,7 @@ def test_a_path_ends_where_and_when_the_run_says(medium: Any) -> None:
         assert np.all(np.diff(path.speeds) <= 0.0)
 
 
-@pytest.mark.parametrize(
-    "medium",
-    [HardDisks(0.16, 400, diameter=0.5), Poisson(0.1, 4000), SQUARE],
-    ids=lambda medium: type(medium).__name__,
-)
+@pytest.mark.parametrize("medium", DISKS, ids=lambda medium: type(medium).__name__)
 def test_tracers_turn_on_the_disks_that_are_drawn_and_enter_none(medium: Any) -> None:
     ensemble = run(medium)
     disks = disks_within(ensemble.plan, 0, LOW, HIGH)

@@ -29,15 +29,16 @@ HALF_LENGTH = 48  # |integrand| falls as exp(-pi |Im w|/2)
 # -- power series in T, for every T ----------------------------------------------------------------
 
 
-def _series_digits(reduced_time: Any) -> int:
-    # terms grow as T^k/k! before they cancel: T/ln(10) digits
-    return DIGITS + int(0.5 * float(reduced_time)) + 10
+def early_power(
+    e: Any, p: Any, reduced_time: Any, start: Any = None, *, integrated: bool = False
+) -> Any:
+    """T^p m_p(T): sum of (-T)^k/k! lambda(p) ... lambda(p+k-1), times <v^(p+k)>(0) = start(p+k).
 
-
-def early_power(e: Any, p: Any, reduced_time: Any, start: Any = None) -> Any:
-    """T^p m_p(T): sum of (-T)^k/k! lambda(p) ... lambda(p+k-1), times <v^(p+k)>(0) = start(p+k)."""
+    integrated: its integral over T in place of it, over T^p; of p = 1 the number of collisions.
+    """
     t = float(reduced_time)
-    digits = _series_digits(t if start is None else t * t)
+    # terms grow as T^k/k! before they cancel: T/ln(10) digits
+    digits = DIGITS + int(0.5 * (t if start is None else t * t)) + 10
     with mp.workdps(digits):
         t, p = mp.mpf(reduced_time), mp.mpmathify(p)
         weigh = start or (lambda q: mp.mpf(1))
@@ -46,25 +47,21 @@ def early_power(e: Any, p: Any, reduced_time: Any, start: Any = None) -> Any:
         term = t**p
         total = term * weigh(p)
         for k in range(count):
-            term *= -t * (1 - phi[k]) / (k + 1)
+            term *= -t * (1 - phi[k]) / (k + 1 + integrated)
             total += term * weigh(p + k + 1)
         return total
 
 
-def early_collisions(e: Any, reduced_time: Any) -> Any:
-    """N(T) = integral of m_1: the series of m_1 term by term."""
-    with mp.workdps(_series_digits(reduced_time)):
-        t = mp.mpf(reduced_time)
-        count = 60 + int(4 * float(t))
-        phi = speed_ratio_powers(e, 1, count)
-        total, term = mp.mpf(0), t
-        for k in range(count):
-            total += term
-            term *= -t * (1 - phi[k]) / (k + 2)
-        return total
-
-
 # -- Mellin-Barnes integrals -----------------------------------------------------------------------
+
+
+def along_line(values: list[Any], step: Any, log_t: Any) -> Any:
+    """1/pi Re of the integral of values exp(-i y ln T) over y > 0, by the trapezoid rule."""
+    turn, total, phase = mp.expj(-step * log_t), -values[0].real / 2, mp.mpc(1)
+    for value in values:
+        total += (value * phase).real
+        phase *= turn
+    return total * step / mp.pi
 
 
 class Line:
@@ -79,12 +76,8 @@ class Line:
     def integrate(self, weight: list[Any], reduced_time: Any) -> Any:
         """1/(2 pi i) integral of weight(w) T^-w/Q(-w), weight at the points of the line."""
         log_t = mp.log(mp.mpf(reduced_time))
-        turn = mp.expj(-STEP * log_t)
-        total, phase = mp.mpf(0), mp.mpc(1)
-        for n, (a, b) in enumerate(zip(weight, self.inverse, strict=True)):
-            total += (a * b * phase).real * (1 if n else mp.mpf(1) / 2)
-            phase *= turn
-        return total * STEP / mp.pi * mp.exp(-self.w[0].real * log_t)
+        values = [a * b for a, b in zip(weight, self.inverse, strict=True)]
+        return along_line(values, STEP, log_t) * mp.exp(-self.w[0].real * log_t)
 
     def power(self, p: Any, start: Any) -> list[Any]:
         """Weight of (t/l)^p <v^p cos(m phi)>; the line must lie between -p and the poles."""
@@ -175,13 +168,9 @@ def power_law_speeds(w: Any) -> Any:
 
 
 STARTS: dict[str, Callable[[Any], Any]] = {
-    "monoenergetic": one_speed,
-    "gaussian": gaussian_speeds,
-    "table": table_speeds,
-    "samples": sample_speeds,
-    "exponential": exponential_speeds,
-    "power_law": power_law_speeds,
-}
+    "monoenergetic": one_speed, "gaussian": gaussian_speeds, "table": table_speeds,
+    "samples": sample_speeds, "exponential": exponential_speeds, "power_law": power_law_speeds,
+}  # fmt: skip
 
 # -- the tables ------------------------------------------------------------------------------------
 
@@ -191,11 +180,11 @@ TIMES = [0.01, 0.3, 3.0, 12.5, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5, 1e6, 1e7,
 
 
 def evolution(
-    e: float, names: list[str], powers: list[float], early_square: Callable[[Any], Any]
+    e: float, names: list[str], powers: list[float], early: Callable[[Any], Any]
 ) -> dict[str, Any]:
     """Averages at TIMES, by the power series up to t/l = 2, by Mellin-Barnes integrals later.
 
-    early_square : <r^2>/l^2 of a monoenergetic start, by its series
+    early : <r^2>/l^2 and <r^4>/l^4 of a monoenergetic start, by their series
     """
     line, turned = Line(e, 0, "-0.6"), Line(e, 1, "-0.3")
     square = square_weight(line, turned, one_speed)
@@ -215,9 +204,9 @@ def evolution(
                 if reduced < 2 and power and exact is not None:
                     value = early_power(e, power, reduced, exact)
                 elif reduced < 2 and key == "collisions" and name == "monoenergetic":
-                    value = early_collisions(e, reduced)
+                    value = early_power(e, 1, reduced, integrated=True)
                 elif reduced < 2 and key == "msd" and name == "monoenergetic":
-                    value = early_square(reduced)
+                    value = early(reduced)[0]
                 else:
                     value = line.integrate(weight, reduced)
                 value *= FREE_PATH**2 if key == "msd" else reduced**-power

@@ -33,7 +33,7 @@ from typing import Any
 
 import mpmath as mp
 from collision import Product, decay_rates
-from cooling import FREE_PATH, gaussian_moment, gaussian_speeds
+from cooling import FREE_PATH, along_line, gaussian_moment, gaussian_speeds
 
 from kinetics.crosscheck.references import times
 
@@ -151,15 +151,11 @@ class Lines:
     def __call__(self, reduced_time: Any) -> tuple[Any, Any]:
         """(<r^2>/l^2, <r^4>/l^4) at T = t/l."""
         log_t = mp.log(mp.mpf(reduced_time))
-        turn = mp.expj(-STEP * log_t)
-        out = []
-        for line, values in ((1, self.square), (3, self.fourth)):
-            total, phase = mp.mpf(0), mp.mpc(1)
-            for n, value in enumerate(values):
-                total += (value * phase).real * (1 if n else mp.mpf(1) / 2)
-                phase *= turn
-            out.append(total * STEP / mp.pi * mp.exp(-CENTRES[line] * log_t))
-        return out[0], out[1]
+        square, fourth = (
+            along_line(values, STEP, log_t) * mp.exp(-CENTRES[line] * log_t)
+            for line, values in ((1, self.square), (3, self.fourth))
+        )
+        return square, fourth
 
 
 # -- the tables ------------------------------------------------------------------------------------

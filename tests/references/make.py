@@ -13,7 +13,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,14 +34,8 @@ def evolution() -> dict[str, Any]:
         names, powers = TWO_STARTS, [1.0, 2.0, 2.5, 4.0, 6.0]
         if e in (0.05, 0.7):
             names, powers = SIX_STARTS, [1.0, 2.0, 4.0]
-        table[str(e)] = cooling.evolution(
-            e, names, powers, partial(_square, displacement.Early(e, 2))
-        )
+        table[str(e)] = cooling.evolution(e, names, powers, displacement.Early(e, 2))
     return table
-
-
-def _square(early: displacement.Early, reduced_time: Any) -> Any:
-    return early(reduced_time)[0]
 
 
 def benchmark() -> dict[str, Any]:

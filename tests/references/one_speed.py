@@ -12,7 +12,6 @@ from typing import Any
 
 import mpmath as mp
 
-DIGITS = 30
 WAVE_NUMBERS, TIMES = (0.3, 1.0, 2.5, 8.0), (0.5, 2.0, 4.0, 10.0)
 
 
@@ -33,22 +32,7 @@ def by_contour(k: float, t: float) -> Any:
     return mp.re(pole + cut)
 
 
-def by_talbot(k: float, t: float) -> Any:
-    """The numerical inversion of the Laplace transform, along Talbot's contour."""
-    k_ = mp.mpf(k)
-
-    def transform(s: Any) -> Any:
-        flight = mp.atan(k_ / (s + 1)) / k_
-        return flight / (1 - flight)
-
-    return mp.invertlaplace(transform, mp.mpf(t), method="talbot")
-
-
 if __name__ == "__main__":
-    with mp.workdps(DIGITS):
+    with mp.workdps(30):
         for t in TIMES:
-            found = [by_contour(k, t) for k in WAVE_NUMBERS]
-            for k, f in zip(WAVE_NUMBERS, found, strict=True):
-                # the contour must pass around the ends of the cut at +-i k
-                assert k * t > 20 or abs(f - by_talbot(k, t)) < 1e-15
-            print(f"    ({', '.join(mp.nstr(f, 17) for f in found)}),")
+            print(f"    ({', '.join(mp.nstr(by_contour(k, t), 17) for k in WAVE_NUMBERS)}),")

@@ -25,7 +25,7 @@ def test_stored_averages_from_integrals_are_the_power_series(e: str) -> None:
         reduced = mp.mpf(300) / cooling.FREE_PATH
         early = cooling.early_power(float(e), 2, reduced) / reduced**2
         square = displacement.Early(float(e), reduced)(reduced)[0] * cooling.FREE_PATH**2
-        collisions = cooling.early_collisions(float(e), reduced)
+        collisions = cooling.early_power(float(e), 1, reduced, integrated=True)
     for name, value in (("v^2", early), ("msd", square), ("collisions", collisions)):
         assert rows[name][k] == pytest.approx(float(value), rel=1e-15, abs=0.0)
 

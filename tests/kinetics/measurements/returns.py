@@ -24,7 +24,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,18 +36,6 @@ RESTITUTIONS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 PAIRS = ((0, 1), (1, 0), (2, 0), (0, 2), (1, 1))
 FARTHEST = 3000.0  # of the second disk: beyond it the integrand is of the order of 1/t^2
 MOST_BOUNCES = 400  # a tracer that bounces more often stays in the corner of two disks
-
-
-class TwoDisks(NamedTuple):
-    """What two disks give, with standard errors from independent shifts of the points.
-
-    c_near and c_error are by (m, p); d is the change of the number of collisions.
-    """
-
-    c_near: dict[tuple[int, int], float]
-    c_error: dict[tuple[int, int], float]
-    d: float
-    d_error: float
 
 
 def bounces(e: float, points: int = 400) -> tuple[Array, Array, Array, Array]:
@@ -132,8 +120,11 @@ def _follow(e: float, y: Array, flight: Array, real: bool) -> tuple[Array, Array
 
 def two_disks(
     e: float, pairs: tuple[tuple[int, int], ...], points: int = 17, shifts: int = 16
-) -> TwoDisks:
-    """The integrals over two disks, by 2^points Sobol points for each shift."""
+) -> dict[Any, tuple[float, float]]:
+    """What two disks give, by 2^points Sobol points for each shift, with standard errors.
+
+    By (m, p) it is c_near; "d" is the change of the number of collisions.
+    """
     far = math.log1p(FARTHEST)
     found = []
     for shift in range(shifts):
@@ -153,10 +144,8 @@ def two_disks(
         found.append([more] + [total[pair] / size[pair] - far for pair in pairs])
     table = np.array(found)
     mean, error = table.mean(axis=0), table.std(axis=0, ddof=1) / math.sqrt(shifts)
-    near = dict(zip(pairs, mean[1:].tolist(), strict=True))
-    return TwoDisks(
-        near, dict(zip(pairs, error[1:].tolist(), strict=True)), float(mean[0]), float(error[0])
-    )
+    both = zip(mean.tolist(), error.tolist(), strict=True)
+    return dict(zip(("d", *pairs), both, strict=True))
 
 
 def _power(velocity: Array, m: int, p: int) -> Array:
@@ -240,14 +229,16 @@ def constants(e: float, points: int = 17, shifts: int = 16) -> dict[str, Any]:
     """One row of the file: d, and B + d/lambda for every (m, p), each with its error."""
     pairs = tuple(pair for pair in PAIRS if e < 1.0 or pair[0] > 0)
     disks = two_disks(e, pairs, points, shifts)
-    nested = nested_count(e)
-    d = disks.d + nested if e < 1.0 else 0.0  # at e = 1 it is 0 by the invariant measure
-    row: dict[str, Any] = {"restitution": e, "d": [d, disks.d_error if e < 1.0 else 0.0]}
+    more, error = disks["d"]
+    row: dict[str, Any] = {"restitution": e, "d": [more + nested_count(e), error]}
+    if e == 1.0:
+        row["d"] = [0.0, 0.0]  # by the invariant measure
     for m, p in pairs:
         rate, a = 1.0 - kept(e, m, p), leading(e, m, p)
-        b = a * (disks.c_near[m, p] - math.log(4.0) - float(np.euler_gamma))
+        near, error = disks[m, p]
+        b = a * (near - math.log(4.0) - float(np.euler_gamma))
         b += 4.0 * far_ring(e, m, p) + nested_ring(e, m, p) / rate**2
-        row[f"B {m} {p}"] = [b, abs(a) * disks.c_error[m, p]]
+        row[f"B {m} {p}"] = [b, abs(a) * error]
     return row
 
 
