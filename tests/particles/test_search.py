@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numba import njit
 
+from particles.cells import SLOTS, near_chord, strike
 from particles.events import NEVER, contact, contact_in_space
-from particles.search import SLOTS, near_chord, strike
 
 CELLS = 3000
 
