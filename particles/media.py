@@ -32,8 +32,8 @@ class Random:
     scatterers: ClassVar[str]  # as a Scene of `kinetics` and the command line call the medium
     dimension: ClassVar[int]
     overlapping: ClassVar[bool]
-    # Density in d^-2, or d^-3. Random sequential addition jams at an area fraction of 0.547, spheres
-    # at a volume fraction of 0.384; close to that the number of attempts diverges. At 0.51 and 0.34.
+    # Density in d^-2, or d^-3: 0.51 of the area, or 0.34 of the volume. Random sequential addition
+    # jams at 0.547, or 0.384, and close to that the number of attempts diverges.
     largest: ClassVar[float] = 0.65
 
     def __post_init__(self) -> None:

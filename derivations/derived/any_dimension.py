@@ -9,7 +9,7 @@ the velocity, and cos that of its angle to k.
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import cache
 
 import sympy as sp
 from sympy.core.function import UndefinedFunction
@@ -34,19 +34,16 @@ def _any_average() -> Derived:
 
 
 @cache
-def _by_parts() -> sp.Expr:
-    """The moment of order p of D F + c F' in D dimensions, over <c^p>."""
+def following_moment() -> sp.Expr:
+    """<c^(p+1)> of the scaling solution from <c^p>: -lambda(p) <c^(p+1)> = (h/2)(-p) <c^p>.
+
+    -p is the moment of D F + c F' in D dimensions, over <c^p>: by parts.
+    """
     shape = sp.Function("F")(s.c)
     weight = s.c ** (s.p + s.dim - 1)  # c^p in the volume element
     boundary = sp.diff(weight * s.c * shape, s.c)
     rest = s.dim * shape * weight + s.c * sp.diff(shape, s.c) * weight - boundary
-    return sp.simplify(rest / (weight * shape))
-
-
-@cache
-def following_moment() -> sp.Expr:
-    """<c^(p+1)> of the scaling solution from <c^p>: -lambda(p) <c^(p+1)> = (h/2)(-p) <c^p>."""
-    return -s.h / 2 * _by_parts() * Avg(s.c**s.p) / s.lam(s.p)
+    return -s.h / 2 * sp.simplify(rest / (weight * shape)) * Avg(s.c**s.p) / s.lam(s.p)
 
 
 @cache
@@ -246,13 +243,13 @@ def late_flatness(dimension: int) -> sp.Expr:
     return sp.cancel(fourth / second**2)
 
 
-def _quartic(dimension: int) -> Derived:
+def _quartic(dimension: int) -> sp.Tuple:
     equations = [chain_equation(member, dimension) for member in MEMBERS]
-    return result(sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))))
+    return sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension)))
 
 
-for _dimension, _where in ((2, "plane"), (3, "space")):
-    derives(f"beyond:quartic-{_where}")(partial(_quartic, _dimension))
+row("beyond:quartic-plane", lambda: _quartic(2))
+row("beyond:quartic-space", lambda: _quartic(3))
 
 
 @cache

@@ -2,7 +2,7 @@
 
 Lengths in l. A bath: the velocities V of the scatterers are Gaussian, w_V in each component. Only
 the part q of v - V along the normal counts: a collision takes (1 + e*) q from the tracer's velocity
-along it, e* being the restitution of ``mass_ratio``.
+along it, e* being the restitution of ``any_law``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
 from ..premises import impact_density, over_impact
-from .mass_ratio import effective_restitution
+from .any_law import effective_restitution
 from .record import Derived, derives, result
 
 # -- a bath ---------------------------------------------------------------------------------------
