@@ -64,9 +64,8 @@ def make_plan(
     for name, value, forbidden, allowed in (
         ("mass_ratio", mass_ratio, moved and not dilute, f"it must be inf for {kind}"),
         ("mass_ratio", mass_ratio, moved and rough, f"it must be inf {UNLESS_SMOOTH}"),
-        ("bath_speed", bath_speed, bath_speed and not dilute, f"it must be 0 for {kind}"),
-        ("heating", heating, heating and not dilute, f"it must be 0 for {kind}"),
-        ("drag", drag, drag and not dilute, f"it must be 0 for {kind}"),
+        *((name, driven[name], driven[name] and not dilute, f"it must be 0 for {kind}")
+          for name in ("bath_speed", "heating", "drag")),
         ("bath_speed", bath_speed, bath_speed and rough, f"it must be 0 {UNLESS_SMOOTH}"),
         ("capture_speed", capture_speed, capture_speed and (bath_speed or moved),
          "it must be 0 unless scatterers are fixed"),

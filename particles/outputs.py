@@ -34,15 +34,16 @@ FINALS = {2: 5, 3: 6}
 TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y, TRAP_Z = range(5)
 TRAPS = {2: 4, 3: 5}
 
-# Histograms: rows of the table of their grids.
+# Histograms: name -> symbol, unit and words of what is counted; then rows of the table of grids.
+VARIABLES = {
+    "speed_histogram": ("v", "U", "speed |v|"),
+    "velocity_component_histogram": ("v_x", "U", "velocity component |v_x|"),
+    "displacement_histogram": ("r", "d", "displacement |r|"),
+    "free_path_histogram": ("path", "d", "length of a free flight"),
+    "free_time_histogram": ("flight_time", "d/U", "duration of a free flight"),
+}
+HISTOGRAMS = tuple(VARIABLES)
 SPEED, COMPONENT, DISTANCE, PATH, DURATION = range(5)
-HISTOGRAMS = (
-    "speed_histogram",
-    "velocity_component_histogram",
-    "displacement_histogram",
-    "free_path_histogram",
-    "free_time_histogram",
-)
 OF_FLIGHTS = HISTOGRAMS[PATH:]  # of the whole run, not of each output time
 
 VELOCITY, PLACE = range(2)
@@ -147,13 +148,5 @@ OF_A_DEPTH = {
 DRIVES = {"bath_speed": "U", "heating": "U^3/d", "drag": "U/d", "capture_speed": "U"}
 """What drives tracers, and what stops them: argument of `simulate` -> unit."""
 ESTIMATES = SCALARS | IN_FIELD | OF_A_DEPTH
-VARIABLES = {
-    "speed_histogram": ("v", "U", "speed |v|"),
-    "velocity_component_histogram": ("v_x", "U", "velocity component |v_x|"),
-    "displacement_histogram": ("r", "d", "displacement |r|"),
-    "free_path_histogram": ("path", "d", "length of a free flight"),
-    "free_time_histogram": ("flight_time", "d/U", "duration of a free flight"),
-}
-"""Name of a histogram -> symbol, unit and words of what is counted."""
 RAW = ("positions", "velocities", "finals")
 OBSERVABLES = (*SCALARS, *HISTOGRAMS, *RAW)

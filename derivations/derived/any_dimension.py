@@ -73,13 +73,10 @@ row(
 )
 
 
-@cache
-def squared_displacement() -> sp.Expr:
-    """<r^2> after N collisions: the displacement r of N flights, and u the next direction.
-
-    With r' = r + L u: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since
-    E[u'] = c u; L is exponential with mean l whatever the speed.
-    """
+@derives("beyond:any-slope")
+def _any_slope() -> Derived:
+    # the displacement r of N flights, and u the next direction. With r' = r + L u: <r'^2> = <r^2> +
+    # 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since E[u'] = c u
     c = s.cos_chi
     a, b, g = sp.symbols("a b g")
     mean, square = free_path(1) * s.l, free_path(2) * s.l**2
@@ -90,12 +87,7 @@ def squared_displacement() -> sp.Expr:
     total = b * s.N + g * (1 - power)  # <r^2>: starts from 0
     growth = b + g * power * (1 - c) - 2 * mean * along - square
     found = sp.solve(sp.Poly(sp.expand(growth), power).coeffs(), (b, g))
-    return total.subs(found).subs(power, c**s.N)
-
-
-@derives("beyond:any-slope")
-def _any_slope() -> Derived:
-    after = squared_displacement()
+    after = total.subs(found).subs(power, c**s.N)
     # dN/d ln t = t <v>/l = t v0 <c>/l, with v0 = 2 l/(h t) from dv0/dt = -h v0^2/(2 l)
     flights = 2 / s.h * mean_scaled_speed()
     per_flight = sp.limit(after.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)

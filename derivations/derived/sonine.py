@@ -114,14 +114,9 @@ def _sonine4() -> Derived:
     )
 
 
-def _averaged(order: int) -> sp.Expr:
-    """<S_order(c^2)> in the moments <c^2>, <c^4>."""
-    terms = sp.Poly(polynomial(order), s.x).terms()
-    return sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
-
-
 def _coefficient(order: int, symbol: sp.Symbol) -> sp.Tuple:
-    average = _averaged(order)
+    terms = sp.Poly(polynomial(order), s.x).terms()
+    average = sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
     return chain(symbol, average, average.subs(Avg(s.c**2), 1))
 
 

@@ -44,21 +44,8 @@ def end_of_bounces(
     place: from the centre of the cell; direction: after the bounce there. law: (e, et), et > e.
     Ratio 0: the tracer is trapped. Both are unchanged where the event loop is to go on.
     """
+    # The spheres within NEAR of contact: normals towards the tracer, and gaps.
     found = np.empty((cells.fill[cell], 4))
-    n = _walls_near(cells, cell, place, found)
-    if n < 2:
-        return direction, 1.0
-    end, last, ratio = last_bounces(found[:n], direction, law[0], law[1])
-    if end == LEAVES and path > UNRESOLVED:
-        return direction, 1.0
-    return last, ratio
-
-
-@called
-def _walls_near(
-    cells: Cells, cell: int, place: tuple[float, float, float], found: np.ndarray
-) -> int:  # fmt: skip
-    """Find the spheres within NEAR of contact: normals towards the tracer and gaps; count them."""
     n, slot, node = 0, 0, cells.head[cell]
     while slot < SLOTS or node >= 0:
         cx, cy, cz, slot, node = next_listed(cells, cell, slot, node)
@@ -68,7 +55,12 @@ def _walls_near(
             found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
             found[n, 3] = max(distance - 1.0, 0.0)
             n += 1
-    return n
+    if n < 2:
+        return direction, 1.0
+    end, last, ratio = last_bounces(found[:n], direction, law[0], law[1])
+    if end == LEAVES and path > UNRESOLVED:
+        return direction, 1.0
+    return last, ratio
 
 
 @njit(error_model="numpy")

@@ -137,9 +137,7 @@ def _note_trap(lane: Any, first: int, records: Records) -> None:
     records.filled[CAUGHT] += 1
     trap[outputs.TRAP_TRACER] = first + lane.tracer
     trap[outputs.TRAP_TIME] = lane.time / lane.unit
-    trap[outputs.TRAP_X], trap[outputs.TRAP_Y] = lane.flight_x, lane.flight_y
-    if trap.size > outputs.TRAP_Z:
-        trap[outputs.TRAP_Z] = lane.flight_z
+    _keep(trap[outputs.TRAP_X :], lane.flight_x, lane.flight_y, lane.flight_z)
 
 
 @called

@@ -56,15 +56,6 @@ def is_sliding(
 
 
 @called
-def _is_trap(one: tuple[float, float], other: tuple[float, float], field: float) -> bool:
-    """Tell whether -g is between the two normals of a corner."""
-    (ax, ay), (bx, by) = one, other
-    turn = ax * by - ay * bx
-    # -g = alpha a + beta b, by Cramer's rule.
-    return -field * by * turn > 0.0 and field * ay * turn > 0.0
-
-
-@called
 def _bounce_in_corner(
     lane: Any, one: tuple[float, float], other: tuple[float, float], law: tuple[float, float]
 ) -> bool:
@@ -102,7 +93,10 @@ def _settle(lane: Any, cx: float, cy: float, law: tuple[float, float], field: fl
     other = dx * per, dy * per
     on_other, outcome = _bounce_in_corner(lane, one, other, law), FALLS
     square = lane.vx * lane.vx + lane.vy * lane.vy
-    if square <= 2.0 * SMALL * abs(field) and _is_trap(one, other, field):
+    # -g is between the normals if it is alpha one + beta other, both positive: by Cramer's rule.
+    turn = field * (one[0] * other[1] - one[1] * other[0])
+    between = one[1] * turn > 0.0 > other[1] * turn
+    if square <= 2.0 * SMALL * abs(field) and between:
         outcome = RESTS
     else:
         for there in (on_other, not on_other):
@@ -170,14 +164,13 @@ def _wall_ahead(lane: Any, side: float, now: float, way: float) -> tuple[float, 
     left, di, dj = 4.0 * pi, 0, 0
     for sign in (1, -1):
         # Only where the tracer goes outwards through the wall.
-        height = sign * 0.5 * side - lane.struck_x
-        if abs(height) < 1.0:
-            there = _ahead(-way * sign * acos(height), now, way)
+        along, across = sign * 0.5 * side - lane.struck_x, sign * 0.5 * side - lane.struck_y
+        if abs(along) < 1.0:
+            there = _ahead(-way * sign * acos(along), now, way)
             if there < left:
                 left, di, dj = there, sign, 0
-        height = sign * 0.5 * side - lane.struck_y
-        if abs(height) < 1.0:
-            angle = asin(height)
+        if abs(across) < 1.0:
+            angle = asin(across)
             there = _ahead(angle if way * sign > 0.0 else pi - angle, now, way)
             if there < left:
                 left, di, dj = there, 0, sign
