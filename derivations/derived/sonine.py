@@ -318,7 +318,7 @@ def _ac5() -> Derived:
 
 @derives("ac7")
 def _ac7() -> Derived:
-    lower, upper = (sp.expand(growth(root)) for root in roots())
+    lower, upper = map(growth, roots())
     return result(
         eq(s.H, growth()),
         ("at the lower root", lower),
