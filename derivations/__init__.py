@@ -26,18 +26,6 @@ if TYPE_CHECKING:
     from .printed import PrintedEquation, printed_equation
     from .printers import to_json, to_latex_document, to_text
 
-_HOME = {
-    "Check": "checks",
-    "PrintedEquation": "printed",
-    "Status": "derived.record",
-    "printed_equation": "printed",
-    "report_subset": "checks",
-    "to_json": "printers",
-    "to_latex_document": "printers",
-    "to_text": "printers",
-    "verify": "checks",
-}
-
 __all__ = [
     "Check", "PrintedEquation", "Status", "printed_equation", "report_subset", "to_json",
     "to_latex_document", "to_text", "verify",
@@ -53,9 +41,12 @@ def __getattr__(name: str) -> Any:
             return metadata.version("inelastic-lorentz")
         except metadata.PackageNotFoundError:  # a bare source tree
             return "0+unknown"
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_HOME[name]}", __name__), name)
+    if name in __all__:
+        for file in ("printed", "checks", "printers"):
+            module = import_module(f".{file}", __name__)
+            if hasattr(module, name):
+                return getattr(module, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -37,53 +37,24 @@ class Int(Formal):
         return rf"\int{below} {integrand} \, \mathrm{{d}}{variable}"
 
 
-class Dot(Formal):
-    """The scalar product of two vectors; build it with :func:`dot`."""
-
-    nargs = 2
-    template = r"{0} \cdot {1}"
+def _formal(name: str, nargs: int, template: str, meaning: str) -> Any:
+    kind: Any = type(Formal)
+    return kind(name, (Formal,), dict(nargs=nargs, template=template, __doc__=meaning))
 
 
-class Partial(Formal):
-    """Partial(X, T): the derivative of X with respect to T."""
-
-    nargs = 2
-    template = r"\frac{{\partial {0}}}{{\partial {1}}}"
-
-
-class Lam(Formal):
-    """Lam(X): the collision operator Lambda applied to X."""
-
-    nargs = 1
-    template = r"\Lambda {0}"
-
-
-class Dt(Formal):
-    """Dt(j, X): the j-th order part of the time derivative of X."""
-
-    nargs = 2
-    template = r"\partial_t^{{({0})}} {1}"
-
-
-class Avg(Formal):
-    """Avg(X): the average of X over the scaled VDF, or over the impact parameter."""
-
-    nargs = 1
-    template = r"\left\langle {0} \right\rangle"
-
-
-class Measure(Formal):
-    """Measure(x): the volume element dx, where it stands as a factor."""
-
-    nargs = 1
-    template = r"\mathrm{{d}}{0}"
-
-
-class Second(Formal):
-    """Second(X, x, x0): the second derivative of X with respect to x at x = x0."""
-
-    nargs = 3
-    template = r"\left.\frac{{\partial^2 {0}}}{{\partial {1}^2}}\right|_{{{1}={2}}}"
+Dot = _formal("Dot", 2, r"{0} \cdot {1}", "The scalar product of two vectors: build it with `dot`.")
+Partial = _formal(
+    "Partial", 2, r"\frac{{\partial {0}}}{{\partial {1}}}", "The derivative of X by T."
+)
+Lam = _formal("Lam", 1, r"\Lambda {0}", "The collision operator Lambda applied to X.")
+Dt = _formal(
+    "Dt", 2, r"\partial_t^{{({0})}} {1}", "The j-th order part of the rate of change of X."
+)
+Avg = _formal("Avg", 1, r"\left\langle {0} \right\rangle",
+    "The average of X over the scaled VDF, or over the impact parameter.")  # fmt: skip
+Measure = _formal("Measure", 1, r"\mathrm{{d}}{0}", "The volume element dx, where it is a factor.")
+Second = _formal("Second", 3, r"\left.\frac{{\partial^2 {0}}}{{\partial {1}^2}}\right|_{{{1}={2}}}",
+    "The second derivative of X with respect to x at x = x0.")  # fmt: skip
 
 
 def dot(one: sp.Expr, other: sp.Expr) -> sp.Expr:

@@ -39,9 +39,7 @@ et = _positive("e_t", "coefficient of tangential restitution, one in the paper")
 d = _positive("d", "diameter of a disk or a sphere (tracer and scatterer)")
 dim = _positive("D", "number of dimensions: 2 in the plane, 3 in space")
 rho0 = _positive("rho_0", "number density of the scatterers")
-l = _positive(  # noqa: E741
-    "l", "mean free path 1/(2 d rho_0), in space 1/(pi d^2 rho_0)"
-)
+l = _positive("l", "mean free path 1/(2 d rho_0), in space 1/(pi d^2 rho_0)")  # noqa: E741
 m = _positive("m", "mass of the tracer")
 n = _positive("n", "mean density of the tracer")
 t = _positive("t", "time")

@@ -1,11 +1,11 @@
 """Event-driven simulation: tracers among fixed scatterers, followed from collision to collision.
 
 Imports nothing else of the project. Begin reading with `simulate`. Files, each of which imports
-only those before it: `checks`, `outputs`, `results` (values, datasets, plots), `media`, `impact` (a
-restitution of the impact speed), `compiled`, `events` (one collision; the collision law stands
-there alone), `streams` (random numbers), `search`, `cells` and `placement` (where the scatterers
-stand), `kernel` (the event loops), `configuration` (one configuration and its tracers), `arguments`
-(what is refused), `estimators`, `ensemble` (the result), `files`, `paths` (a picture), `simulate`.
+only those before it: `outputs`, `values`, `results` (estimates, datasets, plots), `media`, `impact`
+(a restitution of the impact speed), `compiled`, `events` (one collision; the collision law stands
+there alone), `streams` (random numbers), `cells` and `placement` (where the scatterers stand),
+`kernel` (the event loops), `configuration` (one configuration and its tracers), `arguments` (what
+is refused), `ensemble` (the result), `files`, `paths` (a picture), `simulate`.
 """
 
 from importlib import import_module
@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from particles.ensemble import Ensemble, Statuses, load
-    from particles.estimators import Estimate, Histogram
     from particles.impact import Viscoelastic
     from particles.media import (
         BoltzmannGrad,
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
         Positions,
     )
     from particles.outputs import OBSERVABLES
+    from particles.results import Estimate, Histogram
     from particles.simulate import simulate
 
 __all__ = [
@@ -49,9 +49,9 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     # Loaded at first use: `import particles` costs neither numpy nor numba.
     if name == "__version__":
-        return import_module("particles.results").package_version()
+        return import_module("particles.values").package_version()
     if name in __all__:
-        for file in ("outputs", "media", "impact", "estimators", "ensemble", "simulate"):
+        for file in ("outputs", "media", "impact", "results", "ensemble", "simulate"):
             module = import_module(f"particles.{file}")
             if hasattr(module, name):
                 # Also replaces the module `simulate`, whose import has set this name.

@@ -11,22 +11,20 @@ from typing import Any
 import numpy as np
 
 from particles.cells import box_bytes
-from particles.checks import check_number, check_whole, is_whole, real_array, refuse, short
 from particles.configuration import Plan, layout, speeds
+from particles.events import NEVER
 from particles.impact import check_restitution, compiled
 from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, Random, dilute_mean_path
 from particles.outputs import DRIVES, OBSERVABLES
+from particles.values import check_number, check_whole, is_whole, real_array, refuse, short
 
-LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
 # With a field: of field times mean free path, in U^2, so that the fourth power of the speed is a
-# number; and of field times diameter, in U^2.
+# number; and of field times diameter, in U^2. The last also of a depth, in d.
 FIELDS = (1e-100, 1e100)
-DEEPEST = 1e100  # in d
 STRONGEST = 1e30  # of what drives tracers, in its unit: fourth powers of speeds are numbers
 LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
 UNLESS_SMOOTH, AMONG = "unless tangential_restitution is 1", "among scatterers in a field"
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
-MOST_WORKERS = 10_000
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
 # the contents of that file.
 COPIES = 3
@@ -66,9 +64,8 @@ def make_plan(
     for name, value, forbidden, allowed in (
         ("mass_ratio", mass_ratio, moved and not dilute, f"it must be inf for {kind}"),
         ("mass_ratio", mass_ratio, moved and rough, f"it must be inf {UNLESS_SMOOTH}"),
-        ("bath_speed", bath_speed, bath_speed and not dilute, f"it must be 0 for {kind}"),
-        ("heating", heating, heating and not dilute, f"it must be 0 for {kind}"),
-        ("drag", drag, drag and not dilute, f"it must be 0 for {kind}"),
+        *((name, driven[name], driven[name] and not dilute, f"it must be 0 for {kind}")
+          for name in ("bath_speed", "heating", "drag")),
         ("bath_speed", bath_speed, bath_speed and rough, f"it must be 0 {UNLESS_SMOOTH}"),
         ("capture_speed", capture_speed, capture_speed and (bath_speed or moved),
          "it must be 0 unless scatterers are fixed"),
@@ -93,7 +90,7 @@ def make_plan(
         times=_check_times(times),
         media=media,
         tracers=tracers,
-        max_collisions=None if most is None else check_whole("max_collisions", most, 1, 2**62),
+        max_collisions=None if most is None else check_whole("max_collisions", most, 1),
         seed=seed,
         observables=_check_observables(observables, field),
         field=field,
@@ -118,12 +115,12 @@ def _check_part(part: Any, media: int) -> tuple[int, int] | None:
     return (int(k), int(n)) if n > 1 else None
 
 
-def check_workers(workers: int | None) -> int:
+def check_workers(workers: int | None, most: int = 10_000) -> int:
     """Return the number of threads to use."""
     if workers is None:
         affinity = getattr(os, "sched_getaffinity", None)
         return len(affinity(0)) if affinity else os.cpu_count() or 1
-    return check_whole("workers", workers, 1, MOST_WORKERS)
+    return check_whole("workers", workers, 1, most)
 
 
 def _check_times(times: Any) -> np.ndarray:
@@ -132,8 +129,8 @@ def _check_times(times: Any) -> np.ndarray:
     array = real_array("times", times, "it must be a sequence of numbers")
     if array.ndim != 1 or array.size == 0:
         refuse("times", times, "it must be a sequence of at least one time")
-    if not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= LARGEST_TIME):
-        refuse("times", times, f"it must be finite, not negative, at most {LARGEST_TIME:g}")
+    if not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= NEVER):
+        refuse("times", times, f"it must be finite, not negative, at most {NEVER:g}")
     if (np.diff(array) <= 0).any():
         refuse("times", times, "must increase")
     return array
@@ -158,8 +155,8 @@ def _check_field(field: Any, medium: Medium) -> float:
 def _check_depth(depth: Any, field: float) -> float | None:
     if depth is None:
         return None
-    allowed = f"it must be a number with the sign of the field, {DEEPEST:g} d at most, or None"
-    number = check_number("depth", depth, -DEEPEST, DEEPEST, allowed)
+    allowed = f"it must be a number with the sign of the field, {FIELDS[1]:g} d at most, or None"
+    number = check_number("depth", depth, -FIELDS[1], FIELDS[1], allowed)
     if not number * field > 0.0:
         refuse("depth", depth, allowed)
     return number

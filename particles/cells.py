@@ -7,22 +7,29 @@ compiler knows: code for the other dimension leaves no trace in a kernel.
 """
 
 from math import floor, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
 
-from particles.checks import refuse
 from particles.compiled import called, inlined, kernel
-from particles.search import SLOTS
+from particles.events import GRAZING, NEVER
+from particles.values import refuse
 
-EMPTY = 1e150  # far away, and its square is still finite
+SLOTS = 8
+
+EMPTY = sqrt(NEVER)  # far away, and its square is still finite
 # Scatterers that a cell lists on average; only the speed depends on it: 2.5 to 10 were measured.
 LISTED = 5.0
 # A scatterer reaches into no cell but its own and its neighbours.
 LEAST_SIDE = 1.5  # in d
-# A cell lists what is no farther than this from it, in d: 1, with room for rounding and for a
-# tracer in a corner of several spheres, which must know all within 1e-8 (particles.kernel.pockets).
-REACH = 1.0 + 1e-7
+# A tracer in a corner must know all scatterers that are so near to contact, in d. A cell lists what
+# is no farther than REACH from it: with room for them and for rounding.
+NEAR = 1e-8
+REACH = 1.0 + 10.0 * NEAR
 
 
 class Cells(NamedTuple):
@@ -46,13 +53,9 @@ def _cell_side(number_density: float, dimension: int) -> float:
     """Return the side of a cell that lists LISTED scatterers on average."""
     if dimension == 2:
         return max(sqrt(LISTED / number_density) - 2.0, LEAST_SIDE)
-    # The volume within 1 of a cube is that in `listed`; Newton's steps go down to the side.
-    side, volume = (LISTED / number_density) ** (1.0 / 3.0), LISTED / number_density
-    for _ in range(60):
-        slope = 3.0 * side**2 + 12.0 * side + 3.0 * pi
-        listed = side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 * pi / 3.0
-        side = max(side - (listed - volume) / slope, 0.0)
-    return max(side, LEAST_SIDE)
+    # The volume within 1 of a cube of the side is to be that of LISTED; no other root is positive.
+    cubic = 1.0, 6.0, 3.0 * pi, 4.0 * pi / 3.0 - LISTED / number_density
+    return max(float(np.roots(cubic).real.max()), LEAST_SIDE)
 
 
 def _sizes(box: float, count: int, dimension: int) -> tuple[int, int]:
@@ -196,3 +199,115 @@ def next_listed(
     if len(cells.shape) == 3:
         z = cells.nodes[node, 2]
     return cells.nodes[node, 0], cells.nodes[node, 1], z, slot, cells.links[node]
+
+
+# The eight slots of a cell, searched at once: what is struck first. LLVM makes no vectors of a loop
+# that holds a minimum and the place of it. So the search is written in LLVM's own instructions, on
+# vectors of eight doubles, in compiled code only. The arithmetic is that of `events.contact`, line
+# by line, so every bit is that of the loop. With 40,000 hard disks at 0.04 d^-2 that is worth a
+# factor of two in collisions/s.
+
+_DOUBLE = ir.DoubleType()
+_INT32 = ir.IntType(32)
+_INT64 = ir.IntType(64)
+_VECTOR = ir.VectorType(_DOUBLE, SLOTS)
+
+
+def _constant(value: float) -> Any:
+    return ir.Constant(_VECTOR, [value] * SLOTS)
+
+
+def _splat(b: Any, value: Any) -> Any:
+    nothing = ir.Constant(_VECTOR, ir.Undefined)
+    first = b.insert_element(nothing, value, ir.Constant(_INT32, 0))
+    zeros = ir.Constant(ir.VectorType(_INT32, SLOTS), [0] * SLOTS)
+    return b.shuffle_vector(first, nothing, zeros)
+
+
+def _minimum(b: Any, vector: Any) -> Any:
+    """Return the least element, by halves: no element is NaN."""
+    width = SLOTS
+    while width > 1:
+        nothing = ir.Constant(ir.VectorType(_DOUBLE, width), ir.Undefined)
+        width //= 2
+        half = ir.VectorType(_INT32, width)
+        low, high = (
+            b.shuffle_vector(vector, nothing, ir.Constant(half, list(range(at, at + width))))
+            for at in (0, width)
+        )
+        vector = b.select(b.fcmp_ordered("<", low, high), low, high)
+    return b.extract_element(vector, ir.Constant(_INT32, 0))
+
+
+def _offsets(context: Any, b: Any, sig: Any, args: Any) -> list[Any]:
+    """Return a cell's slots from a place, one vector for each coordinate: args begin with these."""
+    parts = cgutils.unpack_tuple(b, args[2])
+    array = context.make_array(sig.args[0])(context, b, args[0])
+    row = b.gep(array.data, [b.mul(args[1], ir.Constant(_INT64, len(parts) * SLOTS))])
+    found = []
+    for k, part in enumerate(parts):
+        start = b.gep(row, [ir.Constant(_INT64, k * SLOTS)])
+        vector = b.load(b.bitcast(start, _VECTOR.as_pointer()))
+        vector.align = 8
+        found.append(b.fsub(vector, _splat(b, part)))
+    return found
+
+
+def _strike(typingctx, slots, cell, place, direction):  # type: ignore[no-untyped-def]
+    """Return (path to contact, slot) of the first scatterer met in a cell; NEVER if none.
+
+    slots: those of Cells. place, unit direction: two numbers each, or three in space. Of equal
+    paths the lowest slot counts.
+    """
+    signature = types.Tuple((types.float64, types.int64))(slots, cell, place, direction)
+
+    def generate(context, b, sig, args):  # type: ignore[no-untyped-def]
+        dimension = len(sig.args[2])
+
+        def total(terms: list[Any]) -> Any:
+            first = b.fadd(terms[0], terms[1])
+            return first if dimension == 2 else b.fadd(first, terms[2])
+
+        u = [_splat(b, part) for part in cgutils.unpack_tuple(b, args[3])]
+        offset = _offsets(context, b, sig, args)
+        along = total([b.fmul(d, v) for d, v in zip(offset, u, strict=True)])
+        if dimension == 2:  # the lines of `contact`, in its order
+            impact = b.fsub(b.fmul(offset[0], u[1]), b.fmul(offset[1], u[0]))
+            square = b.fmul(b.fsub(_constant(1.0), impact), b.fadd(_constant(1.0), impact))
+        else:  # of `contact_in_space`
+            across = [b.fsub(d, b.fmul(along, v)) for d, v in zip(offset, u, strict=True)]
+            square = b.fsub(_constant(1.0), total([b.fmul(p, p) for p in across]))
+        struck = b.and_(
+            b.fcmp_ordered(">", along, _constant(GRAZING)),
+            b.fcmp_ordered(">", square, _constant(0.0)),
+        )
+        root = cgutils.get_or_insert_function(
+            b.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{SLOTS}f64"
+        )
+        path = b.select(struck, b.fsub(along, b.call(root, [square])), _constant(NEVER))
+        least = _minimum(b, path)
+        equal = b.fcmp_ordered("==", path, _splat(b, least))
+        mask = b.zext(b.bitcast(equal, ir.IntType(SLOTS)), _INT32)
+        slot = b.zext(b.cttz(mask, ir.Constant(ir.IntType(1), 0)), _INT64)
+        return context.make_tuple(b, sig.return_type, (least, slot))
+
+    return signature, generate
+
+
+strike: Any = intrinsic(_strike)
+
+
+@inlined
+def near_chord(
+    slots: np.ndarray, cell: int, place: tuple[float, float], chord: tuple[float, float],
+    reach2: float,
+) -> int:  # fmt: skip
+    """Return which slots of a cell in the plane are within reach of a chord, one bit each."""
+    (x, y), (ex, ey), near = place, chord, 0
+    per = 1.0 / max(ex * ex + ey * ey, 1e-300)
+    for slot in range(SLOTS):
+        dx, dy = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y
+        part = min(max((dx * ex + dy * ey) * per, 0.0), 1.0)
+        px, py = dx - part * ex, dy - part * ey
+        near |= int(px * px + py * py <= reach2) << slot
+    return near

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.checks import short
 from particles.impact import Law, compiled
-from particles.kernel.columns import (
+from particles.media import BoltzmannGrad, Medium, Positions, dilute_mean_path
+from particles.outputs import (
+    DRIVES,
     FIELD_SUMS,
     FINALS,
     HISTOGRAMS,
@@ -24,9 +25,7 @@ from particles.kernel.columns import (
     TOTALS,
     TRAPS,
 )
-from particles.media import BoltzmannGrad, Medium, Positions, dilute_mean_path
-from particles.outputs import DRIVES
-from particles.results import Value
+from particles.values import Value, short
 
 if TYPE_CHECKING:
     from particles.cells import Cells

@@ -9,20 +9,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.checks import check_path, refuse
 from particles.configuration import PER_OCTAVE, Plan, Totals
-from particles.estimators import Estimate, Histogram, jackknife, share
-from particles.kernel.columns import ALL_COLLISIONS, CAUGHT, HISTOGRAMS, SAMPLES, TRAVELLED
 from particles.outputs import (
+    ALL_COLLISIONS,
+    CAUGHT,
     ESTIMATES,
+    HISTOGRAMS,
     IN_FIELD,
     OF_A_DEPTH,
     RAW,
+    SAMPLES,
     SCALARS,
+    TRAVELLED,
     VARIABLES,
     Sums,
 )
-from particles.results import Result, Value, frozen
+from particles.results import Estimate, Histogram, Result, jackknife, share
+from particles.values import Value, check_path, frozen, refuse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,7 +5,7 @@ among fixed scatterers does not depend on the speed; so a tracer is a place, a u
 apart from them, an inverse speed: the rescaling of the paper's section 2 with the speed kept.
 """
 
-from math import asin, atan2, copysign, frexp, pi, sqrt
+from math import copysign, frexp, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,8 @@ from particles.impact import PER_OCTAVE
 # Only grazing contacts that would enter the scatterer by less than 1e-18 d are left out.
 GRAZING = 1e-9
 NEVER = 1e300
+# Steps of an iteration that mostly ends after a few; more are taken for infinitely many.
+MOST_STEPS = 10_000
 
 
 class Varying(NamedTuple):
@@ -235,6 +237,29 @@ def bounce_in_space(
 
 
 @njit(error_model="numpy")
+def lower_rebound(
+    cosine: float, sine2: float, rho: float, restitution: float, tangential: float
+) -> float:
+    """Return what rho tends to in the bounces between two planes, NEVER if they do not go on.
+
+    cosine: of the angle of their normals; sine2: the square of its sine. rho: the normal speed with
+    which a tracer leaves the one plane over that with which it approaches the other one. With
+    C = -cosine and r = e/et a bounce makes
+
+        rho' = r / ((1 + r) C - rho),     fixed points rho^2 - (1 + r) C rho + r = 0.
+
+    They are real if C >= 2 sqrt(r)/(1 + r); the upper one repels, so for r < 1 path and speed
+    shrink geometrically for ever if rho is below it.
+    """
+    r = restitution / tangential
+    middle = -0.5 * (1.0 + r) * cosine
+    square = 0.25 * ((1.0 - r) * (1.0 - r) - (1.0 + r) * (1.0 + r) * sine2)
+    if restitution >= tangential or middle <= 0.0 or square < 0.0 or rho >= middle + sqrt(square):
+        return NEVER
+    return r / (middle + sqrt(square))
+
+
+@njit(error_model="numpy")
 def is_collapsing(
     before: tuple[float, float],
     left: tuple[float, float],
@@ -245,21 +270,11 @@ def is_collapsing(
     """Tell whether a tracer between two straight walls collides infinitely often from now on.
 
     before, left: unit normals of the wall before and of the one that it leaves with this unit
-    direction. The walls enclose the angle theta; alpha is that of the direction with the wall left.
-    From one collision to the next tan(alpha') = r tan(alpha + theta), r = e/et. For r < 1 there are
-    fixed points if sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta)
-    (1 + r)/(1 - r); below the upper one path and speed shrink geometrically for ever.
+    direction.
     """
     (ax, ay), (bx, by), (ux, uy) = before, left, direction
-    if restitution >= tangential:
+    approach, sine = -(ux * ax + uy * ay), ax * by - ay * bx
+    if approach <= 0.0:
         return False
-    theta = atan2(abs(ax * by - ay * bx), -(ax * bx + ay * by))
-    # Along the wall left towards the corner: down the normal of the other one.
-    tx, ty = -by, bx
-    if tx * ax + ty * ay > 0.0:
-        tx, ty = by, -bx
-    alpha = atan2(ux * bx + uy * by, ux * tx + uy * ty)
-    bound = (tangential + restitution) * abs(ax * by - ay * bx)
-    if bound > tangential - restitution:
-        return False
-    return 2.0 * alpha + theta < pi - asin(bound / (tangential - restitution))
+    rho = (ux * bx + uy * by) / approach
+    return lower_rebound(ax * bx + ay * by, sine * sine, rho, restitution, tangential) < NEVER

@@ -1,7 +1,7 @@
 """Runs in HDF5 files, while they go on and when they have ended; and as H5MD for other programs.
 
 Attributes of a file: `format`, and `done` (the first so many configurations are in it). Lengths are
-in the diameter d, times in d/U; columns in `kernel.columns`:
+in the diameter d, times in d/U; columns in `outputs`:
 
     plan (n,)                       the arguments, JSON as bytes
     moments (done, n_times, 8)      sums over tracers; velocities times s = 2^round(log2(max(t, 1)))
@@ -32,12 +32,11 @@ from typing import Any
 import h5py
 import numpy as np
 
-from particles.checks import check_path, short
 from particles.configuration import Arrays, Plan, Totals
 from particles.impact import Tabulated, Viscoelastic
 from particles.media import MEDIA
 from particles.outputs import DRIVES
-from particles.results import package_version
+from particles.values import check_path, package_version, short
 
 FORMAT = "inelastic-lorentz particles 8"
 SHARE = 0.02  # of the time between two writings of the whole file that one of them may take

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from particles.checks import check_number, check_positive, real_array, refuse, short
-from particles.results import Value
+from particles.values import Value, check_number, check_positive, real_array, refuse, short
 
 PER_OCTAVE = 256
 OCTAVES = -40, 20  # of a table or a function: speeds from 9e-13 to 1e6

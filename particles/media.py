@@ -8,21 +8,13 @@ from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from particles.checks import check_path, check_positive, check_whole, real_array, refuse
-from particles.results import Value
+from particles.values import Value, check_path, check_positive, check_whole, real_array, refuse
 
-# Random sequential addition jams at an area fraction of 0.547, and close to it the number of
-# attempts per disk diverges. In d^-2; an area fraction of 0.51. Spheres jam at a volume fraction of
-# 0.384; for them the same number is in d^-3, a volume fraction of 0.34.
-LARGEST_RSA_DENSITY = 0.65
-# Overlapping spheres, in d^-3. The places that a tracer can be at are not connected above 0.84.
-LARGEST_POISSON_SPHERES = 1.0
 # At lower densities flights are so long that too few digits of the impact parameter are exact.
 LEAST_DENSITY = 1e-10  # in d^-2, or d^-3
 FARTHEST = 1e12  # boxes; a coordinate so far away, modulo the box, has four digits left
 # In d. One flight must not meet a scatterer and its own image; a few diameters are enough.
 SMALLEST_BOX = 4.0
-LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 
 def _require_density(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
@@ -40,12 +32,14 @@ class Random:
     scatterers: ClassVar[str]  # as a Scene of `kinetics` and the command line call the medium
     dimension: ClassVar[int]
     overlapping: ClassVar[bool]
-    largest: ClassVar[float] = LARGEST_RSA_DENSITY  # density in d^-2, or d^-3
+    # Density in d^-2, or d^-3: 0.51 of the area, or 0.34 of the volume. Random sequential addition
+    # jams at 0.547, or 0.384, and close to that the number of attempts diverges.
+    largest: ClassVar[float] = 0.65
 
     def __post_init__(self) -> None:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        count = check_whole("count", self.count, 1, LARGEST_COUNT)
+        count = check_whole("count", self.count, 1)
         vars(self).update(number_density=density, diameter=d, count=count)
         in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
@@ -144,7 +138,7 @@ class PoissonSpheres(Random):
     count: int = 40_000
     scatterers, dimension = "overlapping spheres", 3
     overlapping = True
-    largest = LARGEST_POISSON_SPHERES
+    largest = 1.0  # above 0.84 the places that a tracer can be at are not connected
 
     volume_fraction = Random.share_of_space
 

@@ -1,22 +1,50 @@
-"""What a run can give: names, units, and how each average follows from sums over tracers."""
+"""What a run gives: the columns of its tables, names, units, and averages of sums over tracers.
+
+The columns are the layout of saved files too (`particles.files`): append, do not renumber.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from particles.kernel.columns import (
-    CAUGHT,
-    COLLISIONS,
-    CORRELATION,
-    HISTOGRAMS,
-    MOMENTS,
-    R2,
-    R4,
-    SAMPLES,
-    SPEED2,
-    SPEED4,
-)
+# How a tracer ended, unless it is RUNNING: indices into the counts of statuses, STATUSES of them.
+RUNNING, FINISHED, COLLISION_CAP, TRAPPED, ESCAPED, CAPTURED, STATUSES = range(-1, 6)
+
+# Moments, (n_times, MOMENTS): sums over tracers at one output time of 1, v^2, v^4, r^2, r^4, the
+# collisions so far, v(t).v(0), and 1 for a tracer that is trapped or captured. Velocities are
+# multiplied by `Records.scales` first.
+SAMPLES, SPEED2, SPEED4, R2, R4, COLLISIONS, CORRELATION, CAUGHT, MOMENTS = range(9)
+
+# Sums in a field, (n_times, FIELD_SUMS[dimension]): the velocity, its products v_i v_j (i <= j: xx,
+# xy, yy in the plane, xx, xy, xz, yy, yz, zz in space), and the same of the place.
+FIELD_SUMS = {d: d * (d + 3) for d in (2, 3)}
+FIELD_SUMS_IN_PLANE = FIELD_SUMS[2]
+
+# Totals, (TOTALS,): sums over tracers of the path travelled and of the collisions, to their ends.
+TRAVELLED, ALL_COLLISIONS, TOTALS = range(3)
+
+# The end of one tracer, (FINALS[dimension],): ln of its speed, ln of its time, place, collisions,
+# and in three dimensions the third coordinate of the place.
+LN_SPEED, LN_TIME, FINAL_X, FINAL_Y, FINAL_COLLISIONS, FINAL_Z = range(6)
+FINALS = {2: 5, 3: 6}
+
+# A trapped or captured tracer, (TRAPS[dimension],): its number, and the time and the place at which
+# it was caught. A medium without scatterers has the columns of the plane unless tracers stick.
+TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y, TRAP_Z = range(5)
+TRAPS = {2: 4, 3: 5}
+
+# Histograms: name -> symbol, unit and words of what is counted; then rows of the table of grids.
+VARIABLES = {
+    "speed_histogram": ("v", "U", "speed |v|"),
+    "velocity_component_histogram": ("v_x", "U", "velocity component |v_x|"),
+    "displacement_histogram": ("r", "d", "displacement |r|"),
+    "free_path_histogram": ("path", "d", "length of a free flight"),
+    "free_time_histogram": ("flight_time", "d/U", "duration of a free flight"),
+}
+HISTOGRAMS = tuple(VARIABLES)
+SPEED, COMPONENT, DISTANCE, PATH, DURATION = range(5)
+OF_FLIGHTS = HISTOGRAMS[PATH:]  # of the whole run, not of each output time
 
 VELOCITY, PLACE = range(2)
 
@@ -120,13 +148,5 @@ OF_A_DEPTH = {
 DRIVES = {"bath_speed": "U", "heating": "U^3/d", "drag": "U/d", "capture_speed": "U"}
 """What drives tracers, and what stops them: argument of `simulate` -> unit."""
 ESTIMATES = SCALARS | IN_FIELD | OF_A_DEPTH
-VARIABLES = {
-    "speed_histogram": ("v", "U", "speed |v|"),
-    "velocity_component_histogram": ("v_x", "U", "velocity component |v_x|"),
-    "displacement_histogram": ("r", "d", "displacement |r|"),
-    "free_path_histogram": ("path", "d", "length of a free flight"),
-    "free_time_histogram": ("flight_time", "d/U", "duration of a free flight"),
-}
-"""Name of a histogram -> symbol, unit and words of what is counted."""
 RAW = ("positions", "velocities", "finals")
 OBSERVABLES = (*SCALARS, *HISTOGRAMS, *RAW)

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.checks import check_positive, check_whole, refuse
+from particles import outputs
 from particles.configuration import Plan, follow_tracers, start_places
-from particles.kernel import columns
 from particles.media import BoltzmannGrad
 from particles.placement import build, placed
-from particles.results import Value
+from particles.values import Value, check_positive, check_whole, refuse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -93,7 +92,7 @@ def _flights(
     """The places of the start, of the collisions and of the end, and the speeds between them."""
     d, dimension = plan.medium.diameter, plan.medium.dimension
     cells = build(plan.medium, np.uint64(plan.seed), configuration)
-    place_of = [columns.FINAL_X, columns.FINAL_Y, columns.FINAL_Z][:dimension]
+    place_of = [outputs.FINAL_X, outputs.FINAL_Y, outputs.FINAL_Z][:dimension]
     start = replace(plan, times=np.zeros(1), observables=frozenset({"velocities"}))
     first = follow_tracers(start, configuration, cells)["raw/velocities"][0]
     times, places = [[0.0] for _ in first], [[np.zeros(dimension)] for _ in first]
@@ -104,11 +103,11 @@ def _flights(
         found = follow_tracers(replace(asked, max_collisions=n), configuration, cells)
         for k in np.nonzero(~ended)[0]:
             end = found["raw/finals"][k]
-            times[k].append(float(np.exp(end[columns.LN_TIME])) * d)
+            times[k].append(float(np.exp(end[outputs.LN_TIME])) * d)
             places[k].append(end[place_of] * d)
-            speeds[k].append(float(np.exp(end[columns.LN_SPEED])))
-            ended[k] = end[columns.FINAL_COLLISIONS] < n
-        if not found["statuses"][columns.COLLISION_CAP]:
+            speeds[k].append(float(np.exp(end[outputs.LN_SPEED])))
+            ended[k] = end[outputs.FINAL_COLLISIONS] < n
+        if not found["statuses"][outputs.COLLISION_CAP]:
             break
     return [
         Trajectory(np.array(t), np.array(where), np.array(v[:-1]))

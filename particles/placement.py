@@ -5,10 +5,10 @@ from math import floor
 import numpy as np
 
 from particles.cells import Cells, cell_at, empty_box, insert, insert_all, is_free
-from particles.checks import refuse
 from particles.compiled import inlined, kernel
 from particles.media import BoltzmannGrad, Medium, Positions
 from particles.streams import PLACEMENT, PLACES, open_stream, uniform
+from particles.values import refuse
 
 # Random sequential addition ends when so many attempts to place one scatterer have failed. If
 # 1/1000 of the box were still free, the chance that all of them fail would be exp(-20).

@@ -13,10 +13,10 @@ from typing import Any, Literal
 import numpy as np
 
 from particles.arguments import check_workers, make_plan, require_memory
-from particles.checks import check_path, refuse
 from particles.configuration import Arrays, Plan, Totals, run_configuration
 from particles.ensemble import Ensemble
 from particles.media import Medium
+from particles.values import check_path, refuse
 
 BLOCKS = 64  # of configurations: each costs a message, and this is many for a pool of a few dozen
 

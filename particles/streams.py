@@ -17,7 +17,6 @@ FLIGHTS = 3
 PLACES = 6
 
 _GOLDEN = 0x9E3779B97F4A7C15
-_TO_UNIT = 2.0**-52
 
 
 @njit(inline="always")
@@ -49,7 +48,7 @@ def bits(state: Any, gamma: Any, counter: int) -> Any:
 @njit(inline="always")
 def to_unit(word: Any) -> float:
     """Return 64 random bits as an odd multiple of 2**-53 in (0, 1)."""
-    return (float(uint64(word) >> uint64(12)) + 0.5) * _TO_UNIT
+    return (float(uint64(word) >> uint64(12)) + 0.5) * 2.0**-52
 
 
 @njit(inline="always")

@@ -1,9 +1,9 @@
 """What follows from the premises: a derivation for each label, registered when this is imported.
 
 One file for a section of the paper; for what the paper does not have ``scaling_state`` (its
-collision law), ``any_law`` (tangential restitution, space), ``any_dimension`` (moments and
-displacement), ``mass_ratio``, ``finite_density``, ``uniform_field`` and ``driven``. ``record``
-holds what a derivation leaves.
+collision law), ``any_law`` (tangential restitution, space, a mass), ``any_dimension`` (moments
+and displacement), ``finite_density``, ``uniform_field`` and ``driven``. ``record`` holds what a
+derivation leaves.
 
 May import: ``symbols``, ``formal``, ``premises``; never ``printed``, so that nothing printed can
 be taken for derived. Begin reading with ``record``, then ``sonine``.
@@ -17,7 +17,6 @@ from . import (  # noqa: F401  (they register their derivations)
     driven,
     finite_density,
     kinetic_equation,
-    mass_ratio,
     position,
     random_walk,
     scaling_state,

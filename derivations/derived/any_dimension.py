@@ -9,7 +9,7 @@ the velocity, and cos that of its angle to k.
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import cache
 
 import sympy as sp
 from sympy.core.function import UndefinedFunction
@@ -34,19 +34,16 @@ def _any_average() -> Derived:
 
 
 @cache
-def _by_parts() -> sp.Expr:
-    """The moment of order p of D F + c F' in D dimensions, over <c^p>."""
+def following_moment() -> sp.Expr:
+    """<c^(p+1)> of the scaling solution from <c^p>: -lambda(p) <c^(p+1)> = (h/2)(-p) <c^p>.
+
+    -p is the moment of D F + c F' in D dimensions, over <c^p>: by parts.
+    """
     shape = sp.Function("F")(s.c)
     weight = s.c ** (s.p + s.dim - 1)  # c^p in the volume element
     boundary = sp.diff(weight * s.c * shape, s.c)
     rest = s.dim * shape * weight + s.c * sp.diff(shape, s.c) * weight - boundary
-    return sp.simplify(rest / (weight * shape))
-
-
-@cache
-def following_moment() -> sp.Expr:
-    """<c^(p+1)> of the scaling solution from <c^p>: -lambda(p) <c^(p+1)> = (h/2)(-p) <c^p>."""
-    return -s.h / 2 * _by_parts() * Avg(s.c**s.p) / s.lam(s.p)
+    return -s.h / 2 * sp.simplify(rest / (weight * shape)) * Avg(s.c**s.p) / s.lam(s.p)
 
 
 @cache
@@ -76,13 +73,10 @@ row(
 )
 
 
-@cache
-def squared_displacement() -> sp.Expr:
-    """<r^2> after N collisions: the displacement r of N flights, and u the next direction.
-
-    With r' = r + L u: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since
-    E[u'] = c u; L is exponential with mean l whatever the speed.
-    """
+@derives("beyond:any-slope")
+def _any_slope() -> Derived:
+    # the displacement r of N flights, and u the next direction. With r' = r + L u: <r'^2> = <r^2> +
+    # 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since E[u'] = c u
     c = s.cos_chi
     a, b, g = sp.symbols("a b g")
     mean, square = free_path(1) * s.l, free_path(2) * s.l**2
@@ -93,12 +87,7 @@ def squared_displacement() -> sp.Expr:
     total = b * s.N + g * (1 - power)  # <r^2>: starts from 0
     growth = b + g * power * (1 - c) - 2 * mean * along - square
     found = sp.solve(sp.Poly(sp.expand(growth), power).coeffs(), (b, g))
-    return total.subs(found).subs(power, c**s.N)
-
-
-@derives("beyond:any-slope")
-def _any_slope() -> Derived:
-    after = squared_displacement()
+    after = total.subs(found).subs(power, c**s.N)
     # dN/d ln t = t <v>/l = t v0 <c>/l, with v0 = 2 l/(h t) from dv0/dt = -h v0^2/(2 l)
     flights = 2 / s.h * mean_scaled_speed()
     per_flight = sp.limit(after.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)
@@ -246,13 +235,13 @@ def late_flatness(dimension: int) -> sp.Expr:
     return sp.cancel(fourth / second**2)
 
 
-def _quartic(dimension: int) -> Derived:
+def _quartic(dimension: int) -> sp.Tuple:
     equations = [chain_equation(member, dimension) for member in MEMBERS]
-    return result(sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))))
+    return sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension)))
 
 
-for _dimension, _where in ((2, "plane"), (3, "space")):
-    derives(f"beyond:quartic-{_where}")(partial(_quartic, _dimension))
+row("beyond:quartic-plane", lambda: _quartic(2))
+row("beyond:quartic-space", lambda: _quartic(3))
 
 
 @cache

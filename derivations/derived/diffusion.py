@@ -10,7 +10,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Int, Lam, Partial, chain, dot, eq
-from ..premises import isotropy, loss, over_impact, parallel_component
+from ..premises import isotropy, loss, mean_free_path, over_impact, parallel_component
 from .record import Derived, defines, derives, result, row, zero
 from .scaling_state import slope_value
 from .sonine import SONINE_AND_EXACT, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
@@ -84,16 +84,18 @@ def sonine_diffusion() -> sp.Expr:
 
 
 @cache
-def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
-    """D/(l v0) at e = 1 for a Gaussian VDF: first Sonine, and exact.
+def elastic_coefficient() -> tuple[sp.Expr, sp.Expr]:
+    """(nu_D, D_e(v)) at e = 1, where B = b(v) v solves the equation at each speed exactly."""
+    decay = over_impact(1 - parallel_component()).subs(s.e, 1) * s.v / s.l
+    return decay, s.v**2 / 2 / decay
 
-    Exact: the flux at one speed decays at the rate 2 d rho0 v (1 - <v'.v>/v^2), so that
-    D(v) = v^2/2 over it; then averaged over the Gaussian.
-    """
+
+@cache
+def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
+    """D/(l v0) at e = 1 for a Gaussian VDF: first Sonine, and exact."""
     boltzmann_grad = {s.d: sp.Rational(1, 2), s.rho0: 1}  # l = 1/(2 d rho0) = 1
     sonine = (sonine_diffusion() / _V0).subs({s.a2: 0, s.e: 1}).subs(boltzmann_grad)
-    decay = over_impact(1 - parallel_component()).subs(s.e, 1)
-    exact = sonine_average(1).subs(s.a2, 0) / (2 * decay)
+    exact = elastic_coefficient()[1] / (s.v * s.l) * sonine_average(1).subs(s.a2, 0)
     return sp.simplify(sonine), sp.simplify(exact)
 
 
@@ -178,8 +180,8 @@ _T = s.T(s.t)
 _D_AT_V = s.De(s.v, s.t)
 
 _N = s.nd(s.br, s.v, s.t)
+_V = s.v * s.bvh
 _SHELL = s.delta(s.vh - 1)
-_COOLING = _V0 / s.l * s.h
 
 
 @derives("ap1")
@@ -209,7 +211,7 @@ defines(
 
 @derives("ap4")
 def _ap4() -> Derived:
-    leak = Int(Lam(s.pd(s.br, s.v * s.bvh, s.t)) * _SHELL, s.bvh)
+    leak = Int(Lam(s.pd(s.br, _V, s.t)) * _SHELL, s.bvh)
     return result(
         eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)), leak),
         ("collisions change the speed: E[1 - s^2]", loss(2)),
@@ -227,13 +229,13 @@ row("ap6", lambda: eq(sp.Derivative(_N, s.t), density_series(_N)), note="Rests o
 derives("ap7")(lambda: continuity_order(s.Jj(s.br, s.v, s.t), _N))
 
 
-@derives("ap8")
-def _ap8() -> Derived:
-    velocity = s.v * s.bvh
-    return result(
-        eq(s.Jj(s.br, s.v, s.t), Int(velocity * s.pj(s.br, velocity, s.t) * _SHELL, s.bvh)),
-        ("order epsilon^j of ap3, v = |v| times its direction", velocity),
-    )
+row(
+    "ap8",
+    lambda: (
+        eq(s.Jj(s.br, s.v, s.t), Int(_V * s.pj(s.br, _V, s.t) * _SHELL, s.bvh)),
+        ("order epsilon^j of ap3, v = |v| times its direction", _V),
+    ),
+)
 
 
 row(
@@ -248,7 +250,7 @@ row(
 @derives("ap11.6")
 def _ap11_6() -> Derived:
     mean = sp.integrate(sp.cos(s.theta), (s.theta, 0, 2 * sp.pi))
-    isotropic = Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh)
+    isotropic = Int(s.bvh * s.f(_V, s.t) * _SHELL, s.bvh)
     flux = s.v * _N / s.mn(s.v, s.t) * isotropic
     return result(chain(s.J0(s.br, s.v, s.t), flux, mean))
 
@@ -256,19 +258,21 @@ def _ap11_6() -> Derived:
 row("ap12", lambda: orders(_N)[1], note="Formally right, given ap4 and ap11.")
 
 
-@derives("ap12.5")
-def _ap12_5() -> Derived:
-    path = sp.Symbol("path", positive=True)
-    (density,) = sp.solve(path - 1 / (2 * s.d * s.rho0), s.rho0)
-    rate = (-2 * s.d * _V0 * s.rho0 * s.h * _T).subs(s.rho0, density).subs(path, s.l)
-    return result(eq(sp.Derivative(_T, s.t), rate), "l = 1/(2 d rho0) in tdiff")
+@cache
+def _temperature_rate() -> sp.Expr:
+    """dT/dt of tdiff in terms of the mean free path."""
+    (density,) = sp.solve(mean_free_path(2) - s.l, s.rho0)
+    return (-2 * s.d * _V0 * s.rho0 * s.h * _T).subs(s.rho0, density)
+
+
+row("ap12.5", lambda: eq(sp.Derivative(_T, s.t), _temperature_rate()), "l = 1/(2 d rho0) in tdiff")
 
 
 @cache
 def _expansion() -> Expansion:
     """ap13, ap15 and ap18: the sum of v.v f over directions is v^2 m(v, t)."""
     m = s.mn(s.v, s.t)
-    return expand(_N, s.f(s.bv, s.t) / m, -_COOLING * _T, _D_AT_V, s.v**2 * m)
+    return expand(_N, s.f(s.bv, s.t) / m, _temperature_rate(), _D_AT_V, s.v**2 * m)
 
 
 row("ap13", lambda: _expansion().first_order, note="Formally right, given ap4 and ap11.")
@@ -290,13 +294,6 @@ def _ap16() -> Derived:
 
 
 row("ap18", lambda: _expansion().of_coefficient, note="Here nu_D is a function of the speed.")
-
-
-@cache
-def elastic_coefficient() -> tuple[sp.Expr, sp.Expr]:
-    """(nu_D, D_e(v)) at e = 1, where B = b(v) v solves the equation at each speed exactly."""
-    decay = over_impact(1 - parallel_component()).subs(s.e, 1) * s.v / s.l
-    return decay, s.v**2 / 2 / decay
 
 
 @derives("ap20")

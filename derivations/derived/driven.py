@@ -2,7 +2,7 @@
 
 Lengths in l. A bath: the velocities V of the scatterers are Gaussian, w_V in each component. Only
 the part q of v - V along the normal counts: a collision takes (1 + e*) q from the tracer's velocity
-along it, e* being the restitution of ``mass_ratio``.
+along it, e* being the restitution of ``any_law``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
 from ..premises import impact_density, over_impact
-from .mass_ratio import effective_restitution
+from .any_law import effective_restitution
 from .record import Derived, derives, result
 
 # -- a bath ---------------------------------------------------------------------------------------
@@ -142,20 +142,19 @@ def heated_moment() -> sp.Expr:
 
 @derives("beyond:heated-moments")
 def _heated_moments() -> Derived:
-    one = {Avg(sp.Integer(1)): 1}
     steady = heated_moment().subs(s.drag, 0).subs(s.p, s.p + 2)
-    high = Avg(s.v ** (s.p + 3))
-    energy = heated_moment().subs(s.p, 2).subs(one)
+    lost = s.lam(s.p + 2) * Avg(s.v ** (s.p + 3))
+    energy = heated_moment().subs(s.p, 2).subs(Avg(sp.Integer(1)), 1)
+    energy_lost = s.lam(2) * Avg(s.v**3) + 2 * s.drag * Avg(s.v**2)
     return result(
         sp.Tuple(
             eq(Partial(Avg(s.v**s.p), s.t), heated_moment()),
-            eq(s.lam(s.p + 2) * high, steady + s.lam(s.p + 2) * high),
-            eq(s.lam(2) * Avg(s.v**3) + 2 * s.drag * Avg(s.v**2),
-               energy + s.lam(2) * Avg(s.v**3) + 2 * s.drag * Avg(s.v**2)),
+            eq(lost, steady + lost),
+            eq(energy_lost, energy + energy_lost),
         ),
         "the Laplacian of v^p is p (p + D - 2) v^(p-2)",
         note="<v^0> = 1 gives <v^3>, <v^6>, ... in closed form, in the plane and in space.",
-    )  # fmt: skip
+    )
 
 
 @cache

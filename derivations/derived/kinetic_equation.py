@@ -17,6 +17,7 @@ from .record import Derived, Status, defines, derives, result, row
 
 _P = s.pd(s.br, s.bv, s.t)
 _P_PRE = s.pd(s.br, s.bvs, s.t)
+_GAIN = _P_PRE * Measure(s.br) * s.rho0 * s.vs * s.dt  # per db and dv*
 
 
 @cache
@@ -72,12 +73,11 @@ row(
 
 @derives("gamma+")
 def _gamma_plus() -> Derived:
-    before = _P_PRE * Measure(s.br) * s.rho0 * s.vs * s.dt
     return result(
         chain(
             s.Gamma_plus,
-            Int(before * Measure(s.bvs), s.b),
-            Int(before * volume_ratio() * Measure(s.bv), s.b),
+            Int(_GAIN * Measure(s.bvs), s.b),
+            Int(_GAIN * volume_ratio() * Measure(s.bv), s.b),
         ),
         ("Jacobian matrix of the collision at fixed sigma", collision_matrix()),
         ("dv*/dv", volume_ratio()),
@@ -90,7 +90,7 @@ def _gamma_plus() -> Derived:
 @derives("ftdiff")
 def _ftdiff() -> Derived:
     volume = Measure(s.br) * Measure(s.bv) * s.dt
-    gain = Int(_P_PRE * Measure(s.br) * volume_ratio() * Measure(s.bv) * s.rho0 * s.vs * s.dt, s.b)
+    gain = Int(_GAIN * volume_ratio() * Measure(s.bv), s.b)
     loss = Int(_P * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
     right = sp.expand(linear((gain - loss) / volume))
     flow = sp.cancel(_streaming_change() / volume)

@@ -182,17 +182,21 @@ def _position() -> Derived:
     )
 
 
+_W = sp.Symbol("w", positive=True)
+"""V*^2."""
+
+
 @cache
-def saddle() -> sp.Expr:
-    """The positive V with dp/dV = 0."""
-    square = sp.Symbol("square", positive=True)
-    slope = sp.expand(sp.diff(saddle_exponent(), s.V) * s.V**3 * s.R**2).subs(s.V, sp.sqrt(square))
-    positive = [root for root in sp.solve(slope, square) if root.subs({s.R: 1, s.eta: 1}) > 0]
-    (value,) = positive
-    return sp.sqrt(value)
+def saddle_slope() -> sp.Expr:
+    """dp/dV V^3 R^2 in w = V^2, which vanishes at the saddle."""
+    return sp.expand(sp.diff(saddle_exponent(), s.V) * s.V**3 * s.R**2).subs(s.V, sp.sqrt(_W))
 
 
-row("csolu", lambda: eq(s.Vs, saddle()))
+@derives("csolu")
+def _csolu() -> Derived:
+    roots = sp.solve(saddle_slope(), _W)
+    (positive,) = (root for root in roots if root.subs({s.R: 1, s.eta: 1}) > 0)
+    return result(eq(s.Vs, sp.sqrt(positive)))
 
 
 _CURVATURE = Second(s.pd(s.V, s.R), s.V, s.Vs)
@@ -263,10 +267,8 @@ def _tail_ratios(radius: float, width: float) -> tuple[float, float]:
 @cache
 def tail() -> sp.Expr:
     """The steepest descent as R -> oo: with w = V*^2, R^2 = eta (w + 2 w^2) exactly."""
-    w = sp.Symbol("w", positive=True)
-    square = sp.Symbol("square", positive=True)
-    on_saddle = sp.expand(sp.diff(saddle_exponent(), s.V) * s.V**3 * s.R**2).subs(s.V, sp.sqrt(w))
-    (radius_squared,) = sp.solve(on_saddle.subs(s.R, sp.sqrt(square)), square)
+    w, square = _W, sp.Symbol("square", positive=True)
+    (radius_squared,) = sp.solve(saddle_slope().subs(s.R, sp.sqrt(square)), square)
     height = sp.expand(saddle_exponent() * s.R**2).subs(s.V, sp.sqrt(w))
     bend = sp.expand(sp.diff(saddle_exponent(), s.V, 2) * s.R**2).subs(s.V, sp.sqrt(w))
     height, bend = (

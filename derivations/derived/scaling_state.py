@@ -80,6 +80,11 @@ def exact_value(formula: sp.Expr, restitution: float) -> mp.mpf:
         return exact_function(formula)(mp.mpf(restitution))
 
 
+def values_of(formula: Callable[[], sp.Expr]) -> Callable[[float], mp.mpf]:
+    """Such a formula, which is derived when it is first asked for, as a function of e."""
+    return lambda restitution: exact_value(formula(), restitution)
+
+
 row(
     "beyond:loss-p",
     lambda: eq(s.lam(s.p), 1 - mean_ratio_power()),
@@ -141,11 +146,7 @@ def cooling_rate() -> sp.Expr:
     return sp.simplify(s.lam(2) * moment(3) / moment(2) ** sp.Rational(3, 2))
 
 
-def cooling_rate_value(restitution: float) -> mp.mpf:
-    """h(e)."""
-    return exact_value(cooling_rate(), restitution)
-
-
+cooling_rate_value = values_of(cooling_rate)
 row("beyond:cooling-rate", lambda: eq(s.h, cooling_rate()), "h = M_2/2 = lambda(2) <c^3>")
 
 
@@ -164,9 +165,7 @@ def a2() -> sp.Expr:
     return sp.simplify(moment(4) / moment(2) ** 2 / 2 - 1)
 
 
-def a2_value(restitution: float) -> mp.mpf:
-    """The exact a_2."""
-    return exact_value(a2(), restitution)
+a2_value = values_of(a2)
 
 
 def _restitution_of_no_a2() -> float:
@@ -282,9 +281,7 @@ def slope() -> sp.Expr:
     return 2 * solution
 
 
-def slope_value(restitution: float) -> mp.mpf:
-    """The exact slope."""
-    return exact_value(slope(), restitution)
+slope_value = values_of(slope)
 
 
 @derives("beyond:slope")

@@ -72,30 +72,22 @@ row("sonine2", lambda: eq(s.S(2, s.x), polynomial(2)))
 
 
 @cache
-def generating_function() -> tuple[sp.Expr, sp.Expr]:
-    """(generating function of the S_p, integral of a product of two against exp(-x)).
-
-    That depends on u w alone: they are orthogonal, with the coefficients of its series as norms.
-    """
-    u, w = sp.symbols("u w", positive=True)
-    single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
-    decay = sp.together(1 + u / (1 - u) + w / (1 - w))
-    product = sp.simplify(1 / ((1 - u) * (1 - w) * decay))
-    return single, product
-
-
-@cache
 def squared_norm() -> sp.Expr:
-    """int S_p^2 exp(-x) dx for every p: the coefficient of (u w)^p."""
-    u, w, z = sp.symbols("u w z", positive=True)
-    in_product = sp.simplify(generating_function()[1].subs(w, z / u))
-    return sp.simplify(in_product * (1 - z))  # 1/(1 - z) = 1 + z + z^2 + ...
+    """int S_p^2 exp(-x) dx for every p: the coefficient of (u w)^p.
+
+    The integral of two generating functions, of u and w, against exp(-x) depends on z = u w alone:
+    the S_p are orthogonal.
+    """
+    u, z = sp.symbols("u z", positive=True)
+    w = z / u
+    product = 1 / ((1 - u) * (1 - w) * (1 + u / (1 - u) + w / (1 - w)))
+    return sp.simplify(product * (1 - z))  # 1/(1 - z) = 1 + z + z^2 + ...
 
 
 @derives("sonine3")
 def _sonine3() -> Derived:
-    single, _ = generating_function()
     u = sp.Symbol("u", positive=True)
+    single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
     series = sp.series(single, u, 0, 4).removeO()
     for order in range(4):
         zero(series.coeff(u, order) - polynomial(order), f"not S_{order}")
@@ -122,14 +114,9 @@ def _sonine4() -> Derived:
     )
 
 
-def _averaged(order: int) -> sp.Expr:
-    """<S_order(c^2)> in the moments <c^2>, <c^4>."""
-    terms = sp.Poly(polynomial(order), s.x).terms()
-    return sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
-
-
 def _coefficient(order: int, symbol: sp.Symbol) -> sp.Tuple:
-    average = _averaged(order)
+    terms = sp.Poly(polynomial(order), s.x).terms()
+    average = sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
     return chain(symbol, average, average.subs(Avg(s.c**2), 1))
 
 
@@ -137,10 +124,7 @@ row("sonine4.5", lambda: _coefficient(1, s.a1), "<c^2> = 1 by the definition of 
 row("sonine5", lambda: _coefficient(2, s.a2), "<c^2> = 1 by the definition of v0")
 
 
-@derives("sonine6")
-def _sonine6() -> Derived:
-    general = s.M2 / 2 * s.p * Avg(s.c**s.p)
-    return result(eq(s.M4, general.subs(s.p, 4)))
+row("sonine6", lambda: eq(s.M4, (s.M2 / 2 * s.p * Avg(s.c**s.p)).subs(s.p, 4)))
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
@@ -334,7 +318,7 @@ def _ac5() -> Derived:
 
 @derives("ac7")
 def _ac7() -> Derived:
-    lower, upper = (sp.expand(growth(root)) for root in roots())
+    lower, upper = map(growth, roots())
     return result(
         eq(s.H, growth()),
         ("at the lower root", lower),

@@ -2,8 +2,8 @@
 
 What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
 LaTeX of it; ``main_text`` and ``appendices`` transcribe the same equations into sympy, each held
-against its LaTeX by a reader apart from them. ``beyond`` and ``beyond_media`` state the results
-that the paper does not have, under labels that start with ``beyond:``.
+against its LaTeX by a reader apart from them. ``beyond`` states the results that the paper does not
+have, under labels that start with ``beyond:``.
 
 May import: ``symbols``, ``formal``, ``printers``; never ``derived``. A new row is stated here and
 derived by a function under ``@derives(label)`` in :mod:`derivations.derived`.
@@ -19,7 +19,7 @@ from importlib.resources import files
 import sympy as sp
 
 from ..printers import latex, mathml, plain
-from . import appendices, beyond, beyond_media, main_text
+from . import appendices, beyond, main_text
 
 __all__ = ["PRINTED", "ROWS", "PrintedEquation", "printed_equation", "read_equations"]
 
@@ -80,9 +80,9 @@ _BEYOND = {
         ("Beyond the paper", beyond.PAPERS_LAW),
         ("Beyond the paper: any collision law", beyond.ANY_LAW),
         ("Beyond the paper: scatterers with a mass", beyond.MASS_RATIO),
-        ("Beyond the paper: finite density", beyond_media.FINITE_DENSITY),
-        ("Beyond the paper: a uniform field", beyond_media.UNIFORM_FIELD),
-        ("Beyond the paper: what drives a tracer", beyond_media.DRIVEN),
+        ("Beyond the paper: finite density", beyond.FINITE_DENSITY),
+        ("Beyond the paper: a uniform field", beyond.UNIFORM_FIELD),
+        ("Beyond the paper: what drives a tracer", beyond.DRIVEN),
     )
     for label, (title, *stated) in table.items()
 }

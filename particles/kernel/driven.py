@@ -22,10 +22,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from particles import outputs
 from particles.compiled import inlined, kernel
 from particles.events import Varying, restitution_at, turned
-from particles.kernel import columns
-from particles.kernel.lane import RUNNING, Start, launch, open_flights
+from particles.kernel.lane import Start, launch, open_flights
 from particles.kernel.parabola import length_flown, move_freely, note_passage
 from particles.kernel.records import (
     Records,
@@ -168,7 +168,7 @@ def follow_driven(
     """
     # Taken out of their tuples once, as in `follow`.
     times, passages, grids = records.times, records.passages, records.grids
-    paths, durations = records.counts[columns.PATH], records.counts[columns.DURATION]
+    paths, durations = records.counts[outputs.PATH], records.counts[outputs.DURATION]
     field, mean_path, tangential = drive.field, drive.mean_path, start.law[1]
     strength = abs(field)
     solid, noisy = start.dimension == 3, drive.step < np.inf
@@ -181,16 +181,16 @@ def follow_driven(
         a = 0
         while a < active:
             lane = lanes[a]
-            status = RUNNING
+            status = outputs.RUNNING
             if lane.span > 0.0 and (lane.left <= 0.0 or lane.time >= lane.next_output):
                 _end_step(lane, drive, solid)
             while lane.output < times.size and lane.time >= lane.next_output:
                 queue_falling(lane, records, field)
             if lane.output == times.size and times.size > 0:
-                status = columns.FINISHED
+                status = outputs.FINISHED
             lasts = lane.next_output - lane.time
             if noisy:
-                if lane.span == 0.0 and status == RUNNING:
+                if lane.span == 0.0 and status == outputs.RUNNING:
                     lane.span = lane.left = min(drive.step, lasts)
                     lane.kick_x, lane.kick_y, lane.kick_z = _kick(lane, drive, solid)
                 lasts = min(lasts, lane.left)
@@ -201,10 +201,10 @@ def follow_driven(
                 short = mean_path / (speed + from_bath + sqrt(strength * mean_path))
                 lasts = min(lasts, short)
                 rate += strength * short / mean_path
-            meets = rate > 0.0 and lane.clock <= rate * lasts and status == RUNNING
+            meets = rate > 0.0 and lane.clock <= rate * lasts and status == outputs.RUNNING
             if meets:
                 lasts = lane.clock / rate
-            if status == RUNNING:
+            if status == outputs.RUNNING:
                 if passages.size:
                     note_passage(lane, lane.flight_x, lasts, field, records)
                 if strength == 0.0:
@@ -234,11 +234,11 @@ def follow_driven(
                     lane.vy = tangential * lane.vy - change * lane.normal_y
                     lane.vz = tangential * lane.vz - change * lane.normal_z
                     if impact < varying.capture:
-                        status = columns.CAPTURED
+                        status = outputs.CAPTURED
                         lane.vx = lane.vy = lane.vz = 0.0
                     elif lane.collisions == start.most:
-                        status = columns.COLLISION_CAP
-            if status == RUNNING:
+                        status = outputs.COLLISION_CAP
+            if status == outputs.RUNNING:
                 a += 1
                 continue
             note_slowness(lane)

@@ -20,17 +20,13 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from particles.cells import Cells, cell_at
+from particles.cells import SLOTS, Cells, cell_at, near_chord
 from particles.compiled import inlined
-from particles.events import NEVER, bounce
+from particles.events import MOST_STEPS, NEVER, bounce
 from particles.kernel.lane import AT_REST, Start
-from particles.kernel.parabola import length_flown, time_to_reach
+from particles.kernel.parabola import SMALLEST_STEP, length_flown, time_to_reach
 from particles.kernel.steps import enter
-from particles.search import SLOTS, near_chord
 
-# A step of the time that is this small in proportion is rounding.
-SMALLEST_STEP = 4e-16
-MOST_STEPS = 10_000  # two in the mean; up to some hundreds for contacts that graze
 # How a tracer and a disk are to each other when its flight begins: not in contact as far as is
 # known, on it and leaving, or on it and leaving without normal velocity.
 APART, STRUCK, TANGENT = range(3)
@@ -66,7 +62,7 @@ def contact_in_field(
     square = vx * vx + vy * vy + field * x
     base, rise = square - 1.5 * vx * vx, h
     end = vx + field * limit
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_STEPS):  # two in the mean; some hundreds for contacts that graze
         now = vx + field * t
         least = 0.0 if now * end <= 0.0 else min(abs(now), abs(end))
         m = 1.5 * least * least + base

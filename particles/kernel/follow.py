@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from particles import outputs
 from particles.cells import Cells
 from particles.compiled import inlined, kernel
 from particles.events import Varying
-from particles.kernel import columns, falling, parabola, steps
+from particles.kernel import falling, parabola, steps
 from particles.kernel.lane import (
     AT_REST,
-    RUNNING,
     Start,
     advance,
     collide_at_random,
@@ -68,7 +68,7 @@ def follow(
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
     times, passages, grids = records.times, records.passages, records.grids
-    paths, durations = records.counts[columns.PATH], records.counts[columns.DURATION]
+    paths, durations = records.counts[outputs.PATH], records.counts[outputs.DURATION]
     last_time = times[times.size - 1] if times.size else np.inf
     law = endless = start.law
     if varying is not None:
@@ -101,7 +101,7 @@ def follow(
         a = 0
         while a < active:
             lane = lanes[a]
-            status = RUNNING
+            status = outputs.RUNNING
             if field is None:
                 path, escaped = lane.contact, False
                 if cells is not None:
@@ -120,7 +120,7 @@ def follow(
                     queue_output(lane, records)
                 path, finished = fly(lane, path, times.size, last_time)
                 if finished or escaped:
-                    status = columns.FINISHED if finished else columns.ESCAPED
+                    status = outputs.FINISHED if finished else outputs.ESCAPED
                     advance(lane, path)
                 else:
                     if paths.size or durations.size:
@@ -133,13 +133,13 @@ def follow(
                         trapped = steps.collide(lane, path, side, shape, law, varying, endless)
                         if path < steps.SHORT and not trapped:
                             trapped = steps.end_bounces(lane, path, cells, endless)
-                        status = columns.TRAPPED if trapped else RUNNING
+                        status = outputs.TRAPPED if trapped else outputs.RUNNING
                     if varying is not None and lane.impact < varying.capture:
-                        status, lane.slowness = columns.CAPTURED, 1.0 / AT_REST
-                    if status == RUNNING:
+                        status, lane.slowness = outputs.CAPTURED, 1.0 / AT_REST
+                    if status == outputs.RUNNING:
                         shift_clock(lane, times)
                         if lane.collisions == start.most:
-                            status = columns.COLLISION_CAP
+                            status = outputs.COLLISION_CAP
             else:
                 if cells is None:
                     path, lasts = lane.contact, parabola.answer(work, a, strength)
@@ -153,30 +153,30 @@ def follow(
                         falling.note_place(lane, side)
                     queue_falling(lane, records, field)
                 if lane.output == times.size and times.size > 0:
-                    status = columns.FINISHED
+                    status = outputs.FINISHED
                     lasts = max(last_time - lane.time, 0.0)
                 if passages.size:
                     parabola.note_passage(lane, x, lasts, field, records)
                 if cells is None:
-                    if status == columns.FINISHED:
+                    if status == outputs.FINISHED:
                         path = parabola.length_flown(lane.vx, lane.vy, lane.vz, lasts, field)
                     lane.travelled += path
                     parabola.move_freely(lane, lasts, field)
-                    if status == RUNNING:
+                    if status == outputs.RUNNING:
                         count_flight(paths, durations, grids, path, lasts, 0)
                         parabola.collide_freely(lane, start)
-                elif status == RUNNING and not meets:
+                elif status == outputs.RUNNING and not meets:
                     falling.cross_cell(lane, shape, side, field)
                     if lane.crossed * side < limit:
                         a += 1
                         continue
-                    status = columns.ESCAPED
+                    status = outputs.ESCAPED
                     lane.travelled += falling.flown(lane, field)
                 else:
                     falling.move(lane, lasts, field)
                     path = falling.flown(lane, field)
                     lane.travelled += path
-                    if status == RUNNING:
+                    if status == outputs.RUNNING:
                         count_flight(paths, durations, grids, path, lane.lasted, 0)
                         # Not in a function: it would count references to `cells` each time.
                         before = lane.normal_x, lane.normal_y
@@ -189,17 +189,17 @@ def follow(
                         if next_to == SLIDES:
                             status = slide(lane, cells, law, field, records)
                         elif next_to == RESTS:
-                            status = columns.TRAPPED
+                            status = outputs.TRAPPED
                         falling.begin_flight(lane)
-                if status == RUNNING and lane.collisions >= start.most > 0:
-                    status = columns.COLLISION_CAP
-            if status == RUNNING:
+                if status == outputs.RUNNING and lane.collisions >= start.most > 0:
+                    status = outputs.COLLISION_CAP
+            if status == outputs.RUNNING:
                 a += 1
                 continue
             if field is not None:
                 if cells is not None:
                     falling.note_place(lane, side)
-                if status == columns.TRAPPED:
+                if status == outputs.TRAPPED:
                     lane.vx = lane.vy = 0.0
                 note_slowness(lane)
             finish(lane, status, start.first, records)

@@ -14,14 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from particles.compiled import inlined
-from particles.events import Varying, law_at, scatter, scatter_in_space
+from particles.events import NEVER, Varying, law_at, scatter, scatter_in_space
 from particles.streams import FLIGHTS, START, bits, in_disk, open_stream, uniform
 
 # Tracers that one thread follows in turns; only the speed depends on it: 4 to 64 were measured.
 LANES = 16
-RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64
-AT_REST = 1e-300  # a speed in place of 0, with which a tracer begins in a field only
+AT_REST = 1.0 / NEVER  # a speed in place of 0, with which a tracer begins in a field only
 
 
 def record_type(fields: Mapping[Any, tuple[str, ...]]) -> np.dtype:

@@ -19,22 +19,20 @@ import numpy as np
 from numba import njit
 
 from particles.compiled import inlined
+from particles.events import MOST_STEPS
 from particles.kernel.lane import Start, collide_at_random
 from particles.kernel.records import Records
 
 SERIES = 0.03  # artanh(r)/r by nine terms of its series where r^2 is smaller: to 1e-16
-NEAREST = 1e-17  # of r to 1; artanh(r) is then multiplied by w^2 of this order
 # A Halley step of h leaves an error of about (g h / s)^2 h in the time; rounding is 1e-16 of it.
 LEFT = 1e-16
-MOST_STEPS = 100  # bisections reach rounding in 60
+SMALLEST_STEP = 4.0 * LEFT  # of the time, in proportion, is rounding
 # For many tracers at once: artanh(r) = 8 artanh(y) with y of three halvings, and seventeen terms of
 # the series, to 1e-16 where y^2 is smaller than this.
 STEPS = 3
 SERIES_AT_ONCE = 0.12
 # Rows of the work array of `times_of`: what is given, then the solution, then working memory.
-PATH, SPEED2, ALONG, ACROSS2, LASTS, GOOD = range(6)
-_S0, _U0, _W2, _G, _LOW, _HIGH = range(6, 12)
-ROWS = 12
+PATH, SPEED2, ALONG, ACROSS2, LASTS, GOOD, _S0, _U0, _W2, _G, _LOW, _HIGH, ROWS = range(13)
 
 
 @inlined
@@ -55,7 +53,7 @@ def length_of(
         bend = 1 / 3 + x * (1 / 5 + x * (1 / 7 + x * (1 / 9 + x * bend)))
         bend = 1.0 + x * bend
     else:
-        bend = 0.5 * log((1.0 + r) / max(1.0 - r, NEAREST)) / r
+        bend = 0.5 * log((1.0 + r) / max(1.0 - r, LEFT)) / r
     ahead = u0 + u1
     return lasts * (both * both + ahead * ahead + 4.0 * w2 * bend) / (4.0 * both), u1, s1
 
@@ -117,7 +115,7 @@ def time_of(path: float, speed: float, along: float, across2: float, field: floa
         else:
             low = t
         h = excess / s1
-        if abs(h) <= 4.0 * LEFT * t:
+        if abs(h) <= SMALLEST_STEP * t:
             break
         bent = g * h / s1
         after = t - h / (1.0 - 0.5 * bent * u1 / s1)

@@ -6,19 +6,15 @@ flight shorter than SHORT the bounces between all spheres within NEAR of contact
 their end, between the planes that touch them there. Where they end after a finite number, that is
 left to the event loop, as long as it can resolve them.
 
-Two planes with unit normals n1 and n2, C = -n1.n2. With rho the normal speed with which the tracer
-leaves the one plane over that with which it approaches the other one, and r = e/et, a bounce makes
-
-    rho' = r / ((1 + r) C - rho),     fixed points rho^2 - (1 + r) C rho + r = 0.
-
-They are real if C >= 2 sqrt(r)/(1 + r); the upper one repels, so the tracer bounces for ever if rho
-is below it. For et = 1 it then leaves along the edge with the speed that it has along it: a groove
-is no trap. For et < 1 that speed is multiplied by et at each bounce, so it is left at rest: it is
-trapped. But the spheres recede by path^2/2, which matters when path (along)/(across) is about 1, a
-number that each bounce multiplies by rho^3/r^2: the bounces never end if rho^3 <= r^2.
+Between two planes bounces never end if rho, the normal speed with which the tracer leaves the one
+plane over that with which it approaches the other one, is small (`events.lower_rebound`). For
+et = 1 it then leaves along the edge with the speed that it has along it: a groove is no trap. For
+et < 1 that speed is multiplied by et at each bounce, so it is left at rest: it is trapped. But the
+spheres recede by path^2/2, which matters when path (along)/(across) is about 1, a number that each
+bounce multiplies by rho^3/r^2: the bounces never end if rho^3 <= r^2.
 
 More planes: the bounces are followed, each groove being left along its edge, until the tracer
-leaves, or until its speed has fallen to SLOW of what tangential friction alone would have left.
+leaves, or until its speed has fallen to GRAZING of what tangential friction alone would have left.
 """
 
 from math import sqrt
@@ -26,16 +22,11 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from particles.cells import Cells, next_listed
+from particles.cells import NEAR, SLOTS, Cells, next_listed
 from particles.compiled import called
-from particles.events import GRAZING
-from particles.search import SLOTS
+from particles.events import GRAZING, MOST_STEPS, NEVER, lower_rebound
 
-NEAR = 1e-8
 UNRESOLVED = 1e-14  # in d: shorter flights are rounding
-SLOW = 1e-9
-MOST_WALLS = 8
-MOST_BOUNCES = 10_000  # more are taken for infinitely many
 LEAVES, FOR_EVER, RESTS = range(3)
 
 
@@ -53,8 +44,17 @@ def end_of_bounces(
     place: from the centre of the cell; direction: after the bounce there. law: (e, et), et > e.
     Ratio 0: the tracer is trapped. Both are unchanged where the event loop is to go on.
     """
-    found = np.empty((MOST_WALLS, 4))
-    n = _walls_near(cells, cell, place, found)
+    # The spheres within NEAR of contact: normals towards the tracer, and gaps.
+    found = np.empty((cells.fill[cell], 4))
+    n, slot, node = 0, 0, cells.head[cell]
+    while slot < SLOTS or node >= 0:
+        cx, cy, cz, slot, node = next_listed(cells, cell, slot, node)
+        dx, dy, dz = place[0] - cx, place[1] - cy, place[2] - cz
+        distance = sqrt(dx * dx + dy * dy + dz * dz)
+        if distance <= 1.0 + NEAR:
+            found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
+            found[n, 3] = max(distance - 1.0, 0.0)
+            n += 1
     if n < 2:
         return direction, 1.0
     end, last, ratio = last_bounces(found[:n], direction, law[0], law[1])
@@ -63,36 +63,12 @@ def end_of_bounces(
     return last, ratio
 
 
-@called
-def _walls_near(
-    cells: Cells, cell: int, place: tuple[float, float, float], found: np.ndarray
-) -> int:  # fmt: skip
-    """Find the spheres within NEAR of contact: normals towards the tracer and gaps; count them."""
-    n, slot, node = 0, 0, cells.head[cell]
-    while slot < SLOTS or node >= 0:
-        cx, cy, cz, slot, node = next_listed(cells, cell, slot, node)
-        dx, dy, dz = place[0] - cx, place[1] - cy, place[2] - cz
-        distance = sqrt(dx * dx + dy * dy + dz * dz)
-        if distance <= 1.0 + NEAR and n < MOST_WALLS:
-            found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
-            found[n, 3] = max(distance - 1.0, 0.0)
-            n += 1
-    return n
-
-
 @njit(error_model="numpy")
 def is_endless(cosine: float, rho: float, restitution: float, tangential: float) -> bool:
-    """Tell whether a tracer bounces for ever between two spheres; cosine: of their normals' angle.
-
-    For r = e/et < 1; rho as above.
-    """
-    r = restitution / tangential
-    middle = -0.5 * (1.0 + r) * cosine
-    square = middle * middle - r
-    if middle <= 0.0 or square < 0.0 or rho >= middle + sqrt(square):
-        return False
-    lower = r / (middle + sqrt(square))
-    return tangential == 1.0 or lower**3 <= r * r
+    """Tell whether a tracer bounces for ever between two spheres; arguments of `lower_rebound`."""
+    r, sine2 = restitution / tangential, (1.0 - cosine) * (1.0 + cosine)
+    lower = lower_rebound(cosine, sine2, rho, restitution, tangential)
+    return lower < NEVER if tangential == 1.0 else lower**3 <= r * r
 
 
 @njit(error_model="numpy")
@@ -110,7 +86,7 @@ def last_bounces(
     last = int(np.argmin(gap))
     ratio = friction = 1.0
     end = LEAVES
-    for _ in range(MOST_BOUNCES):
+    for _ in range(MOST_STEPS):
         struck, path, approach, left = -1, np.inf, 0.0, 0.0
         for k in range(n):
             w = walls[k, 0] * ux + walls[k, 1] * uy + walls[k, 2] * uz
@@ -133,7 +109,7 @@ def last_bounces(
             end = FOR_EVER
             (ux, uy, uz), along = _along_edge((nx, ny, nz), (mx, my, mz), (ux, uy, uz))
             ratio *= along
-            if tangential < 1.0 or along < GRAZING or ratio < SLOW:
+            if tangential < 1.0 or along < GRAZING or ratio < GRAZING:
                 return RESTS, (ux, uy, uz), 0.0
             gap[struck] = gap[last] = 0.0
             continue
@@ -148,7 +124,7 @@ def last_bounces(
         size = sqrt(ux * ux + uy * uy + uz * uz)
         ratio *= size
         friction *= tangential
-        if ratio <= SLOW * friction:
+        if ratio <= GRAZING * friction:
             return RESTS, (ux, uy, uz), 0.0
         ux, uy, uz = ux / size, uy / size, uz / size
         last = struck

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from particles import outputs
 from particles.compiled import called, inlined
 from particles.events import NEVER
-from particles.kernel import columns
 from particles.kernel.lane import AT_REST, record_type
 
 _LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
@@ -25,7 +25,7 @@ QUEUE = 1024
 
 
 class Records(NamedTuple):
-    """Arrays that a kernel adds to; those not asked for are empty. Columns: kernel.columns.
+    """Arrays that a kernel adds to; those not asked for are empty. Columns: `outputs`.
 
     times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
     by in the sums there. grids (5, 2): log2 of the lowest edge and bins per octave of each
@@ -82,9 +82,9 @@ def count_flight(
 ) -> None:  # fmt: skip
     """Enter a completed flight; without `Records`, references to which would be counted."""
     if paths.size:
-        _count(paths, 0, _log2(path), grids[columns.PATH])
+        _count(paths, 0, _log2(path), grids[outputs.PATH])
     if durations.size:
-        _count(durations, 0, _log2(lasts) + 64.0 * shifts, grids[columns.DURATION])
+        _count(durations, 0, _log2(lasts) + 64.0 * shifts, grids[outputs.DURATION])
 
 
 @called
@@ -135,18 +135,16 @@ def _note_trap(lane: Any, first: int, records: Records) -> None:
         row.vx = row.vy = row.vz = 0.0
     trap = records.traps[records.filled[CAUGHT]]
     records.filled[CAUGHT] += 1
-    trap[columns.TRAP_TRACER] = first + lane.tracer
-    trap[columns.TRAP_TIME] = lane.time / lane.unit
-    trap[columns.TRAP_X], trap[columns.TRAP_Y] = lane.flight_x, lane.flight_y
-    if trap.size > columns.TRAP_Z:
-        trap[columns.TRAP_Z] = lane.flight_z
+    trap[outputs.TRAP_TRACER] = first + lane.tracer
+    trap[outputs.TRAP_TIME] = lane.time / lane.unit
+    _keep(trap[outputs.TRAP_X :], lane.flight_x, lane.flight_y, lane.flight_z)
 
 
 @called
 def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
     moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
-    speeds, components, distances = records.counts[: columns.PATH]
+    speeds, components, distances = records.counts[: outputs.PATH]
     positions, velocities, sums = records.positions, records.velocities, records.field_sums
     for m in range(records.filled[WAITING]):
         row = queue[m]
@@ -154,24 +152,24 @@ def enter_queue(records: Records) -> None:
         vx, vy, vz = row.vx, row.vy, row.vz
         r2 = x * x + y * y + z * z
         v2 = vx * vx + vy * vy + vz * vz
-        moments[k, columns.SAMPLES] += 1.0
-        moments[k, columns.SPEED2] += v2
-        moments[k, columns.SPEED4] += v2 * v2
-        moments[k, columns.R2] += r2
-        moments[k, columns.R4] += r2 * r2
-        moments[k, columns.COLLISIONS] += row.collisions
-        moments[k, columns.CORRELATION] += vx * row.start_vx + vy * row.start_vy + vz * row.start_vz
-        moments[k, columns.CAUGHT] += row.caught
+        moments[k, outputs.SAMPLES] += 1.0
+        moments[k, outputs.SPEED2] += v2
+        moments[k, outputs.SPEED4] += v2 * v2
+        moments[k, outputs.R2] += r2
+        moments[k, outputs.R4] += r2 * r2
+        moments[k, outputs.COLLISIONS] += row.collisions
+        moments[k, outputs.CORRELATION] += vx * row.start_vx + vy * row.start_vy + vz * row.start_vz
+        moments[k, outputs.CAUGHT] += row.caught
         if sums.size:
-            d = 2 if sums.shape[1] == columns.FIELD_SUMS_IN_PLANE else 3
+            d = 2 if sums.shape[1] == outputs.FIELD_SUMS_IN_PLANE else 3
             _add_products(sums[k], 0, (vx, vy, vz), d)
             _add_products(sums[k], sums.shape[1] // 2, (x, y, z), d)
         if speeds.size:
-            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[columns.SPEED])
+            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[outputs.SPEED])
         if components.size:
-            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[columns.COMPONENT])
+            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[outputs.COMPONENT])
         if distances.size:
-            _count(distances, k, 0.5 * _log2(r2), grids[columns.DISTANCE])
+            _count(distances, k, 0.5 * _log2(r2), grids[outputs.DISTANCE])
         if positions.size:
             _keep(positions[k, row.tracer], x, y, z)
         if velocities.size:
@@ -201,19 +199,19 @@ def _add_products(sums: np.ndarray, first: int, vector: tuple[float, float, floa
 @inlined
 def finish(lane: Any, status: int, first: int, records: Records) -> None:
     """Enter the end of a tracer where its flight began; a trapped or captured one rests there."""
-    if status in (columns.TRAPPED, columns.CAPTURED):
+    if status in (outputs.TRAPPED, outputs.CAPTURED):
         _note_trap(lane, first, records)
-    records.totals[columns.TRAVELLED] += lane.travelled
-    records.totals[columns.ALL_COLLISIONS] += lane.collisions
+    records.totals[outputs.TRAVELLED] += lane.travelled
+    records.totals[outputs.ALL_COLLISIONS] += lane.collisions
     records.statuses[status] += 1
     if records.finals.size:
         end, shift = records.finals[lane.tracer], lane.shifts * _LN_SHIFT
-        end[columns.LN_SPEED] = -log(lane.slowness) - shift
-        end[columns.LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
-        end[columns.FINAL_X], end[columns.FINAL_Y] = lane.flight_x, lane.flight_y
-        end[columns.FINAL_COLLISIONS] = lane.collisions
-        if end.size > columns.FINAL_Z:
-            end[columns.FINAL_Z] = lane.flight_z
+        end[outputs.LN_SPEED] = -log(lane.slowness) - shift
+        end[outputs.LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
+        end[outputs.FINAL_X], end[outputs.FINAL_Y] = lane.flight_x, lane.flight_y
+        end[outputs.FINAL_COLLISIONS] = lane.collisions
+        if end.size > outputs.FINAL_Z:
+            end[outputs.FINAL_Z] = lane.flight_z
 
 
 @inlined

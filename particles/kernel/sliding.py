@@ -20,16 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from particles.cells import Cells, next_listed
+from particles import outputs
+from particles.cells import NEAR, SLOTS, Cells, next_listed
 from particles.compiled import called
-from particles.events import bounce, is_collapsing
-from particles.kernel import columns
+from particles.events import MOST_STEPS, bounce, is_collapsing
 from particles.kernel.falling import STRUCK, TANGENT, come_along, note_place
-from particles.kernel.lane import RUNNING
-from particles.kernel.pockets import MOST_BOUNCES, NEAR
 from particles.kernel.records import Records, queue_falling
 from particles.kernel.steps import SHORT, enter
-from particles.search import SLOTS
 
 SMALL = 1e-12
 FALLS, SLIDES, RESTS = range(3)
@@ -37,7 +34,6 @@ FALLS, SLIDES, RESTS = range(3)
 # terms fall as (STEP / 1.5)^k or faster, times in sqrt(d/g): a slide is slower than sqrt(g d).
 ORDER = 18
 STEP = 0.25
-BISECTIONS = 200
 GOES_ON, REACHED, TURNED, ENDED = range(4)
 ANGLE, DERIVATIVE, COSINE = range(3)  # of the normal: what may be asked for
 
@@ -60,15 +56,6 @@ def is_sliding(
 
 
 @called
-def _is_trap(one: tuple[float, float], other: tuple[float, float], field: float) -> bool:
-    """Tell whether -g is between the two normals of a corner."""
-    (ax, ay), (bx, by) = one, other
-    turn = ax * by - ay * bx
-    # -g = alpha a + beta b, by Cramer's rule.
-    return -field * by * turn > 0.0 and field * ay * turn > 0.0
-
-
-@called
 def _bounce_in_corner(
     lane: Any, one: tuple[float, float], other: tuple[float, float], law: tuple[float, float]
 ) -> bool:
@@ -76,7 +63,7 @@ def _bounce_in_corner(
     (ax, ay), (bx, by) = one, other
     begun = lane.vx * lane.vx + lane.vy * lane.vy
     on_other = True
-    for _ in range(MOST_BOUNCES):
+    for _ in range(MOST_STEPS):
         square = lane.vx * lane.vx + lane.vy * lane.vy
         if square <= SMALL * SMALL * begun:
             lane.vx = lane.vy = 0.0
@@ -106,7 +93,10 @@ def _settle(lane: Any, cx: float, cy: float, law: tuple[float, float], field: fl
     other = dx * per, dy * per
     on_other, outcome = _bounce_in_corner(lane, one, other, law), FALLS
     square = lane.vx * lane.vx + lane.vy * lane.vy
-    if square <= 2.0 * SMALL * abs(field) and _is_trap(one, other, field):
+    # -g is between the normals if it is alpha one + beta other, both positive: by Cramer's rule.
+    turn = field * (one[0] * other[1] - one[1] * other[0])
+    between = one[1] * turn > 0.0 > other[1] * turn
+    if square <= 2.0 * SMALL * abs(field) and between:
         outcome = RESTS
     else:
         for there in (on_other, not on_other):
@@ -174,14 +164,13 @@ def _wall_ahead(lane: Any, side: float, now: float, way: float) -> tuple[float, 
     left, di, dj = 4.0 * pi, 0, 0
     for sign in (1, -1):
         # Only where the tracer goes outwards through the wall.
-        height = sign * 0.5 * side - lane.struck_x
-        if abs(height) < 1.0:
-            there = _ahead(-way * sign * acos(height), now, way)
+        along, across = sign * 0.5 * side - lane.struck_x, sign * 0.5 * side - lane.struck_y
+        if abs(along) < 1.0:
+            there = _ahead(-way * sign * acos(along), now, way)
             if there < left:
                 left, di, dj = there, sign, 0
-        height = sign * 0.5 * side - lane.struck_y
-        if abs(height) < 1.0:
-            angle = asin(height)
+        if abs(across) < 1.0:
+            angle = asin(across)
             there = _ahead(angle if way * sign > 0.0 else pi - angle, now, way)
             if there < left:
                 left, di, dj = there, 0, sign
@@ -249,7 +238,7 @@ def _when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
     low, high = 0.0, longest
     below = _excess(work, low, value, kind)
     above = _excess(work, high, value, kind)
-    for k in range(BISECTIONS):
+    for k in range(MOST_STEPS):
         t = low - below * (high - low) / (above - below)
         if k % 3 == 2 or not low < t < high:
             t = 0.5 * (low + high)
@@ -324,27 +313,27 @@ def slide(lane: Any, cells: Cells, law: tuple[float, float], field: float, recor
     side = cells.side
     while True:
         if law[1] < 1.0:
-            return columns.TRAPPED
+            return outputs.TRAPPED
         now = atan2(lane.normal_y, lane.normal_x)
         along = lane.normal_x * lane.vy - lane.normal_y * lane.vx
         pull = -field * lane.normal_y
         if along == 0.0 and pull == 0.0:
-            return columns.TRAPPED  # balanced on the top
+            return outputs.TRAPPED  # balanced on the top
         way = copysign(1.0, along if along != 0.0 else pull)
         leaves = _leaving_ahead(now, along, way, field)
         wall, di, dj = _wall_ahead(lane, side, now, way)
         disk, cx, cy = _disk_ahead(lane, cells, now, way)
         outcome = _roll(lane, min(leaves, wall, disk), field, side, records)
         if outcome == ENDED:
-            return columns.FINISHED
+            return outputs.FINISHED
         if outcome == TURNED:
             continue
         if disk <= min(leaves, wall):
             outcome = _settle(lane, cx, cy, law, field)
             if outcome == RESTS:
-                return columns.TRAPPED
+                return outputs.TRAPPED
             if outcome == FALLS:
-                return RUNNING
+                return outputs.RUNNING
         elif wall <= leaves:
             lane.x -= di * side
             lane.y -= dj * side
@@ -353,4 +342,4 @@ def slide(lane: Any, cells: Cells, law: tuple[float, float], field: float, recor
             enter(lane, cells.shape, di, dj, 0)
         else:
             lane.before = TANGENT
-            return RUNNING
+            return outputs.RUNNING

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from particles.cells import Cells, cell_at
+from particles.cells import SLOTS, Cells, cell_at, strike
 from particles.compiled import inlined
 from particles.events import (
     Varying,
@@ -23,7 +23,6 @@ from particles.events import (
 )
 from particles.kernel.lane import note_impact
 from particles.kernel.pockets import end_of_bounces
-from particles.search import SLOTS, strike
 
 # Flights shorter than this, in d, occur only in corners, straight on this scale; whether a tracer
 # ever leaves is then decided by `is_collapsing`, or in space by `pockets`.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from particles import OBSERVABLES, BoltzmannGrad, simulate
-from particles.estimators import share
+from particles.results import share
 
 
 def test_the_error_of_a_share_of_unequal_configurations_is_cochrans() -> None:

@@ -307,7 +307,7 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
     InputError for what is no run, or one without output times or with fewer than two groups.
     """
     from particles import BoltzmannGrad, Ensemble
-    from particles.kernel.columns import CAUGHT
+    from particles.outputs import CAUGHT
 
     if not isinstance(ensemble, Ensemble):
         refuse("data", ensemble, "it must be a file, several files, columns or a run of simulate")
