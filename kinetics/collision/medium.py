@@ -42,7 +42,7 @@ HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 # Simulations over n: the share of tracers slower than v, less 1 - e, and of those nearer than r
 _SLOW, _NEAR = 1.15, 0.2
-_LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
+LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
 # Of the order (n ln n)^2, fitted (tests/kinetics/measurements/density.py): J_1(0) is less by
 # (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 1.5 e (1 - e), and J_1(0), near
 # 1.07 - .45 e, loses twice that, because <r^2> is not longer
@@ -177,8 +177,8 @@ class Medium:
             "first": "order n, no fitted number",
             "second": "order n, and (n ln n)^2 fitted to simulations",
         }[self.order]
-        if self.order != "leading" and self.restitution < _LEAST_RESTITUTION:
-            what += f", with the constants of e = {_LEAST_RESTITUTION:g}"
+        if self.order != "leading" and self.restitution < LEAST_RESTITUTION:
+            what += f", with the constants of e = {LEAST_RESTITUTION:g}"
         return f"{self.scatterers} at n = {self.density:g}: {what}"
 
     def limits(self, of_speeds: bool, of_displacements: bool) -> str:

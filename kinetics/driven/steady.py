@@ -103,16 +103,8 @@ class SteadyState(Result):
             shown["vdf"] = variable(("angle", "v"), f, self._units[1], words, "f")
         axes = {"v": variable(("v",), v, self._units[0], "speed")}
         axes |= {"angle": variable(("angle",), phi, "rad", "angle to the field")}
-        return dataset(
-            repr(self).split("\n")[0],
-            {name: str(getattr(self, name)) for name in self._asked},
-            shown,
-            axes,
-            status=self.status.name.lower(),
-            message=self.message,
-            tolerance_asked=self.rtol,
-            tolerance_reached=self.error_estimate,
-        )
+        asked = {name: str(getattr(self, name)) for name in self._asked}
+        return dataset(self, repr(self).split("\n")[0], asked, shown, axes)
 
     def __repr__(self: Any) -> str:
         asked = {name: getattr(self, name) for name in self._asked}

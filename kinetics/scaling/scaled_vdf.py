@@ -7,7 +7,6 @@ marches down the speed axis as far as they need and holds ln g, accurate relativ
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -119,15 +118,6 @@ class ScaledVDF(ScaledState):
             f"ScaledVDF({self.law.described}, rtol={self.rtol!r}): h = {self.cooling_rate:.12g}, "
             f"a2 = {self.a2:.12g}, {self.status.name.lower()}, error estimate "
             f"{self.error_estimate:.1e}"
-        )
-
-    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        found = self._scaled_dataset(only, **points)
-        return found.assign_attrs(  # of all that is solved by now
-            status=self.status.name.lower(),
-            message=self.message,
-            tolerance_asked=self.rtol,
-            tolerance_reached=self.error_estimate,
         )
 
     def _figures(self) -> dict[str, str]:
