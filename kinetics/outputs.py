@@ -68,7 +68,8 @@ _ROWS = (
     Output("kurtosis", DISPLACEMENT, "<r^4>/<r^2>^2", "1", _PER_TIME,
            "<r^4>/<r^2>^2: 2 for a Gaussian in the plane, 5/3 in space"),
     Output("velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
-           "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), against which it may be small"),
+           "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), "
+           "against which it may be small"),
     Output("diffusion_coefficient", DISPLACEMENT, "D", "d U", _PER_TIME,
            "D = (1/4) d<r^2>/dt (1/6 in space); and msd_slope = d<r^2>/d ln t, in d^2",
            also=(("msd_slope", "d^2", "d<r^2>/d ln t"),)),
