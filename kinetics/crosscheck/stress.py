@@ -402,13 +402,9 @@ def all_cases(quick: bool) -> list[Case]:
     for g in (1e12, 1.0, 1e-12):
         at = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(12.5 / g)  # sqrt(l/g)
         row(
-            "over time in a field",
-            work,
-            law=laws(0.7),
-            start=("rest", *both),
-            times=[at],
+            "over time in a field", work, law=laws(0.7), start=("rest", *both), times=[at],
             field=[g],
-        )
+        )  # fmt: skip
 
     many = {"restitution": (0.6, 0.0, 0.99), "mass_ratio": (3.0, math.inf, 0.3),
             "dimension": (2, 3), "rtol": (1e-4, 1e-8)}  # fmt: skip

@@ -154,12 +154,9 @@ class FieldUnits(Value):
 
 @one_blas_thread
 def solve_field(
-    restitution: float | CollisionLaw,
-    dimension: int = 2,
-    tangential_restitution: float = 1.0,
-    rtol: float = 1e-10,
-    mass_ratio: float = math.inf,
-) -> FieldState:
+    restitution: float | CollisionLaw, dimension: int = 2, tangential_restitution: float = 1.0,
+    rtol: float = 1e-10, mass_ratio: float = math.inf,
+) -> FieldState:  # fmt: skip
     """The steady state of a tracer among fixed scatterers in a uniform field, at low density.
 
     Parameters

@@ -276,11 +276,9 @@ class Steady:
 
 
 def _slowest(
-    elimination: BlockElimination,
-    f: FloatArray,
-    weighed: Callable[[FloatArray], FloatArray],
+    elimination: BlockElimination, f: FloatArray, weighed: Callable[[FloatArray], FloatArray],
     turns: int = 400,
-) -> tuple[FloatArray, float]:
+) -> tuple[FloatArray, float]:  # fmt: skip
     """f with -L^T f = weighed(f)/T and the longest T: its sum is 1, and T; NaN if not found."""
     size = 0.0
     for _ in range(turns):

@@ -251,16 +251,10 @@ def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
 
 @one_blas_thread
 def solve_steady(
-    restitution: Any,
-    dimension: int = 2,
-    bath_speed: float = 0.0,
-    mass_ratio: float = math.inf,
-    heating: float = 0.0,
-    drag: float = 0.0,
-    field: float = 0.0,
-    capture_speed: float = 0.0,
+    restitution: Any, dimension: int = 2, bath_speed: float = 0.0, mass_ratio: float = math.inf,
+    heating: float = 0.0, drag: float = 0.0, field: float = 0.0, capture_speed: float = 0.0,
     rtol: float = 1e-10,
-) -> DrivenState:
+) -> DrivenState:  # fmt: skip
     """The steady state of a tracer that a bath, noise or a field keeps moving, at low density.
 
     Parameters
@@ -307,11 +301,8 @@ def solve_steady(
     fine, error = solved(system, rtol)
     sticks = bool(system.capture_speed)
     return DrivenState._of(
-        fine,
-        error,
-        rtol,
-        fine.figures.tolist(),
+        fine, error, rtol, fine.figures.tolist(),
         **{name: getattr(system, name) for name in DrivenState._asked},
         capture_time=1.0 / fine.decay if sticks else math.inf,
         capture_depth=fine.depth if sticks and field else math.inf,
-    )
+    )  # fmt: skip

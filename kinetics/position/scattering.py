@@ -79,13 +79,9 @@ class Waves:
     """
 
     def __init__(
-        self,
-        law: CollisionLaw,
-        wave_numbers: FloatArray,
-        highest: float,
-        tolerance: float,
+        self, law: CollisionLaw, wave_numbers: FloatArray, highest: float, tolerance: float,
         kept: int = 0,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Solve on panels up to X = highest.
 
         tolerance : absolute, of a_0 and of those kept

@@ -145,17 +145,11 @@ class ScaledVDF(ScaledState):
 
 
 def solve_scaled(
-    restitution: float | CollisionLaw,
-    rtol: float = 1e-12,
-    nodes: int | None = None,
-    tangential_restitution: float = 1.0,
-    dimension: int = 2,
-    scatterers: str = "dilute",
-    number_density: float | None = None,
-    diameter: float = 1.0,
-    density_order: str = "second",
+    restitution: float | CollisionLaw, rtol: float = 1e-12, nodes: int | None = None,
+    tangential_restitution: float = 1.0, dimension: int = 2, scatterers: str = "dilute",
+    number_density: float | None = None, diameter: float = 1.0, density_order: str = "second",
     mass_ratio: float = math.inf,
-) -> ScaledVDF:
+) -> ScaledVDF:  # fmt: skip
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 
     restitution : e, 0 <= e < 1 for smooth scatterers; or a :class:`kinetics.CollisionLaw`
@@ -174,17 +168,10 @@ def solve_scaled(
     (0.412181911126, 'CONVERGED')
     """
     solution = ScaledVDF(
-        restitution,
-        tangential_restitution,
-        dimension,
-        scatterers,
-        number_density,
-        diameter,
-        density_order,
-        mass_ratio,
-        check_rtol(rtol),
+        restitution, tangential_restitution, dimension, scatterers, number_density, diameter,
+        density_order, mass_ratio, check_rtol(rtol),
         None if nodes is None else whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES),
-    )
+    )  # fmt: skip
     law = solution.law
     if law.medium is not None:
         refuse(
