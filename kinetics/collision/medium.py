@@ -77,10 +77,8 @@ class Medium:
             refuse("mass_ratio", law.mass_ratio, f"{given} inf: fixed")
         if law.restitution is None or law.dimension == 3 or law.tangential_restitution != 1.0:
             refuse("scatterers", scatterers, "a finite density is derived for smooth disks only")
-        rho, d = (
-            check_positive("number_density", number_density),
-            check_positive("diameter", diameter),
-        )
+        rho = check_positive("number_density", number_density)
+        d = check_positive("diameter", diameter)
         if not 1e-300 < rho * d * d <= HIGHEST_DENSITY:
             refuse("number_density", number_density, f"{given} at most {HIGHEST_DENSITY:g} d^-2")
         return cls(scatterers, rho * d * d, law.restitution, order)

@@ -100,9 +100,8 @@ def measure(
     except Exception as met:  # whatever it is, it is a row
         note = " ".join(f"{type(met).__name__}: {met}".split())[:200]
     done = len(times) > 1 and not note
-    cpu, wall = (
-        np.percentile(times[1:], [25, 50, 75], axis=0).T if done else np.full((2, 3), np.nan)
-    )
+    measured = times[1:] if done else np.full((1, 2), np.nan)
+    cpu, wall = np.percentile(measured, [25, 50, 75], axis=0).T
     low, median, high = cpu if work.threads == 1 else wall
     error = errors[0] if done and errors else None
     return plain({
@@ -182,10 +181,8 @@ def problems(effort: Effort) -> Iterator[Problem]:
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
     solver, name = averages(steady, solve_field, E), f"steady state in a field: e = {E:g}"
     yield Problem("field", name, solver, [*steady.values()], tolerances=TOLERANCES[:9])
-    drives: dict[str, Row] = {
-        "a bath": {"bath_speed": 1.0, "mass_ratio": 4.0},
-        "noise": {"heating": 1.0},
-    }
+    bath: Row = {"bath_speed": 1.0, "mass_ratio": 4.0}
+    drives: dict[str, Row] = {"a bath": bath, "noise": {"heating": 1.0}}
     for drive, system in drives.items():
         solver = averages(("thermal_speed", "diffusion_coefficient"), solve_steady, E, **system)
         name = f"steady state, {drive}: e = {E:g}"

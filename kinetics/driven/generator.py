@@ -137,9 +137,8 @@ class Generator:
         width = np.diff(cuts, axis=1)[:, :, None]
         q = (cuts[:, :-1, None] + width * x).reshape(cosine.size, -1)
         share = (width * share).reshape(cosine.size, -1)
-        chance = np.exp(-0.5 * ((v * cosine[:, None] - q) / w) ** 2) / (
-            math.sqrt(2.0 * math.pi) * w
-        )
+        away = (v * cosine[:, None] - q) / w
+        chance = np.exp(-0.5 * away**2) / (math.sqrt(2.0 * math.pi) * w)
         rate = weight[:, None] * share * q * chance
         return np.broadcast_to(cosine[:, None], q.shape).ravel(), q.ravel(), rate.ravel()
 

@@ -20,18 +20,6 @@ from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Result, dataset, variable
 from kinetics.validation import check_rtol, finite_line, real_number, refuse, speeds, whole_number
 
-_FIGURES = {
-    "thermal_speed": ("1", "sqrt(<v^2>)"),
-    "a2": ("1", "d <v^4>/((d + 2) <v^2>^2) - 1"),
-    "drift": ("1", "<v_x>, along the field"),
-    "mean_square_along": ("1", "<v_x^2>"),
-    "collision_rate": ("1/l", "collisions in a unit of time"),
-    "diffusion_parallel": ("l", "half the growth of the variance along the field"),
-    "diffusion_perpendicular": ("l", "the same in one direction across the field"),
-    "mobility": ("l", "what a small further field adds to the drift, over that field"),
-}
-"""Figures -> unit, where speeds have none, and words."""
-
 
 @dataclass(frozen=True)
 class SteadyState(Result):
@@ -150,7 +138,17 @@ class DrivenState(SteadyState):
     mobility: float
     capture_time: float
     capture_depth: float
-    _about = _FIGURES
+    # speeds have no unit
+    _about: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "thermal_speed": ("1", "sqrt(<v^2>)"),
+        "a2": ("1", "d <v^4>/((d + 2) <v^2>^2) - 1"),
+        "drift": ("1", "<v_x>, along the field"),
+        "mean_square_along": ("1", "<v_x^2>"),
+        "collision_rate": ("1/l", "collisions in a unit of time"),
+        "diffusion_parallel": ("l", "half the growth of the variance along the field"),
+        "diffusion_perpendicular": ("l", "the same in one direction across the field"),
+        "mobility": ("l", "what a small further field adds to the drift, over that field"),
+    }
     _asked = (*DRIVES, "field", "restitution", "dimension", "mass_ratio")
     _units = "1", "1"
     __repr__ = SteadyState.__repr__

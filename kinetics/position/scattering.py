@@ -285,9 +285,8 @@ class Waves:
         count, flights = drive.shape[0], rate[-1] - rate[0]
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
-        blocks: FloatArray = (
-            self._rise[:count, 1:] * scale[:, None] + (rate * scale)[:, None] * loss[:, 1:]
-        )
+        lost = (rate * scale)[:, None] * loss[:, 1:]
+        blocks: FloatArray = self._rise[:count, 1:] * scale[:, None] + lost
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
         inner = None

@@ -69,7 +69,7 @@ class ScaledState(Result):
 
     def _dataset(self: Any, only: Collection[str] | None = None, **points: Any) -> Any:
         """h, a2, moments, and, where something cools, F(c), c up to 4."""
-        powers, d, c = np.arange(1.0, 7.0), self.dimension, points.get("c")
+        powers, d = np.arange(1.0, 7.0), self.dimension
         found = {
             "cooling_rate": variable((), self.cooling_rate, "1", "h(e), from v0 = 2 l/(h t)", "h"),
             "a2": variable((), self.a2, "1", "<c^4> d/(d+2) - 1", "a2"),
@@ -78,15 +78,14 @@ class ScaledState(Result):
             words = "<c^p>, c the speed over the thermal speed"
             moments = [self.moment(p) for p in powers]
             found["moment"] = variable(("p",), moments, "1", words, "<c^p>")
-        speeds = (
-            np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
-        )
+        c = points.get("c")
+        c = np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
         if self.cooling_rate > 0.0 and (not only or "vdf" in only):
             words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
             vdf = getattr(self, "reached_vdf", self.vdf)  # the solver: 0 where it does not reach
-            found["vdf"] = variable(("c",), vdf(speeds), "1", words, "F")
+            found["vdf"] = variable(("c",), vdf(c), "1", words, "F")
         axes = {
-            "c": variable(("c",), speeds, "1", "speed over the thermal speed"),
+            "c": variable(("c",), c, "1", "speed over the thermal speed"),
             "p": variable(("p",), powers, "1", "power of the speed"),
         }
         title = f"Scaled velocity distribution: {self.law.described}"

@@ -174,9 +174,8 @@ def solve_scaled(
     )  # fmt: skip
     law = solution.law
     if law.medium is not None:
-        refuse(
-            "scatterers", scatterers, "the solver takes 'dilute'; ScalingSolution has the others"
-        )
+        allowed = "the solver takes 'dilute'; ScalingSolution has the others"
+        refuse("scatterers", scatterers, allowed)
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
         refuse("restitution", restitution, allowed)

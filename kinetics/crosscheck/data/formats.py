@@ -240,9 +240,9 @@ class _Lines:
         kinds = [(name, "U64" if name == "type" else float) for name in wanted]
         used, why = [names.index(name) for name in wanted], f"{len(rows)} lines, some blank"
         try:
-            found = (
-                np.loadtxt(rows, kinds, None, usecols=used, ndmin=1) if rows else np.empty(0, kinds)
-            )
+            found = np.empty(0, kinds)
+            if rows:
+                found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
             if found.size == count:
                 return {name: found[name] for name in wanted}
         except ValueError as error:
