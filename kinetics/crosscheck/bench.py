@@ -167,10 +167,8 @@ def problems(effort: Effort) -> Iterator[Problem]:
         yield Problem(case, name, averages(outputs, solve, scene), exact)
     disks = Scene(E, DENSITY, times=np.geomspace(1.0, 1e8, 100), outputs=("msd",),
                   scatterers="hard disks")  # fmt: skip
-    solver, name = (
-        averages(("msd",), solve, disks),
-        "<r^2>(t) among hard disks, t <= 1e+08: e = 0.7",
-    )
+    solver = averages(("msd",), solve, disks)
+    name = "<r^2>(t) among hard disks, t <= 1e+08: e = 0.7"
     yield Problem("position", name, solver, 1e-13, tolerances=TOLERANCES[:-2])
     place = Scene(0.6, DENSITY, times=[300.0], outputs=("position_density",))
     curve = lambda rtol: solve(place, rtol).scaled_position_density(RADII)[0]  # noqa: E731

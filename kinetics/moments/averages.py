@@ -76,10 +76,7 @@ class Averages:
 
     @cached_property
     def _fall(self) -> float:
-        """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
-
-        There those that have not collided weigh as much as those that have collided once.
-        """
+        """-ln E[s^p], p = degree: by so much <v^p> may fall until a first bounce counts in it."""
         if self.degree <= 0.0:
             return 0.0
         return -math.log(max(float(self.law.mean_speed_ratio_power(self.degree)), 1e-300))

@@ -239,10 +239,7 @@ def _ends(name: str, told: Point, widest: float = 12.0) -> tuple[float, float]:
 def _slopes(
     function: Callable[[Array], Array], at: Array, low: Array, high: Array, step: float = 1e-4
 ) -> Array:
-    """Derivatives (p, k), centred where the limits leave room.
-
-    step: so that the solver's error of 1e-7 is 1e-3 of a slope of order 1.
-    """
+    """Derivatives (p, k), centred where there is room; the solver's 1e-7 is 1e-3 of a slope."""
     steps = step * np.eye(at.size)
     ends = [(np.minimum(at + one, high), np.maximum(at - one, low)) for one in steps]
     made = [(function(up) - function(down)) / np.sum(up - down) for up, down in ends]

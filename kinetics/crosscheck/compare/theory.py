@@ -184,9 +184,7 @@ class Expectation:
         return self._solved[key] if told else self._measured(self._solved[key], point)
 
     def _measured(self, values: Array, point: Point) -> Array:
-        """Averages (n_names, n_times) as data in other units, with noise or with tracers at rest
-        have them: each changes the second and fourth moments of v and of r.
-        """
+        """The same as data in other units, with noise or with tracers at rest have them."""
         law, left, changed = self.sample.law, 1 - point.at_rest, values.copy()
         d, after = law.dimension, self.sample.times > 0
         of_v, of_r = point.velocity_noise * after, point.position_noise * after
