@@ -197,7 +197,7 @@ class Medium:
 
 @cache
 def _constants() -> list[tuple[FloatArray, dict[str, FloatArray]]]:
-    """Restitutions and constants from the file: C(e; 0) to e = .9, as eps lambda_0 then vanishes."""
+    """Restitutions, and constants from the file; C(e; 0) to .9, as eps lambda_0 then vanishes."""
     text = files("kinetics.collision").joinpath("returns.json").read_text("utf-8")
     table = {name: np.array(values) for name, values in json.loads(text).items()}
     e, all_over = table["restitution"], {name: table[name] for name in ("d", "ln C 1", "ln C 2")}
