@@ -336,9 +336,7 @@ def fly(law: CollisionLaw, medium: str) -> Outcome:
 
 # -- the table ------------------------------------------------------------------------------------
 def all_cases(quick: bool) -> list[Case]:
-    """Every case of a sweep, not run: every choice of the values in each row of the table, of a
-    quick sweep every fifth.
-    """
+    """Every choice of the values in each row of the table; of a quick sweep every fifth."""
     cases: list[Case] = []
 
     def row(group: str, work: Callable[..., Outcome], **axes: Iterable[Any]) -> None:

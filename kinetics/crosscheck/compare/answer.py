@@ -93,9 +93,7 @@ def _explained(
 
 # -- what the data show by themselves, without a fit -----------------------------------------------
 def never_move(sample: Sample) -> Explanation | None:
-    """Particles that have speed zero at every time: of late times alone one in 100 at least, as
-    tracers may have come to rest before.
-    """
+    """Particles that have speed zero at every time; of late times alone, one in 100 at least."""
     rest, most = int(sample.at_rest.min()), int(sample.samples.max())
     late = sample.times[0] > 0 and rest < 0.01 * most
     if not rest or late or sample.times.size < 2 or sample.law.is_driven:
