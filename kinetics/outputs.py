@@ -56,73 +56,40 @@ class Output(NamedTuple):
 _PER_TIME = ("n_times",)
 
 _ROWS = (
-    Output(
-        "thermal_speed", VELOCITY, "v0", "U", _PER_TIME,
-        "sqrt(<v^2>) (paper, label v0defi)",
-    ),
-    Output(
-        "temperature", VELOCITY, "T", "m U^2", _PER_TIME,
-        "<v^2>/d, d the dimension (paper, label thermo)",
-    ),
-    Output(
-        "a2", VELOCITY, "a2", "1", _PER_TIME,
-        "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5); in space 3 <v^4>/(5 <v^2>^2) - 1",
-    ),
-    Output(
-        "collisions", COLLISIONS, "collisions", "1", _PER_TIME,
-        "mean number of collisions per tracer since t = 0",
-    ),
-    Output(
-        "msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
-        "mean square displacement (paper, label msd)",
-    ),
-    Output(
-        "kurtosis", DISPLACEMENT, "<r^4>/<r^2>^2", "1", _PER_TIME,
-        "<r^4>/<r^2>^2: 2 for a Gaussian in the plane, 5/3 in space",
-    ),
-    Output(
-        "velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
-        "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), against which it may be small",
-    ),
-    Output(
-        "diffusion_coefficient", DISPLACEMENT, "D", "d U", _PER_TIME,
-        "D = (1/4) d<r^2>/dt (1/6 in space); and msd_slope = d<r^2>/d ln t, in d^2",
-        also=(("msd_slope", "d^2", "d<r^2>/d ln t"),),
-    ),
-    Output(
-        "mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "d"),
-        "(<x>, <y>), in space (<x>, <y>, <z>)",
-    ),
-    Output(
-        "position_density", POSITION, "g", "1/d", ("n_times", "n_r"),
-        "radial density g(r, t) of the displacement, and the scaled G(R) (paper, Section 3.3)",
-        also=(("scaled_position_density", "1", "G"),),
-    ),
-    Output(
-        "intermediate_scattering", SCATTERING, "F", "1", ("n_times", "n_k"),
-        "F(k, t) = <exp(i k.r)>",
-    ),
-    Output(
-        "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "d"),
-        "(<v_x>, <v_y>), in space (<v_x>, <v_y>, <v_z>)",
-    ),
-    Output(
-        "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "d", "d"),
-        "<v_i v_j>",
-    ),
-    Output(
-        "speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),
-        "density of the speed, its integral over v is 1",
-    ),
-    Output(
-        "velocity_density", DENSITIES, "f", "1/U^2", ("n_times", "n_v", "n_phi"),
-        "f(v, phi) from its angular harmonics; in space phi is the angle to the x axis",
-        in_space="1/U^3",
-    ),
-    Output(
-        "displacement_tensor", DISPLACEMENT, "cov(r)", "d^2", ("n_times", "d", "d"),
-        "<(r_i - <r_i>)(r_j - <r_j>)>, with a field only",
-    ),
+    Output("thermal_speed", VELOCITY, "v0", "U", _PER_TIME, "sqrt(<v^2>) (paper, label v0defi)"),
+    Output("temperature", VELOCITY, "T", "m U^2", _PER_TIME,
+           "<v^2>/d, d the dimension (paper, label thermo)"),
+    Output("a2", VELOCITY, "a2", "1", _PER_TIME,
+           "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5); in space 3 <v^4>/(5 <v^2>^2) - 1"),
+    Output("collisions", COLLISIONS, "collisions", "1", _PER_TIME,
+           "mean number of collisions per tracer since t = 0"),
+    Output("msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
+           "mean square displacement (paper, label msd)"),
+    Output("kurtosis", DISPLACEMENT, "<r^4>/<r^2>^2", "1", _PER_TIME,
+           "<r^4>/<r^2>^2: 2 for a Gaussian in the plane, 5/3 in space"),
+    Output("velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
+           "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), "
+           "against which it may be small"),
+    Output("diffusion_coefficient", DISPLACEMENT, "D", "d U", _PER_TIME,
+           "D = (1/4) d<r^2>/dt (1/6 in space); and msd_slope = d<r^2>/d ln t, in d^2",
+           also=(("msd_slope", "d^2", "d<r^2>/d ln t"),)),
+    Output("mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "d"),
+           "(<x>, <y>), in space (<x>, <y>, <z>)"),
+    Output("position_density", POSITION, "g", "1/d", ("n_times", "n_r"),
+           "radial density g(r, t) of the displacement, and the scaled G(R) (paper, Section 3.3)",
+           also=(("scaled_position_density", "1", "G"),)),
+    Output("intermediate_scattering", SCATTERING, "F", "1", ("n_times", "n_k"),
+           "F(k, t) = <exp(i k.r)>"),
+    Output("mean_velocity", VELOCITY, "<v>", "U", ("n_times", "d"),
+           "(<v_x>, <v_y>), in space (<v_x>, <v_y>, <v_z>)"),
+    Output("velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "d", "d"), "<v_i v_j>"),
+    Output("speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),
+           "density of the speed, its integral over v is 1"),
+    Output("velocity_density", DENSITIES, "f", "1/U^2", ("n_times", "n_v", "n_phi"),
+           "f(v, phi) from its angular harmonics; in space phi is the angle to the x axis",
+           in_space="1/U^3"),
+    Output("displacement_tensor", DISPLACEMENT, "cov(r)", "d^2", ("n_times", "d", "d"),
+           "<(r_i - <r_i>)(r_j - <r_j>)>, with a field only"),
 )  # fmt: skip
 
 _FREE_ONLY = {

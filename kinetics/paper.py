@@ -92,12 +92,9 @@ def vdf(c: ArrayLike, a2: ArrayLike) -> FloatArray:
 
 
 def thermal_speed(
-    time: ArrayLike,
-    cooling_rate: ArrayLike,
-    number_density: float = 0.04,
-    diameter: float = 1.0,
+    time: ArrayLike, cooling_rate: ArrayLike, number_density: float = 0.04, diameter: float = 1.0,
     start: float = THERMAL_SPEED_START,
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """v0(t) = 1/(1/v0(0) + d rho0 h t) (eq. veq), in U."""
     return 1 / (1 / start + diameter * number_density * numbers(cooling_rate) * numbers(time))
 
@@ -114,25 +111,19 @@ def alpha(start: ArrayLike = THERMAL_SPEED_START) -> FloatArray:
 
 
 def beta(
-    restitution: ArrayLike,
-    number_density: float = 0.04,
-    diameter: float = 1.0,
+    restitution: ArrayLike, number_density: float = 0.04, diameter: float = 1.0,
     cooling_rate: ArrayLike | None = None,
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """The rate beta = d rho0 h(e) (eq. ab), in 1/d; h(e) by eq. hsimu unless it is given."""
     h = cooling_rate_fitted(restitution) if cooling_rate is None else numbers(cooling_rate)
     return diameter * number_density * h
 
 
 def msd_random_walk(
-    time: ArrayLike,
-    restitution: ArrayLike,
-    number_density: float = 0.04,
-    diameter: float = 1.0,
-    free_path: float = FITTED_FREE_PATH,
-    start: float = THERMAL_SPEED_START,
+    time: ArrayLike, restitution: ArrayLike, number_density: float = 0.04, diameter: float = 1.0,
+    free_path: float = FITTED_FREE_PATH, start: float = THERMAL_SPEED_START,
     cooling_rate: ArrayLike | None = None,
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """Mean square displacement l^2 N of the random walk (eq. msd), in d^2.
 
     N = ln(1 + beta t/alpha)/ln(1 + l beta) (eq. N); t/(alpha l) for beta = 0.
@@ -148,24 +139,18 @@ def msd_random_walk(
 
 
 def diffusion_rate(
-    thermal_speed: ArrayLike,
-    restitution: ArrayLike,
-    a2: ArrayLike,
-    number_density: float = 0.04,
+    thermal_speed: ArrayLike, restitution: ArrayLike, a2: ArrayLike, number_density: float = 0.04,
     diameter: float = 1.0,
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """nu_D of the first Sonine approximation (eq. ad6), with 2 T/m = v0^2, in U/d."""
     factor = diameter * number_density * (1 + numbers(restitution)) / 2
     return factor * math.sqrt(math.pi) * numbers(thermal_speed) * (2 + 3 / 4 * numbers(a2))
 
 
 def diffusion_coefficient(
-    thermal_speed: ArrayLike,
-    restitution: ArrayLike,
-    a2: ArrayLike,
-    number_density: float = 0.04,
+    thermal_speed: ArrayLike, restitution: ArrayLike, a2: ArrayLike, number_density: float = 0.04,
     diameter: float = 1.0,
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """D_e(t) of the first Sonine approximation (eq. ad7), with 2 T/m = v0^2, in d U."""
     slowing = (numbers(restitution) + 1) ** 2 * (1 + 3 / 8 * numbers(a2))
     return numbers(thermal_speed) / math.sqrt(math.pi) / (diameter * number_density) / slowing

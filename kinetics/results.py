@@ -131,7 +131,7 @@ class Value:
         write_whole({path: _netcdf(made)})
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
-        return dataset(type(self).__name__, self, {}, {})
+        return dataset(self, type(self).__name__, self, {}, {})
 
     def _to_storage(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self) if f.init}  # type: ignore[arg-type]
@@ -239,15 +239,19 @@ def variable(
 
 
 def dataset(
-    title: str, question: Any, variables: Mapping[str, Any], coordinates: Mapping[str, Any],
-    **attributes: Any,
+    of: Any, title: str, question: Any, variables: Mapping[str, Any],
+    coordinates: Mapping[str, Any], **attributes: Any,
 ) -> xarray.Dataset:  # fmt: skip
     """The Dataset of a result, from what :func:`variable` made; unused coordinates are left out.
 
     question : what was asked; it is the attribute `scene`, as JSON
-    attributes : status, message, tolerance_asked and tolerance_reached, where there are any
+    attributes : more of them; a solver's result has those of its status and its error as well
     """
     import xarray
+
+    if hasattr(of, "status"):
+        attributes |= {"status": of.status.name.lower(), "message": of.message}
+        attributes |= {"tolerance_asked": of.rtol, "tolerance_reached": of.error_estimate}
 
     used = {d for dims, _, _ in variables.values() for d in dims}
     axes = {name: made for name, made in coordinates.items() if name in used}

@@ -130,16 +130,11 @@ class Scene(Value):
         table = DRIVEN_OUTPUTS if system else FIELD_OUTPUTS if field else OUTPUTS
         gains = field > 0.0 or (system is not None and system.is_driven)
         self.store(
-            **arguments,
-            number_density=rho,
-            diameter=diameter,
-            field=field,
-            state=_start(self.initial, law.dimension, gains),
-            collision_numbers=numbers,
-            times=times,
-            outputs=_check_outputs(self.outputs, table),
+            **arguments, number_density=rho, diameter=diameter, field=field,
+            state=_start(self.initial, law.dimension, gains), collision_numbers=numbers,
+            times=times, outputs=_check_outputs(self.outputs, table),
             harmonics=whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS),
-        )
+        )  # fmt: skip
 
     @property
     def mean_free_path(self) -> float:

@@ -190,16 +190,8 @@ class Solution(Result):
         for name, shape in functions.items():
             if name in asked or (name == "speed_density" and "uncollided" in asked):
                 self._add(name, shape, points, found, axes)
-        return dataset(
-            f"Solution of the inelastic Lorentz equation: {self.scene}",
-            self.scene,
-            found,
-            axes,
-            status=self.status.name.lower(),
-            message=self.message,
-            tolerance_asked=self.rtol,
-            tolerance_reached=self.error_estimate,
-        )
+        title = f"Solution of the inelastic Lorentz equation: {self.scene}"
+        return dataset(self, title, self.scene, found, axes)
 
     def _add(self, name: str, shape: tuple[str, ...], given: Any, found: Any, axes: Any) -> None:
         """A function at the points, and the share of tracers that a speed density leaves out."""

@@ -96,12 +96,9 @@ def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArr
 
 
 def finite_array(
-    name: str,
-    value: ArrayLike,
-    allowed: str = _LINE,
-    low: float = -_LARGEST,
+    name: str, value: ArrayLike, allowed: str = _LINE, low: float = -_LARGEST,
     dimensions: tuple[int, ...] | None = (1,),
-) -> Array:
+) -> Array:  # fmt: skip
     """Finite real numbers, none below ``low``, in an array of so many dimensions; None for any."""
     array = number_array(name, value, "biufO", allowed)
     fits = dimensions is None or array.ndim in dimensions

@@ -145,10 +145,7 @@ class DiskBounce:
         return math.ceil(math.log2(finer))
 
     def _nodes(self, level: int, deepest: float = FOLDS) -> tuple[FloatArray, ...]:
-        """y, sqrt(1 - y^2), the weights of an average over a uniform y and -ln s, (n_nodes,) each.
-
-        Panels are 2^level times shorter than for slow functions.
-        """
+        """y, sqrt(1 - y^2), weights of a uniform y, -ln s, (n_nodes,); panels are 2^-level long."""
         e, et, top = self.restitution, self.tangential_restitution, self._top
         least, most, square = self._ends
         length = deepest if least == 0.0 else top

@@ -187,11 +187,9 @@ class CollisionLaw(Collision):
         There it is -1 for smooth disks, -2 for spheres and for et = 0; in a medium perhaps higher.
         """
         lowest = max(part.lowest_power for _, part in self.bounces)
-        return (
-            lowest
-            if self.medium is None
-            else max(lowest, self.medium.lowest_power(self.quadrature))
-        )
+        if self.medium is not None:
+            lowest = max(lowest, self.medium.lowest_power(self.quadrature))
+        return lowest
 
     @property
     def uniform_power(self) -> float | None:

@@ -42,7 +42,7 @@ HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 # Simulations over n: the share of tracers slower than v, less 1 - e, and of those nearer than r
 _SLOW, _NEAR = 1.15, 0.2
-_LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
+LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
 # Of the order (n ln n)^2, fitted (tests/kinetics/measurements/density.py): J_1(0) is less by
 # (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 1.5 e (1 - e), and J_1(0), near
 # 1.07 - .45 e, loses twice that, because <r^2> is not longer
@@ -77,10 +77,8 @@ class Medium:
             refuse("mass_ratio", law.mass_ratio, f"{given} inf: fixed")
         if law.restitution is None or law.dimension == 3 or law.tangential_restitution != 1.0:
             refuse("scatterers", scatterers, "a finite density is derived for smooth disks only")
-        rho, d = (
-            check_positive("number_density", number_density),
-            check_positive("diameter", diameter),
-        )
+        rho = check_positive("number_density", number_density)
+        d = check_positive("diameter", diameter)
         if not 1e-300 < rho * d * d <= HIGHEST_DENSITY:
             refuse("number_density", number_density, f"{given} at most {HIGHEST_DENSITY:g} d^-2")
         return cls(scatterers, rho * d * d, law.restitution, order)
@@ -177,8 +175,8 @@ class Medium:
             "first": "order n, no fitted number",
             "second": "order n, and (n ln n)^2 fitted to simulations",
         }[self.order]
-        if self.order != "leading" and self.restitution < _LEAST_RESTITUTION:
-            what += f", with the constants of e = {_LEAST_RESTITUTION:g}"
+        if self.order != "leading" and self.restitution < LEAST_RESTITUTION:
+            what += f", with the constants of e = {LEAST_RESTITUTION:g}"
         return f"{self.scatterers} at n = {self.density:g}: {what}"
 
     def limits(self, of_speeds: bool, of_displacements: bool) -> str:
@@ -199,10 +197,7 @@ class Medium:
 
 @cache
 def _constants() -> list[tuple[FloatArray, dict[str, FloatArray]]]:
-    """Restitutions, and the constants there, from the file.
-
-    C(e; 0) ends at e = .9, as eps lambda_0 vanishes with 1 - e.
-    """
+    """Restitutions, and constants from the file; C(e; 0) to .9, as eps lambda_0 then vanishes."""
     text = files("kinetics.collision").joinpath("returns.json").read_text("utf-8")
     table = {name: np.array(values) for name, values in json.loads(text).items()}
     e, all_over = table["restitution"], {name: table[name] for name in ("d", "ln C 1", "ln C 2")}

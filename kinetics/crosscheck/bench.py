@@ -100,9 +100,8 @@ def measure(
     except Exception as met:  # whatever it is, it is a row
         note = " ".join(f"{type(met).__name__}: {met}".split())[:200]
     done = len(times) > 1 and not note
-    cpu, wall = (
-        np.percentile(times[1:], [25, 50, 75], axis=0).T if done else np.full((2, 3), np.nan)
-    )
+    measured = times[1:] if done else np.full((1, 2), np.nan)
+    cpu, wall = np.percentile(measured, [25, 50, 75], axis=0).T
     low, median, high = cpu if work.threads == 1 else wall
     error = errors[0] if done and errors else None
     return plain({
@@ -168,10 +167,8 @@ def problems(effort: Effort) -> Iterator[Problem]:
         yield Problem(case, name, averages(outputs, solve, scene), exact)
     disks = Scene(E, DENSITY, times=np.geomspace(1.0, 1e8, 100), outputs=("msd",),
                   scatterers="hard disks")  # fmt: skip
-    solver, name = (
-        averages(("msd",), solve, disks),
-        "<r^2>(t) among hard disks, t <= 1e+08: e = 0.7",
-    )
+    solver = averages(("msd",), solve, disks)
+    name = "<r^2>(t) among hard disks, t <= 1e+08: e = 0.7"
     yield Problem("position", name, solver, 1e-13, tolerances=TOLERANCES[:-2])
     place = Scene(0.6, DENSITY, times=[300.0], outputs=("position_density",))
     curve = lambda rtol: solve(place, rtol).scaled_position_density(RADII)[0]  # noqa: E731
@@ -182,10 +179,8 @@ def problems(effort: Effort) -> Iterator[Problem]:
               "mean_square_along": 1.061388235142, "mean_speed": 1.160252548014}  # fmt: skip
     solver, name = averages(steady, solve_field, E), f"steady state in a field: e = {E:g}"
     yield Problem("field", name, solver, [*steady.values()], tolerances=TOLERANCES[:9])
-    drives: dict[str, Row] = {
-        "a bath": {"bath_speed": 1.0, "mass_ratio": 4.0},
-        "noise": {"heating": 1.0},
-    }
+    bath: Row = {"bath_speed": 1.0, "mass_ratio": 4.0}
+    drives: dict[str, Row] = {"a bath": bath, "noise": {"heating": 1.0}}
     for drive, system in drives.items():
         solver = averages(("thermal_speed", "diffusion_coefficient"), solve_steady, E, **system)
         name = f"steady state, {drive}: e = {E:g}"

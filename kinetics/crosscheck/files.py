@@ -32,9 +32,7 @@ def require_writable_folder(folder: Path) -> None:
 
 
 def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None:
-    """Raise InputError, naming the option, unless this file, with one of these endings, could be
-    made in its folder, which must be there.
-    """
+    """InputError, naming the option, unless this file, of one of these endings, could be made."""
     why = ""
     if not file.name or (endings and file.suffix.lower() not in endings):
         why = f"it must end in {', '.join(endings)}" if endings else "it must be a file's name"

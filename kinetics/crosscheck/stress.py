@@ -142,10 +142,8 @@ def invariants(found: Any) -> Violations:
             if 1e-140 < v0 < 1e140:
                 f = np.exp(x) * v0 * found.speed_density(np.exp(x) * v0)[i]
                 mass = float(np.trapezoid(f, x)) + uncollided[i]
-                kept[f"density not negative, time {i}"] = (
-                    excess(-f / max(f.max(), 1e-300)),
-                    1.5 * error,
-                )
+                below = excess(-f / max(f.max(), 1e-300))
+                kept[f"density not negative, time {i}"] = below, 1.5 * error
                 kept[f"mass, time {i}"] = abs(mass - 1.0), 10.0 * error
     if "position_density" in scene.outputs:
         R, weight = panels_between(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
@@ -338,9 +336,7 @@ def fly(law: CollisionLaw, medium: str) -> Outcome:
 
 # -- the table ------------------------------------------------------------------------------------
 def all_cases(quick: bool) -> list[Case]:
-    """Every case of a sweep, not run: every choice of the values in each row of the table, of a
-    quick sweep every fifth.
-    """
+    """Every choice of the values in each row of the table; of a quick sweep every fifth."""
     cases: list[Case] = []
 
     def row(group: str, work: Callable[..., Outcome], **axes: Iterable[Any]) -> None:
@@ -402,13 +398,9 @@ def all_cases(quick: bool) -> list[Case]:
     for g in (1e12, 1.0, 1e-12):
         at = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(12.5 / g)  # sqrt(l/g)
         row(
-            "over time in a field",
-            work,
-            law=laws(0.7),
-            start=("rest", *both),
-            times=[at],
+            "over time in a field", work, law=laws(0.7), start=("rest", *both), times=[at],
             field=[g],
-        )
+        )  # fmt: skip
 
     many = {"restitution": (0.6, 0.0, 0.99), "mass_ratio": (3.0, math.inf, 0.3),
             "dimension": (2, 3), "rtol": (1e-4, 1e-8)}  # fmt: skip

@@ -125,12 +125,9 @@ def modes_of(rows: FloatArray) -> ComplexArray:
 
 
 def choose_angle(
-    gain_at: Callable[[FloatArray], ComplexArray],
-    grid: LogGrid,
-    rows: FloatArray,
-    spacing: float,
+    gain_at: Callable[[FloatArray], ComplexArray], grid: LogGrid, rows: FloatArray, spacing: float,
     rtol: float,
-) -> tuple[float, float]:
+) -> tuple[float, float]:  # fmt: skip
     """The angle of the axis for a state on a grid, and ln of the largest 1/gain.
 
     The angle is the smallest that leaves next to nothing of rtol to rounding, or the best one: what

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,16 +22,6 @@ from kinetics.field.system import System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Value
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
-
-_FIGURES = {
-    "drift": ("sqrt(g l)", "<v_x>, the percolation velocity"),
-    "mean_square_speed": ("g l", "<v^2>"),
-    "mean_square_along": ("g l", "<v_x^2>"),
-    "mean_speed": ("sqrt(g l)", "<v>"),
-    "diffusion_parallel": ("sqrt(g l^3)", "half the growth of the variance along the field"),
-    "diffusion_perpendicular": ("sqrt(g l^3)", "the same in one direction across the field"),
-}
-"""Figures -> unit and words."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +46,14 @@ class FieldState(SteadyState):
     tangential_restitution: float | None
     mean_square_speed: float
     mean_speed: float
-    _about = _FIGURES
+    _about: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "drift": ("sqrt(g l)", "<v_x>, the percolation velocity"),
+        "mean_square_speed": ("g l", "<v^2>"),
+        "mean_square_along": ("g l", "<v_x^2>"),
+        "mean_speed": ("sqrt(g l)", "<v>"),
+        "diffusion_parallel": ("sqrt(g l^3)", "half the growth of the variance along the field"),
+        "diffusion_perpendicular": ("sqrt(g l^3)", "the same in one direction across the field"),
+    }
     _asked = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
     _units = "sqrt(g l)", "(g l)^(-d/2)"
     __repr__ = SteadyState.__repr__
@@ -124,12 +123,8 @@ class FieldState(SteadyState):
         In any consistent units: with m/s^2, m and 1/m^3 (1/m^2 for disks) the results are in m and
         s. Raises InputError unless all are finite numbers above 0.
         """
-        given = {
-            "acceleration": acceleration,
-            "diameter": diameter,
-            "number_density": number_density,
-        }
-        g, d, rho = (check_positive(name, x) for name, x in given.items())
+        g, d = check_positive("acceleration", acceleration), check_positive("diameter", diameter)
+        rho = check_positive("number_density", number_density)
         path = self.law.mean_free_path(rho, d)
         speed, time = math.sqrt(g * path), math.sqrt(path / g)
         if not 0.0 < speed * path < math.inf:
@@ -154,12 +149,9 @@ class FieldUnits(Value):
 
 @one_blas_thread
 def solve_field(
-    restitution: float | CollisionLaw,
-    dimension: int = 2,
-    tangential_restitution: float = 1.0,
-    rtol: float = 1e-10,
-    mass_ratio: float = math.inf,
-) -> FieldState:
+    restitution: float | CollisionLaw, dimension: int = 2, tangential_restitution: float = 1.0,
+    rtol: float = 1e-10, mass_ratio: float = math.inf,
+) -> FieldState:  # fmt: skip
     """The steady state of a tracer among fixed scatterers in a uniform field, at low density.
 
     Parameters

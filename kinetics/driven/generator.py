@@ -137,9 +137,8 @@ class Generator:
         width = np.diff(cuts, axis=1)[:, :, None]
         q = (cuts[:, :-1, None] + width * x).reshape(cosine.size, -1)
         share = (width * share).reshape(cosine.size, -1)
-        chance = np.exp(-0.5 * ((v * cosine[:, None] - q) / w) ** 2) / (
-            math.sqrt(2.0 * math.pi) * w
-        )
+        away = (v * cosine[:, None] - q) / w
+        chance = np.exp(-0.5 * away**2) / (math.sqrt(2.0 * math.pi) * w)
         rate = weight[:, None] * share * q * chance
         return np.broadcast_to(cosine[:, None], q.shape).ravel(), q.ravel(), rate.ravel()
 
@@ -276,11 +275,9 @@ class Steady:
 
 
 def _slowest(
-    elimination: BlockElimination,
-    f: FloatArray,
-    weighed: Callable[[FloatArray], FloatArray],
+    elimination: BlockElimination, f: FloatArray, weighed: Callable[[FloatArray], FloatArray],
     turns: int = 400,
-) -> tuple[FloatArray, float]:
+) -> tuple[FloatArray, float]:  # fmt: skip
     """f with -L^T f = weighed(f)/T and the longest T: its sum is 1, and T; NaN if not found."""
     size = 0.0
     for _ in range(turns):

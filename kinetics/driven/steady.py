@@ -20,18 +20,6 @@ from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Result, dataset, variable
 from kinetics.validation import check_rtol, finite_line, real_number, refuse, speeds, whole_number
 
-_FIGURES = {
-    "thermal_speed": ("1", "sqrt(<v^2>)"),
-    "a2": ("1", "d <v^4>/((d + 2) <v^2>^2) - 1"),
-    "drift": ("1", "<v_x>, along the field"),
-    "mean_square_along": ("1", "<v_x^2>"),
-    "collision_rate": ("1/l", "collisions in a unit of time"),
-    "diffusion_parallel": ("l", "half the growth of the variance along the field"),
-    "diffusion_perpendicular": ("l", "the same in one direction across the field"),
-    "mobility": ("l", "what a small further field adds to the drift, over that field"),
-}
-"""Figures -> unit, where speeds have none, and words."""
-
 
 @dataclass(frozen=True)
 class SteadyState(Result):
@@ -103,16 +91,8 @@ class SteadyState(Result):
             shown["vdf"] = variable(("angle", "v"), f, self._units[1], words, "f")
         axes = {"v": variable(("v",), v, self._units[0], "speed")}
         axes |= {"angle": variable(("angle",), phi, "rad", "angle to the field")}
-        return dataset(
-            repr(self).split("\n")[0],
-            {name: str(getattr(self, name)) for name in self._asked},
-            shown,
-            axes,
-            status=self.status.name.lower(),
-            message=self.message,
-            tolerance_asked=self.rtol,
-            tolerance_reached=self.error_estimate,
-        )
+        asked = {name: str(getattr(self, name)) for name in self._asked}
+        return dataset(self, repr(self).split("\n")[0], asked, shown, axes)
 
     def __repr__(self: Any) -> str:
         asked = {name: getattr(self, name) for name in self._asked}
@@ -158,7 +138,17 @@ class DrivenState(SteadyState):
     mobility: float
     capture_time: float
     capture_depth: float
-    _about = _FIGURES
+    # speeds have no unit
+    _about: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "thermal_speed": ("1", "sqrt(<v^2>)"),
+        "a2": ("1", "d <v^4>/((d + 2) <v^2>^2) - 1"),
+        "drift": ("1", "<v_x>, along the field"),
+        "mean_square_along": ("1", "<v_x^2>"),
+        "collision_rate": ("1/l", "collisions in a unit of time"),
+        "diffusion_parallel": ("l", "half the growth of the variance along the field"),
+        "diffusion_perpendicular": ("l", "the same in one direction across the field"),
+        "mobility": ("l", "what a small further field adds to the drift, over that field"),
+    }
     _asked = (*DRIVES, "field", "restitution", "dimension", "mass_ratio")
     _units = "1", "1"
     __repr__ = SteadyState.__repr__
@@ -259,16 +249,10 @@ def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
 
 @one_blas_thread
 def solve_steady(
-    restitution: Any,
-    dimension: int = 2,
-    bath_speed: float = 0.0,
-    mass_ratio: float = math.inf,
-    heating: float = 0.0,
-    drag: float = 0.0,
-    field: float = 0.0,
-    capture_speed: float = 0.0,
+    restitution: Any, dimension: int = 2, bath_speed: float = 0.0, mass_ratio: float = math.inf,
+    heating: float = 0.0, drag: float = 0.0, field: float = 0.0, capture_speed: float = 0.0,
     rtol: float = 1e-10,
-) -> DrivenState:
+) -> DrivenState:  # fmt: skip
     """The steady state of a tracer that a bath, noise or a field keeps moving, at low density.
 
     Parameters
@@ -315,11 +299,8 @@ def solve_steady(
     fine, error = solved(system, rtol)
     sticks = bool(system.capture_speed)
     return DrivenState._of(
-        fine,
-        error,
-        rtol,
-        fine.figures.tolist(),
+        fine, error, rtol, fine.figures.tolist(),
         **{name: getattr(system, name) for name in DrivenState._asked},
         capture_time=1.0 / fine.decay if sticks else math.inf,
         capture_depth=fine.depth if sticks and field else math.inf,
-    )
+    )  # fmt: skip

@@ -155,11 +155,6 @@ class Chain:
             return self.lost[m] + diagonal + np.diag(leaves * self.inverse)
 
         return BlockElimination(
-            family,
-            last,
-            own,
-            lambda m: self.field * self.from_below(m, family),
-            lambda m: self.field * self.from_above(m, family),
-            self.field > 0.0,
-            border,
-        )
+            family, last, own, lambda m: self.field * self.from_below(m, family),
+            lambda m: self.field * self.from_above(m, family), self.field > 0.0, border,
+        )  # fmt: skip

@@ -47,12 +47,9 @@ T = TypeVar("T")
 
 
 def refined(
-    solve: Callable[[Any], T],
-    first: Any,
-    apart: Callable[[T, T], dict[str, float]],
-    allowed: Mapping[str, float],
-    worse: float = 10.0,
-) -> tuple[T, dict[str, float]]:
+    solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
+    allowed: Mapping[str, float], worse: float = 10.0,
+) -> tuple[T, dict[str, float]]:  # fmt: skip
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
     solve : from a resolution to a solution, whose ``finer`` is the next one, None at the end

@@ -136,12 +136,9 @@ class FieldScene:
     @property
     def stats(self) -> dict[str, Any]:
         """Numbers about the work."""
-        parts = self._parts
-        return {
-            "harmonics": max(one.resolution.harmonics for one in parts),
-            "nodes": max(one.axis.size for one in parts),
-            "steps": sum(one.steps for one in parts),
-        }
+        parts, most = self._parts, max(one.resolution.harmonics for one in self._parts)
+        nodes = max(one.axis.size for one in parts)
+        return {"harmonics": most, "nodes": nodes, "steps": sum(one.steps for one in parts)}
 
     # -- averages ---------------------------------------------------------------------------------
 
@@ -162,7 +159,8 @@ class FieldScene:
         velocity, displacement = self._vector("v_x", "v_y"), self._vector("x", "y")
         second = np.maximum(of["v^2"], 0.0)  # where nothing is resolved it may be below
         along = (second + (d - 1.0) * of["v^2 cos 2"]) / d
-        squares = self._tensor(of["x^2"], of["x y"], of["y^2"])
+        variances = self._tensor(of["x^2"], of["x y"], of["y^2"])
+        variances -= displacement[:, :, None] * displacement[:, None, :]
         with np.errstate(divide="ignore", invalid="ignore"):
             excess = d / (d + 2.0) * of["v^4"] / second**2 - 1.0
         velocities = self._tensor(along, of["v_x v_y"], (second - along) / (d - 1.0))
@@ -175,8 +173,7 @@ class FieldScene:
             "mean_displacement": path * displacement,
             "mean_velocity": speed * velocity,
             "velocity_tensor": speed**2 * velocities,
-            "displacement_tensor": path**2
-            * (squares - displacement[:, :, None] * displacement[:, None, :]),
+            "displacement_tensor": path**2 * variances,
         }
         return {name: found[name] for name in found if name in self.outputs}
 

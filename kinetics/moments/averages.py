@@ -76,10 +76,7 @@ class Averages:
 
     @cached_property
     def _fall(self) -> float:
-        """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
-
-        There those that have not collided weigh as much as those that have collided once.
-        """
+        """-ln E[s^p], p = degree: by so much <v^p> may fall until a first bounce counts in it."""
         if self.degree <= 0.0:
             return 0.0
         return -math.log(max(float(self.law.mean_speed_ratio_power(self.degree)), 1e-300))
@@ -250,18 +247,14 @@ def parts_of(output: str, dimension: int) -> tuple[Part, ...]:
     """What an output of this file is made of; nothing for other outputs."""
     square, along = speed_power(2.0), speed_power(1.0, 1)
     pairs = {
-        "thermal_speed": [(0.5, square)],
-        "temperature": [(1.0, square)],
-        "a2": [(2.0, square), (1.0, speed_power(4.0))],
-        "mean_velocity": [(1.0, along)],
+        "thermal_speed": [(0.5, square)], "temperature": [(1.0, square)],
+        "a2": [(2.0, square), (1.0, speed_power(4.0))], "mean_velocity": [(1.0, along)],
         "velocity_tensor": [(1.0, square), (1.0, speed_power(2.0, 2))],
-        "collisions": [(1.0, MEAN_COLLISIONS)],
-        "msd": [(1.0, SQUARED_DISPLACEMENT)],
+        "collisions": [(1.0, MEAN_COLLISIONS)], "msd": [(1.0, SQUARED_DISPLACEMENT)],
         "kurtosis": [(2.0, SQUARED_DISPLACEMENT), (1.0, quartic_displacement(dimension))],
-        "velocity_autocorrelation": [(1.0, along)],
-        "diffusion_coefficient": [(1.0, MSD_SLOPE)],
+        "velocity_autocorrelation": [(1.0, along)], "diffusion_coefficient": [(1.0, MSD_SLOPE)],
         "mean_displacement": [(1.0, DISPLACEMENT_ALONG_START)],
-    }.get(output, [])
+    }.get(output, [])  # fmt: skip
     # <v(0).v> is over all initial velocities: v(0) itself takes the direction out
     own = output != "velocity_autocorrelation"
     return tuple(Part(factor, y, y.harmonic * own) for factor, y in pairs)

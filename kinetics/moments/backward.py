@@ -249,11 +249,8 @@ class BackwardEquation:
             left_out = np.maximum(1.75 * last, 0.175 * before)
             # relative to the smaller end of a panel, or a thousandth of its maximum where y changes
             # sign; of a harmonic, which decays by itself, to m = 0; they add up while it grows
-            scale = (
-                speed_power(observable.degree)
-                if observable.harmonic and observable.is_power
-                else observable
-            )
+            of_speed = observable.harmonic and observable.is_power
+            scale = speed_power(observable.degree) if of_speed else observable
             size = np.abs(self.solve(scale))
             ends = np.maximum(np.minimum(size[:, 0], size[:, -1]), 1e-3 * size.max(axis=1))
             self._kept[key] = float(np.sum(left_out / np.maximum(ends, 1e-300)))

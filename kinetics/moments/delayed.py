@@ -135,15 +135,9 @@ class Loops:
     """
 
     def __init__(
-        self,
-        medium: Medium,
-        rule: Chebyshev,
-        start: float,
-        count: int,
-        harmonics: range,
-        degree: float = 0.0,
-        rtol: float = 1.5e-11,
-    ) -> None:
+        self, medium: Medium, rule: Chebyshev, start: float, count: int, harmonics: range,
+        degree: float = 0.0, rtol: float = 1.5e-11,
+    ) -> None:  # fmt: skip
         self.rule, self.start, self.count, self.degree = rule, start, count, degree
         self._pace, self._fall = _pace(medium), -math.log(medium.restitution)
         self._rate, weights = loops(medium)

@@ -25,15 +25,9 @@ class BlockElimination:
     """
 
     def __init__(
-        self,
-        first: int,
-        last: int,
-        own: Block,
-        below: Block,
-        above: Block,
-        coupled: bool = True,
+        self, first: int, last: int, own: Block, below: Block, above: Block, coupled: bool = True,
         border: tuple[FloatArray, FloatArray] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.first, self.last, self._bordered = first, last, border is not None
         self._factors: list[tuple[int, int, Any, Any, Any]] = []
         schur: Any = 0.0

@@ -118,12 +118,9 @@ class PanelShifts:
         self.rows = interpolation_rows(difference, rule.weights)
 
     def kernel(
-        self,
-        weight: FloatArray,
-        factor: FloatArray,
-        lost: FloatArray,
+        self, weight: FloatArray, factor: FloatArray, lost: FloatArray,
         reach_of: NDArray[np.intp] | None = None,
-    ) -> tuple[FloatArray, FloatArray]:
+    ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
         """The terms of f(x) - sum_k weight_k factor_k f(x - shift_k), for several factors at once.
 
         weight : sums to 1, shape (n_shifts,)

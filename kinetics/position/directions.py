@@ -87,13 +87,9 @@ def surface(dimension: int) -> float:
 
 
 def iterate(
-    blocks: FloatArray,
-    turn: FloatArray,
-    right: FloatArray,
-    wave_numbers: FloatArray,
-    least: float,
+    blocks: FloatArray, turn: FloatArray, right: FloatArray, wave_numbers: FloatArray, least: float,
     rounds: int = 24,
-) -> FloatArray | None:
+) -> FloatArray | None:  # fmt: skip
     """Odd harmonics from even ones and these from those, until less than ``least`` changes.
 
     With free flights of K (T_1 - T_0) = x on the panel, j rounds leave about x^(2 j)/(2 j)!.

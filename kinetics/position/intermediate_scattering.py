@@ -79,13 +79,9 @@ class Scattering:
             return math.exp(-path)
 
     def average(
-        self,
-        wave_numbers: FloatArray,
-        which: Indices,
-        tolerance: float,
-        direction: float | None = None,
-        collided: bool = False,
-    ) -> tuple[NDArray[Any], float]:
+        self, wave_numbers: FloatArray, which: Indices, tolerance: float,
+        direction: float | None = None, collided: bool = False,
+    ) -> tuple[NDArray[Any], float]:  # fmt: skip
         """F at K = k l and some of the times, (n_which, n_k), and its error, absolute.
 
         direction : angle of k to the x axis; None for the mean over the directions: F is real then

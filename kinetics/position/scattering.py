@@ -79,13 +79,9 @@ class Waves:
     """
 
     def __init__(
-        self,
-        law: CollisionLaw,
-        wave_numbers: FloatArray,
-        highest: float,
-        tolerance: float,
+        self, law: CollisionLaw, wave_numbers: FloatArray, highest: float, tolerance: float,
         kept: int = 0,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Solve on panels up to X = highest.
 
         tolerance : absolute, of a_0 and of those kept
@@ -289,9 +285,8 @@ class Waves:
         count, flights = drive.shape[0], rate[-1] - rate[0]
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
-        blocks: FloatArray = (
-            self._rise[:count, 1:] * scale[:, None] + (rate * scale)[:, None] * loss[:, 1:]
-        )
+        lost = (rate * scale)[:, None] * loss[:, 1:]
+        blocks: FloatArray = self._rise[:count, 1:] * scale[:, None] + lost
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
         inner = None

@@ -52,13 +52,9 @@ _FAINT = 12.0  # flights after which so few have not collided, or once, that fro
 
 @one_blas_thread
 def solve_displacement(
-    law: CollisionLaw,
-    mean_free_path: float,
-    state: State,
-    times: FloatArray,
-    root_mean_square: FloatArray,
-    rtol: float,
-) -> Displacement:
+    law: CollisionLaw, mean_free_path: float, state: State, times: FloatArray,
+    root_mean_square: FloatArray, rtol: float,
+) -> Displacement:  # fmt: skip
     """g(r, t) at the times, such that G(R) is right to about rtol, absolute, or as well as it can.
 
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
@@ -90,16 +86,10 @@ def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> D
     for left, group in zip(range(len(groups), 0, -1), groups, strict=True):
         sweep.run(group, (most - system.work) / left)
     return Displacement(
-        uncollided,
-        root_mean_square,
-        panels=tuple(sweep.panels),
-        tails=tuple(sweep.tails),
-        cut=sweep.cut,
-        reach=reach,
-        error_estimate=float(sweep.missed.max()),
-        systems=dict(system.systems),
-        dimension=law.dimension,
-    )
+        uncollided, root_mean_square, panels=tuple(sweep.panels), tails=tuple(sweep.tails),
+        cut=sweep.cut, reach=reach, error_estimate=float(sweep.missed.max()),
+        systems=dict(system.systems), dimension=law.dimension,
+    )  # fmt: skip
 
 
 class _Sweep:

@@ -34,9 +34,7 @@ _DEVIATIONS = 5.0  # of g, on a panel
 # In ln F, less ln rtol: how far the first march reaches, and what is assumed above its top is
 # forgotten. F or a moment from further out begins another one at DEEPEST.
 _SHALLOW = 15.0
-_SHARE = (
-    0.01  # of rtol, for each of five small parts of the error: ends, sweeps, powers next to rest
-)
+_SHARE = 0.01  # of rtol, for each of five small parts of the error: ends, sweeps, near rest
 _RESOLVED = 15.0  # e-folds of w over the losses, or over 1, that their first quadrature resolves
 _STEEPEST = 60.0  # g near e = 1, over its deviation: where it is e^-(60^2/2) of its peak
 # Errors of F and of moments over the last coefficients of ln w, at most: measured against the

@@ -8,10 +8,11 @@ moments and F(c), by Mellin inversion, are in :mod:`kinetics.scaling.mellin`.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from types import MappingProxyType
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,6 +40,7 @@ class ScaledState(Result):
     density_order: str = "second"
     mass_ratio: float = math.inf
     _points, _on_demand = ("c",), ("moment", "vdf")
+    _about: ClassVar[Mapping[str, str]] = MappingProxyType({})  # attributes of a dataset
 
     def __post_init__(self) -> None:
         for name, value in self.law.arguments.items():
@@ -65,13 +67,8 @@ class ScaledState(Result):
             refuse("p", p, "<c^p> overflows double precision there")
         return math.exp(log_moment)
 
-    def _scaled_dataset(
-        self: Any, only: Collection[str] | None, c: ArrayLike | None = None, **attributes: Any
-    ) -> Any:
-        """h, a2, moments, and F(c), c up to 4.
-
-        Without F(c) where bounces are elastic. attributes : of `kinetics.results.dataset`
-        """
+    def _dataset(self: Any, only: Collection[str] | None = None, **points: Any) -> Any:
+        """h, a2, moments, and, where something cools, F(c), c up to 4."""
         powers, d = np.arange(1.0, 7.0), self.dimension
         found = {
             "cooling_rate": variable((), self.cooling_rate, "1", "h(e), from v0 = 2 l/(h t)", "h"),
@@ -81,19 +78,18 @@ class ScaledState(Result):
             words = "<c^p>, c the speed over the thermal speed"
             moments = [self.moment(p) for p in powers]
             found["moment"] = variable(("p",), moments, "1", words, "<c^p>")
-        speeds = (
-            np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
-        )
+        c = points.get("c")
+        c = np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
         if self.cooling_rate > 0.0 and (not only or "vdf" in only):
             words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
             vdf = getattr(self, "reached_vdf", self.vdf)  # the solver: 0 where it does not reach
-            found["vdf"] = variable(("c",), vdf(speeds), "1", words, "F")
+            found["vdf"] = variable(("c",), vdf(c), "1", words, "F")
         axes = {
-            "c": variable(("c",), speeds, "1", "speed over the thermal speed"),
+            "c": variable(("c",), c, "1", "speed over the thermal speed"),
             "p": variable(("p",), powers, "1", "power of the speed"),
         }
         title = f"Scaled velocity distribution: {self.law.described}"
-        return dataset(title, self, found, axes, **attributes)
+        return dataset(self, title, self, found, axes, **self._about)
 
     def _figures(self: Any) -> dict[str, str]:
         """What a notebook shows."""
@@ -119,6 +115,8 @@ class ScalingSolution(ScaledState):
     >>> bool(abs(exact.cooling_rate - 2**0.5) < 1e-15), bool(abs(exact.a2 - 2) < 1e-14)
     (True, True)
     """
+
+    _about = MappingProxyType({"status": "exact", "message": "closed form"})
 
     @cached_property
     def cooling_rate(self) -> float:
@@ -249,9 +247,6 @@ class ScalingSolution(ScaledState):
     def _lines(self) -> list[mellin.Line]:
         """The Mellin lines that F(c) has taken so far."""
         return []
-
-    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        return self._scaled_dataset(only, status="exact", message="closed form", **points)
 
     def _figures(self) -> dict[str, str]:
         return super()._figures() | {"d<r^2>/d ln t / l^2": f"{self.diffusion_slope:.12g}"}

@@ -7,7 +7,6 @@ marches down the speed axis as far as they need and holds ln g, accurate relativ
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -121,15 +120,6 @@ class ScaledVDF(ScaledState):
             f"{self.error_estimate:.1e}"
         )
 
-    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        found = self._scaled_dataset(only, **points)
-        return found.assign_attrs(  # of all that is solved by now
-            status=self.status.name.lower(),
-            message=self.message,
-            tolerance_asked=self.rtol,
-            tolerance_reached=self.error_estimate,
-        )
-
     def _figures(self) -> dict[str, str]:
         about = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}
         return super()._figures() | about
@@ -155,17 +145,11 @@ class ScaledVDF(ScaledState):
 
 
 def solve_scaled(
-    restitution: float | CollisionLaw,
-    rtol: float = 1e-12,
-    nodes: int | None = None,
-    tangential_restitution: float = 1.0,
-    dimension: int = 2,
-    scatterers: str = "dilute",
-    number_density: float | None = None,
-    diameter: float = 1.0,
-    density_order: str = "second",
+    restitution: float | CollisionLaw, rtol: float = 1e-12, nodes: int | None = None,
+    tangential_restitution: float = 1.0, dimension: int = 2, scatterers: str = "dilute",
+    number_density: float | None = None, diameter: float = 1.0, density_order: str = "second",
     mass_ratio: float = math.inf,
-) -> ScaledVDF:
+) -> ScaledVDF:  # fmt: skip
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 
     restitution : e, 0 <= e < 1 for smooth scatterers; or a :class:`kinetics.CollisionLaw`
@@ -184,22 +168,14 @@ def solve_scaled(
     (0.412181911126, 'CONVERGED')
     """
     solution = ScaledVDF(
-        restitution,
-        tangential_restitution,
-        dimension,
-        scatterers,
-        number_density,
-        diameter,
-        density_order,
-        mass_ratio,
-        check_rtol(rtol),
+        restitution, tangential_restitution, dimension, scatterers, number_density, diameter,
+        density_order, mass_ratio, check_rtol(rtol),
         None if nodes is None else whole_number("nodes", nodes, FEWEST_NODES, MOST_NODES),
-    )
+    )  # fmt: skip
     law = solution.law
     if law.medium is not None:
-        refuse(
-            "scatterers", scatterers, "the solver takes 'dilute'; ScalingSolution has the others"
-        )
+        allowed = "the solver takes 'dilute'; ScalingSolution has the others"
+        refuse("scatterers", scatterers, allowed)
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
         refuse("restitution", restitution, allowed)

@@ -37,9 +37,7 @@ from kinetics.validation import (
     whole_number,
 )
 
-_FAR_BESSEL = (
-    1e9  # scipy has no I(q) beyond; there exp(-q) I(q) is q^-1/2 to 1e-10, and hardly anybody
-)
+_FAR_BESSEL = 1e9  # scipy has no I(q) beyond; there exp(-q) I(q) is q^-1/2 to 1e-10
 _LARGEST_RATIO = 1e4  # of two deviations
 # Standard deviations beyond which a Gaussian is zero, and v^2 may overflow
 _HIGHEST = 2.0 * math.sqrt(LARGEST_LOG)

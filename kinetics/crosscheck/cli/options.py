@@ -15,7 +15,6 @@ from click.core import ParameterSource
 
 from kinetics.errors import InputError
 
-MOST_NUMBERS = 100_000  # of one range
 WIDTH = 100  # columns of a line of words
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
@@ -82,13 +81,13 @@ class Output(click.Path):
         return path
 
 
-def _numbers(part: str) -> tuple[float, ...]:
+def _numbers(part: str, most: int = 100_000) -> tuple[float, ...]:
     """One number, or those of a range."""
     if ":" not in part:
         return (float(part),)
     first, last, count = part.split(":")
     low, high, n = float(first), float(last), int(count)
-    if not (0.0 < low < math.inf and 0.0 < high < math.inf and 2 <= n <= MOST_NUMBERS):
+    if not (0.0 < low < math.inf and 0.0 < high < math.inf and 2 <= n <= most):
         raise ValueError(part)
     inner = (low * (high / low) ** (k / (n - 1)) for k in range(1, n - 1))
     return (low, *(float(f"{x:.14g}") for x in inner), high)

@@ -56,7 +56,6 @@ MODES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
 OF_ALL = ("rtol", "output", "as_json")
 EPILOG = f"""{options.UNITS} The example is a tracer in a bath of scatterers four times as heavy;
 without --steady the same over time."""
-_LARGEST = 10_000_000  # bytes of a table of speeds
 PICTURES = (".png", ".svg", ".pdf")
 ENDINGS = (".csv", ".parquet", ".nc", ".h5", *PICTURES)
 
@@ -260,14 +259,14 @@ def initial_state(text: str, speed: float, direction: float) -> Any:
     return SpeedTable(*_two_columns(text)) if text.endswith(".csv") else text
 
 
-def _two_columns(path: str) -> Any:
+def _two_columns(path: str, largest: int = 10_000_000) -> Any:
     """Two columns of numbers, below one line of names if there is one: (2, n)."""
     allowed = "it must be a CSV file of two columns, a speed and its density, of two rows at least"
-    allowed += f" and {_LARGEST:g} bytes at most"
+    allowed += f" and {largest:g} bytes at most"
     import numpy as np
 
     with suppress(OSError, ValueError, IndexError):  # a line of other columns, or no text
-        if not os.path.isfile(path) or os.path.getsize(path) > _LARGEST:
+        if not os.path.isfile(path) or os.path.getsize(path) > largest:
             raise ValueError
         rows = np.atleast_2d(np.genfromtxt(path, delimiter=",", encoding="utf-8"))
         table = rows[int(np.isnan(rows[0]).any()) :]

@@ -93,9 +93,7 @@ def _explained(
 
 # -- what the data show by themselves, without a fit -----------------------------------------------
 def never_move(sample: Sample) -> Explanation | None:
-    """Particles that have speed zero at every time: of late times alone one in 100 at least, as
-    tracers may have come to rest before.
-    """
+    """Particles that have speed zero at every time; of late times alone, one in 100 at least."""
     rest, most = int(sample.at_rest.min()), int(sample.samples.max())
     late = sample.times[0] > 0 and rest < 0.01 * most
     if not rest or late or sample.times.size < 2 or sample.law.is_driven:
@@ -131,9 +129,7 @@ def wrong_unit(sample: Sample) -> Explanation | None:
 
 
 def _noted(told: Fit) -> Iterator[Explanation]:
-    """Tracers that have speed zero at some time, which only trapped ones have; and fewer tracers at
-    later times: what is left is biased, and the complete times tell.
-    """
+    """Tracers that come to rest, and those that are missing later: the complete times tell."""
     sample, samples = told.expectation.sample, told.expectation.sample.samples
     most, least, rest = int(samples.max()), int(np.argmin(samples)), int(sample.at_rest.max())
     if rest:
@@ -190,9 +186,7 @@ def _summary(
     found: Fit, fits: Sequence[Fit], parameters: dict[str, Parameter],
     tests: Sequence[Any], verdict: Verdict, best: Explanation | None,
 ) -> str:  # fmt: skip
-    """What was fitted, the verdict in a sentence, what was compared, the medium that was taken and
-    why, and the clearest difference.
-    """
+    """What was fitted, the verdict, what was compared, the medium and the clearest difference."""
     within = [
         f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
         f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None

@@ -18,6 +18,7 @@ from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling,
 from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
 from kinetics.crosscheck.data.sample import X2, Law, Sample, errors, from_ensemble, read_sample
+from kinetics.crosscheck.data.tracks import LARGEST
 from kinetics.crosscheck.words import numeral
 from kinetics.errors import InputError
 from kinetics.field.restitution import impact_restitution
@@ -72,8 +73,8 @@ def compare_data(
     else:
         sample = data if isinstance(data, Sample) else from_ensemble(data)
     told, path = sample.told, None
-    if sample.times.size and sample.times[-1] > 1e70:  # v^4 would underflow
-        refuse("times", float(sample.times[-1]), "they must be below 1e70 d/U")
+    if sample.times.size and sample.times[-1] > LARGEST:  # v^4 would underflow
+        refuse("times", float(sample.times[-1]), f"they must be below {LARGEST:g} d/U")
     restitution = told.get("restitution") if restitution is None else restitution
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")

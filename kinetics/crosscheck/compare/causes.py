@@ -2,7 +2,7 @@
 
 A cause says which parameters of the theory (`theory.Point`) are other than what was told, set to a
 value or free, or that components of the data are exchanged. Each is tried in every medium that the
-scatterers may be. It explains if what it leaves agrees and its value lies CLEARLY from what was
+scatterers may be. It explains if what it leaves agrees and its value lies clearly from what was
 told; those that explain are ranked by the likelihood that they leave (`Fit.criterion`), and only
 those near the best are said to.
 """
@@ -18,7 +18,6 @@ from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, number, numeral
 
-CLEARLY = 3.0  # errors by which a fitted value must differ from what was told
 NEAR_BEST = 6.0  # -2 ln likelihood from the best up to which a cause explains as well
 
 
@@ -132,17 +131,18 @@ def _starts(cause: Cause, told: Fit, point: Point) -> list[float]:
 
 
 def _judged(
-    told: Fit, cause: Cause, found: Fit, before: ChiSquare, least_gain: float = 16.0
-) -> Explanation:
+    told: Fit, cause: Cause, found: Fit, before: ChiSquare,
+    least_gain: float = 16.0, clearly: float = 3.0,
+) -> Explanation:  # fmt: skip
     """What a cause comes to, from the chi-square that it leaves; in part if T^2 falls by least_gain
-    (4 sigma of one parameter) and a tenth.
+    (4 sigma of one parameter) and a tenth. clearly : errors from what was told to a fitted value
     """
     after, outcome, clear = found.chi_square, "does not", True
     assert after is not None
     if cause.free:
         value, before_it = (getattr(one.point, cause.free) for one in (found, told))
         away = value - before_it if cause.free in LIMITS else math.log(value / before_it)
-        clear = abs(away) > CLEARLY * math.sqrt(found.covariance[0, 0])
+        clear = abs(away) > clearly * math.sqrt(found.covariance[0, 0])
         clear &= 0 <= found.point.at_rest < 0.85
     if after.verdict is Verdict.AGREES:
         # Averages that agreed already need no explaining.

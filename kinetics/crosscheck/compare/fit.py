@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betainc, gammaincc, gammainccinv
 
+from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
 from kinetics.crosscheck.compare.theory import Expectation, Point
 from kinetics.crosscheck.data.sample import Sample, effective_groups, errors
 from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas
@@ -34,8 +35,6 @@ LIMITS = {
     "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
     "velocity_noise": (0.0, 1e3), "position_noise": (0.0, 1e6),
 }  # fmt: skip
-# restitution from which on, and number density up to which, there is a theory of dense media
-LEAST_RESTITUTION, DENSEST = 0.2, 0.3
 _AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
 
 
@@ -222,28 +221,25 @@ def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str
         return [asked]
     dense = sample.law.smooth_disks and not sample.free
     if point is not None and dense:
-        dense &= sample.law.free_path(point.path) <= DENSEST
+        dense &= sample.law.free_path(point.path) <= HIGHEST_DENSITY
         dense &= point.restitution >= LEAST_RESTITUTION
     return ["dilute", "hard disks", "overlapping"][: 1 + dense + (dense and asked == "every")]
 
 
 def _ends(name: str, told: Point, widest: float = 12.0) -> tuple[float, float]:
     """Between what a parameter is looked for, or its logarithm, `widest` from what was told."""
-    dense, low, high = told.scatterers != "dilute", *LIMITS.get(name, (-np.inf, np.inf))
+    low, high = LIMITS.get(name, (-np.inf, np.inf))
     if name not in LIMITS:
         middle = float(np.log(getattr(told, name)))
         low, high = middle - widest, middle + widest
-    least = {"restitution": LEAST_RESTITUTION, "path": -np.log(2 * DENSEST)} if dense else {}
-    return max(low, least.get(name, low)), high
+    least = {"restitution": LEAST_RESTITUTION, "path": -np.log(2 * HIGHEST_DENSITY)}
+    return low if told.scatterers == "dilute" else max(low, least.get(name, low)), high
 
 
 def _slopes(
     function: Callable[[Array], Array], at: Array, low: Array, high: Array, step: float = 1e-4
 ) -> Array:
-    """Derivatives (p, k), centred where the limits leave room.
-
-    step: so that the solver's error of 1e-7 is 1e-3 of a slope of order 1.
-    """
+    """Derivatives (p, k), centred where there is room; the solver's 1e-7 is 1e-3 of a slope."""
     steps = step * np.eye(at.size)
     ends = [(np.minimum(at + one, high), np.maximum(at - one, low)) for one in steps]
     made = [(function(up) - function(down)) / np.sum(up - down) for up, down in ends]

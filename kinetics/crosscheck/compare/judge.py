@@ -120,10 +120,7 @@ def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array
 def _merged(
     expected: Array, samples: int, most: int, edges: Array, peak: float | None, least: float = 50.0
 ) -> Indices:
-    """The first fine bin of each bin, from the counts expected in the fine bins.
-
-    least : samples that a bin must be expected to hold, to be nearly Gaussian
-    """
+    """The first fine bin of each bin, which is expected to hold `least`, to be nearly Gaussian."""
     widest = max(samples / 12, samples / most * 2, least)  # no bin is made wider
     starts, held, before = [0], 0.0, 0.0
     for k, count in enumerate(expected[:-1].tolist()):

@@ -67,12 +67,10 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
 
 
 def averages_of(law: Law) -> tuple[str, ...]:
-    """The averages that are compared under a law: of driven tracers without the kurtosis, where
-    they stick of the velocity alone, as their places are not those of all that move.
-    """
+    """The averages that are compared under a law: of driven tracers without the kurtosis."""
     where = ("both", "field" if law.field else "free")
     every = [k for k, x in OBSERVABLES.items() if x.measured and x.where in where]
-    if law.capture_speed:
+    if law.capture_speed:  # places are not those of all that move
         every = [k for k in every if k in ("drift", "thermal_speed", "a2")]
     return tuple(k for k in every if k != "kurtosis" or not law.is_driven)
 
@@ -184,9 +182,7 @@ class Expectation:
         return self._solved[key] if told else self._measured(self._solved[key], point)
 
     def _measured(self, values: Array, point: Point) -> Array:
-        """Averages (n_names, n_times) as data in other units, with noise or with tracers at rest
-        have them: each changes the second and fourth moments of v and of r.
-        """
+        """The same as data in other units, with noise or with tracers at rest have them."""
         law, left, changed = self.sample.law, 1 - point.at_rest, values.copy()
         d, after = law.dimension, self.sample.times > 0
         of_v, of_r = point.velocity_noise * after, point.position_noise * after

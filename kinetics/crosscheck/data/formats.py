@@ -230,9 +230,7 @@ class _Lines:
         bad(self.where, short(text.strip()), "a whole number" if whole else "a finite number")
 
     def table(self, count: int, names: list[str], wanted: Sequence[str]) -> dict[str, Any]:
-        """Columns of the next `count` lines: (count,) each, numbers except the type; InputError
-        for a column that is missing or stands twice, and for a line of others.
-        """
+        """Columns of the next `count` lines, (count,) each, numbers except the type."""
         for name in (name for name in wanted if names.count(name) != 1):
             bad(self.where, f"column {name!r} {names.count(name)} times", "once")
         rows, first = list(islice(self._file, count)), self._number + 1
@@ -240,9 +238,9 @@ class _Lines:
         kinds = [(name, "U64" if name == "type" else float) for name in wanted]
         used, why = [names.index(name) for name in wanted], f"{len(rows)} lines, some blank"
         try:
-            found = (
-                np.loadtxt(rows, kinds, None, usecols=used, ndmin=1) if rows else np.empty(0, kinds)
-            )
+            found = np.empty(0, kinds)
+            if rows:
+                found = np.loadtxt(rows, kinds, None, usecols=used, ndmin=1)
             if found.size == count:
                 return {name: found[name] for name in wanted}
         except ValueError as error:

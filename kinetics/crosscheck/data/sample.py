@@ -156,14 +156,12 @@ def reduced(
             scales[i, k] = 2.0**octave
             bin_of = np.clip(np.floor(12 * (logs - octave + 10)), -1, bins - 2).astype(np.int64) + 1
             cells = mine % HISTOGRAM_GROUPS * bins + bin_of
-            counts[i, :, k] = np.bincount(cells, minlength=HISTOGRAM_GROUPS * bins).reshape(
-                -1, bins
-            )
+            counted = np.bincount(cells, minlength=HISTOGRAM_GROUPS * bins)
+            counts[i, :, k] = counted.reshape(-1, bins)
         if time == 0:
             v = v[v > 0]
-            _, code, filled = np.unique(
-                np.floor(64 * np.log2(v)), return_inverse=True, return_counts=True
-            )
+            fine = np.floor(64 * np.log2(v))
+            _, code, filled = np.unique(fine, return_inverse=True, return_counts=True)
             start = StartBins(np.bincount(code, v * v) / filled, filled)
     speeds, displacements = (
         (scale, one[one.any(axis=(1, 2))]) for scale, one in zip(scales, counts, strict=True)

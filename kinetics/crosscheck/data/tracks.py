@@ -227,9 +227,7 @@ def rows_of_arrays(
 
 
 def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
-    """The tracers of all files side by side, at the times of any of them, in d, U and d/U; or
-    InputError.
-    """
+    """The tracers of all files side by side, at the times of any of them, in d, U and d/U."""
     where, first = ", ".join(names), parts[0]
     for name, part in zip(names, parts, strict=True):
         for label in {*LABELS} & (part.keys() ^ first.keys()):

@@ -43,7 +43,6 @@ _DASHES: dict[str, Any] = {
     **dict.fromkeys(("paper's integral", "limiting law"), (0, (1, 1.5))),
     **dict.fromkeys((runs.FIT, "paper, peak", "Gaussian"), (0, (6, 1.5, 1, 1.5))),
 }
-_WIDTH = 5.0  # inches, as are all lengths
 _TIME, _RESTITUTION = "time $t$  [d/U]", "restitution $e$"
 _FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))  # e, ever closer to 1
 
@@ -87,7 +86,7 @@ class Drawn:
 
 
 class _Sheet:
-    """Axes in a grid of rows of these heights, and a legend of all that is drawn on them."""
+    """Axes in a grid of rows of these heights, in inches, and a legend of all that is on them."""
 
     def __init__(
         self, system: Any, heights: Sequence[float] = (2.9,), columns: int = 1, panels: bool = False
@@ -152,7 +151,7 @@ class _Sheet:
     def done(self, x: str, *y: str) -> Any:
         """Labels (one of y for each row, or for all), ticks and the legend; the figure."""
         lines, many = math.ceil(len(self._legend) / 3), len(self.axes) > 1
-        self.figure.set_size_inches(_WIDTH, self.tall + 0.5 + 0.2 * lines)
+        self.figure.set_size_inches(5.0, self.tall + 0.5 + 0.2 * lines)
         for k, ax in enumerate(self.axes):
             row, column = divmod(k, self.columns)
             if k >= len(self.axes) - self.columns:

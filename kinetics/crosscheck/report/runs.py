@@ -412,10 +412,7 @@ def _growth(run: Ensemble, first: int) -> dict[Any, Array]:
 def _steady_averages(
     elapsed: float, restitution: float, system: Driven, s: Mapping[Any, Any]
 ) -> dict[str, Array]:
-    """What is compared in the steady state, of moments <v^p cos^k> by (p, k), and growths.
-
-    The equations of <v v_x>, v^2 and v^4, which do not change, are relations of these.
-    """
+    """What is compared in the steady state, of moments <v^p cos^k> by (p, k), and growths."""
     d, law, drive = system.dimension, law_of(restitution, 1.0, system.dimension), system.drive
     g, noise = drive.get("field", 0.0), drive.get("heating", 0.0)
     found: dict[str, Any] = {}
@@ -429,7 +426,7 @@ def _steady_averages(
                  "steady_a2": d / (d + 2) * s[4, 0] / s[2, 0] ** 2 - 1,
                  "diffusion": (s["xx"] + (d - 1) * s["yy"]) / (2 * d * elapsed),
                  "weak_drift": s["u"] / (elapsed * WEAK_FIELD)}  # fmt: skip
-    if g or noise:
+    if g or noise:  # v^2 and v^4 do not change
         gain = 2 * g * s[1, 1] + 2 * d * noise
         fourth = 4 * g * s[3, 1] + 4 * (d + 2) * noise * s[2, 0]
         found["energy"] = law.decay_rate(2.0) * s[3, 0] / gain

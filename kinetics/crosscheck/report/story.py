@@ -17,8 +17,7 @@ from kinetics.crosscheck.report.systems import Driven
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 
 HOLDS, FAILS = "holds", "does not hold"
-SHARE = 0.99  # share of its limit at which d<r^2>/d ln t counts as reached
-CLOSE = 0.01  # the drift is reached when the mean velocity stays as close to it, relative to it
+CLOSE = 0.01  # relative: a drift, or the limit of d<r^2>/d ln t, from which on it is reached
 Record = dict[str, Any]
 _WORDS: dict[str, Any] = kept()["story"]
 
@@ -161,8 +160,9 @@ def _summary(case: runs.Case, system: Any) -> Iterable[Record]:
         yield percent("late slope of the walk over dilute", slope / theory[runs.EXACT]["msd_slope"])
     if case.cools:
         share = np.maximum.accumulate(solved.late.msd_slope / theory[runs.EXACT]["msd_slope"])
-        time = np.exp(np.interp(SHARE, share, np.log(solved.late.times)))
-        yield row(f"time from which d⟨r²⟩/d ln t has {SHARE:.0%} of its limit, d/U", f"{time:.2g}")
+        time = np.exp(np.interp(1 - CLOSE, share, np.log(solved.late.times)))
+        when = f"time from which d⟨r²⟩/d ln t has {1 - CLOSE:.0%} of its limit, d/U"
+        yield row(when, f"{time:.2g}")
         yield row("a₂, exact (a Gaussian has 0)", theory[runs.EXACT]["a2"])
     exponent = solved.position.position_tail((4.0,))[0][-1][0]
     yield row("tail exponent n at R = 4 (exponential 1, Gaussian 2)", exponent)

@@ -16,7 +16,6 @@ from kinetics.validation import check_positive, check_restitution, check_rtol, r
 SCATTERERS = {2: "disks", 3: "spheres"}
 PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of its figures 5 and 6)."""
-OTHER_FINAL_TIME = 1000.0  # final time in d/U of a restitution that the paper does not have
 
 
 def half_cross_section(dimension: int) -> float:
@@ -69,7 +68,7 @@ class Cooling(_System):
     """Tracers that are left alone from a Gaussian start, and lose speed at every bounce.
 
     Times in d/U, densities in d^-2, or d^-3 in space. Empty restitutions are the paper's, empty
-    final times the paper's or `OTHER_FINAL_TIME`; a single final time is that of all restitutions.
+    final times the paper's, and 1000 of others; a single final time is that of all restitutions.
     """
 
     final_times: tuple[float, ...] = ()
@@ -85,16 +84,13 @@ class Cooling(_System):
 
     _least: ClassVar[Any] = {"count": 1, "media": 2, "tracers": 1, "free_tracers": 2, "n_times": 2}
     _quick: ClassVar[Any] = {
-        "media": 40,
-        "tracers": 25,
-        "free_tracers": 20_000,
-        "position_rtol": 1e-5,
-    }
+        "media": 40, "tracers": 25, "free_tracers": 20_000, "position_rtol": 1e-5,
+    }  # fmt: skip
 
     def __post_init__(self) -> None:
         self._check(tuple(PAPER_FINAL_TIME))
         found = self.restitutions
-        default = tuple(PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in found)
+        default = tuple(PAPER_FINAL_TIME.get(e, 1000.0) for e in found)
         times = tuple(check_positive("until", t) for t in self.final_times or default)
         self.final_times = times * len(found) if len(times) == 1 else times
         if len(self.final_times) != len(found):
