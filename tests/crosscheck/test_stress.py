@@ -12,20 +12,7 @@ import pytest
 import kinetics
 from kinetics import InputError, Scene, solve
 from kinetics.crosscheck import stress
-from kinetics.crosscheck.stress import (
-    ACCEPTED,
-    BROKEN,
-    HOLDS,
-    MISSED,
-    SAYS_SO,
-    Case,
-    Outcome,
-    all_cases,
-    attempt,
-    invariants,
-    judge,
-    run_stress,
-)
+from kinetics.crosscheck.stress import ACCEPTED, BROKEN, HOLDS, MISSED, SAYS_SO, Case, Outcome
 
 
 @pytest.mark.parametrize(
@@ -43,7 +30,7 @@ from kinetics.crosscheck.stress import (
     ],
 )
 def test_judge(outcome: Outcome, seconds: float, expected: str) -> None:
-    assert judge(outcome, seconds) == expected
+    assert stress.judge(outcome, seconds) == expected
 
 
 def test_whatever_a_case_raises_is_its_verdict() -> None:
@@ -59,7 +46,7 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a user's own filters must not hide one
-        found = [attempt(Case("g", "n", work)) for work in (refuses, warns, violates)]
+        found = [stress.attempt(Case("g", "n", work)) for work in (refuses, warns, violates)]
     assert [c["verdict"] for c in found] == [BROKEN] * 3
     assert [c["note"].split(":")[0] for c in found] == ["InputError", "RuntimeWarning", ""]
     assert [c["invariant"] for c in found] == ["", "", "b"]
@@ -67,7 +54,7 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
 
 def named(group: str, *parts: str) -> Case:
     """The first case of the group whose name has all of these parts."""
-    cases = (c for c in all_cases(False) if c.group == group)
+    cases = (c for c in stress.all_cases(False) if c.group == group)
     return next(c for c in cases if all(part in c.name for part in parts))
 
 
@@ -120,10 +107,10 @@ def test_a_wrong_answer_is_found(
 ) -> None:
     """An error of a tenth or a thousandth in what a solver says, which claims to have converged."""
     case = named(group, *parts)
-    assert attempt(case)["verdict"] in ACCEPTED
+    assert stress.attempt(case)["verdict"] in ACCEPTED
     monkeypatch.setattr(kinetics, "solve", wrong(factor, only=0))
     if factor == 1.1 or group not in LOOSE:
-        assert attempt(case)["verdict"] in (MISSED, BROKEN)
+        assert stress.attempt(case)["verdict"] in (MISSED, BROKEN)
 
 
 @pytest.mark.parametrize(
@@ -135,22 +122,22 @@ def test_a_wrong_answer_is_found(
     ],
 )
 def test_a_case_of_each_other_group(group: str, parts: tuple[str, ...]) -> None:
-    assert attempt(named(group, *parts))["verdict"] in ACCEPTED
+    assert stress.attempt(named(group, *parts))["verdict"] in ACCEPTED
 
 
 @pytest.mark.slow
 def test_the_quick_sweep() -> None:
-    assert run_stress(quick=True).rejected == []
+    assert stress.run_stress(quick=True).rejected == []
 
 
 def test_the_invariants_see_what_is_violated() -> None:
     found = solve(Scene(0.5, times=[0.0, 1.0, 9.0], outputs=("thermal_speed", "msd", "kurtosis")))
-    assert all(violation <= allowed for violation, allowed in invariants(found).values())
+    assert all(violation <= allowed for violation, allowed in stress.invariants(found).values())
     values = {name: array[::-1].copy() for name, array in found.values.items()}
     values["kurtosis"] = 0.1 * values["kurtosis"]
     bad = type("Bad", (), {**{n: getattr(found, n) for n in (
         "scene", "times", "rtol", "error_estimate", "moment")}, "values": values})  # fmt: skip
-    violated = {name for name, (v, allowed) in invariants(bad).items() if v > allowed}
+    violated = {name for name, (v, allowed) in stress.invariants(bad).items() if v > allowed}
     assert {"thermal_speed does not grow", "msd does not fall", "kurtosis >= 1"} <= violated
 
 
@@ -204,7 +191,7 @@ def test_the_balances_of_driven_tracers_see_a_wrong_answer(
     monkeypatch: pytest.MonkeyPatch, drive: dict[str, float]
 ) -> None:
     system = {"restitution": 0.6, "mass_ratio": 3.0, "dimension": 3} | drive
-    assert judge(stress.driven(1e-6, **system), 0.0) in ACCEPTED
+    assert stress.judge(stress.driven(1e-6, **system), 0.0) in ACCEPTED
     right = kinetics.solve_steady
 
     def wrong(restitution: float, **system: Any) -> Any:  # converged, of other collisions
@@ -213,4 +200,4 @@ def test_the_balances_of_driven_tracers_see_a_wrong_answer(
         return state
 
     monkeypatch.setattr(kinetics, "solve_steady", wrong)
-    assert judge(stress.driven(1e-6, **system), 0.0) == BROKEN
+    assert stress.judge(stress.driven(1e-6, **system), 0.0) == BROKEN
