@@ -367,26 +367,6 @@ def test_all_stick_without_a_field_in_the_end():
         _ = solve(one_l(0.5, times=[1.0])).captured
 
 
-# -- doors ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("given", "named"),
-    [
-        (dict(bath_speed=-1.0), "bath_speed"),
-        (dict(bath_speed=1.0, scatterers="hard disks"), "scatterers"),
-        (dict(drag=1.0, tangential_restitution=0.5), "tangential_restitution"),
-        (dict(bath_speed=1.0, outputs="kurtosis"), "outputs"),
-        (dict(bath_speed=1.0, collision_numbers=[1]), "collision_numbers"),
-        (dict(restitution=lambda v: 2.0 + v), "restitution"),
-        (dict(restitution=([2.0, 1.0], [0.5, 0.5])), "restitution"),
-    ],
-)
-def test_what_cannot_be_solved_is_refused(given, named):
-    with pytest.raises(InputError, match=f"^{named}"):
-        Scene(**{"restitution": 0.5, "times": [1.0], **given})
-
-
 @pytest.mark.parametrize("law", [0.5, Viscoelastic(0.3), ([0.5, 1.0], [0.9, 0.7])])
 def test_states_and_solutions_are_saved(tmp_path, law):
     state = solve_steady(law, heating=1.0, rtol=1e-4)

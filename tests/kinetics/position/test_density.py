@@ -8,13 +8,11 @@ import pytest
 from marking import slow_but
 from numpy.typing import NDArray
 
-from kinetics import Beam, CollisionLaw, InputError, Scene, SolverStatus, SpeedTable, solve
+from kinetics import CollisionLaw, InputError, Monoenergetic, Scene, SolverStatus, SpeedTable, solve
 from kinetics.collision import ImpactQuadrature
 from kinetics.moments.averages import Averages, msd
 from kinetics.numerics.gauss import equal_panels, panels_between
-from kinetics.position.density import Uncollided
 from kinetics.position.sweep import solve_displacement
-from kinetics.states.kinds import Gaussian, Monoenergetic, State, as_state
 
 FloatArray = NDArray[np.float64]
 # the restitutions and times of the paper's figure inelasticposi
@@ -183,37 +181,3 @@ def test_a_table_is_the_mixture_of_its_speeds() -> None:
     scene = Scene(0.6, initial="monoenergetic", times=t * v, outputs=outputs)
     parts = solve(scene, rtol=1e-11).intermediate_scattering(k)
     assert np.abs(whole.intermediate_scattering(k)[0] - share @ parts).max() < 1e-9
-
-
-def top_hat(v: FloatArray) -> FloatArray:
-    """1/2 up to a speed of 2: a jump of which nobody tells the solver."""
-    return np.asarray(np.where(v < 2.0, 0.5, 0.0))
-
-
-def root_start(v: FloatArray) -> FloatArray:
-    """v^(1/2) exp(-v), normalised: not smooth at 0."""
-    return np.asarray(np.sqrt(v) * np.exp(-v) / (0.5 * math.sqrt(math.pi)))
-
-
-STARTS: list[tuple[State, Any]] = [
-    (Gaussian(), lambda v: v * np.exp(-0.5 * v * v)),
-    (as_state(root_start), root_start),
-    (as_state(top_hat), top_hat),
-    (SpeedTable([0.2, 0.9, 2.0], [0.0, 1.0 / 0.9, 0.0]), None),
-    (Beam(0.4, speeds="gaussian"), lambda v: v * np.exp(-0.5 * v * v)),
-]
-
-
-@pytest.mark.parametrize(("state", "exact"), STARTS)
-def test_the_density_of_the_uncollided_is_that_of_the_start(state: State, exact: Any) -> None:
-    """f(r/t) exp(-r/l)/t, also between the points at which f was taken."""
-    times = np.array([0.0, 0.3, 40.0, 1e4])
-    found = Uncollided(state, 12.5, times)
-    v = np.concatenate([np.linspace(0.0, 1.9999, 500), np.linspace(2.0001, 9.0, 300)])
-    f = exact(v) if exact else np.interp(v, [0.2, 0.9, 2.0], [0.0, 1.0 / 0.9, 0.0])
-    for i, t in enumerate(times[1:], start=1):
-        r = v * t
-        expected = f * np.exp(-r / 12.5) / t
-        assert np.abs(found.at(i, r) - expected).max() < 3e-13 / t
-    assert not found.at(0, v).any()
-    assert not found.at(1, np.array([1e300])).any()

@@ -14,6 +14,7 @@ from kinetics.errors import SolverStatus
 LAWS = [
     (0.5, 1.0, 3),
     (0.9, 1.0, 3),
+    (0.0, 1.0, 2),
     (0.0, 1.0, 3),
     (0.5, 0.8, 2),
     (0.8, 0.5, 2),
