@@ -18,17 +18,15 @@ from kinetics.crosscheck.stress import ACCEPTED, BROKEN, HOLDS, MISSED, SAYS_SO,
 @pytest.mark.parametrize(
     ("outcome", "seconds", "expected"),
     [
-        (Outcome(1e-8, 1e-9), 0.0, HOLDS),
-        (Outcome(1e-8, 2e-8), 0.0, MISSED),
+        (Outcome(1e-8, 1e-9), 0.0, HOLDS), (Outcome(1e-8, 2e-8), 0.0, MISSED),
         (Outcome(1e-8, 2e-8, converged=False), 0.0, SAYS_SO),
         (Outcome(converged=False), 0.0, SAYS_SO),
         (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (1e-12, 1e-13)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (math.nan, 1.0)}), 0.0, BROKEN),
-        (Outcome(), 0.0, HOLDS),
-        (Outcome(1e-8, 1e-9), 120.0, BROKEN),
+        (Outcome(), 0.0, HOLDS), (Outcome(1e-8, 1e-9), 120.0, BROKEN),
     ],
-)
+)  # fmt: skip
 def test_judge(outcome: Outcome, seconds: float, expected: str) -> None:
     assert stress.judge(outcome, seconds) == expected
 
@@ -92,16 +90,13 @@ def wrong(factor: float, only: int) -> Callable[..., Any]:
 @pytest.mark.parametrize(
     ("group", "parts"),
     [
-        ("cooling", (DISKS, BEGIN, "times = 100")),
-        ("cooling", (DISKS, "start = speed 1e150")),
-        ("averages", (ROUGH, BEGIN)),
-        ("averages", ("CollisionLaw(restitution=1.0)", BEGIN)),
+        ("cooling", (DISKS, BEGIN, "times = 100")), ("cooling", (DISKS, "start = speed 1e150")),
+        ("averages", (ROUGH, BEGIN)), ("averages", ("CollisionLaw(restitution=1.0)", BEGIN)),
         ("spectral density", (DISKS, "nodes = 512")),
         ("position density", (DISKS, "times = 1e-300")),
-        ("scattering function", (DISKS, BEGIN, "times = 1.0")),
-        ("over time in a field", (DISKS,)),
+        ("scattering function", (DISKS, BEGIN, "times = 1.0")), ("over time in a field", (DISKS,)),
     ],
-)
+)  # fmt: skip
 def test_a_wrong_answer_is_found(
     monkeypatch: pytest.MonkeyPatch, group: str, parts: tuple[str, ...], factor: float
 ) -> None:

@@ -34,12 +34,10 @@ def test_the_fitted_constants_of_the_paper_are_the_defaults() -> None:
 @pytest.mark.parametrize(
     "form",
     [
-        sonine.position_integral,
-        sonine.position_tail,
-        sonine.position_far_tail,
+        sonine.position_integral, sonine.position_tail, sonine.position_far_tail,
         sonine.position_peak,
     ],
-)
+)  # fmt: skip
 def test_curves_at_the_extremes_of_the_radius(form: Any) -> None:
     extremes = np.array([0.0, 5e-324, 1e-200, 1e3, 1e10, 1e200, 1.7e308])
     with np.errstate(all="raise", under="ignore"):

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from example_values import DENSITY
 from scipy.special import airy, gamma
 
 from kinetics import (
@@ -25,8 +26,6 @@ from kinetics import (
     solve_steady,
 )
 
-DENSE = {2: 0.5, 3: 1.0 / math.pi}  # number densities at which l = 1
-
 
 @pytest.fixture(params=[2, 3])
 def dimension(request):
@@ -34,7 +33,7 @@ def dimension(request):
 
 
 def one_l(restitution, dimension=2, **more):
-    return Scene(restitution, DENSE[dimension], dimension=dimension, **more)
+    return Scene(restitution, DENSITY[dimension], dimension=dimension, **more)
 
 
 # -- a bath --------------------------------------------------------------------------------------

@@ -1,10 +1,12 @@
 """F(k, t) and the density of the displacement in space, of rough scatterers, of laws of samples."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
+from example_values import gaussian_speeds
 from marking import slow_but
 
 from kinetics import AngularHarmonics, Beam, CollisionLaw, Scene, SolverStatus, solve
@@ -17,6 +19,7 @@ OUTPUTS = ("msd", "kurtosis", "position_density", "intermediate_scattering")
 
 # F(k, t) of isotropic scattering in space, l = v = 1, by tests/references/one_speed.py: rows are
 # times, columns wave numbers
+IN_SPACE = partial(gaussian_speeds, dimension=3)
 TIMES, WAVE_NUMBERS = (0.5, 2.0, 4.0, 10.0), (0.3, 1.0, 2.5, 8.0)
 ONE_SPEED = np.array([
     (0.99680740299138336, 0.96489788710750154, 0.79353634423315582, -0.087902963940590419),
@@ -29,14 +32,10 @@ MIXTURE = CollisionLaw.from_samples(
     [0.3, 0.2, 0.5], [0.9, 0.45, 0.7], [0.2, -0.6, 0.1], dimension=3
 )
 LAWS = [
-    CollisionLaw(0.4, dimension=3),
-    CollisionLaw(1.0, dimension=3),
-    CollisionLaw(0.9, 0.8, dimension=3),
-    CollisionLaw(0.0, dimension=3),
-    CollisionLaw(0.7, 0.8),
-    CollisionLaw(0.6, 0.6),
-    MIXTURE,
-]
+    CollisionLaw(0.4, dimension=3), CollisionLaw(1.0, dimension=3),
+    CollisionLaw(0.9, 0.8, dimension=3), CollisionLaw(0.0, dimension=3), CollisionLaw(0.7, 0.8),
+    CollisionLaw(0.6, 0.6), MIXTURE,
+]  # fmt: skip
 
 
 def scene(
@@ -84,13 +83,9 @@ def test_small_wave_numbers(system: dict[str, Any], initial: str) -> None:
         assert abs(f - expected) < 0.02 * abs(k2**2 * fourth / (8 * d * (d + 2)))
 
 
-def speeds(v: Any) -> Any:
-    return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
-
-
 @pytest.mark.parametrize(
     ("initial", "dimension"),
-    slow_but([(Beam(0.7), 2)], [(Beam(0.7), 2), (AngularHarmonics({0: speeds, 1: speeds}), 3)]),
+    slow_but([(Beam(0.7), 2)], [(Beam(0.7), 2), (AngularHarmonics({0: IN_SPACE, 1: IN_SPACE}), 3)]),
 )
 def test_directed_starts(initial: Any, dimension: int) -> None:
     """Along k the slope of F is the mean displacement; over all k its mean is the isotropic F."""

@@ -12,17 +12,9 @@ from kinetics.errors import SolverStatus
 # e, et, dimension: s rising and falling with the impact parameter, one ratio for all bounces,
 # ratios down to 0
 LAWS = [
-    (0.5, 1.0, 3),
-    (0.9, 1.0, 3),
-    (0.0, 1.0, 2),
-    (0.0, 1.0, 3),
-    (0.5, 0.8, 2),
-    (0.8, 0.5, 2),
-    (0.7, 0.7, 2),
-    (1.0, 0.5, 2),
-    (0.3, 0.05, 3),
-    (0.0, 0.5, 3),
-]
+    (0.5, 1.0, 3), (0.9, 1.0, 3), (0.0, 1.0, 2), (0.0, 1.0, 3), (0.5, 0.8, 2), (0.8, 0.5, 2),
+    (0.7, 0.7, 2), (1.0, 0.5, 2), (0.3, 0.05, 3), (0.0, 0.5, 3),
+]  # fmt: skip
 C = np.concatenate([np.geomspace(1e-3, 0.05, 6), np.linspace(0.1, 4.0, 40)])
 
 

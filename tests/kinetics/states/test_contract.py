@@ -98,16 +98,11 @@ def gamma_power(p: float) -> Any:
 
 NEGATIVE: dict[str, Callable[[float], Any]] = {
     "gaussian": lambda p: gaussian_power(p, 1.0, 1.0),
-    "two temperatures": lambda p: gaussian_power(p, 1.5, 0.75),
-    "one speed": lambda p: 1.3**p,
-    "table": table_power,
-    "speeds": samples_power,
-    "function": gamma_power,
-    "beam": lambda p: gaussian_power(p, 1.0, 1.0),
-    "velocities": samples_power,
-    "harmonics": gamma_power,
-    "polar grid": table_power,
-}
+    "two temperatures": lambda p: gaussian_power(p, 1.5, 0.75), "one speed": lambda p: 1.3**p,
+    "table": table_power, "speeds": samples_power, "function": gamma_power,
+    "beam": lambda p: gaussian_power(p, 1.0, 1.0), "velocities": samples_power,
+    "harmonics": gamma_power, "polar grid": table_power,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("p", [-0.25, -1.0, -1.9])
@@ -122,13 +117,11 @@ def test_negative_powers(name: str, p: float) -> None:
 @pytest.mark.parametrize(
     ("speed", "density"),
     [
-        ([1.0, 2.0], [1.0, 1.0]),
-        ([0.0, 1.0], [2.0, 0.0]),
-        ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
+        ([1.0, 2.0], [1.0, 1.0]), ([0.0, 1.0], [2.0, 0.0]), ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
         ([0.5, 0.5 + 1e-7, 1.0, 5.0], [0.0, 2.0, 1.0, 0.0]),
         (np.geomspace(1e-3, 1e3, 40), 1.0 / (1.0 + np.geomspace(1e-3, 1e3, 40) ** 5)),
     ],
-)
+)  # fmt: skip
 def test_tables_of_narrow_and_of_wide_pieces(speed: Any, density: Any) -> None:
     v, f = np.asarray(speed), np.asarray(density) / np.trapezoid(density, speed)
     solution = solve(Scene(0.5, initial=SpeedTable(v, f), times=[0.0]))
