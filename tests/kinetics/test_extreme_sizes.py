@@ -9,17 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import (
-    Beam,
-    Gaussian,
-    Monoenergetic,
-    ScalingSolution,
-    Scene,
-    SpeedTable,
-    solve,
-)
-
-DENSITY = ("speed_density", "thermal_speed")
+from kinetics import Beam, Gaussian, Monoenergetic, ScalingSolution, Scene, SpeedTable, solve
 
 
 @pytest.mark.parametrize("e", [0.0, 0.7, 1.0])

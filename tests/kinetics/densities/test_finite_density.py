@@ -6,13 +6,11 @@ from example_values import gaussian_speeds
 
 from kinetics import AngularHarmonics, InputError, Scene, SolverStatus, solve
 
-DIRECTED = AngularHarmonics(
-    {
-        0: gaussian_speeds,
-        1: lambda v: 0.3 * gaussian_speeds(v),
-        2: lambda v: 0.2 * gaussian_speeds(v),
-    }
-)
+DIRECTED = AngularHarmonics({
+    0: gaussian_speeds,
+    1: lambda v: 0.3 * gaussian_speeds(v),
+    2: lambda v: 0.2 * gaussian_speeds(v),
+})  # fmt: skip
 
 
 @pytest.mark.parametrize(

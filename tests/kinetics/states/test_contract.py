@@ -61,9 +61,6 @@ def test_points_and_profiles_are_of_one_density(name: str) -> None:
             assert points.weight @ np.exp(p * points.x) == pytest.approx(direct, abs=1e-6)
 
 
-# -- negative powers ------------------------------------------------------------------------------
-
-
 def gaussian_power(p: float, sx: float, sy: float) -> Any:
     """<v^p>: the speed by hand, the angle by quadrature."""
 
@@ -131,9 +128,6 @@ def test_tables_of_narrow_and_of_wide_pieces(speed: Any, density: Any) -> None:
         )
 
 
-# -- values are taken, not shared -----------------------------------------------------------------
-
-
 def test_a_state_keeps_its_own_copy() -> None:
     v, w = SPEEDS.copy(), VELOCITIES.copy()
     table, samples = SpeedTable(v, HEIGHTS.copy()), VelocitySamples(w)
@@ -144,9 +138,6 @@ def test_a_state_keeps_its_own_copy() -> None:
     state = AngularHarmonics(terms)
     terms[1] = gamma_speeds
     assert state == STATES["harmonics"]()
-
-
-# -- harmonics that are zero ----------------------------------------------------------------------
 
 
 def test_isotropic_states_written_as_directed_ones() -> None:
@@ -160,6 +151,3 @@ def test_isotropic_states_written_as_directed_ones() -> None:
         assert not np.any(found.mean_velocity)
         f = found.velocity_density([0.3, 1.0], [0.0, 2.0])
         assert np.array_equal(f[:, :, 0], f[:, :, 1])
-
-
-# -- a state of one's own -------------------------------------------------------------------------

@@ -121,9 +121,6 @@ def test_samples_of_velocities(n: int) -> None:
         assert abs(solution.harmonic(1, m)[1] - exact) < 1e-9
 
 
-# -- elastic, where there is nothing to discretise -----------------------------------------------
-
-
 def test_elastic_densities() -> None:
     """f = g(v)/(2 pi v) (1 + 0.8 cos(2 (phi - 0.3)) exp(-nu_2 v t/l)): each speed for itself."""
     g = gaussian_speeds
