@@ -75,6 +75,8 @@ def test_the_effective_restitution() -> None:
     assert found[:3] == [0.7, 0.0, 0.0]  # bit for bit
     assert found[3:] == pytest.approx([-2 / 3, -2 / 3], abs=1e-15)
     assert CollisionLaw(1.0) == CollisionLaw(1.0, mass_ratio=math.inf)
+    assert CollisionLaw(1.0, dimension=3, mass_ratio=1.0).uniform_power == 2.0
+    assert not CollisionLaw(1.0, mass_ratio=5.0).has_atoms
     law = CollisionLaw(1.0, dimension=3, mass_ratio=2.0)  # it brings its own to a scene
     assert Scene(law, times=[1.0]).mass_ratio == 2.0
 
