@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 
 from kinetics.crosscheck import bench, references
-from kinetics.crosscheck.bench import (
-    FAILED,
-    MEASURED,
-    QUICK,
-    SPECTRAL,
-    BenchReport,
-    Work,
-    measure,
-)
+from kinetics.crosscheck.bench import FAILED, MEASURED, QUICK, SPECTRAL, BenchReport, Work, measure
 
 
 class Clock:

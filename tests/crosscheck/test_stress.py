@@ -12,38 +12,23 @@ import pytest
 import kinetics
 from kinetics import InputError, Scene, solve
 from kinetics.crosscheck import stress
-from kinetics.crosscheck.stress import (
-    ACCEPTED,
-    BROKEN,
-    HOLDS,
-    MISSED,
-    SAYS_SO,
-    Case,
-    Outcome,
-    all_cases,
-    attempt,
-    invariants,
-    judge,
-    run_stress,
-)
+from kinetics.crosscheck.stress import ACCEPTED, BROKEN, HOLDS, MISSED, SAYS_SO, Case, Outcome
 
 
 @pytest.mark.parametrize(
     ("outcome", "seconds", "expected"),
     [
-        (Outcome(1e-8, 1e-9), 0.0, HOLDS),
-        (Outcome(1e-8, 2e-8), 0.0, MISSED),
+        (Outcome(1e-8, 1e-9), 0.0, HOLDS), (Outcome(1e-8, 2e-8), 0.0, MISSED),
         (Outcome(1e-8, 2e-8, converged=False), 0.0, SAYS_SO),
         (Outcome(converged=False), 0.0, SAYS_SO),
         (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (1e-12, 1e-13)}), 0.0, BROKEN),
         (Outcome(1e-8, 1e-9, invariants={"mass": (math.nan, 1.0)}), 0.0, BROKEN),
-        (Outcome(), 0.0, HOLDS),
-        (Outcome(1e-8, 1e-9), 120.0, BROKEN),
+        (Outcome(), 0.0, HOLDS), (Outcome(1e-8, 1e-9), 120.0, BROKEN),
     ],
-)
+)  # fmt: skip
 def test_judge(outcome: Outcome, seconds: float, expected: str) -> None:
-    assert judge(outcome, seconds) == expected
+    assert stress.judge(outcome, seconds) == expected
 
 
 def test_whatever_a_case_raises_is_its_verdict() -> None:
@@ -59,7 +44,7 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a user's own filters must not hide one
-        found = [attempt(Case("g", "n", work)) for work in (refuses, warns, violates)]
+        found = [stress.attempt(Case("g", "n", work)) for work in (refuses, warns, violates)]
     assert [c["verdict"] for c in found] == [BROKEN] * 3
     assert [c["note"].split(":")[0] for c in found] == ["InputError", "RuntimeWarning", ""]
     assert [c["invariant"] for c in found] == ["", "", "b"]
@@ -67,7 +52,7 @@ def test_whatever_a_case_raises_is_its_verdict() -> None:
 
 def named(group: str, *parts: str) -> Case:
     """The first case of the group whose name has all of these parts."""
-    cases = (c for c in all_cases(False) if c.group == group)
+    cases = (c for c in stress.all_cases(False) if c.group == group)
     return next(c for c in cases if all(part in c.name for part in parts))
 
 
@@ -105,25 +90,22 @@ def wrong(factor: float, only: int) -> Callable[..., Any]:
 @pytest.mark.parametrize(
     ("group", "parts"),
     [
-        ("cooling", (DISKS, BEGIN, "times = 100")),
-        ("cooling", (DISKS, "start = speed 1e150")),
-        ("averages", (ROUGH, BEGIN)),
-        ("averages", ("CollisionLaw(restitution=1.0)", BEGIN)),
+        ("cooling", (DISKS, BEGIN, "times = 100")), ("cooling", (DISKS, "start = speed 1e150")),
+        ("averages", (ROUGH, BEGIN)), ("averages", ("CollisionLaw(restitution=1.0)", BEGIN)),
         ("spectral density", (DISKS, "nodes = 512")),
         ("position density", (DISKS, "times = 1e-300")),
-        ("scattering function", (DISKS, BEGIN, "times = 1.0")),
-        ("over time in a field", (DISKS,)),
+        ("scattering function", (DISKS, BEGIN, "times = 1.0")), ("over time in a field", (DISKS,)),
     ],
-)
+)  # fmt: skip
 def test_a_wrong_answer_is_found(
     monkeypatch: pytest.MonkeyPatch, group: str, parts: tuple[str, ...], factor: float
 ) -> None:
     """An error of a tenth or a thousandth in what a solver says, which claims to have converged."""
     case = named(group, *parts)
-    assert attempt(case)["verdict"] in ACCEPTED
+    assert stress.attempt(case)["verdict"] in ACCEPTED
     monkeypatch.setattr(kinetics, "solve", wrong(factor, only=0))
     if factor == 1.1 or group not in LOOSE:
-        assert attempt(case)["verdict"] in (MISSED, BROKEN)
+        assert stress.attempt(case)["verdict"] in (MISSED, BROKEN)
 
 
 @pytest.mark.parametrize(
@@ -135,22 +117,22 @@ def test_a_wrong_answer_is_found(
     ],
 )
 def test_a_case_of_each_other_group(group: str, parts: tuple[str, ...]) -> None:
-    assert attempt(named(group, *parts))["verdict"] in ACCEPTED
+    assert stress.attempt(named(group, *parts))["verdict"] in ACCEPTED
 
 
 @pytest.mark.slow
 def test_the_quick_sweep() -> None:
-    assert run_stress(quick=True).rejected == []
+    assert stress.run_stress(quick=True).rejected == []
 
 
 def test_the_invariants_see_what_is_violated() -> None:
     found = solve(Scene(0.5, times=[0.0, 1.0, 9.0], outputs=("thermal_speed", "msd", "kurtosis")))
-    assert all(violation <= allowed for violation, allowed in invariants(found).values())
+    assert all(violation <= allowed for violation, allowed in stress.invariants(found).values())
     values = {name: array[::-1].copy() for name, array in found.values.items()}
     values["kurtosis"] = 0.1 * values["kurtosis"]
     bad = type("Bad", (), {**{n: getattr(found, n) for n in (
         "scene", "times", "rtol", "error_estimate", "moment")}, "values": values})  # fmt: skip
-    violated = {name for name, (v, allowed) in invariants(bad).items() if v > allowed}
+    violated = {name for name, (v, allowed) in stress.invariants(bad).items() if v > allowed}
     assert {"thermal_speed does not grow", "msd does not fall", "kurtosis >= 1"} <= violated
 
 
@@ -204,7 +186,7 @@ def test_the_balances_of_driven_tracers_see_a_wrong_answer(
     monkeypatch: pytest.MonkeyPatch, drive: dict[str, float]
 ) -> None:
     system = {"restitution": 0.6, "mass_ratio": 3.0, "dimension": 3} | drive
-    assert judge(stress.driven(1e-6, **system), 0.0) in ACCEPTED
+    assert stress.judge(stress.driven(1e-6, **system), 0.0) in ACCEPTED
     right = kinetics.solve_steady
 
     def wrong(restitution: float, **system: Any) -> Any:  # converged, of other collisions
@@ -213,4 +195,4 @@ def test_the_balances_of_driven_tracers_see_a_wrong_answer(
         return state
 
     monkeypatch.setattr(kinetics, "solve_steady", wrong)
-    assert judge(stress.driven(1e-6, **system), 0.0) == BROKEN
+    assert stress.judge(stress.driven(1e-6, **system), 0.0) == BROKEN

@@ -1,5 +1,6 @@
 """One value of every kind that the package makes, for the tests of values and of files."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -31,6 +32,19 @@ HEIGHTS = np.array([0.0, 0.3, 0.8, 0.5, 0.4, 0.0])
 HEIGHTS = HEIGHTS / np.trapezoid(HEIGHTS, SPEEDS)
 ANGLES = 2.0 * np.pi * np.arange(16) / 16
 VELOCITIES = np.array([[0.3, 0.1], [-1.0, 0.7], [0.0, -2.0]])
+
+
+DENSITY = {2: 0.5, 3: 1.0 / np.pi}  # of scatterers, so that l = 1
+
+
+def gaussian_speeds(v: Any, dimension: int = 2) -> Any:
+    """The speed density of a Gaussian."""
+    return (math.sqrt(2.0 / math.pi) * v if dimension == 3 else 1.0) * v * np.exp(-0.5 * v * v)
+
+
+def stairs(v: Any) -> Any:
+    """Two steps: 0.8 on [0.5, 1), 1.2 on [1.5, 2)."""
+    return 0.8 * ((v >= 0.5) & (v < 1.0)) + 1.2 * ((v >= 1.5) & (v < 2.0))
 
 
 def gamma_speeds(v: Any) -> Any:

@@ -40,6 +40,17 @@ def series(
     raise ArithmeticError("the series needs more terms")
 
 
+def chance_of_bounces(rates: list[Any], t: Any) -> Any:
+    """Of so many bounces as there are rates but one: the flight after n bounces ends at rates[n].
+
+    A sum of exponentials with alternating signs (Cox, Renewal Theory, section 2.2).
+    """
+    return mp.fprod(rates[:-1]) * mp.fsum(
+        mp.exp(-one * t) / mp.fprod(other - one for k, other in enumerate(rates) if k != j)
+        for j, one in enumerate(rates)
+    )
+
+
 def scene(e: float, initial: Any, times: Any = TIMES, **more: Any) -> Scene:
     return Scene(restitution=e, number_density=0.5, initial=initial, times=times, **more)
 

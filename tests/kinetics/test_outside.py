@@ -52,20 +52,18 @@ def test_the_displacement_among_the_disks_of_lammps() -> None:
     assert abs(apart[-1]) < 2.0
 
 
-@pytest.mark.parametrize(("heavier", "drift", "error"), [(1, 1.14646, 3.4e-4), (3, 0.7396, 3.3e-4)])
-def test_the_drift_of_swarms(heavier: int, drift: float, error: float) -> None:
+@pytest.mark.parametrize(
+    ("heavier", "drift", "error", "along", "across"),
+    [(1, 1.14646, 3.4e-4, 0.222, 0.323), (3, 0.7396, 3.3e-4, 0.207, 0.333)],
+)
+def test_swarms(heavier: int, drift: float, error: float, along: float, across: float) -> None:
+    """The dispersion are fits of the program without an error bar, of three digits."""
     state = solve_field(1.0, dimension=3, rtol=1e-8, mass_ratio=heavier)
     assert abs(state.drift - drift) < 3 * error
     e = (heavier - 1) / (heavier + 1)
     assert solve_field(e, dimension=3, rtol=1e-8).drift == pytest.approx(state.drift, rel=1e-8)
-
-
-def test_the_dispersion_of_swarms() -> None:
-    """Fits of the program without an error bar, of three digits."""
-    for heavier, along, across in ((1, 0.222, 0.323), (3, 0.207, 0.333)):
-        state = solve_field(1.0, dimension=3, rtol=1e-8, mass_ratio=heavier)
-        assert state.diffusion_parallel == pytest.approx(along, rel=0.02)
-        assert state.diffusion_perpendicular == pytest.approx(across, rel=0.02)
+    assert state.diffusion_parallel == pytest.approx(along, rel=0.02)
+    assert state.diffusion_perpendicular == pytest.approx(across, rel=0.02)
 
 
 def placzek(u: float, least: float) -> float:

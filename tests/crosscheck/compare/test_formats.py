@@ -65,18 +65,6 @@ def test_columns_in_memory_are_read_as_files(run: Run) -> None:
     assert [c.p_value("msd") > 1e-3 for c in found] == [True] * 3
 
 
-def test_numbers_of_a_csv_come_back_to_the_last_bit(tmp_path: Path) -> None:
-    v = np.random.default_rng(2).normal(size=(2, 500)) * 10.0 ** np.arange(-250, 250)
-    data = {"time": np.ones(500), "x": v[0], "y": v[1], "vx": v[0], "vy": v[1]}
-    data["tracer"] = np.arange(500)
-    (tmp_path / "a.csv").write_text(text_of(data))
-    from kinetics.crosscheck.data.formats import read
-    from kinetics.crosscheck.data.tracks import Asked
-
-    found: Any = read(tmp_path / "a.csv", Asked())
-    np.testing.assert_array_equal(np.stack([found["x"], found["y"]]), v)
-
-
 @pytest.mark.parametrize("order", ["shuffled", "by tracer"])
 def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
     data = columns_of(run)

@@ -105,16 +105,13 @@ def test_a_tracer_without_one_of_its_numbers_is_refused_and_wrapped_ones_are(run
 # an element of the group of tracers, or of the box, and what takes its place
 CHANGED: dict[str, tuple[str, Any, str]] = {
     "one image": ("image/value", np.zeros((1, 2000, 2)), "image"),
-    "no edges": ("box/edges", np.empty(0), "image"),
-    "no box": ("box", None, "image"),
-    "no flags": ("image", None, "periodic box"),
-    "two groups": ("", None, "groups"),
+    "no edges": ("box/edges", np.empty(0), "image"), "no box": ("box", None, "image"),
+    "no flags": ("image", None, "periodic box"), "two groups": ("", None, "groups"),
     "other times": ("velocity/time", TIMES + 1.0, "times"),
-    "few labels": ("id", np.arange(3), "label"),
-    "text": ("velocity/value", "text", "value"),
+    "few labels": ("id", np.arange(3), "label"), "text": ("velocity/value", "text", "value"),
     "link": ("velocity/value", h5py.ExternalLink("other.h5", "/velocity"), "value"),
     "huge": ("velocity/value", None, "declare"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("change", list(CHANGED))

@@ -154,16 +154,12 @@ def test_the_page_of_few_tracers(tmp_path: Path, lorentz: Any) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["-e", "1.5"], "restitution: got 1.5"),
-        (["--speed-unit", "U"], "--speed-unit"),
-        (["--figures", "pdf"], "--output"),
-        (["--columns", "time=x"], "for two"),
-        (["-o", "page.txt"], "must end in .html"),
-        (["-o", "folder.html"], "is a folder"),
-        (["-o", "missing/page.html"], "does not exist"),
-        (["-o", ""], "--output"),
+        (["-e", "1.5"], "restitution: got 1.5"), (["--speed-unit", "U"], "--speed-unit"),
+        (["--figures", "pdf"], "--output"), (["--columns", "time=x"], "for two"),
+        (["-o", "page.txt"], "must end in .html"), (["-o", "folder.html"], "is a folder"),
+        (["-o", "missing/page.html"], "does not exist"), (["-o", ""], "--output"),
     ],
-)
+)  # fmt: skip
 def test_bad_arguments_are_one_line(
     csv: Path, tmp_path: Path, monkeypatch: Any, lorentz: Any, arguments: Any, words: str
 ) -> None:

@@ -17,10 +17,6 @@ LATE = 1e15
 OUTPUTS = ("msd", "thermal_speed", "a2", "collisions", "diffusion_coefficient")
 
 
-def eps(e: float, n: float) -> float:
-    return 2 * e / (1 + e) * n * math.log(1 / n)
-
-
 def late(e: float, n: float, **more: Any) -> Any:
     """Averages from which every trace of the start has gone, to 1/LATE."""
     scene = Scene(e, n, times=[LATE, 1e3 * LATE], outputs=OUTPUTS, **more)
@@ -30,13 +26,14 @@ def late(e: float, n: float, **more: Any) -> Any:
 @pytest.mark.parametrize("scatterers", ["overlapping", "hard disks"])
 def test_the_leading_order_is_what_it_is_defined_to_be(scatterers: str) -> None:
     e, n = 0.7, 0.04
+    loops = 2 * e / (1 + e) * n * math.log(1 / n)
     plain = CollisionLaw(e)
     law = law_in_medium(plain, scatterers, n, 1.0, "leading")
     for m, p in [(0, 2.0), (1, 0.0), (2, 1.0), (3, 0.5), (4, 3.0)]:
         rate = plain.harmonic_decay_rate(p, m)
         # the integral over the path, in mean free paths
         assert 1 / law.harmonic_decay_rate(p, m) == pytest.approx(
-            1 / rate + (-1) ** m * e**p * eps(e, n), rel=1e-13
+            1 / rate + (-1) ** m * e**p * loops, rel=1e-13
         )
     assert law.mean_log_loss == plain.mean_log_loss
     eta = math.pi * n / 4
@@ -87,13 +84,6 @@ def test_a_low_density_is_the_dilute_gas(order: str) -> None:
         assert not np.array_equal(getattr(dense, name), getattr(dilute, name))
 
 
-# -- the constants of the first order ------------------------------------------------------------
-
-
-def table() -> dict[str, Any]:
-    return json.loads(files("kinetics.collision").joinpath("returns.json").read_text("utf-8"))
-
-
 @pytest.mark.parametrize(
     ("e", "m", "p"),
     slow_but([(1.0, 1, 0), (0.5, 0, 1)], [(1.0, 1, 0), (0.5, 1, 0), (0.7, 2, 0), (0.5, 0, 1)]),
@@ -101,7 +91,7 @@ def table() -> dict[str, Any]:
 def test_the_constants_come_out_of_the_integrals_again(e: float, m: int, p: int) -> None:
     """With a sixteenth of the points: the parts that are no quadrature must be right."""
     row = returns.constants(e, points=13, shifts=4)
-    known = table()
+    known = json.loads(files("kinetics.collision").joinpath("returns.json").read_text("utf-8"))
     i = known["restitution"].index(e)
     row["d"] = [known["d"][i], 0.0]  # d alone would need more points
     value, error = returns._log_c(row, m, p)

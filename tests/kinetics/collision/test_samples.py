@@ -27,9 +27,6 @@ def test_sums_over_samples() -> None:
     assert weight @ np.exp(-2.0 * u) == pytest.approx(law.decay_rate(2.0) / 2.0, rel=1e-13)
 
 
-# -- mixtures -------------------------------------------------------------------------------------
-
-
 def test_samples_that_few_nodes_do_not_resolve_do_not_warn() -> None:
     """The first try overflowed, with NumPy's warnings, before nodes were doubled."""
     weight = [0.22124852141751775, 0.6353547857956121, 0.14339669278687014]

@@ -1,12 +1,15 @@
 """Densities of the velocity of spheres, rough scatterers and laws of samples, by other routes."""
 
 import math
+from functools import partial
 from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
+from example_values import DENSITY, gaussian_speeds
 from marking import slow_but
+from moment_hierarchy import chance_of_bounces
 from scipy.integrate import quad
 
 from kinetics import (
@@ -39,13 +42,8 @@ SOME = ("disks, 0.05", "disks, 0.95", "rough spheres", "two kinds of disk")
 
 def solved(law: CollisionLaw, paths: Any, rtol: float, **options: Any) -> Solution:
     """The scene with l = 1, at times in l/U."""
-    density = 0.5 if law.dimension == 2 else 1.0 / math.pi
     asked = {"outputs": OUTPUTS, "initial": "gaussian", **options}
-    return solve(Scene(law, number_density=density, times=paths, **asked), rtol)
-
-
-def maxwell(v: Any) -> Any:
-    return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
+    return solve(Scene(law, number_density=DENSITY[law.dimension], times=paths, **asked), rtol)
 
 
 @pytest.mark.parametrize("name", slow_but(SOME, LAWS))
@@ -80,8 +78,7 @@ def test_late_times_are_the_scaling_solution(name: str) -> None:
 def by_collisions(e: float, t: float, v: float) -> float:
     """f(v, t) of a Gaussian start where every bounce leaves e of the speed, l = 1.
 
-    Tracers with n bounces began with u = v/e^n; their n + 1 rates u, u e, ... give the chance of n
-    bounces as a sum of exponentials with alternating signs (Cox, Renewal Theory, section 2.2).
+    Tracers with n bounces began with u = v/e^n, at the n + 1 rates u, u e, ...
     """
     with mp.workdps(100):
         total, e_ = mp.mpf(0), mp.mpf(e)
@@ -90,12 +87,7 @@ def by_collisions(e: float, t: float, v: float) -> float:
             start = u * mp.exp(-u * u / 2)
             if n > 3 and start < mp.mpf(10) ** -25:
                 break
-            rate = [u * e_**j for j in range(n + 1)]
-            chance = mp.fsum(
-                mp.exp(-rate[j] * t) / mp.fprod(rate[i] - rate[j] for i in range(n + 1) if i != j)
-                for j in range(n + 1)
-            )
-            total += start / e_**n * mp.fprod(rate[:n]) * chance
+            total += start / e_**n * chance_of_bounces([u * e_**j for j in range(n + 1)], t)
         return float(total)
 
 
@@ -131,6 +123,7 @@ def legendre(m: int, x: Any) -> Any:
 
 def test_elastic_spheres_scatter_in_all_directions_alike() -> None:
     """Harmonic m > 0 dies as exp(-v t/l), whatever m is; speeds are kept."""
+    maxwell = partial(gaussian_speeds, dimension=3)
     start = AngularHarmonics(
         {0: maxwell, 1: lambda v: 0.5 * maxwell(v), 3: lambda v: 0.2 * maxwell(v)}
     )

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from example_values import DENSITY, gamma_speeds, stairs
 from marking import slow_but
 
 from kinetics import (
@@ -26,12 +27,10 @@ from kinetics.crosscheck.references import load
 from kinetics.densities.conservative import solve_conservative
 from kinetics.densities.harmonic import HarmonicProblem
 from kinetics.densities.spectral import solve_spectral
+from kinetics.numerics.gauss import gauss_legendre
 
 REFERENCES = load()["speed_density"]
-STARTS: dict[str, Any] = {
-    "gaussian": Gaussian(),
-    "gamma": SpeedDensity(lambda v: 0.5 * v**2 * np.exp(-v)),
-}
+STARTS: dict[str, Any] = {"gaussian": Gaussian(), "gamma": SpeedDensity(gamma_speeds)}
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -97,8 +96,7 @@ def test_slow_oscillations_are_in_the_error(law: CollisionLaw) -> None:
 
 def of_one_bounce(law: CollisionLaw, t: float, v: Any) -> Any:
     """Share slower than v of tracers of speed 1 that have collided once, l = 1."""
-    node, weight = np.polynomial.legendre.leggauss(400)
-    y, weight = 0.5 * (node + 1.0), 0.5 * weight
+    y, weight = gauss_legendre(400)
     e = float(law.restitution or 0.0)
     s = np.sqrt(e**2 + (1.0 - e**2) * (y**2 if law.dimension == 2 else y))
     there = weight * np.where(s < 1.0, (np.exp(-s * t) - np.exp(-t)) / (1.0 - s), 0.0)
@@ -113,8 +111,9 @@ def test_the_distribution_of_one_speed_at_its_fronts(e: float, dimension: int) -
     f at the front was half of its maximum off, at an estimate of 6e-5 and status CONVERGED.
     """
     law, t = CollisionLaw(e, dimension=dimension), 0.02
-    density = 0.5 if dimension == 2 else 1.0 / math.pi
-    scene = Scene(law, density, initial=Monoenergetic(), times=[t], outputs=("speed_density",))
+    scene = Scene(
+        law, DENSITY[dimension], initial="monoenergetic", times=[t], outputs="speed_density"
+    )
     solution = solve(scene, 1e-2)
     x = np.linspace(math.log(1e-3), 0.01, 400_001)
     v = np.exp(x)
@@ -127,11 +126,6 @@ def test_the_distribution_of_one_speed_at_its_fronts(e: float, dimension: int) -
     assert np.isin([e, 1.0], np.round(solution.speed_fronts, 12)).all()
     tight = solve(scene, 1e-4)
     assert tight.status is SolverStatus.TOLERANCE_NOT_REACHED
-
-
-def stairs(v: Any) -> Any:
-    """Two steps."""
-    return 0.8 * ((v >= 0.5) & (v < 1.0)) + 1.2 * ((v >= 1.5) & (v < 2.0))
 
 
 @pytest.mark.parametrize(

@@ -2,17 +2,15 @@
 
 import numpy as np
 import pytest
+from example_values import gaussian_speeds
 
 from kinetics import AngularHarmonics, InputError, Scene, SolverStatus, solve
 
-
-def maxwell(v: np.ndarray) -> np.ndarray:
-    return v * np.exp(-0.5 * v**2)
-
-
-DIRECTED = AngularHarmonics(
-    {0: maxwell, 1: lambda v: 0.3 * maxwell(v), 2: lambda v: 0.2 * maxwell(v)}
-)
+DIRECTED = AngularHarmonics({
+    0: gaussian_speeds,
+    1: lambda v: 0.3 * gaussian_speeds(v),
+    2: lambda v: 0.2 * gaussian_speeds(v),
+})  # fmt: skip
 
 
 @pytest.mark.parametrize(

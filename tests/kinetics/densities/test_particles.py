@@ -5,20 +5,17 @@ has bins, less one. A test fails if it is 4 of its own standard deviations from 
 20 comparisons, one such file in 700 would fail by chance.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
+from example_values import DENSITY, gaussian_speeds
 
 from kinetics import AngularHarmonics, CollisionLaw, Scene, solve
 from particles import BoltzmannGrad, simulate
 
 SIGMAS, TRACERS = 4.0, 150_000
 TIMES = np.array([0.7, 4.0, 40.0])
-
-
-def density(dimension: int) -> float:
-    """Of scatterers, so that l = 1."""
-    return 0.5 if dimension == 2 else 1.0 / np.pi
 
 
 def check(counts: Any, shares: Any) -> None:
@@ -37,11 +34,9 @@ def test_speeds_and_angles_in_space() -> None:
     """From f = maxwell(v) (1 + 0.8 cos(theta))/(4 pi): the two harmonics that there are."""
     e, et = 0.6, 0.9
 
-    def maxwell(v: Any) -> Any:
-        return np.sqrt(2.0 / np.pi) * v**2 * np.exp(-0.5 * v**2)
-
+    maxwell = partial(gaussian_speeds, dimension=3)
     scene = Scene(
-        CollisionLaw(e, et, 3), number_density=density(3), times=TIMES[:2],
+        CollisionLaw(e, et, 3), number_density=DENSITY[3], times=TIMES[:2],
         initial=AngularHarmonics({0: maxwell, 1: lambda v: 0.8 / 3.0 * maxwell(v)}),
         outputs=("velocity_density", "thermal_speed"),
     )  # fmt: skip
@@ -54,7 +49,7 @@ def test_speeds_and_angles_in_space() -> None:
     angle, sine = rng.uniform(0.0, 2.0 * np.pi, TRACERS), np.sqrt(1.0 - cosine**2)
     direction = np.stack([cosine, sine * np.cos(angle), sine * np.sin(angle)], axis=1)
     ensemble = simulate(
-        BoltzmannGrad(density(3), dimension=3), e, (speed[:, None] * direction)[None], TIMES[:2],
+        BoltzmannGrad(DENSITY[3], dimension=3), e, (speed[:, None] * direction)[None], TIMES[:2],
         media=1, tracers=TRACERS, seed=8, observables=["velocities"], tangential_restitution=et,
     )  # fmt: skip
     x, w = np.polynomial.legendre.leggauss(6)

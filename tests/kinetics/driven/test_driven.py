@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from example_values import DENSITY
 from scipy.special import airy, gamma
 
 from kinetics import (
@@ -25,8 +26,6 @@ from kinetics import (
     solve_steady,
 )
 
-DENSE = {2: 0.5, 3: 1.0 / math.pi}  # number densities at which l = 1
-
 
 @pytest.fixture(params=[2, 3])
 def dimension(request):
@@ -34,7 +33,7 @@ def dimension(request):
 
 
 def one_l(restitution, dimension=2, **more):
-    return Scene(restitution, DENSE[dimension], dimension=dimension, **more)
+    return Scene(restitution, DENSITY[dimension], dimension=dimension, **more)
 
 
 # -- a bath --------------------------------------------------------------------------------------
@@ -365,26 +364,6 @@ def test_all_stick_without_a_field_in_the_end():
     assert solution.captured[-1] > 0.99
     with pytest.raises(InputError, match="capture_speed"):
         _ = solve(one_l(0.5, times=[1.0])).captured
-
-
-# -- doors ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("given", "named"),
-    [
-        (dict(bath_speed=-1.0), "bath_speed"),
-        (dict(bath_speed=1.0, scatterers="hard disks"), "scatterers"),
-        (dict(drag=1.0, tangential_restitution=0.5), "tangential_restitution"),
-        (dict(bath_speed=1.0, outputs="kurtosis"), "outputs"),
-        (dict(bath_speed=1.0, collision_numbers=[1]), "collision_numbers"),
-        (dict(restitution=lambda v: 2.0 + v), "restitution"),
-        (dict(restitution=([2.0, 1.0], [0.5, 0.5])), "restitution"),
-    ],
-)
-def test_what_cannot_be_solved_is_refused(given, named):
-    with pytest.raises(InputError, match=f"^{named}"):
-        Scene(**{"restitution": 0.5, "times": [1.0], **given})
 
 
 @pytest.mark.parametrize("law", [0.5, Viscoelastic(0.3), ([0.5, 1.0], [0.9, 0.7])])

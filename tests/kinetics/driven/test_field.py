@@ -2,38 +2,29 @@
 
 import math
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
 
-from kinetics import FieldState, InputError, ToleranceWarning, solve_field
+from kinetics import FieldState, ToleranceWarning, solve_field
 from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
 COEFFICIENTS = ("diffusion_parallel", "diffusion_perpendicular")
-LAWS: list[dict[str, Any]] = [
-    {"restitution": 0.0},
-    {"restitution": 0.01},
-    {"restitution": 0.3, "dimension": 3},
-    {"restitution": 0.5},
-    {"restitution": 0.9, "dimension": 3},
-    {"restitution": 0.999},
-    {"restitution": 0.5, "tangential_restitution": 0.8},
-    {"restitution": 0.9, "tangential_restitution": 0.2, "dimension": 3},
-    {"restitution": 0.7, "tangential_restitution": 0.7},
-    {"restitution": 0.4, "tangential_restitution": 0.4},
-    {"restitution": 0.0, "tangential_restitution": 0.5},
-]
+# restitution, dimension, tangential restitution
+LAWS = [
+    (0.0, 2, 1.0), (0.01, 2, 1.0), (0.3, 3, 1.0), (0.5, 2, 1.0), (0.9, 3, 1.0), (0.999, 2, 1.0),
+    (0.5, 2, 0.8), (0.9, 3, 0.2), (0.7, 2, 0.7), (0.4, 2, 0.4), (0.0, 2, 0.5),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize("arguments", LAWS, ids=str)
-def test_exact_relations(arguments: dict[str, Any]) -> None:
+@pytest.mark.parametrize(("e", "dimension", "et"), LAWS)
+def test_exact_relations(e: float, dimension: int, et: float) -> None:
     """Moments of the first two rows of the equation, with averages of the collision law."""
-    state = solve_field(**arguments)
+    state = solve_field(e, dimension, et)
     law, moment = state.law, state.moment
     assert state.status.name == "CONVERGED"
-    tight = 1e-11 if arguments["restitution"] >= 0.5 else 1e-10
+    tight = 1e-11 if e >= 0.5 else 1e-10
     assert moment(2, 1) * law.harmonic_decay_rate(1.0, 1) == pytest.approx(1.0, rel=tight)
     assert 2 * state.drift == pytest.approx(law.decay_rate(2.0) * moment(3), rel=tight)
     assert moment(4) == pytest.approx(3 * moment(2, 1) / law.decay_rate(3.0), rel=tight)
@@ -158,16 +149,3 @@ def test_in_units() -> None:
         assert getattr(found, name) == pytest.approx(getattr(state, name) * unit, rel=1e-14)
     figures = path, math.sqrt(path / 9.81), state.mean_speed * math.sqrt(9.81 / path)
     assert (found.mean_free_path, found.time, found.collision_rate) == pytest.approx(figures)
-    with pytest.raises(InputError):
-        state.in_units(1e300, 1e-300, 1.0)
-
-
-def test_moments_that_do_not_exist() -> None:
-    state = solve_field(0.5, rtol=1e-6)
-    for p, m in ((-2.0, 0), (-3.0, 1), (21.0, 0), (math.nan, 0), (1.0, -1), (1.0, 1000)):
-        with pytest.raises(InputError):
-            state.moment(p, m)
-    with pytest.raises(InputError):
-        solve_field(0.0, rtol=1e-6).moment(-2.0, 1)
-    assert state.moment(0.0) == pytest.approx(1.0, rel=1e-12)
-    assert state.moment(-1.5) > 0.0

@@ -7,19 +7,8 @@ import numpy as np
 import pytest
 from marking import slow_but
 
-from kinetics import (
-    Beam,
-    CollisionLaw,
-    InputError,
-    Scene,
-    ToleranceWarning,
-    VelocitySamples,
-    solve,
-    solve_field,
-)
-from kinetics.field.grid import SpeedPanels, loss_matrices
-from kinetics.field.starts import free_way
-from kinetics.numerics.gauss import gauss_legendre, panels_between
+from kinetics import Beam, InputError, Scene, ToleranceWarning, VelocitySamples, solve, solve_field
+from kinetics.numerics.gauss import panels_between
 
 PATH = 12.5  # l at number_density 0.04
 UNIT = math.sqrt(0.08 * PATH)
@@ -154,20 +143,6 @@ def test_a_miss_is_warned_of() -> None:
     assert found.error_estimate > 1e-12
 
 
-def test_the_free_way_in_a_field() -> None:
-    """Against quadrature: to and from the turning point, and at 1e6 of the terminal speed."""
-    along = np.array([-0.5, 0.3, -1e6, 1e6, 0.0, -1.0, -1.0])
-    across = np.array([0.2, 0.0, 1e6, 1.0, 0.0, 0.0, 1e-9])
-    time = np.array([1.5, 2.0, 1e-6, 1e-7, 3.0, 2.5, 2.5])
-    node, weight = gauss_legendre(60)
-    edges = np.clip(np.stack([0.0 * time, -along, time], axis=1), 0.0, time[:, None])
-    expected = sum(
-        (b - a) * (weight @ np.hypot(along + a + np.outer(node, b - a), across))
-        for a, b in zip(edges.T[:-1], edges.T[1:], strict=True)
-    )
-    assert free_way(along, across, time) == pytest.approx(expected, rel=1e-12)
-
-
 # -- densities ----------------------------------------------------------------------------------
 
 
@@ -227,22 +202,6 @@ def test_from_rest_the_uncollided_are_apart(et: float) -> None:
     with pytest.raises(InputError, match="velocity_density"):
         solution.velocity_component_density([0.1])
     assert late == pytest.approx(steady, abs=0.01 * steady.max())
-
-
-def test_the_collision_term_keeps_mass_and_is_that_of_smooth_densities() -> None:
-    """Its balance of v^p is the decay rate of the law, and its gain the average over a bounce."""
-    law, panels = CollisionLaw(0.7), SpeedPanels.rising(6.0, 0.3, 16)
-    lost = loss_matrices(panels, law, 3)
-    v, f = panels.speeds, np.exp(-(panels.speeds**2))
-    for p in (0.0, 1.0, 2.0, 4.0):
-        weight = v ** (p + 1.0) * panels.weights
-        expected = float(law.decay_rate(p)) * (weight * v)
-        assert weight @ lost[0] == pytest.approx(expected, abs=1e-11 * weight.max())
-    q = law.quadrature_for(40.0, 3)
-    for m in range(4):
-        before = v[:, None] / q.ratio
-        gain = v * (np.exp(-(before**2)) @ (q.weight * q.ratio**-3.0 * (1.0 - q.harmonic_loss(m))))
-        assert v * f - lost[m] @ f == pytest.approx(gain, abs=1e-6)
 
 
 def test_a_start_that_is_not_symmetric() -> None:

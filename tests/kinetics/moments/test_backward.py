@@ -31,19 +31,10 @@ from kinetics.moments.backward import (
 from kinetics.states.state import State
 
 OBSERVABLES = (
-    speed_power(-0.25),
-    speed_power(1.0),
-    speed_power(2.0),
-    speed_power(3.0),
-    speed_power(4.0),
-    speed_power(1.0, 1),
-    speed_power(2.0, 2),
-    MEAN_COLLISIONS,
-    DISPLACEMENT_ALONG_START,
-    SQUARED_DISPLACEMENT,
-    quartic_displacement(2),
-    MSD_SLOPE,
-)
+    speed_power(-0.25), speed_power(1.0), speed_power(2.0), speed_power(3.0), speed_power(4.0),
+    speed_power(1.0, 1), speed_power(2.0, 2), MEAN_COLLISIONS, DISPLACEMENT_ALONG_START,
+    SQUARED_DISPLACEMENT, quartic_displacement(2), MSD_SLOPE,
+)  # fmt: skip
 RESTITUTIONS = (0.0, 0.15, 0.35, 0.55, 0.7, 0.8, 0.92, 0.98, 0.9999)
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from example_values import DENSITY
 
 from kinetics import AngularHarmonics, Beam, CollisionLaw, Scene, solve
 from kinetics.moments.by_collision import ByCollision
@@ -16,8 +17,7 @@ NUMBERS = (1, 2, 5)
 
 def after(law: Any, numbers: Any = NUMBERS, **options: Any) -> ByCollision:
     """With l = 1."""
-    rho = 0.5 if law.dimension == 2 else 1.0 / np.pi
-    scene = Scene(law, number_density=rho, collision_numbers=numbers, **options)
+    scene = Scene(law, number_density=DENSITY[law.dimension], collision_numbers=numbers, **options)
     return solve(scene).by_collision
 
 
@@ -62,12 +62,13 @@ LAWS = [(0.7, 1.0, 2), (0.5, 0.5, 2), (0.0, 0.9, 3)]
 @pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
 @pytest.mark.parametrize(("e", "et", "dimension"), LAWS)
 def test_particles_recorded_by_collision(e: float, et: float, dimension: int, initial: str) -> None:
-    law, rho = CollisionLaw(e, et, dimension), 0.5 if dimension == 2 else 1.0 / np.pi
+    law = CollisionLaw(e, et, dimension)
+    medium = BoltzmannGrad(DENSITY[dimension], dimension=dimension)
     found = after(law, initial=initial)
     for i, n in enumerate(NUMBERS):
         ends = simulate(
-            BoltzmannGrad(rho, dimension=dimension), e, initial, media=4, tracers=25_000, seed=n,
-            max_collisions=n, observables=["finals"], tangential_restitution=et,
+            medium, e, initial, media=4, tracers=25_000, seed=n, max_collisions=n,
+            observables=["finals"], tangential_restitution=et,
         ).finals  # fmt: skip
         v, place = np.exp(ends[:, 0]), np.delete(ends[:, 2:], 2, axis=1)
         check(v**2, found.thermal_speed[i] ** 2)

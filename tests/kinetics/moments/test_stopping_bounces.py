@@ -9,6 +9,7 @@ from functools import cache
 import mpmath as mp
 import numpy as np
 import pytest
+from moment_hierarchy import chance_of_bounces
 
 from kinetics import CollisionLaw, Scene, SolverStatus, solve
 
@@ -41,22 +42,14 @@ def test_every_power_above_minus_one(p: float, rtol: float) -> None:
 def equal_bounces(p: int, share: float, reduced: float) -> float:
     """<(v/v(0))^p> at T = v(0) t/l: the sum over N of s^(p N) P_N, P_N = chance of N bounces.
 
-    The N-th free flight ends at the rate s^N per T, so that P_N is the product of s^k, k < N,
-    times the sum over k <= N of exp(-s^k T)/prod(s^j - s^k), j <= N, j not k.
+    The N-th free flight ends at the rate s^N per T.
     """
     with mp.workdps(60):
         s, t = mp.mpf(share), mp.mpf(reduced)
         most = int(mp.ceil((mp.log(max(t, 1)) + 60) / -mp.log(s))) + 2
         rates = [s**k for k in range(most + 1)]
-        total = mp.mpf(0)
-        for n in range(most + 1):
-            terms = (
-                mp.exp(-rates[k] * t)
-                / mp.fprod(rates[j] - rates[k] for j in range(n + 1) if j != k)
-                for k in range(n + 1)
-            )
-            total += s ** (p * n) * mp.fprod(rates[:n]) * mp.fsum(terms)
-        return float(total)
+        chances = (chance_of_bounces(rates[: n + 1], t) for n in range(most + 1))
+        return float(mp.fsum(s ** (p * n) * chance for n, chance in enumerate(chances)))
 
 
 @pytest.mark.parametrize("share", [1e-7, 1e-4, 0.01])

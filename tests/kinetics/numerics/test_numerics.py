@@ -1,7 +1,6 @@
-"""Fourier sums and shifts are exact for what the nodes resolve; small matrices take one thread."""
+"""Fourier sums are exact for what the nodes resolve; small losses count; one thread."""
 
 import math
-from fractions import Fraction
 from types import ModuleType
 
 import mpmath as mp
@@ -11,7 +10,6 @@ import threadpoolctl
 
 from kinetics import Scene, solve
 from kinetics.numerics import one_blas_thread
-from kinetics.numerics.chebyshev import Chebyshev, PanelShifts
 from kinetics.numerics.log_grid import LogGrid
 
 
@@ -25,43 +23,6 @@ def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
         return np.asarray(0.3 + np.cos(3.0 * turn) - 2.0 * np.sin(((nodes - 1) // 2) * turn))
 
     np.testing.assert_allclose(grid.interpolate(wave(grid.x), x), wave(x), atol=1e-13)
-
-
-@pytest.mark.parametrize("start", [-45.3, -43.0, 17.9])
-def test_nodes_near_zero_keep_their_digits(start: float) -> None:
-    """Steps between nodes there are exact to their own rounding, not to that of the far end.
-
-    The densities of nearly elastic tracers lost two digits by it: v t/l is of order 1 near x = 0.
-    """
-    grid = LogGrid(start, 0.057, 1600 if start < 0 else 8)
-    if start > 0.0:
-        assert abs(float(grid.x[0]) - start) <= 4e-15
-        return
-    near = np.nonzero(np.abs(grid.x) < 1.0)[0]
-    exact = [Fraction(grid.spacing) * int(j - near[0]) for j in near]
-    apart = [Fraction(float(grid.x[j])) - Fraction(float(grid.x[near[0]])) for j in near]
-    assert max(abs(float(a - b)) for a, b in zip(apart, exact, strict=True)) < 4e-16
-    assert abs(float(grid.x[0]) - start) <= 1.5e-14
-
-
-def test_small_shifts_keep_their_digits() -> None:
-    """f(x) - f(x - shift) relative to itself, where it is 1e-9 of f. (A difference of rounded
-    points would leave 1e-7.)
-    """
-    rule, shift = Chebyshev(8), np.array([3.7e-9])
-    loss, gain = PanelShifts(rule, shift).kernel(np.ones(1), np.ones((1, 1)), np.zeros((1, 1)))
-    with mp.workdps(40):
-        exact = [
-            float(mp.exp(x) - mp.exp(mp.mpf(x) - mp.mpf(shift[0]))) for x in map(float, rule.local)
-        ]
-    # the panel below is reached from the first node only
-    below = gain[0, 1:] @ np.exp(rule.local - 1.0)
-    assert np.abs(below).max() == 0.0
-    found = (loss[0] @ np.exp(rule.local))[1:]
-    np.testing.assert_allclose(found, exact[1:], rtol=1e-7)  # of a polynomial of degree 7
-    squares = (loss[0] @ rule.local**2)[1:]
-    x, s = rule.local[1:], shift[0]
-    np.testing.assert_allclose(squares, s * (2.0 * x - s), rtol=1e-12)
 
 
 @pytest.mark.parametrize("gap", [1e-6, 1e-8])

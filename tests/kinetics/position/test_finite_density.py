@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from marking import slow_but
 from scipy.special import exp1, j0
 
-from kinetics import CollisionLaw, InputError, Scene, SolverStatus, ToleranceWarning, solve
+from kinetics import CollisionLaw, InputError, Scene, ToleranceWarning, solve
 from particles import HardDisks, simulate
 
 
@@ -89,28 +88,6 @@ def inverse_laplace(function: Callable[[complex], complex], t: float, points: in
         slope = 0.5017 * cot - 0.5017 * 0.6407 * theta / np.sin(0.6407 * theta) ** 2 + 0.2645j
         total += (np.exp(z * t) * function(z) * slope * scale).imag / points
     return total
-
-
-@pytest.mark.parametrize(
-    ("e", "n", "t"), slow_but([(0.7, 0.04, 100.0)], [(0.7, 0.04, 100.0), (0.4, 0.02, 3000.0)])
-)
-def test_the_density_has_its_moments(e: float, n: float, t: float) -> None:
-    scene = Scene(
-        e, n, times=[t], scatterers="hard disks", outputs=("msd", "kurtosis", "position_density")
-    )
-    solution = solve(scene, rtol=1e-4)
-    assert solution.status is SolverStatus.CONVERGED
-    edges = np.linspace(0.0, 12.0, 401)
-    node, weight = np.polynomial.legendre.leggauss(4)
-    half = 0.5 * (edges[1] - edges[0])
-    x = (edges[:-1, None] + half * (1.0 + node)).ravel()
-    g = solution.scaled_position_density(x)[0] * np.tile(half * weight, 400)
-    assert [g.sum(), g @ x**2] == pytest.approx([1.0, 1.0], abs=3e-5)
-    assert g @ x**4 == pytest.approx(solution.kurtosis[0], rel=1e-3)
-    # those thrown straight back to the origin
-    assert 0.0 < solution.position_density([1e-6])[0, 0] < 1e-2
-    with pytest.raises(InputError, match="come straight back"):
-        solution.position_tail([1.0])
 
 
 @pytest.mark.slow

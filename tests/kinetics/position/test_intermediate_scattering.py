@@ -14,16 +14,13 @@ from kinetics.position import scattering
 @pytest.mark.parametrize(
     ("e", "t", "initial", "k"),
     [
-        (0.6, 100.0, Beam(0.7), 0.5),
-        (0.9, 20.0, Gaussian(2.0, 1.0), 0.4),
-        (0.3, 3.0, Beam(0.2, speeds="gaussian"), 1.0),
-        (1.0, 1.0, Beam(), 2.0),
-        (1.0, 150.0, Beam(), 1.5),
-        (1.0, 1e300, Gaussian(), 1e-150),
+        (0.6, 100.0, Beam(0.7), 0.5), (0.9, 20.0, Gaussian(2.0, 1.0), 0.4),
+        (0.3, 3.0, Beam(0.2, speeds="gaussian"), 1.0), (1.0, 1.0, Beam(), 2.0),
+        (1.0, 150.0, Beam(), 1.5), (1.0, 1e300, Gaussian(), 1e-150),
         pytest.param(0.7, 1e3, Beam(), 2.0, marks=pytest.mark.slow),
         pytest.param(0.7, 1e300, Beam(), 2.0, marks=pytest.mark.slow),
     ],
-)
+)  # fmt: skip
 def test_directed_starts_meet_the_accuracy_asked_for_and_do_not_warn(
     e: float, t: float, initial: Any, k: float
 ) -> None:

@@ -6,22 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import CollisionLaw, InputError, ScalingSolution, solve_scaled
+from kinetics import CollisionLaw, ScalingSolution, solve_scaled
 from kinetics.errors import SolverStatus
 
 # e, et, dimension: s rising and falling with the impact parameter, one ratio for all bounces,
 # ratios down to 0
 LAWS = [
-    (0.5, 1.0, 3),
-    (0.9, 1.0, 3),
-    (0.0, 1.0, 3),
-    (0.5, 0.8, 2),
-    (0.8, 0.5, 2),
-    (0.7, 0.7, 2),
-    (1.0, 0.5, 2),
-    (0.3, 0.05, 3),
-    (0.0, 0.5, 3),
-]
+    (0.5, 1.0, 3), (0.9, 1.0, 3), (0.0, 1.0, 2), (0.0, 1.0, 3), (0.5, 0.8, 2), (0.8, 0.5, 2),
+    (0.7, 0.7, 2), (1.0, 0.5, 2), (0.3, 0.05, 3), (0.0, 0.5, 3),
+]  # fmt: skip
 C = np.concatenate([np.geomspace(1e-3, 0.05, 6), np.linspace(0.1, 4.0, 40)])
 
 
@@ -32,8 +25,6 @@ def test_spheres_that_keep_no_normal_velocity() -> None:
     assert np.allclose(exact.vdf(C), expected, rtol=1e-14, atol=0.0)
     assert np.allclose(vdf.vdf(C), expected, rtol=1e-12, atol=0.0)
     assert exact.a2 == pytest.approx(1.0, rel=1e-13)
-    with pytest.raises(InputError, match="p > -2"):
-        vdf.moment(-2.0)
 
 
 @pytest.mark.parametrize(("e", "et", "dimension"), LAWS)

@@ -61,9 +61,6 @@ def test_points_and_profiles_are_of_one_density(name: str) -> None:
             assert points.weight @ np.exp(p * points.x) == pytest.approx(direct, abs=1e-6)
 
 
-# -- negative powers ------------------------------------------------------------------------------
-
-
 def gaussian_power(p: float, sx: float, sy: float) -> Any:
     """<v^p>: the speed by hand, the angle by quadrature."""
 
@@ -98,16 +95,11 @@ def gamma_power(p: float) -> Any:
 
 NEGATIVE: dict[str, Callable[[float], Any]] = {
     "gaussian": lambda p: gaussian_power(p, 1.0, 1.0),
-    "two temperatures": lambda p: gaussian_power(p, 1.5, 0.75),
-    "one speed": lambda p: 1.3**p,
-    "table": table_power,
-    "speeds": samples_power,
-    "function": gamma_power,
-    "beam": lambda p: gaussian_power(p, 1.0, 1.0),
-    "velocities": samples_power,
-    "harmonics": gamma_power,
-    "polar grid": table_power,
-}
+    "two temperatures": lambda p: gaussian_power(p, 1.5, 0.75), "one speed": lambda p: 1.3**p,
+    "table": table_power, "speeds": samples_power, "function": gamma_power,
+    "beam": lambda p: gaussian_power(p, 1.0, 1.0), "velocities": samples_power,
+    "harmonics": gamma_power, "polar grid": table_power,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("p", [-0.25, -1.0, -1.9])
@@ -122,20 +114,18 @@ def test_negative_powers(name: str, p: float) -> None:
 @pytest.mark.parametrize(
     ("speed", "density"),
     [
-        ([1.0, 2.0], [1.0, 1.0]),
-        ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
+        ([1.0, 2.0], [1.0, 1.0]), ([0.0, 1.0], [2.0, 0.0]), ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
         ([0.5, 0.5 + 1e-7, 1.0, 5.0], [0.0, 2.0, 1.0, 0.0]),
         (np.geomspace(1e-3, 1e3, 40), 1.0 / (1.0 + np.geomspace(1e-3, 1e3, 40) ** 5)),
     ],
-)
+)  # fmt: skip
 def test_tables_of_narrow_and_of_wide_pieces(speed: Any, density: Any) -> None:
     v, f = np.asarray(speed), np.asarray(density) / np.trapezoid(density, speed)
     solution = solve(Scene(0.5, initial=SpeedTable(v, f), times=[0.0]))
-    for p in (0.5, 1.0, 2.0, 3.0, 4.0):
-        assert solution.moment(p)[0] == pytest.approx(float(table_power(p, v, f)), rel=1e-10)
-
-
-# -- values are taken, not shared -----------------------------------------------------------------
+    for p in (-0.5, 0.5, 1.0, 2.0, 3.0, 4.0):
+        assert solution.moment(p)[0] == pytest.approx(
+            float(table_power(p, v, f)), rel=1e-10 if p > 0.0 else 1e-8
+        )
 
 
 def test_a_state_keeps_its_own_copy() -> None:
@@ -150,9 +140,6 @@ def test_a_state_keeps_its_own_copy() -> None:
     assert state == STATES["harmonics"]()
 
 
-# -- harmonics that are zero ----------------------------------------------------------------------
-
-
 def test_isotropic_states_written_as_directed_ones() -> None:
     """Their other harmonics are zero: once a division by zero, or a false error."""
     outputs = ("thermal_speed", "mean_velocity", "velocity_density")
@@ -164,6 +151,3 @@ def test_isotropic_states_written_as_directed_ones() -> None:
         assert not np.any(found.mean_velocity)
         f = found.velocity_density([0.3, 1.0], [0.0, 2.0])
         assert np.array_equal(f[:, :, 0], f[:, :, 1])
-
-
-# -- a state of one's own -------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from example_values import gaussian_speeds
 from moment_hierarchy import TIMES, gaussian_speed_moment, rates, scene, series, velocities
 
 from kinetics import AngularHarmonics, Beam, Gaussian, PolarGrid, VelocitySamples, solve
@@ -54,10 +55,7 @@ def test_two_temperature_gaussian_at_the_start(sx: float, sy: float) -> None:
 
 def test_angular_harmonics() -> None:
     """f = g(v) (1 + 0.6 cos(phi) + 0.5 sin(2 phi))/(2 pi v), g the speed density of a Gaussian."""
-
-    def g(v: Any) -> Any:
-        return v * np.exp(-0.5 * v * v)
-
+    g = gaussian_speeds
     terms = {0: g, 1: lambda v: 0.3 * g(v), 2: lambda v: -0.25j * g(v)}
     times = [0.0, 0.5, 2.0]
     outputs = ("velocity_density", "mean_velocity", "velocity_tensor")
@@ -123,15 +121,9 @@ def test_samples_of_velocities(n: int) -> None:
         assert abs(solution.harmonic(1, m)[1] - exact) < 1e-9
 
 
-# -- elastic, where there is nothing to discretise -----------------------------------------------
-
-
 def test_elastic_densities() -> None:
     """f = g(v)/(2 pi v) (1 + 0.8 cos(2 (phi - 0.3)) exp(-nu_2 v t/l)): each speed for itself."""
-
-    def g(v: Any) -> Any:
-        return v * np.exp(-0.5 * v * v)
-
+    g = gaussian_speeds
     terms = {0: g, 2: lambda v: 0.4 * np.exp(-0.6j) * g(v)}
     times = [0.0, 0.5, 10.0, 1e12]
     outputs = ("speed_density", "velocity_density", "thermal_speed", "a2")

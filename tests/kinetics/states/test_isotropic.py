@@ -16,9 +16,6 @@ def at_start(initial: Any, rtol: float = 1e-10) -> Any:
     return solve(Scene(restitution=0.5, initial=initial, times=[0.0], outputs=BASIC), rtol=rtol)
 
 
-# -- densities as functions -------------------------------------------------------------------
-
-
 def tail(v: Any) -> Any:
     """Density 5 v (1 + v^2)^-7/2, tail v^-6; <v^p> = 5/2 B(1 + p/2, (5 - p)/2), p < 5."""
     return 5.0 * v * (1.0 + v * v) ** -3.5
@@ -78,9 +75,6 @@ def test_moments_of_functions(name: str) -> None:
             assert abs(solution.moment(p)[0] / exact(p) - 1.0) < tolerance, (name, p)
         assert np.isclose(solution.thermal_speed[0], np.sqrt(exact(2)), rtol=1e-9)
         assert np.isclose(solution.temperature[0], 0.5 * exact(2), rtol=1e-9)
-
-
-# -- samples ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("n", [1, 5, 400, 401, 100_000])
