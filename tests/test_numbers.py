@@ -12,7 +12,8 @@ from particles import BoltzmannGrad, simulate
 
 
 def ended(e: Any) -> Any:
-    return simulate(BoltzmannGrad(0.04), e, times=[1.0], media=2, tracers=2).plan.restitution
+    run = simulate(BoltzmannGrad(0.04), e, times=np.arange(1, 3), media=np.int8(2), tracers=2)
+    return run.plan.restitution
 
 
 DOORS: dict[str, Callable[[Any], Any]] = {

@@ -18,13 +18,7 @@ def test_flight_far_below_the_mean_free_path(number_density: float, e: float) ->
     """Nothing collides: <r^2> = <v^2> t^2, though (v t/l)^2 is below the smallest number."""
     times = np.array([0.0, 1e-100, 1e-20, 1e-6, 1.0])
     outputs = ("msd", "kurtosis", "diffusion_coefficient", "mean_displacement")
-    scene = Scene(
-        restitution=e,
-        number_density=number_density,
-        initial=Beam(0.0),
-        times=times,
-        outputs=outputs,
-    )
+    scene = Scene(e, number_density, initial=Beam(0.0), times=times, outputs=outputs)
     found = solve(scene, rtol=1e-11)
     assert np.allclose(found.msd, times**2, rtol=1e-11, atol=0.0)
     assert np.allclose(found.kurtosis, 1.0, rtol=1e-10)

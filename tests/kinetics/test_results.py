@@ -32,7 +32,7 @@ from kinetics import (
     sweep,
 )  # fmt: skip
 from kinetics.moments.averages import parts_of
-from kinetics.outputs import OUTPUTS
+from kinetics.outputs import OUTPUTS, described
 from kinetics.results import Value, write_whole
 
 AVERAGES = tuple(name for name in OUTPUTS if parts_of(name, 2))
@@ -179,21 +179,16 @@ def test_data_frames(averages: Any, densities: Any) -> None:
     assert frame.speed_density.tolist() == densities.speed_density([0.1, 0.2]).ravel().tolist()
 
 
-@pytest.mark.parametrize("name", AVERAGES)
-def test_an_average_is_drawn_over_time_with_its_unit(averages: Any, name: str) -> None:
-    axes = averages.plot(name, ax=Figure().subplots())
-    assert axes.get_xlabel() == "t [d/U]"
-    expected = averages.values[name].reshape(3, -1)
-    assert [list(line.get_ydata()) for line in axes.lines] == expected.T.tolist()
-    assert ("[" in axes.get_ylabel()) == (OUTPUTS[name].unit != "1")
-
-
 def test_everything_is_drawn_at_once(averages: Any, densities: Any) -> None:
     from matplotlib import pyplot
 
     try:
         axes = averages.plot()
-        assert len(axes) == len(averages.values)
+        for ax, (name, values) in zip(axes, averages.values.items(), strict=True):
+            drawn = [list(line.get_ydata()) for line in ax.lines]
+            assert drawn == values.reshape(3, -1).T.tolist()
+            assert ax.get_xlabel() == "t [d/U]"
+            assert ("[" in ax.get_ylabel()) == (described(name, 2)[0] != "1")
         for ax in densities.plot(speeds=[0.1, 0.2]):
             assert ax.lines
             legend = [text.get_text() for text in ax.get_legend().get_texts()]

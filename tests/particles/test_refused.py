@@ -1,7 +1,6 @@
 """What is refused, each in one line that begins with the argument's name."""
 
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -107,11 +106,3 @@ def test_one_line_names_the_argument(name: str, call: Any) -> None:
     with pytest.raises(ValueError, match=rf"^{name}\W[^\n]*$") as refused:
         call()
     assert len(str(refused.value)) < 400
-
-
-def test_numbers_of_numpy_are_numbers(tmp_path: Path) -> None:
-    medium = HardDisks(np.float32(0.0625), count=np.int64(400), diameter=np.float16(1.0))
-    run = simulate(medium, np.float32(0.5), times=np.arange(1, 3), media=np.int8(2), tracers=2)
-    run.save(tmp_path / "run.h5")
-    assert particles.load(tmp_path / "run.h5") == run
-    assert run == simulate(HardDisks(0.0625, 400), 0.5, times=[1.0, 2.0], media=2, tracers=2)

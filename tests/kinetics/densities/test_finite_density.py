@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from example_values import gaussian_speeds
 
-from kinetics import AngularHarmonics, InputError, Scene, SolverStatus, solve
+from kinetics import AngularHarmonics, Scene, SolverStatus, solve
 
 DIRECTED = AngularHarmonics({
     0: gaussian_speeds,
@@ -48,8 +48,3 @@ def test_what_is_not_known_is_said() -> None:
     assert solution.speed_density([0.02 * 2**0.5])[0, 0] != 0.0
     fine = solve(Scene(0.7, 0.04, times=[5e3], scatterers="hard disks", outputs="speed_density"))
     assert "slower than v is off by up to 0.018" in fine.message
-    sharp = Scene(
-        0.7, times=[1.0], initial="monoenergetic", scatterers="hard disks", outputs="speed_density"
-    )
-    with pytest.raises(InputError, match="speed densities need a smooth start"):
-        solve(sharp)
