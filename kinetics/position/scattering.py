@@ -39,7 +39,7 @@ _SOME, _FOR_DIGIT, _FOR_TURN, _TURNING = 2.0, 0.85, 0.5, 3.5
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
 # Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
 # where only m = 0 is wanted, to which the last ones give back their square.
-_MORE = 4
+_MORE, _MOST_MORE = 4, 6
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 
 
@@ -58,7 +58,7 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    late = digits * (0.5 + largest)
+    late = _SOME + digits * (0.45 + largest)
     # free flights reach m = K T and no further
     early = _SOME * (1.0 + digits) + largest * math.exp(min(highest, 10.0))
     return 2 * math.ceil(0.5 * min(late, early))
@@ -273,7 +273,7 @@ class Waves:
         # what comes back to m = 0 is the square at most; those that are kept matter themselves
         rising = 0.1 * tolerance if kept else tolerance**_RISING
         flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
-        more = _MORE + int(flights if kept else min(_MORE, flights))
+        more = _MORE + int(flights if kept else min(_MOST_MORE, flights))
         first, last = (int(np.flatnonzero(size > x).max(initial=0)) for x in (rising, tolerance))
         needed = max(first + more, min(used, last))
         return min(self._top, needed + needed % 2)
