@@ -36,9 +36,9 @@ otherwise. Several files are several runs of the same system. Data are only read
         help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.")
 @options.mass_option
 @options.drive_options
-@option("--initial", type=Choice(["auto", "gaussian", "monoenergetic", "data", "rest"]),
+@option("--initial", type=Choice(["auto", "gaussian", "monoenergetic", "beam", "data", "rest"]),
         default="auto",
-        help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
+        help="Speeds at time 0: Gaussian, all U, all U along x, as in the data, or none; auto: the "
         "first of these that the data allow.")
 @option("--scatterers", type=options.Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
         default="auto",

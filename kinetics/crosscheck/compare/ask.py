@@ -16,8 +16,17 @@ from kinetics import validation
 from kinetics.crosscheck.compare.answer import answered
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling, media_of, spread_in
 from kinetics.crosscheck.compare.result import Comparison
-from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart, averages_of
-from kinetics.crosscheck.data.sample import X2, Law, Sample, errors, from_ensemble, read_sample
+from kinetics.crosscheck.compare.theory import BEAM, Expectation, Point, SampledStart, averages_of
+from kinetics.crosscheck.data.sample import (
+    VX,
+    X2,
+    Law,
+    N,
+    Sample,
+    errors,
+    from_ensemble,
+    read_sample,
+)
 from kinetics.crosscheck.data.tracks import LARGEST
 from kinetics.crosscheck.words import numeral
 from kinetics.errors import InputError
@@ -48,8 +57,9 @@ def compare_data(
         dimension); a run of `simulate`
     restitution : 0 to 1, or of the impact speed as in a Scene; None: as a run says, or fitted
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
-    initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
-        these that the speeds at time 0 allow; a Gaussian, where there are none. In a field "rest"
+    initial : "gaussian", "monoenergetic", "beam" (all with the velocity U along x), "data" (the
+        speeds at time 0), or "auto": the first of these that the velocities at time 0 allow; a
+        Gaussian, where there are none. In a field "rest"
     positions, speed_unit, diameter, time_unit, columns, timestep, dimension, type : of files and
         of columns in memory, as the options of that command
     tangential_restitution : None: as a run says, or 1. With another, and in space, averages are
@@ -68,7 +78,7 @@ def compare_data(
         sample = read_sample(
             sources, positions=positions, speed_unit=speed_unit, diameter=diameter,
             time_unit=time_unit, columns=columns, timestep=timestep, dimension=dimension,
-            with_field=field != 0, type=type,
+            with_axes=field != 0 or initial == "beam", type=type,
         )  # fmt: skip
     else:
         sample = data if isinstance(data, Sample) else from_ensemble(data)
@@ -78,8 +88,9 @@ def compare_data(
     restitution = told.get("restitution") if restitution is None else restitution
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
-    if field and sample.sums.shape[2] <= X2:
-        refuse("field", field, "the data are not of tracers in a field")
+    if (field or initial == "beam") and sample.sums.shape[2] <= X2:
+        name, value = ("field", field) if field else ("initial", initial)
+        refuse(name, value, "the data have no means along x; files and runs with velocities have")
     impact = impact_restitution(restitution)
     asked: Any = {
         "field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag,
@@ -146,12 +157,12 @@ def _sources(data: Any) -> list[Any] | None:
 
 def _start(sample: Sample, initial: str) -> Any:
     """The start as a Scene has it."""
-    law, names = sample.law, ("auto", "gaussian", "monoenergetic", "data", "rest")
+    law, names = sample.law, ("auto", "gaussian", "monoenergetic", "beam", "data", "rest")
     gains = law.field or law.bath_speed or law.heating
     if one_of("initial", initial, names) == "rest" and not gains:
         refuse("initial", initial, "without a field, a bath or heating nothing would move")
     if initial not in ("auto", "data"):
-        return initial
+        return BEAM if initial == "beam" else initial
     if sample.start is None:
         if initial == "data":
             refuse("initial", initial, "there are no velocities at time 0")
@@ -163,7 +174,9 @@ def _start(sample: Sample, initial: str) -> Any:
         return "rest"
     if initial == "auto":
         if np.all(np.abs(squares - 1) < 1e-6):
-            return "monoenergetic"
+            first = sample.sums[:, 0].sum(axis=0)
+            along = first.size > X2 and not law.field and first[VX] > (1 - 1e-6) * first[N]
+            return BEAM if along else "monoenergetic"
         at_start = Expectation(sample, ("thermal_speed", "a2"))
         away = at_start.values[:, 0] - [np.sqrt(law.dimension), 0.0]
         test = hotelling(away, at_start.replicates[:, :, 0])
@@ -181,7 +194,7 @@ def _fits(
     words = {"restitution": "restitution", "path": "number_density"}
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
     wanted, groups = " and ".join(words[name] for name in free), sample.groups
-    measured = Expectation(sample, averages_of(sample.law))
+    measured = Expectation(sample, averages_of(sample.law, start))
     # not time 0: the start does not depend on what is looked for
     usable = spread_in(errors(measured.replicates), measured.values) & (sample.times > 0)
     complete = sample.samples == sample.samples.max()

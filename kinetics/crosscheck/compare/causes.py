@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from kinetics.crosscheck.compare.fit import LIMITS, ChiSquare, Fit, choose, fit, hotelling, media_of
 from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.theory import Expectation, Point, SampledStart
+from kinetics.crosscheck.compare.theory import BEAM, Expectation, Point, SampledStart
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, number, numeral
 
@@ -94,8 +94,9 @@ def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[E
     law, start = measured.sample.law, measured.sample.start
     if cause.name == "components exchanged":
         yield from (
-            (measured.with_exchanged(axis, columns, what), point)
-            for axis in range(1, law.dimension if law.field else 1)
+            (measured.with_exchanged(axis, columns, what), point._replace(scatterers=medium))
+            for medium in media
+            for axis in range(1, law.dimension if "drift" in measured.names else 1)
             for what, columns in _EXCHANGED.items()
         )
     if law.field or cause.name == "components exchanged":
@@ -105,7 +106,7 @@ def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[E
     elif cause.name == "initial speeds":  # the data's own, or the other named start
         own = [SampledStart(start)] if start is not None and not point.own_start else []
         named = [] if start else sorted({"gaussian", "monoenergetic"} - {point.start})
-        changes = [{"start": one} for one in (*own, *named)]
+        changes = [{"start": one} for one in (*own, *named) if point.start != BEAM]
     elif cause.name == "speed unit" and point.own_start:
         return
     for change in changes:
@@ -114,7 +115,7 @@ def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[E
 
 def _starts(cause: Cause, told: Fit, point: Point) -> list[float]:
     """Where the fit of a parameter, or of its logarithm, begins."""
-    name, sample, values = cause.free, told.expectation.sample, told.expectation.values
+    name, sample, measured = cause.free, told.expectation.sample, told.expectation
     after = sample.times > 0
     if name == "restitution":
         return [point.restitution, 0.9, 0.5]
@@ -123,7 +124,8 @@ def _starts(cause: Cause, told: Fit, point: Point) -> list[float]:
     if name == "at_rest":
         return [0.0]
     if name in ("velocity_noise", "position_noise"):
-        square = values[0] ** 2 if name[0] == "v" else values[2]
+        of = measured.names.index("thermal_speed" if name[0] == "v" else "msd")
+        square = measured.values[of] ** (2 if name[0] == "v" else 1)
         least = float(square[after & (square > 0)].min(initial=1e9))
         return [share * least / sample.law.dimension for share in (0.02, 0.3, 0.9)]
     shifts = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)

@@ -17,7 +17,7 @@ from kinetics.crosscheck.compare.fit import (
     spread_out,
 )
 from kinetics.crosscheck.compare.result import ComparisonTest, Row
-from kinetics.crosscheck.compare.theory import DISPLACEMENT, SPEED
+from kinetics.crosscheck.compare.theory import BEAM, DISPLACEMENT, SPEED
 from kinetics.crosscheck.data.sample import EDGES, effective_groups
 from kinetics.crosscheck.words import Verdict, corrected_sigmas, gaussian_sigmas, judge_sigmas
 from kinetics.numerics.gauss import panels_between
@@ -54,7 +54,7 @@ def histograms_of(found: Fit) -> Iterator[Histogram]:
     # before three l/U sharp fronts take the solver long, and few tracers have collided; from
     # hundreds of single speeds it would take long
     late = times[times > 3 * point.path][-3:]
-    if late.size and not point.own_start:
+    if late.size and isinstance(point.start, str):
         known = expectation.solved(point, late, (DISPLACEMENT,), 1e-4)
         if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
             solved.append((DISPLACEMENT, sample.displacements, known))
@@ -77,7 +77,7 @@ def _histogram(
     independent = sample.grouping != "medium" or sample.free
     most = most_bins if independent else min(most_bins, most_freedom(behind) + 1)
     peak = None
-    if found.point.start == "monoenergetic":
+    if found.point.start in ("monoenergetic", BEAM):
         peak = 1.0 if name == SPEED else time
     starts = _merged(shares * samples, samples, most, fine, peak)
     if starts.size < 2:
@@ -186,7 +186,7 @@ def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Comparison
             verdicts += [judge_sigmas(corrected_sigmas(z, groups, looks)) for z, groups in each]
             # what the data exclude at every time, at 95 %: |d| + 2 sigma
             size = np.abs(found.theory[i, at] + (name == "a2"))
-            size = size.max() if found.expectation.sample.law.field else size
+            size = size.max() if "drift" in names else size  # signed, or from rest
             seen = np.abs(found.difference[i, at]) + 2 * found.error[i, at]
             within = float(np.max(seen / size))
         yield ComparisonTest(

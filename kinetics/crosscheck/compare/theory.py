@@ -11,22 +11,24 @@ from numpy.typing import NDArray
 from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
 from kinetics.errors import ToleranceWarning
+from kinetics.states.kinds import Beam
 from kinetics.states.state import LogMeasure, State
 
 Array = NDArray[np.float64]
 
 SPEED, DISPLACEMENT = "speed_density", "position_density"
+BEAM = Beam()  # all tracers start with the velocity U along x
 
 
 class Observable(NamedTuple):
     """How an observable is written (title, symbol, unit, in a text), how it is measured from means
-    m over tracers (None: a density), where it is compared ("field", "free" or "both"), the output
-    of a Solution, if of another name, and its component.
+    m over tracers (None: a density), where it is compared ("field", "free" or "both"; "along": in
+    a field and from a beam), the output of a Solution, if of another name, and its component.
 
     power: x^power, or ln x for 0, has an error that hardly depends on x (x is 1 + a2 for a2).
-    own_error: standard deviation of simulations from the theory of dense media, of x and divided by
-    n = rho d^2, before 30 l/U and from then on: tests/kinetics/measurements/density.py, rounded up;
-    twice for v0 before and for a2 after, whose deviations have one sign.
+    own_error: standard deviation of simulations from the theory of hard disks, of x (of v0 for the
+    drift) and divided by n = rho d^2, before 30 l/U and from then on; among overlapping disks twice
+    that: tests/kinetics/measurements/density.py, rounded up.
     """
 
     title: str
@@ -42,18 +44,18 @@ class Observable(NamedTuple):
 
 
 OBSERVABLES = {name: Observable(*words) for name, *words in (
-    ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
-     lambda m, law: m[VX], "field", "mean_velocity", (0,)),
+    ("drift", "Mean velocity along x", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
+     lambda m, law: m[VX], "along", "mean_velocity", (0,), None, (0.05, 0.05)),
     ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
-     lambda m, law: np.sqrt(m[V2]), "both", "", (), 0, (0.1, 0.05)),
+     lambda m, law: np.sqrt(m[V2]), "both", "", (), 0, (0.05, 0.05)),
     ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
-     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1, "free", "", (), -3, (0.15, 0.3)),
+     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1, "free", "", (), -3, (0.13, 0.25)),
     ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
      lambda m, law: m[R2], "free", "", (), 0, (0.1, 0.1)),
     ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
-     "⟨r⁴⟩/⟨r²⟩²", lambda m, law: m[R4] / m[R2] ** 2, "free", "", (), -3, (0.1, 0.1)),
-    ("mean_displacement", "Mean displacement along the field", r"$\langle x\rangle$", "d", "⟨x⟩",
-     lambda m, law: m[X], "field", "", (0,)),
+     "⟨r⁴⟩/⟨r²⟩²", lambda m, law: m[R4] / m[R2] ** 2, "free", "", (), -3, (0.12, 0.12)),
+    ("mean_displacement", "Mean displacement along x", r"$\langle x\rangle$", "d", "⟨x⟩",
+     lambda m, law: m[X], "along", "", (0,), None, (0.2, 0.2)),
     ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "var x",
      lambda m, law: m[X2] - m[X] ** 2, "field", "displacement_tensor", (0, 0)),
     ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "var y",
@@ -66,9 +68,13 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
 """Everything that is compared, in the order of the page: a new average is one row."""
 
 
-def averages_of(law: Law) -> tuple[str, ...]:
+def averages_of(law: Law, start: Any) -> tuple[str, ...]:
     """The averages that are compared under a law: of driven tracers without the kurtosis."""
-    where = ("both", "field" if law.field else "free")
+    where = (
+        "both",
+        "field" if law.field else "free",
+        "along" if law.field or start == BEAM else "",
+    )
     every = [k for k, x in OBSERVABLES.items() if x.measured and x.where in where]
     if law.capture_speed:  # places are not those of all that move
         every = [k for k in every if k in ("drift", "thermal_speed", "a2")]
@@ -121,7 +127,7 @@ class Point(NamedTuple):
         if self.own_start:
             return "the data's own speeds at time 0"
         named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
-        return named.get(self.start, str(self.start))
+        return named.get(self.start, "a beam along x" if self.start == BEAM else str(self.start))
 
 
 class Expectation:
@@ -186,6 +192,9 @@ class Expectation:
         law, left, changed = self.sample.law, 1 - point.at_rest, values.copy()
         d, after = law.dimension, self.sample.times > 0
         of_v, of_r = point.velocity_noise * after, point.position_noise * after
+        for name, unit in (("drift", point.speed_unit), ("mean_displacement", point.length_unit)):
+            if name in self.names:
+                changed[self.names.index(name)] *= left * unit
         for second, fourth, ratio, power, unit, noise in (
             ("thermal_speed", "a2", law.gaussian, 2, point.speed_unit, of_v),
             ("msd", "kurtosis", 1.0, 1, point.length_unit, of_r),
@@ -227,8 +236,12 @@ class Expectation:
         late = times >= 30 * point.path
         share = np.array([np.where(late, *OBSERVABLES[name].own_error[::-1]) for name in names])
         size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
+        if "drift" in names:
+            size[names.index("drift")] = theory[names.index("thermal_speed")]
+        if point.scatterers == "overlapping":
+            share *= 2
         error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
-        # errors at two times are correlated by exp(-|ln(t/t')|/ln 10)
+        # smooth over a decade of time, as simulations have it
         logs = np.log10(np.where(times > 0, times, 1.0))
-        correlation = np.exp(-np.abs(logs[:, None] - logs))
+        correlation = np.exp(-((logs[:, None] - logs) ** 2) / 2)
         return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))

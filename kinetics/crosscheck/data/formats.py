@@ -49,14 +49,15 @@ def read(source: Path | Mapping[str, Any], asked: Asked) -> Any:
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Rows:
     """Columns of one length, or arrays of frames, by the names of the file."""
     if {*FRAMES} <= {*arrays}:
-        return tracks.rows_of_arrays(where, asked, *(arrays[name] for name in FRAMES))
+        labels = {name: arrays[name] for name in tracks.LABELS if name in arrays}
+        return tracks.rows_of_arrays(where, asked, *(arrays[name] for name in FRAMES), **labels)
     return tracks.rows_of(where, arrays, asked)
 
 
 def _chosen(where: str, names: Sequence[str], asked: Asked) -> list[str]:
     """The names of those arrays that are read."""
     if {*FRAMES} <= {*names}:
-        return [*FRAMES]
+        return [name for name in (*FRAMES, *tracks.LABELS) if name in names]
     return [*tracks.find_columns(where, names, asked).values()]
 
 

@@ -26,8 +26,8 @@ from kinetics.validation import refuse
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-# columns of the sums: samples, powers of speed and displacement; in a field v_x, x, x^2 too, and
-# the same of the other axes
+# columns of the sums: samples, powers of speed and displacement; in a field and from a beam v_x, x,
+# x^2 too, and the same of the other axes
 N, V2, V4, R2, R4, VX, X, X2 = range(8)
 # groups at most: primes, so that labels with a regular pattern spread over all of them; an error
 # from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
@@ -88,7 +88,8 @@ class Law:
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times (n_times,) in d/U, rising.
 
-    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; in a field v_x, x, x^2, v_y, ... too
+    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; in a field, or if all start with one
+        velocity, v_x, x, x^2, v_y, ... too
     at_rest : (n_times,), how many have speed zero
     grouping : what a group is made of: "medium", "tracer" or "row"
     speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
@@ -127,13 +128,15 @@ class Sample:
 
 
 def reduced(
-    tracks: Tracks, label: Any, names: tuple[str, ...], grouping: str, with_field: bool = False
+    tracks: Tracks, label: Any, names: tuple[str, ...], grouping: str, with_axes: bool = False
 ) -> Sample:
     """The sums over groups of tracers; label (n,): whole numbers that say what belongs together."""
     # Another file's labels begin elsewhere, so that small runs do not fall on each other.
     group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
     count, bins = tracks.times.size, EDGES.size + 1
-    axes = tracks.place.shape[2] if with_field else 0
+    first = tracks.velocity[0] - np.nanmean(tracks.velocity[0], axis=0)
+    with_axes |= tracks.times[0] == 0 and np.nanmax(np.abs(first)) < 1e-9
+    axes = tracks.place.shape[2] if with_axes else 0
     sums = np.zeros((MOST_GROUPS, count, VX + 3 * axes))
     scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
     counts = np.zeros((2, HISTOGRAM_GROUPS, count, bins), np.int32)
@@ -280,7 +283,7 @@ def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Samp
             f"{known}: errors are by tracer. Tracers that share scatterers are not independent: "
             "their errors are larger than these."
         )
-    sample = reduced(tracks, labels, names, by, asked.with_field)
+    sample = reduced(tracks, labels, names, by, asked.with_axes)
     if sample.groups < 2:
         bad(", ".join(names), "one tracer" if n else "no tracer", "two tracers at least")
     if by == "row":

@@ -43,7 +43,7 @@ def bad(where: str, got: Any, must: str) -> NoReturn:
 class Asked:
     """What the user says about data, as `compare` has it; InputError for what is not allowed.
 
-    with_field : whether the data were in a field, where speeds rise
+    with_axes : whether means along each axis matter, as in a field
     units : U, d and d/U in the data's units
     """
 
@@ -54,7 +54,7 @@ class Asked:
     columns: Any = None
     timestep: float | None = None
     dimension: int | None = None
-    with_field: bool = False
+    with_axes: bool = False
     type: str | int | None = None
     units: dict[str, float] = field(init=False)
 
