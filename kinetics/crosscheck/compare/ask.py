@@ -54,7 +54,7 @@ def compare_data(
     data : a file, several files (as `lorentz compare --help` says), a DataFrame or a dictionary of
         arrays with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and
         medium, (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
-        dimension); a run of `simulate`
+        dimension), and tracer and medium (n_tracers,); a run of `simulate`
     restitution : 0 to 1, or of the impact speed as in a Scene; None: as a run says, or fitted
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
     initial : "gaussian", "monoenergetic", "beam" (all with the velocity U along x), "data" (the

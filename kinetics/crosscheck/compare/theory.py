@@ -68,7 +68,7 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
 """Everything that is compared, in the order of the page: a new average is one row."""
 
 
-def averages_of(law: Law, start: Any) -> tuple[str, ...]:
+def averages_of(law: Law, start: Any = "gaussian") -> tuple[str, ...]:
     """The averages that are compared under a law: of driven tracers without the kurtosis."""
     where = (
         "both",

@@ -223,20 +223,25 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
 
 
 @cache
-def in_a_field(dimension: int) -> dict[str, Any]:
-    told = {"restitution": 0.7, "field": 0.05, "times": TIMES}
+def along_x(field: float, dimension: int) -> dict[str, Any]:
+    """Tracers that fall, or start, along x."""
+    told = {"restitution": 0.7, "field": field, "times": TIMES}
+    if not field:
+        told |= {"times": [0.0, *TIMES], "initial": np.eye(dimension)[[0] * 50]}
     return arrays_of(simulated(medium=BoltzmannGrad(DENSITY, dimension=dimension), **told))
 
 
+@pytest.mark.parametrize("field", [0.05, 0.0])
 @pytest.mark.parametrize(
     ("axis", "what"),
     [(1, "positions"), (1, "velocities"), (1, "positions and velocities"), (2, "velocities")],
 )
-def test_exchanged_components_are_seen_and_named_in_a_field(axis: int, what: str) -> None:
-    data = {k: v.copy() for k, v in in_a_field(axis + 1).items()}
+def test_exchanged_components_are_seen_and_named(field: float, axis: int, what: str) -> None:
+    data = {k: v.copy() for k, v in along_x(field, axis + 1).items()}
     for name in what.split(" and "):
         data[name][..., [0, axis]] = data[name][..., [axis, 0]]
-    result = compare(data, 0.7, DENSITY, field=0.05, dimension=axis + 1)
+    told = {"field": field, "dimension": axis + 1, "initial": "auto" if field else "beam"}
+    result = compare(data, 0.7, DENSITY, **told)
     assert (result.verdict, result.explanations[0].outcome) == ("differs", "explains")
     assert f"an exchange of x and {'xyz'[axis]} of the {what} explains it" in result.summary
 
@@ -244,7 +249,7 @@ def test_exchanged_components_are_seen_and_named_in_a_field(axis: int, what: str
 @pytest.mark.parametrize("wrong", [{"restitution": 0.6}, {"number_density": 0.05}])
 def test_components_that_are_not_exchanged_are_not_named(wrong: dict[str, float]) -> None:
     told = {"restitution": 0.7, "number_density": DENSITY} | wrong
-    result = compare(in_a_field(2), **told, field=0.05)
+    result = compare(along_x(0.05, 2), **told, field=0.05)
     assert (result.verdict, explained(result, "components exchanged").outcome) == (
         "differs", "does not"
     )  # fmt: skip
