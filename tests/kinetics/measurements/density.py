@@ -4,10 +4,10 @@ For each medium, restitution and density the deviation of <r^2> and v0 (simulati
 1, in per cent) at times in l/U, for the dilute equation and the orders of the theory, and the
 standard errors of the simulation. The second order is fitted so that its rows vanish at late times.
 
-Then the error that the theory has of its own, for `lorentz compare`: root mean squares, at each
-density over restitutions, media and times, of the relative deviation of simulations from the
-theory, less the simulations' own variance, divided by the density n; before 30 l/U, and from then
-on. kinetics/crosscheck/compare/theory.py has them, rounded up.
+Then the error that the theory has of its own, for `lorentz compare`: root mean squares, for each
+medium and density over restitutions and times, of the relative deviation of simulations from the
+theory (<v(0).v>: over v0(0) v0(t)), less the simulations' own variance, divided by the density n;
+before 30 l/U, and from then on. kinetics/crosscheck/compare/theory.py has them, rounded up.
 
     python -m tests.kinetics.measurements.density [tracers]     40 minutes with 400,000
 """
@@ -29,7 +29,7 @@ MEDIA = 1000  # a tracer or two of each: those of one medium start near each oth
 TIMES = np.array([5.0, 30.0, 100.0, 300.0, 1000.0])  # in l/U, l = 1/(2 n)
 ELASTIC_TIMES = np.array([10.0, 30.0, 60.0, 100.0])
 ALL_TIMES = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 100.0, 200.0, 500.0, 1000.0])
-AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
+AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis", "velocity_autocorrelation")
 
 
 def simulated(name: str, e: float, n: float, times: FloatArray, tracers: int) -> Ensemble:
@@ -63,7 +63,7 @@ def squares(name: str, e: float, n: float, tracers: int) -> dict[str, FloatArray
     found = {}
     for average in AVERAGES:
         data, theory = getattr(run, average), getattr(exact, average)
-        size = 1.0 + theory if average == "a2" else theory
+        size = {"a2": 1.0 + theory, AVERAGES[-1]: 2**0.5 * exact.thermal_speed}.get(average, theory)
         found[average] = ((data.value - theory) ** 2 - data.error**2) / (n * size) ** 2
     return found
 
@@ -76,13 +76,13 @@ if __name__ == "__main__":
         print(f"{name}, n = {n:g}, e = {e:g}: <r^2> and v0")
         for row, (msd, speed) in deviations(name, e, n, tracers).items():
             print(f"{row:>8}", *(f"{x:6.2f}" for x in msd), "  ", *(f"{x:6.2f}" for x in speed))
-    for n in (0.02, 0.04, 0.06, 0.1):
+    for name, n in itertools.product(("hard disks", "overlapping"), (0.02, 0.04, 0.06, 0.1)):
         every: dict[tuple[str, str], list[float]] = {}
-        for e, name in itertools.product((0.4, 0.55, 0.7, 0.9, 1.0), ("hard disks", "overlapping")):
+        for e in (0.4, 0.55, 0.7, 0.9, 1.0):
             for average, values in squares(name, e, n, tracers).items():
                 early = ALL_TIMES[: values.size] < SETTLED
                 every.setdefault((average, "before"), []).append(float(values[early].mean()))
                 every.setdefault((average, "after"), []).append(float(values[~early].mean()))
         for (average, when), means in every.items():
             size = np.sqrt(max(np.mean(means), 0))
-            print(f"n = {n:g}: {average:>13} {when:>6} {SETTLED:g} l/U: {size:.2f} n")
+            print(f"{name}, n = {n:g}: {average} {when} {SETTLED:g} l/U: {size:.2f} n")
