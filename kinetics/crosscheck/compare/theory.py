@@ -227,8 +227,8 @@ class Expectation:
         return found
 
     def own_covariance(self, point: Point, theory: Array) -> Array | None:
-        """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages, which
-        are independent for different names. None for dilute scatterers.
+        """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages. None
+        for dilute scatterers. Of v0 and <r^2> it is one error, of the collision rate.
         """
         if point.scatterers == "dilute":
             return None
@@ -244,4 +244,6 @@ class Expectation:
         # smooth over a decade of time, as simulations have it
         logs = np.log10(np.where(times > 0, times, 1.0))
         correlation = np.exp(-((logs[:, None] - logs) ** 2) / 2)
-        return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))
+        between, pair = np.eye(len(names)), [names.index(x) for x in ("thermal_speed", "msd")]
+        between[pair, pair[::-1]] = 0.9
+        return np.asarray(np.kron(between, correlation) * np.outer(error, error))
