@@ -260,7 +260,7 @@ def _displacements(tracks: Tracks, where: str, asked: Asked) -> tuple[Tracks, li
     far = math.sqrt(max(float(np.nanmean(size_of(at) ** 2)) for at in tracks.place))
     # the farthest tracer is not quite at the edge of the region that they come from
     away = np.nanmax(np.abs(place - (low + high) / 2), axis=(0, 1))
-    if np.all(away <= (high - low) * (0.5 + 5 / n)) and n * far >= 20 * least > 0:
+    if np.all(away <= (high - low) * (0.5 + 10 / n)) and n * far >= 20 * least > 0:
         got = f"some that look wrapped in a box, within {low} to {high} d, for moves of {far:.4g} d"
         bad(f"{where}: positions", got, "unwrapped")
     said = "Each tracer's own place at time 0, not the origin, was subtracted from its positions."
