@@ -166,6 +166,12 @@ class March:
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         """What densities need of an accepted step that begins now and is h long."""
 
+    def _slowed(
+        self, equation: Equation, f: FloatArray, now: float, values: FloatArray
+    ) -> tuple[Equation, FloatArray]:
+        """What goes on after a step; values : `ALL` by now, (1, n_averages)."""
+        return equation, f
+
     def _run(self, equation: Equation, f: FloatArray, fastest: float) -> None:
         """From f on, up to the last time or beyond it; fastest : the highest speed in f."""
         self.values, self.steps = np.zeros((self.times.size, len(ALL))), 0
@@ -196,7 +202,8 @@ class March:
             self.values[inside] = np.hstack([found, made])
             self._keep(now, h, stages + early)
             self.steps += 1
-            now, f, totals = now + h, stages[-1], grown[-1]
+            now, totals = now + h, grown[-1]
+            equation, f = self._slowed(equation, stages[-1], now, np.hstack([total, grown])[-1:])
             if rough * _SMOOTH < allowed or tried >= self.most_steps:
                 h *= 2.0
 
@@ -241,22 +248,47 @@ class Evolution(March):
     def __post_init__(self) -> None:
         one, last = self.resolution, max(float(self.times[-1]), SHORTEST_TIME)
         d = self.law.dimension
-        highest = System(self.law, d, field=1.0).top(TAIL * one.rtol, last, self.start.highest)
+        system, tail = System(self.law, d, field=1.0), TAIL * one.rtol
+        highest = system.top(tail, last, self.start.highest)
+        self._lasting = system.top(tail, last)
         # below 1/t, no tracer has collided by the time t
         lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
-        self.axis = SpeedPanels.rising(highest, lowest, one.nodes)
+        self.axis = self._left = SpeedPanels.rising(highest, lowest, one.nodes)
         self.families = 1 if self.start.is_symmetric else 2
         of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
-        fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
-        speeds, self._loss = self.axis.speeds, loss_matrices(self.axis, self.law, one.harmonics)
-        chain = Chain(d, self._loss, self.axis.slopes(d), 1.0 / speeds)
-        self._volume = speeds ** (d - 1.0) * self.axis.weights
-        self.equation = Equation(chain, fields, speeds, self._volume, speeds)
-        f = np.zeros((len(fields), one.harmonics + 1, speeds.size))
+        self._fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
+        self._loss = loss_matrices(self.axis, self.law, one.harmonics)
+        f = np.zeros((len(self._fields), one.harmonics + 1, self.axis.size))
         if self.start.velocities is None:
             sums = self.start.projected(self.axis, one.harmonics + 1, self.families, self.state)
             f[: self.families] = sums / self._volume
-        self._run(self.equation, f, self.start.highest)
+        self._run(self._equation(), f, self.start.highest)
+
+    def _equation(self) -> Equation:
+        """On the panels that are left: no collision makes a tracer faster."""
+        v, d, n = self._left.speeds, self.law.dimension, self._left.size
+        chain = Chain(d, self._loss[:, :n, :n], self._left.slopes(d), 1.0 / v)
+        return Equation(chain, self._fields, v, self._volume, v)
+
+    @property
+    def _volume(self) -> FloatArray:
+        return self._left.speeds ** (self.law.dimension - 1.0) * self._left.weights
+
+    def _slowed(
+        self, equation: Equation, f: FloatArray, now: float, values: FloatArray
+    ) -> tuple[Equation, FloatArray]:
+        """Without the highest panel once fewer tracers are there than above the top at the end."""
+        left, tail = self._left, TAIL * self.resolution.rtol
+        if left.edges[-2] < self._lasting:
+            return equation, f
+        fast, velocities = f.copy(), self.start.velocities
+        fast[..., : left.parts[-1].start] = 0.0
+        missed = np.append(equation.averages(fast[None]), np.zeros(len(INTEGRALS)))
+        early = 0.0 if velocities is None else velocities.uncollided(now).sum()
+        if max(self._relative(missed[None], values), early) > tail:
+            return equation, f
+        self._left = SpeedPanels(left.edges[:-1], left.counts[:-1])
+        return self._equation(), f[..., : self._left.size]
 
     @property
     def finer(self) -> Resolution | None:
@@ -275,7 +307,7 @@ class Evolution(March):
         if velocities is None:
             return None
         count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
-        sums = velocities.projected(fine, self.axis, count, self.equation.fields)
+        sums = velocities.projected(fine, self._left, count, self._fields)
         early = radau.projected(sums / self._volume)
         return early, self._gained(early[1:])
 
@@ -283,8 +315,12 @@ class Evolution(March):
         if self.state is not None:
             families, of = self.families, norms(stages.shape[2], self.law.dimension)
             made = self._gained(stages[:, :families] / of[:families])
-            self.made.append((now, h, made * self.axis.speeds))
+            made = np.pad(
+                made * self._left.speeds, [(0, 0)] * 3 + [(0, self.axis.size - self._left.size)]
+            )
+            self.made.append((now, h, made))
 
     def _gained(self, f: FloatArray) -> FloatArray:
         """What sums (..., M + 1, size) gain by collisions per unit time."""
-        return self.axis.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f)
+        n = self._left.size
+        return self._left.speeds * f - np.einsum("mij,...mj->...mi", self._loss[:, :n, :n], f)
