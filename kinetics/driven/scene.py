@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bisect
 import math
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -124,7 +124,13 @@ class DrivenScene(FieldScene):
         alike = not self.system.field and (there == 0 or not directed)
         names = self._asked | ({"1"} if self.system.capture_speed else set())
         asked = names, DENSITIES in self.allowed, alike
-        solve = partial(_Evolution, self.system, self.state, times, *asked)
+
+        def solve(one: Resolution) -> _Evolution:
+            # long steps and short ones in turn: ever shorter ones would be lost in rounding
+            rtol = one.rtol if one.rtol > 0.1 * first.rtol else first.rtol
+            one = replace(one, rtol=rtol)
+            return _Evolution(self.system, self.state, times, *asked, one)
+
         return refined(solve, first, self._apart, self.allowed)
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:

@@ -61,7 +61,8 @@ def refined(
     while least > 1.0 and (more := last.finer) is not None:
         before, last = last, solve(more)
         found = apart(last, before)
-        worst = max(found[name] / most for name, most in allowed.items())
+        # above 1 no digit is known: there more may not be worse
+        worst = max(min(found[name], 1.0) / most for name, most in allowed.items())
         if worst < least:
             best, errors, least = last, found, worst
         elif worst > worse * least:  # rounding grows
