@@ -165,8 +165,10 @@ class System:
         dv = np.gradient(v)
         steady = np.cumsum(np.minimum(drift / spread, flight) * dv)
         rising = np.cumsum(dv / np.sqrt(spread)) ** 2 / (4.0 * max(time, 1e-300))
-        if self.bath_speed:  # one collision gives more than diffusion does
+        if self.bath_speed:  # one collision gives more than diffusion does, early or against drag
             rising = np.minimum(rising, 0.5 * (v / (2.0 * self.bath_speed)) ** 2)
+            kicked = self.bath_speed * float(self.impulse(v).max())
+            steady = np.minimum(steady, 0.5 * (v / kicked) ** 2)
         needed = math.log(1.0 / tolerance) + 8.0
         reached = float(np.interp(needed, np.maximum(steady, rising), v))
         return max(math.hypot(reached, start), _LEAST_TOP)
