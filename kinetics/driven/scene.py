@@ -70,9 +70,17 @@ class _Evolution(March):
         begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
         begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
         self.sums = np.zeros((times.size, *begin.shape[1:]))
-        self._run(equation, begin, fastest)
-        if isinstance(state, Rest):  # at time 0 all but "1" is 0, not what rounding leaves
-            self.values[np.ix_(times == 0.0, np.array(ALL) != "1")] = 0.0
+        self.values, self.steps = np.zeros((times.size, len(ALL))), 0
+        self.sums[:] = begin[0]
+        if times[-1] > 0.0:
+            self._run(equation, begin, fastest)
+        # at time 0 all is known from the start
+        known = dict.fromkeys(ALL, 0.0) | {"1": 1.0}
+        for name, power, m in (("v_x", 1, 1), ("v^2", 2, 0), ("v^4", 4, 0), ("v^2 cos 2", 2, 2)):
+            measure = measures[m] if m < len(measures) else None
+            if measure is not None and not isinstance(state, Rest):
+                known[name] = float(measure.weight.real @ np.exp(power * measure.x))
+        self.values[times == 0.0] = list(known.values())
 
     @property
     def finer(self) -> Resolution | None:

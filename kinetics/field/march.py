@@ -48,14 +48,16 @@ T = TypeVar("T")
 
 def refined(
     solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
-    allowed: Mapping[str, float], worse: float = 10.0,
+    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4,
 ) -> tuple[T, dict[str, float]]:  # fmt: skip
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
     solve : from a resolution to a solution, whose ``finer`` is the next one, None at the end
     apart : the errors by their names, of which those in ``allowed`` decide
     worse : by so much an error may be larger than one before, and finer ones are tried
+    patience : so many finer solutions in a row must halve it
     """
+    past: list[float] = []
     best: Any = solve(first)
     last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
     while least > 1.0 and (more := last.finer) is not None:
@@ -67,6 +69,10 @@ def refined(
             best, errors, least = last, found, worst
         elif worst > worse * least:  # rounding grows
             break
+        if max(found[name] for name in allowed) < 1.0:
+            past.append(worst)
+        if min(past[-patience:], default=0.0) > 0.5 * min(past[:-patience], default=math.inf):
+            break  # a front in a density, or rounding
     return best, errors
 
 
