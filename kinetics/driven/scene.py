@@ -134,9 +134,9 @@ class DrivenScene(FieldScene):
         asked = names, DENSITIES in self.allowed, alike
 
         def solve(one: Resolution) -> _Evolution:
-            # long steps and short ones in turn: ever shorter ones would be lost in rounding
-            rtol = one.rtol if one.rtol > 0.1 * first.rtol else first.rtol
-            one = replace(one, rtol=rtol)
+            # in the end two lengths of steps in turn: ever shorter ones would be lost in rounding
+            short = one.rtol < 0.005 * first.rtol
+            one = replace(one, rtol=25.0 * one.rtol if short else one.rtol)
             return _Evolution(self.system, self.state, times, *asked, one)
 
         return refined(solve, first, self._apart, self.allowed)

@@ -260,7 +260,7 @@ class Evolution(March):
         self._lasting = system.top(tail, last)
         # below 1/t, no tracer has collided by the time t
         lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
-        self.axis = self._left = SpeedPanels.rising(highest, lowest, one.nodes)
+        self.axis = self.left = SpeedPanels.rising(highest, lowest, one.nodes)
         self.families = 1 if self.start.is_symmetric else 2
         of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
         self._fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
@@ -273,19 +273,19 @@ class Evolution(March):
 
     def _equation(self) -> Equation:
         """On the panels that are left: no collision makes a tracer faster."""
-        v, d, n = self._left.speeds, self.law.dimension, self._left.size
-        chain = Chain(d, self._loss[:, :n, :n], self._left.slopes(d), 1.0 / v)
+        v, d, n = self.left.speeds, self.law.dimension, self.left.size
+        chain = Chain(d, self._loss[:, :n, :n], self.left.slopes(d), 1.0 / v)
         return Equation(chain, self._fields, v, self._volume, v)
 
     @property
     def _volume(self) -> FloatArray:
-        return self._left.speeds ** (self.law.dimension - 1.0) * self._left.weights
+        return self.left.speeds ** (self.law.dimension - 1.0) * self.left.weights
 
     def _slowed(
         self, equation: Equation, f: FloatArray, now: float, values: FloatArray
     ) -> tuple[Equation, FloatArray]:
         """Without the highest panel once fewer tracers are there than above the top at the end."""
-        left, tail = self._left, TAIL * self.resolution.rtol
+        left, tail = self.left, TAIL * self.resolution.rtol
         if left.edges[-2] < self._lasting:
             return equation, f
         fast, velocities = f.copy(), self.start.velocities
@@ -294,8 +294,8 @@ class Evolution(March):
         early = 0.0 if velocities is None else velocities.uncollided(now).sum()
         if max(self._relative(missed[None], values), early) > tail:
             return equation, f
-        self._left = SpeedPanels(left.edges[:-1], left.counts[:-1])
-        return self._equation(), f[..., : self._left.size]
+        self.left = SpeedPanels(left.edges[:-1], left.counts[:-1])
+        return self._equation(), f[..., : self.left.size]
 
     @property
     def finer(self) -> Resolution | None:
@@ -314,7 +314,7 @@ class Evolution(March):
         if velocities is None:
             return None
         count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
-        sums = velocities.projected(fine, self._left, count, self._fields)
+        sums = velocities.projected(fine, self.left, count, self._fields)
         early = radau.projected(sums / self._volume)
         return early, self._gained(early[1:])
 
@@ -323,11 +323,11 @@ class Evolution(March):
             families, of = self.families, norms(stages.shape[2], self.law.dimension)
             made = self._gained(stages[:, :families] / of[:families])
             made = np.pad(
-                made * self._left.speeds, [(0, 0)] * 3 + [(0, self.axis.size - self._left.size)]
+                made * self.left.speeds, [(0, 0)] * 3 + [(0, self.axis.size - self.left.size)]
             )
             self.made.append((now, h, made))
 
     def _gained(self, f: FloatArray) -> FloatArray:
         """What sums (..., M + 1, size) gain by collisions per unit time."""
-        n = self._left.size
-        return self._left.speeds * f - np.einsum("mij,...mj->...mi", self._loss[:, :n, :n], f)
+        n = self.left.size
+        return self.left.speeds * f - np.einsum("mij,...mj->...mi", self._loss[:, :n, :n], f)

@@ -162,13 +162,20 @@ class System:
             spread = noise + bath + g * g / (self.dimension * turn * v)
             flight = 1.0 / (np.sqrt(noise / v) + g / v) if g or noise else np.full(v.shape, np.inf)
             flight = flight + (self.drag * v / noise if noise else 0.0)
-        dv = np.gradient(v)
-        steady = np.cumsum(np.minimum(drift / spread, flight) * dv)
+        dv, rise = np.gradient(v), np.minimum(drift / spread, flight)
+        if self.bath_speed:  # strong drag leaves no time for diffusion: a few kicks give speed
+            kicked, mild = (
+                self.bath_speed * float(self.impulse(v).max()),
+                0.25 * loss * v * v / bath,
+            )
+            against, few = self.drag * v / np.maximum(v, self.bath_speed), drift / spread
+            for _ in range(9):  # few dE/dv, of which kicks by kicked make up for the drag
+                few = mild + np.sqrt(mild**2 + 2.0 * np.log1p(against * few) / kicked**2)
+            rise = np.minimum(rise, few)
+        steady = np.cumsum(rise * dv)
         rising = np.cumsum(dv / np.sqrt(spread)) ** 2 / (4.0 * max(time, 1e-300))
-        if self.bath_speed:  # one collision gives more than diffusion does, early or against drag
+        if self.bath_speed:  # one collision gives more than diffusion does
             rising = np.minimum(rising, 0.5 * (v / (2.0 * self.bath_speed)) ** 2)
-            kicked = self.bath_speed * float(self.impulse(v).max())
-            steady = np.minimum(steady, 0.5 * (v / kicked) ** 2)
         needed = math.log(1.0 / tolerance) + 8.0
         reached = float(np.interp(needed, np.maximum(steady, rising), v))
         return max(math.hypot(reached, start), _LEAST_TOP)
