@@ -21,7 +21,6 @@ from kinetics.field.scene import DENSITIES, FieldScene
 from kinetics.field.starts import Start
 from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.states.kinds import Rest
 from kinetics.states.state import State
 
 _RANGE = 6.0  # of the highest speeds at times that are solved together
@@ -77,9 +76,8 @@ class _Evolution(March):
         # at time 0 all is known from the start
         known = dict.fromkeys(ALL, 0.0) | {"1": 1.0}
         for name, power, m in (("v_x", 1, 1), ("v^2", 2, 0), ("v^4", 4, 0), ("v^2 cos 2", 2, 2)):
-            measure = measures[m] if m < len(measures) else None
-            if measure is not None and not isinstance(state, Rest):
-                known[name] = float(measure.weight.real @ np.exp(power * measure.x))
+            if m < len(measures) and (points := measures[m]) is not None:
+                known[name] = float(points.weight.real @ np.exp(power * points.x))
         self.values[times == 0.0] = list(known.values())
 
     @property
@@ -135,9 +133,8 @@ class DrivenScene(FieldScene):
 
         def solve(one: Resolution) -> _Evolution:
             # in the end two lengths of steps in turn: ever shorter ones would be lost in rounding
-            short = one.rtol < 0.005 * first.rtol
-            one = replace(one, rtol=25.0 * one.rtol if short else one.rtol)
-            return _Evolution(self.system, self.state, times, *asked, one)
+            rtol = one.rtol * (25.0 if one.rtol < 0.005 * first.rtol else 1.0)
+            return _Evolution(self.system, self.state, times, *asked, replace(one, rtol=rtol))
 
         return refined(solve, first, self._apart, self.allowed)
 

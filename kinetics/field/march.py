@@ -173,9 +173,7 @@ class March:
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         """What densities need of an accepted step that begins now and is h long."""
 
-    def _slowed(
-        self, equation: Equation, f: FloatArray, now: float, values: FloatArray
-    ) -> tuple[Equation, FloatArray]:
+    def _slowed(self, equation: Equation, f: Any, now: float, values: Any) -> tuple[Equation, Any]:
         """What goes on after a step; values : `ALL` by now, (1, n_averages)."""
         return equation, f
 
@@ -265,25 +263,21 @@ class Evolution(March):
         of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
         self._fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
         self._loss = loss_matrices(self.axis, self.law, one.harmonics)
+        equation = self._equation()
         f = np.zeros((len(self._fields), one.harmonics + 1, self.axis.size))
         if self.start.velocities is None:
             sums = self.start.projected(self.axis, one.harmonics + 1, self.families, self.state)
             f[: self.families] = sums / self._volume
-        self._run(self._equation(), f, self.start.highest)
+        self._run(equation, f, self.start.highest)
 
     def _equation(self) -> Equation:
         """On the panels that are left: no collision makes a tracer faster."""
         v, d, n = self.left.speeds, self.law.dimension, self.left.size
+        self._volume = v ** (d - 1.0) * self.left.weights
         chain = Chain(d, self._loss[:, :n, :n], self.left.slopes(d), 1.0 / v)
         return Equation(chain, self._fields, v, self._volume, v)
 
-    @property
-    def _volume(self) -> FloatArray:
-        return self.left.speeds ** (self.law.dimension - 1.0) * self.left.weights
-
-    def _slowed(
-        self, equation: Equation, f: FloatArray, now: float, values: FloatArray
-    ) -> tuple[Equation, FloatArray]:
+    def _slowed(self, equation: Equation, f: Any, now: float, values: Any) -> tuple[Equation, Any]:
         """Without the highest panel once fewer tracers are there than above the top at the end."""
         left, tail = self.left, TAIL * self.resolution.rtol
         if left.edges[-2] < self._lasting:
@@ -322,10 +316,9 @@ class Evolution(March):
         if self.state is not None:
             families, of = self.families, norms(stages.shape[2], self.law.dimension)
             made = self._gained(stages[:, :families] / of[:families])
-            made = np.pad(
-                made * self.left.speeds, [(0, 0)] * 3 + [(0, self.axis.size - self.left.size)]
-            )
-            self.made.append((now, h, made))
+            every = np.zeros((*made.shape[:-1], self.axis.size))
+            every[..., : self.left.size] = made * self.left.speeds
+            self.made.append((now, h, every))
 
     def _gained(self, f: FloatArray) -> FloatArray:
         """What sums (..., M + 1, size) gain by collisions per unit time."""

@@ -178,6 +178,24 @@ def test_rest_at_time_zero_is_no_error(drive):
     assert (found.thermal_speed[0], found.msd[0]) == (0.0, 0.0)
 
 
+def test_time_zero_is_known_from_the_start():
+    """Of a start of many speeds it was not reached, in seconds, and 14 times too large."""
+    start = lambda v: np.exp(-(np.log(v) ** 2) / 2.0) / math.sqrt(2.0 * math.pi) / v  # noqa: E731
+    asked = {"outputs": ("thermal_speed", "a2"), "bath_speed": 1e-3, "heating": 1e-4}
+    found = solve(one_l(0.7, initial=start, times=[0.0], **asked), rtol=1e-6)
+    assert (found.thermal_speed[0], found.a2[0]) == pytest.approx((math.e, math.e**4 / 2.0 - 1.0))
+
+
+def test_strong_drag_in_a_bath():
+    """The top was that of diffusion, below what one collision gives: 1e-2 off after 20 s."""
+    system = {"bath_speed": 0.1, "drag": 1.25}
+    state = solve_steady(0.5, **system, rtol=1e-6)
+    late = solve(one_l(0.5, initial="rest", times=[1.6, 16.0], **system), rtol=1e-4)
+    assert late.thermal_speed[1] == pytest.approx(state.thermal_speed, rel=1e-4)
+    # particles: .04723(38), .04678(35)
+    assert late.thermal_speed == pytest.approx([0.04683993, 0.04728954], rel=1e-4)
+
+
 @pytest.mark.parametrize(("e", "slow", "t"), [(0.0, 0.034, 59.0), (0.9, 0.096, 662.0)])
 def test_the_error_of_the_share_that_sticks_is_in_the_estimate(e, slow, t):
     """Averages over those that move had the error of their sum only: 1e-5 said, 2e-3 off."""
