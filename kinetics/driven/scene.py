@@ -68,9 +68,8 @@ class _Evolution(March):
         equation = Equation(one.chain, fields, axis.speeds, np.ones(axis.size), one.rate)
         begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
         begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
-        self.sums = np.zeros((times.size, *begin.shape[1:]))
+        self.sums = np.repeat(begin[:1], times.size, axis=0)
         self.values, self.steps = np.zeros((times.size, len(ALL))), 0
-        self.sums[:] = begin[0]
         if times[-1] > 0.0:
             self._run(equation, begin, fastest)
         # at time 0 all is known from the start

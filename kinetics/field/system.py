@@ -163,9 +163,7 @@ class System:
             flight = 1.0 / (np.sqrt(noise / v) + g / v) if g or noise else np.full(v.shape, np.inf)
             flight = flight + (self.drag * v / noise if noise else 0.0)
         dv, rise = np.gradient(v), np.minimum(drift / spread, flight)
-        if (
-            self.bath_speed and self.drag
-        ):  # strong drag leaves no time for diffusion: a few kicks give speed
+        if self.bath_speed and self.drag:  # it may leave no time for diffusion: a few kicks count
             kicked, mild = self.bath_speed * self.impulse(v).max(), 0.25 * loss * v * v / bath
             against, few = self.drag * v / np.maximum(v, self.bath_speed), drift / spread
             for _ in range(9):  # few dE/dv, of which kicks by kicked make up for the drag
