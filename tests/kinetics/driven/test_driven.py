@@ -174,7 +174,7 @@ def test_rest_at_time_zero_is_no_error(drive):
 
 
 def test_time_zero_is_known_from_the_start():
-    """Of a start of many speeds it was not reached, in seconds, and 14 times too large."""
+    """Of a start of many speeds a2 was -1, and not reached."""
     asked = {"times": [0.0], "outputs": ("thermal_speed", "a2"), "bath_speed": 0.1}
     asked["initial"] = lambda v: np.exp(-(np.log(v) ** 2) / 2.0) / math.sqrt(2.0 * math.pi) / v
     found = solve(one_l(0.7, **asked), rtol=1e-6)
