@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bisect
 import math
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from kinetics.field.scene import DENSITIES, FieldScene
 from kinetics.field.starts import Start
 from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.states.kinds import Rest
 from kinetics.states.state import State
 
 _RANGE = 6.0  # of the highest speeds at times that are solved together
@@ -69,10 +68,16 @@ class _Evolution(March):
         equation = Equation(one.chain, fields, axis.speeds, np.ones(axis.size), one.rate)
         begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
         begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
-        self.sums = np.zeros((times.size, *begin.shape[1:]))
-        self._run(equation, begin, fastest)
-        if isinstance(state, Rest):  # at time 0 all but "1" is 0, not what rounding leaves
-            self.values[np.ix_(times == 0.0, np.array(ALL) != "1")] = 0.0
+        self.sums = np.repeat(begin[:1], times.size, axis=0)
+        self.values, self.steps = np.zeros((times.size, len(ALL))), 0
+        if times[-1] > 0.0:
+            self._run(equation, begin, fastest)
+        # at time 0 all is known from the start
+        known = dict.fromkeys(ALL, 0.0) | {"1": 1.0}
+        for name, power, m in (("v_x", 1, 1), ("v^2", 2, 0), ("v^4", 4, 0), ("v^2 cos 2", 2, 2)):
+            if m < len(measures) and (points := measures[m]) is not None:
+                known[name] = float(points.weight.real @ np.exp(power * points.x))
+        self.values[times == 0.0] = list(known.values())
 
     @property
     def finer(self) -> Resolution | None:
@@ -124,7 +129,12 @@ class DrivenScene(FieldScene):
         alike = not self.system.field and (there == 0 or not directed)
         names = self._asked | ({"1"} if self.system.capture_speed else set())
         asked = names, DENSITIES in self.allowed, alike
-        solve = partial(_Evolution, self.system, self.state, times, *asked)
+
+        def solve(one: Resolution) -> _Evolution:
+            # in the end two lengths of steps in turn: ever shorter ones would be lost in rounding
+            rtol = one.rtol * (25.0 if one.rtol < 0.005 * first.rtol else 1.0)
+            return _Evolution(self.system, self.state, times, *asked, replace(one, rtol=rtol))
+
         return refined(solve, first, self._apart, self.allowed)
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:

@@ -48,24 +48,31 @@ T = TypeVar("T")
 
 def refined(
     solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
-    allowed: Mapping[str, float], worse: float = 10.0,
+    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4,
 ) -> tuple[T, dict[str, float]]:  # fmt: skip
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
     solve : from a resolution to a solution, whose ``finer`` is the next one, None at the end
     apart : the errors by their names, of which those in ``allowed`` decide
     worse : by so much an error may be larger than one before, and finer ones are tried
+    patience : so many finer solutions in a row must halve it
     """
+    past: list[float] = []
     best: Any = solve(first)
     last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
     while least > 1.0 and (more := last.finer) is not None:
         before, last = last, solve(more)
         found = apart(last, before)
-        worst = max(found[name] / most for name, most in allowed.items())
+        # above 1 no digit is known: there more may not be worse
+        worst = max(min(found[name], 1.0) / most for name, most in allowed.items())
         if worst < least:
             best, errors, least = last, found, worst
         elif worst > worse * least:  # rounding grows
             break
+        if max(found[name] for name in allowed) < 1.0:
+            past.append(worst)
+        if min(past[-patience:], default=0.0) > 0.5 * min(past[:-patience], default=math.inf):
+            break  # a front in a density, or rounding
     return best, errors
 
 
@@ -166,6 +173,10 @@ class March:
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         """What densities need of an accepted step that begins now and is h long."""
 
+    def _slowed(self, equation: Equation, f: Any, now: float, values: Any) -> tuple[Equation, Any]:
+        """What goes on after a step; values : `ALL` by now, (1, n_averages)."""
+        return equation, f
+
     def _run(self, equation: Equation, f: FloatArray, fastest: float) -> None:
         """From f on, up to the last time or beyond it; fastest : the highest speed in f."""
         self.values, self.steps = np.zeros((self.times.size, len(ALL))), 0
@@ -196,7 +207,8 @@ class March:
             self.values[inside] = np.hstack([found, made])
             self._keep(now, h, stages + early)
             self.steps += 1
-            now, f, totals = now + h, stages[-1], grown[-1]
+            now, totals = now + h, grown[-1]
+            equation, f = self._slowed(equation, stages[-1], now, np.hstack([total, grown])[-1:])
             if rough * _SMOOTH < allowed or tried >= self.most_steps:
                 h *= 2.0
 
@@ -241,22 +253,43 @@ class Evolution(March):
     def __post_init__(self) -> None:
         one, last = self.resolution, max(float(self.times[-1]), SHORTEST_TIME)
         d = self.law.dimension
-        highest = System(self.law, d, field=1.0).top(TAIL * one.rtol, last, self.start.highest)
+        system, tail = System(self.law, d, field=1.0), TAIL * one.rtol
+        highest = system.top(tail, last, self.start.highest)
+        self._lasting = system.top(tail, last)
         # below 1/t, no tracer has collided by the time t
         lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
-        self.axis = SpeedPanels.rising(highest, lowest, one.nodes)
+        self.axis = self.left = SpeedPanels.rising(highest, lowest, one.nodes)
         self.families = 1 if self.start.is_symmetric else 2
         of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
-        fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
-        speeds, self._loss = self.axis.speeds, loss_matrices(self.axis, self.law, one.harmonics)
-        chain = Chain(d, self._loss, self.axis.slopes(d), 1.0 / speeds)
-        self._volume = speeds ** (d - 1.0) * self.axis.weights
-        self.equation = Equation(chain, fields, speeds, self._volume, speeds)
-        f = np.zeros((len(fields), one.harmonics + 1, speeds.size))
+        self._fields = [(name, abs(k - (name == "y"))) for name in of for k in range(self.families)]
+        self._loss = loss_matrices(self.axis, self.law, one.harmonics)
+        equation = self._equation()
+        f = np.zeros((len(self._fields), one.harmonics + 1, self.axis.size))
         if self.start.velocities is None:
             sums = self.start.projected(self.axis, one.harmonics + 1, self.families, self.state)
             f[: self.families] = sums / self._volume
-        self._run(self.equation, f, self.start.highest)
+        self._run(equation, f, self.start.highest)
+
+    def _equation(self) -> Equation:
+        """On the panels that are left: no collision makes a tracer faster."""
+        v, d, n = self.left.speeds, self.law.dimension, self.left.size
+        self._volume = v ** (d - 1.0) * self.left.weights
+        chain = Chain(d, self._loss[:, :n, :n], self.left.slopes(d), 1.0 / v)
+        return Equation(chain, self._fields, v, self._volume, v)
+
+    def _slowed(self, equation: Equation, f: Any, now: float, values: Any) -> tuple[Equation, Any]:
+        """Without the highest panel once fewer tracers are there than above the top at the end."""
+        left, tail = self.left, TAIL * self.resolution.rtol
+        if left.edges[-2] < self._lasting:
+            return equation, f
+        fast, velocities = f.copy(), self.start.velocities
+        fast[..., : left.parts[-1].start] = 0.0
+        missed = np.append(equation.averages(fast[None]), np.zeros(len(INTEGRALS)))
+        early = 0.0 if velocities is None else velocities.uncollided(now).sum()
+        if max(self._relative(missed[None], values), early) > tail:
+            return equation, f
+        self.left = SpeedPanels(left.edges[:-1], left.counts[:-1])
+        return self._equation(), f[..., : self.left.size]
 
     @property
     def finer(self) -> Resolution | None:
@@ -275,7 +308,7 @@ class Evolution(March):
         if velocities is None:
             return None
         count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
-        sums = velocities.projected(fine, self.axis, count, self.equation.fields)
+        sums = velocities.projected(fine, self.left, count, self._fields)
         early = radau.projected(sums / self._volume)
         return early, self._gained(early[1:])
 
@@ -283,8 +316,11 @@ class Evolution(March):
         if self.state is not None:
             families, of = self.families, norms(stages.shape[2], self.law.dimension)
             made = self._gained(stages[:, :families] / of[:families])
-            self.made.append((now, h, made * self.axis.speeds))
+            every = np.zeros((*made.shape[:-1], self.axis.size))
+            every[..., : self.left.size] = made * self.left.speeds
+            self.made.append((now, h, every))
 
     def _gained(self, f: FloatArray) -> FloatArray:
         """What sums (..., M + 1, size) gain by collisions per unit time."""
-        return self.axis.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f)
+        n = self.left.size
+        return self.left.speeds * f - np.einsum("mij,...mj->...mi", self._loss[:, :n, :n], f)

@@ -162,8 +162,14 @@ class System:
             spread = noise + bath + g * g / (self.dimension * turn * v)
             flight = 1.0 / (np.sqrt(noise / v) + g / v) if g or noise else np.full(v.shape, np.inf)
             flight = flight + (self.drag * v / noise if noise else 0.0)
-        dv = np.gradient(v)
-        steady = np.cumsum(np.minimum(drift / spread, flight) * dv)
+        dv, rise = np.gradient(v), np.minimum(drift / spread, flight)
+        if self.bath_speed and self.drag:  # it may leave no time for diffusion: a few kicks count
+            kicked, mild = self.bath_speed * self.impulse(v).max(), 0.25 * loss * v * v / bath
+            against, few = self.drag * v / np.maximum(v, self.bath_speed), drift / spread
+            for _ in range(9):  # few dE/dv, of which kicks by kicked make up for the drag
+                few = mild + np.sqrt(mild**2 + 2.0 * np.log1p(against * few) / kicked**2)
+            rise = np.minimum(rise, few)
+        steady = np.cumsum(rise * dv)
         rising = np.cumsum(dv / np.sqrt(spread)) ** 2 / (4.0 * max(time, 1e-300))
         if self.bath_speed:  # one collision gives more than diffusion does
             rising = np.minimum(rising, 0.5 * (v / (2.0 * self.bath_speed)) ** 2)

@@ -73,9 +73,8 @@ def test_diffusion_in_a_bath(d, e, expected):
 def test_both_limits_of_diffusion_in_a_bath(dimension):
     first = {2: 1.0 / math.sqrt(math.pi), 3: 3.0 * math.sqrt(math.pi) / 8.0}[dimension]
     light = solve_steady(0.0, dimension, bath_speed=1.0, mass_ratio=1e-3, rtol=1e-7)
-    assert light.diffusion_coefficient / first * math.sqrt(2.0 - 1e-3 / 1.001) == pytest.approx(
-        1.0, abs=1e-4
-    )
+    ratio = light.diffusion_coefficient / first * math.sqrt(2.0 - 1e-3 / 1.001)
+    assert ratio == pytest.approx(1.0, abs=1e-4)
     heavy = solve_steady(0.999, dimension, bath_speed=1.0, rtol=1e-6)
     ratio = heavy.diffusion_coefficient / first * math.sqrt(1e-3)
     expected = 3.0 * math.pi / 8.0 if dimension == 2 else 32.0 / (9.0 * math.pi)
@@ -96,9 +95,8 @@ def test_from_rest(drive, d, times, square, msd):
     solution = solve(scene)
     assert solution.thermal_speed**2 == pytest.approx(square, rel=1e-8)
     assert solution.msd == pytest.approx(msd, rel=1e-8 if drive == "bath_speed" else 3e-8)
-    assert solution.msd_slope / (2 * d * solution.times) == pytest.approx(
-        solution.diffusion_coefficient, rel=1e-12
-    )
+    slope = 2 * d * solution.times * solution.diffusion_coefficient
+    assert solution.msd_slope == pytest.approx(slope, rel=1e-12)
 
 
 def test_a_stationary_start_stays_and_diffuses():
@@ -117,8 +115,8 @@ def test_a_stationary_start_stays_and_diffuses():
 
 def test_relaxation_rates():
     state = solve_steady(0.5, 3, bath_speed=1.0, mass_ratio=0.5)  # e* = -1/2
-    assert state.relaxation_rates(1, 0)[0] == pytest.approx(0.8996194587, rel=1e-9)  # prototype
-    assert state.relaxation_rates(1, 1)[0] == pytest.approx(0.6104376741, rel=1e-9)
+    found = [state.relaxation_rates(1, m)[0] for m in (0, 1)]
+    assert found == pytest.approx([0.8996194587, 0.6104376741], rel=1e-9)  # prototype
     assert np.isnan(solve_steady(0.9, bath_speed=1.0, rtol=1e-6).relaxation_rates(5, 1)[-1])
 
 
@@ -130,8 +128,7 @@ def test_relaxation_rates():
 def test_a_bath_and_a_field(d, e, expected):
     state = solve_steady(e, d, bath_speed=1.0, field=1.0, rtol=1e-6)
     found = (state.drift, state.mean_square_speed, state.mean_square_along)
-    assert found == pytest.approx(expected[:3], rel=1e-6)
-    assert state.diffusion_parallel == pytest.approx(expected[3], rel=1e-6)
+    assert (*found, state.diffusion_parallel) == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("drives", [{}, {"drag": 1.0}, {"heating": 0.01}, {"bath_speed": 1.0}])
@@ -166,16 +163,31 @@ def test_the_direction_of_a_start_does_not_matter_to_what_has_none():
         for start in (Beam(), Beam(direction=1.0), Monoenergetic())
     ]
     along, turned, every = (solve(scene, rtol=1e-6) for scene in scenes)
-    for one in (turned, every):
-        assert one.msd == pytest.approx(along.msd, rel=1e-9)
-        assert one.a2 == pytest.approx(along.a2, abs=1e-9)
+    assert [*turned.msd, *every.msd] == pytest.approx([*along.msd, *along.msd], rel=1e-9)
+    assert [*turned.a2, *every.a2] == pytest.approx([*along.a2, *along.a2], abs=1e-9)
 
 
 @pytest.mark.parametrize("drive", [{"bath_speed": 0.1}, {"heating": 0.01, "field": 0.1}])
 def test_rest_at_time_zero_is_no_error(drive):
     scene = one_l(0.7, initial="rest", times=[0.0, 5.0], outputs=("thermal_speed", "msd"), **drive)
-    found = solve(scene, rtol=1e-4)  # warns, which is an error here, if it is not reached
-    assert (found.thermal_speed[0], found.msd[0]) == (0.0, 0.0)
+    assert [x[0] for x in solve(scene, rtol=1e-4).values.values()] == [0.0, 0.0]
+
+
+def test_time_zero_is_known_from_the_start():
+    """Of a start of many speeds a2 was -1, and not reached."""
+    asked = {"times": [0.0], "outputs": ("thermal_speed", "a2"), "bath_speed": 0.1}
+    asked["initial"] = lambda v: np.exp(-(np.log(v) ** 2) / 2.0) / math.sqrt(2.0 * math.pi) / v
+    found = solve(one_l(0.7, **asked), rtol=1e-6)
+    assert (found.thermal_speed[0], found.a2[0]) == pytest.approx((math.e, math.e**4 / 2.0 - 1.0))
+
+
+def test_strong_drag_in_a_bath():
+    """The top was that of diffusion, below what one collision gives: 1e-2 off after 20 s."""
+    system = {"bath_speed": 0.1, "drag": 1.25}
+    state = solve_steady(0.5, **system, rtol=1e-6)
+    late = solve(one_l(0.5, initial="rest", times=[1.6, 16.0], **system), rtol=1e-4).thermal_speed
+    # particles: .04723(38), .04678(35)
+    assert [*late, state.thermal_speed] == pytest.approx([0.04683993, 0.04728954, 0.04728954], 1e-4)
 
 
 @pytest.mark.parametrize(("e", "slow", "t"), [(0.0, 0.034, 59.0), (0.9, 0.096, 662.0)])
@@ -201,8 +213,7 @@ def test_the_diffusion_of_tracers_of_which_some_stick_is_the_slope_of_the_square
 def test_a_sharp_start_that_hardly_anything_drives_begins_as_it_is(dimension, heating):
     """It stood at the top of the axis, where speeds are folded: 1.7 % below, said to converge."""
     scene = one_l(0.7, dimension, initial="monoenergetic", times=[0.0, 1e-3], heating=heating)
-    assert solve(scene, rtol=1e-6).thermal_speed == pytest.approx(1.0, abs=1e-3)
-    assert solve(scene, rtol=1e-6).thermal_speed[0] == pytest.approx(1.0, abs=1e-7)
+    assert np.all(abs(solve(scene, rtol=1e-6).thermal_speed - 1.0) <= [1e-7, 1e-3])
 
 
 # -- noise and drag --------------------------------------------------------------------------------
@@ -218,16 +229,14 @@ def test_drag_alone_is_solved_by_another_way_than_drag_with_next_to_no_noise(dim
         for name, values in exact.values.items():
             assert solved.values[name] == pytest.approx(values, rel=3e-6, abs=3e-7), name
         if kept is outputs:
-            one, two = (found.velocity_density(v, [0.5]) for found in (exact, solved))
-            np.testing.assert_allclose(one, two, atol=1e-4 * one.max())
-            one, two = (found.speed_density(v) for found in (exact, solved))
-            np.testing.assert_allclose(one, two, atol=1e-4 * one.max())
+            for name, at in (("velocity_density", (v, [0.5])), ("speed_density", (v,))):
+                one, two = (getattr(found, name)(*at) for found in (exact, solved))
+                np.testing.assert_allclose(one, two, atol=1e-4 * one.max())
 
 
 def test_drag_stops_a_tracer_after_the_path_without_drag_at_the_time_one_over_gamma(dimension):
-    asked = {"outputs": ("msd", "a2")}
-    found = solve(one_l(0.7, dimension, times=[300.0], drag=1.0, **asked), rtol=1e-8)
-    without = solve(one_l(0.7, dimension, times=[1.0], **asked))
+    without = one_l(0.7, dimension, times=[1.0], outputs=("msd", "a2"))
+    found, without = solve(replace(without, times=[300.0], drag=1.0), rtol=1e-8), solve(without)
     assert found.msd == pytest.approx(without.msd, rel=1e-8)
     assert found.a2 == pytest.approx(without.a2, abs=1e-8)
 
@@ -236,26 +245,23 @@ def test_drag_stops_a_tracer_after_the_path_without_drag_at_the_time_one_over_ga
 def test_moments_of_a_heated_tracer_go_in_steps_of_three(dimension, e):
     state, d = solve_steady(e, dimension, heating=1.0), dimension
     rate = CollisionLaw(e, dimension=d).decay_rate
-    third = 2.0 * d / rate(2.0)
-    assert state.moment(3) == pytest.approx(third, rel=1e-10)
-    assert state.moment(6) == pytest.approx(5.0 * (d + 3.0) * third / rate(5.0), rel=1e-8)
-    fraction = 2.5 * (d + 0.5) * state.moment(0.5) / rate(2.5)
-    assert state.moment(3.5) == pytest.approx(fraction, rel=1e-9)
+    assert state.moment(3) == pytest.approx(2.0 * d / rate(2.0), rel=1e-10)
+    for p, rel in ((3.0, 1e-8), (0.5, 1e-9)):
+        expected = (p + 2.0) * (p + d) * state.moment(p) / rate(p + 2.0)
+        assert state.moment(p + 3.0) == pytest.approx(expected, rel=rel)
 
 
 @pytest.mark.parametrize(
-    ("d", "e", "speed", "square", "diffusion", "mobility"),  # prototype and an infinite product
-    [(2, 0.0, 1.371721164198448, 2.575798633708138, 0.783902001313, 0.643949658427),
-     (2, 0.5, 1.5789395569643, 3.23715349447991, 0.585274323784, 0.371463042915),
-     (3, 0.0, 1.877785880203489, 4.374066797683362, 1.02093540069, 0.729011132947),
-     (3, 0.5, 2.13122283111854, 5.44002768425249, 0.755637711615, 0.425707964313)],
+    ("d", "e", "expected"),  # prototype and an infinite product
+    [(2, 0.0, (1.371721164198448, 2.575798633708138, 0.783902001313, 0.643949658427)),
+     (2, 0.5, (1.5789395569643, 3.23715349447991, 0.585274323784, 0.371463042915)),
+     (3, 0.0, (1.877785880203489, 4.374066797683362, 1.02093540069, 0.729011132947)),
+     (3, 0.5, (2.13122283111854, 5.44002768425249, 0.755637711615, 0.425707964313))],
 )  # fmt: skip
-def test_a_heated_tracer(d, e, speed, square, diffusion, mobility):
+def test_a_heated_tracer(d, e, expected):
     state = solve_steady(e, d, heating=1.0)
-    assert state.collision_rate == pytest.approx(speed, rel=1e-10)
-    assert state.mean_square_speed == pytest.approx(square, rel=1e-10)
-    assert state.diffusion_coefficient == pytest.approx(diffusion, rel=1e-10)
-    assert state.mobility == pytest.approx(mobility, rel=1e-10)
+    found = (state.collision_rate, state.mean_square_speed, state.diffusion_coefficient)
+    assert (*found, state.mobility) == pytest.approx(expected, rel=1e-10)
 
 
 def test_odd_powers_next_to_rest_are_in_the_estimate_under_noise():
@@ -292,8 +298,8 @@ def test_drag_of_one():
     shape = (v + 2.0) * np.exp(-v - 0.5 * v * v) / 2.0
     assert state.vdf(v)[:, 0] / state.vdf([0.0])[0, 0] == pytest.approx(shape, abs=1e-5)
     half = solve_steady(0.5, heating=1.0, drag=1.0)
-    assert half.moment(3) == pytest.approx(2.29328419707, rel=1e-10)  # prototype
-    assert half.diffusion_coefficient == pytest.approx(0.264737814294, rel=1e-10)
+    found = half.moment(3), half.diffusion_coefficient
+    assert found == pytest.approx((2.29328419707, 0.264737814294), rel=1e-10)  # prototype
 
 
 # -- a restitution that depends on the impact speed ------------------------------------------------
@@ -303,10 +309,9 @@ def test_viscoelastic_spheres_cool():
     scene = one_l(Viscoelastic(0.45), initial="monoenergetic", times=[1.0, 10.0, 100.0, 1000.0],
                   outputs=("thermal_speed", "msd"))  # fmt: skip
     solution = solve(scene)
-    square = [0.79908909819, 0.20931252427, 0.0082921346814, 1.8517790123e-4]  # prototype
-    assert solution.thermal_speed**2 == pytest.approx(square, rel=1e-8)
-    msd = [0.64318665312, 9.0422113216, 33.025756038, 72.017817261]
-    assert solution.msd == pytest.approx(msd, rel=1e-8)
+    expected = [0.79908909819, 0.20931252427, 0.0082921346814, 1.8517790123e-4,  # prototype
+                0.64318665312, 9.0422113216, 33.025756038, 72.017817261]  # fmt: skip
+    assert [*solution.thermal_speed**2, *solution.msd] == pytest.approx(expected, rel=1e-8)
 
 
 def test_a_constant_function_is_a_number(dimension):
@@ -327,10 +332,9 @@ def test_a_smooth_law_ends_in_the_scaling_state_of_slow_impacts():
 
 def test_viscoelastic_spheres_in_a_field():
     state = solve_steady(Viscoelastic(0.45), 3, field=1.0, rtol=1e-6)
-    # a Monte Carlo run: .5420(5), 2.775(3), 1.2211(15)
-    assert state.drift == pytest.approx(0.5420, abs=4 * 5e-4)
-    assert state.mean_square_speed == pytest.approx(2.775, abs=4 * 3e-3)
-    assert state.mean_square_along == pytest.approx(1.2211, abs=4 * 1.5e-3)
+    found = np.array([state.drift, state.mean_square_speed, state.mean_square_along])
+    # of a Monte Carlo run
+    assert np.all(abs(found - [0.5420, 2.775, 1.2211]) < 4 * np.array([5e-4, 3e-3, 1.5e-3]))
 
 
 # -- sticking ------------------------------------------------------------------------------------
@@ -347,11 +351,8 @@ def test_rare_sticking_in_a_field(dimension):
 
 def test_the_depth_of_a_trap_from_rest():
     state = solve_steady(0.5, 3, field=1.0, capture_speed=0.2, rtol=1e-3)
-    depth, time, collisions = state.capture_from(0.0)
-    # a Monte Carlo run: 17.97(6), 24.35(8), 31.4(1)
-    assert depth == pytest.approx(17.97, abs=4 * 0.06)
-    assert time == pytest.approx(24.35, abs=4 * 0.08)
-    assert collisions == pytest.approx(31.4, abs=4 * 0.1)
+    found = np.array(state.capture_from(0.0))  # depth, time, collisions; of a Monte Carlo run
+    assert np.all(abs(found - [17.97, 24.35, 31.4]) < 4 * np.array([0.06, 0.08, 0.1]))
 
 
 def test_all_stick_without_a_field_in_the_end():
