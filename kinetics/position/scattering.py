@@ -58,7 +58,9 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
+    # where bounces hardly turn a tracer, those that keep more than half (within a factor of two)
     late = _SOME + digits * (0.45 + largest)
+    late += sum(m for m in 2 ** np.arange(1, 10) if law.harmonic_decay_rate(0.0, int(m)) < 0.5)
     # free flights reach m = K T and no further
     early = _SOME * (1.0 + digits) + largest * math.exp(min(highest, 10.0))
     return 2 * math.ceil(0.5 * min(late, early))
