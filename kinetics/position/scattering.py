@@ -44,11 +44,14 @@ _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 
 
 def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> Chebyshev:
-    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
-    turns = largest * min(1.0, math.exp(min(highest, LARGEST_LOG)) / _TURNING)
-    e = min(law.disk_restitutions, default=0.0)
-    if e < 0.0:
-        turns *= (1.0 + e) ** -0.5
+    """Panels that resolve exp(-T + i K T), which varies fastest of all.
+
+    Among light scatterers a bounce takes u = 1 + e of the speed at most, and these waves last until
+    T^(3/2) K u = 1, where the paths of the tracers differ by 1/K, or all are slow, at T u = 1.
+    """
+    u = 1.0 + min(law.disk_restitutions, default=0.0)
+    lasting = max(1.0, max(u * largest, u**1.5) ** (-2.0 / 3.0))
+    turns = largest * min(lasting, math.exp(min(highest, LARGEST_LOG)) / _TURNING)
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
