@@ -68,9 +68,10 @@ class FieldScene:
     def _units(self) -> tuple[float, FloatArray]:
         """The unit of speed of the solution in U, and the times in the mean free path over it."""
         speed = math.sqrt(self.field * self.path)
-        with np.errstate(over="ignore"):
-            scaled = self.times / math.sqrt(self.path / self.field)
-        if not (1e-100 < speed < 1e100 and scaled[-1] < 1e15):
+        with np.errstate(over="ignore", invalid="ignore"):  # sqrt(field/path) may be infinite
+            scaled = self.times * (math.sqrt(self.field) / math.sqrt(self.path))
+        known = bool(np.all((scaled == 0.0) | (scaled > 1e-150) & (scaled < 1e15)))
+        if not (known and 1e-100 < speed < 1e100 and 1e-150 < self.path < 1e150):
             raise InputError(
                 f"field: got {short(self.field)}; sqrt(field x mean free path) and the times in "
                 "sqrt(mean free path/field) are out of range"
