@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from itertools import takewhile
 
 import numpy as np
 
@@ -40,6 +41,7 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
 # where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
+_LASTING = tuple(2**n for n in range(1, 10))  # m that are looked at where bounces hardly turn
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 
 
@@ -61,9 +63,9 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    # where bounces hardly turn a tracer, those that keep more than half (within a factor of two)
+    # and, within a factor of two, those of which a bounce keeps more than half
     late = _SOME + digits * (0.45 + largest)
-    late += sum(m for m in 2 ** np.arange(1, 10) if law.harmonic_decay_rate(0.0, int(m)) < 0.5)
+    late += sum(takewhile(lambda m: law.harmonic_decay_rate(0.0, m) < 0.5, _LASTING))
     # free flights reach m = K T and no further
     early = _SOME * (1.0 + digits) + largest * math.exp(min(highest, 10.0))
     return 2 * math.ceil(0.5 * min(late, early))
