@@ -88,7 +88,7 @@ SYSTEM: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("diameter", lambda d: scene(diameter=d), [0.0, -0.04, NAN, INF, "x", None]),
     ("times", lambda t: scene(times=t), [[], (), [1.0, 0.5], [-1.0], [0.0, NAN], [INF], [1j],
                                          "soon", None, [[1.0], [2.0]], [10**400]]),
-    ("outputs", lambda o: scene(outputs=o), [(), [], 7, None, [None], "termal_speed", np.array(0.5)]),
+    ("outputs", lambda o: scene(outputs=o), [(), [], 7, None, [None], "v", np.array(0.5)]),
     ("harmonics", lambda m: scene(harmonics=m), [-1, 257, 2.0, True, "8", None]),
     ("collision_numbers", lambda n: scene(collision_numbers=n),
      [[0.5], [-1], [1e300], [NAN], "many", [[1, 2]], None, [1j]]),
