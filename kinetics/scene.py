@@ -194,6 +194,7 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
 def _check_outputs(outputs: Any, table: Mapping[str, Any]) -> tuple[str, ...]:
     """The names without repetitions; InputError for an unknown one."""
     several = isinstance(outputs, Iterable) and not isinstance(outputs, str)
+    several &= getattr(outputs, "ndim", 1) > 0  # an array of none only seems to be iterable
     names = list(outputs) if several else [outputs]
     known = ", ".join(table)
     if not names:

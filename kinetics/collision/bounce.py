@@ -172,15 +172,21 @@ class DiskBounce:
         chi = np.arctan2((et + e) * y * missed, et * y**2 - e * missed**2)
         return ImpactQuadrature(w if self.dimension == 2 else 2.0 * y * w, xi, chi, self.dimension)
 
-    def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
-        """What bounces that lose more than any node add to E[s^p]: 0 but where s reaches 0."""
+    def beyond(self, p: NDArray[Any], lost: bool = False) -> NDArray[Any] | float:
+        """What bounces that lose more than any node add to E[s^p], or to 1 - E[s^p] (``lost``).
+
+        0 but where s reaches 0; what is lost is accurate relative to itself, at small p too.
+        """
         if self._ends[0] > 0.0:
             return 0.0
         near, power = -FOLDS, -self.lowest_power  # y = e^near where e = 0
         if self.restitution > 0.0:
             near += math.log(0.5 * math.pi)  # sqrt(1 - y^2), and y dy = -that times its change
-        above = self.dimension - 1.0
-        return above * np.exp(p * (math.log(self._ends[1]) + near) + power * near) / (p + power)
+        above, fall = self.dimension - 1.0, p * (math.log(self._ends[1]) + near)
+        if lost:
+            gone = (p - power * np.expm1(fall)) / (p + power)
+            return above / power * math.exp(power * near) * gone
+        return above * np.exp(fall + power * near) / (p + power)
 
     def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
         """P(-ln s > u) is y^(d-1) where e < et, 1 - y^(d-1) where et < e, 1 up to the least loss.
@@ -248,7 +254,7 @@ class SampledBounce:
         loss, chi = 0.0 - np.log(self.ratio), np.arccos(self.cosine)
         return ImpactQuadrature(np.array(self.weight), loss, chi, self.dimension)
 
-    def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
+    def beyond(self, p: NDArray[Any], lost: bool = False) -> NDArray[Any] | float:
         """Nothing is left out."""
         return 0.0
 
@@ -349,9 +355,9 @@ class Collision:
         make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
         return make(self.bounces, level)
 
-    def _beyond(self, p: NDArray[Any]) -> NDArray[Any]:
-        """What the nodes leave out of E[s^p]."""
-        return np.asarray(sum(share * part.beyond(p) for share, part in self.bounces))
+    def _beyond(self, p: NDArray[Any], lost: bool = False) -> NDArray[Any]:
+        """What the nodes leave out of E[s^p], or of 1 - E[s^p]."""
+        return np.asarray(sum(share * part.beyond(p, lost) for share, part in self.bounces))
 
     def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
         """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
@@ -365,7 +371,7 @@ class Collision:
         q = self.quadrature_for(z, abs(m))
         lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
         if m == 0:
-            return np.asarray(lost @ q.weight - self._beyond(z))
+            return np.asarray(lost @ q.weight + self._beyond(z, lost=True))
         # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation
         gone = q.harmonic_loss(m)
         rate = (lost + (1.0 - lost) * gone) @ q.weight

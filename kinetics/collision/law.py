@@ -262,7 +262,7 @@ class CollisionLaw(Collision):
         left *= sine
         lost = left * sine - np.expm1(-fall) + 1j * (left * np.cos(half))
         lost = lost @ (q.weight[:, None] * np.exp(-rest))
-        rate = lost - q.weight @ np.expm1(-rest) - self._beyond(at)
+        rate = lost - q.weight @ np.expm1(-rest) + self._beyond(at, lost=True)
         return self.met_again(at, rate, 0)
 
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:

@@ -143,10 +143,12 @@ class Medium:
         if self.restitution in (0.0, 1.0) or largest == 0.0:
             return -math.inf
         loss = -math.log(self.restitution)
+        with np.errstate(divide="ignore"):
+            log_weight = np.log(q.weight)
 
         def log_size(p: float) -> float:  # it falls with p, and is negative at p = 0
-            top = max(0.0, -p * float(q.log_loss.max()))  # for e near 0 s^p alone would overflow
-            mean = top + math.log(float(np.exp(-p * q.log_loss - top) @ q.weight))
+            # for e near 0 s^p alone would overflow, and its weight underflow
+            mean = float(np.logaddexp.reduce(log_weight - p * q.log_loss))
             return math.log(largest) - p * loss + float(np.logaddexp(0.0, mean))
 
         low = -1.0

@@ -212,8 +212,9 @@ def apart(found: Any, finer: Any) -> float:
     maximum, those of the speed below 1e-2 of the thermal speed as densities of ln v.
     """
     v0, errors = finer.thermal_speed, list[Any]([0.0])
-    sizes = {"a2": 1.0, "mean_velocity": v0[:, None], "velocity_autocorrelation": v0[0] * v0}
     with np.errstate(all="ignore"):
+        at_zero = math.exp(0.5 * found.scene.state.harmonic(0, 1e-14).log_second_moment())
+        sizes = {"a2": 1.0, "mean_velocity": v0[:, None], "velocity_autocorrelation": at_zero * v0}
         for name, values in found.values.items():
             change, exact = np.abs(values - finer.values[name]), np.abs(finer.values[name])
             size = exact.max(axis=tuple(range(1, exact.ndim)), keepdims=True)

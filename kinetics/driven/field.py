@@ -71,7 +71,7 @@ class FieldState(SteadyState):
         The error is about ``error_estimate`` for p from 0 to 4 and m up to 2. Raises InputError.
         """
         stops = math.isfinite(self.law.lowest_power)
-        p, m = self._order(p, m, -self.dimension - float(m > 0 and not stops))
+        p, m = self._order(p, m, 0.0 if stops else 1.0)
         if p >= 0.0:
             return self._fine.average(p, m)
         if m == 1 and p > -2.0:  # row 0 of the equation, for v^(p + 1), is exact

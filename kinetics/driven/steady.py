@@ -73,9 +73,10 @@ class SteadyState(Result):
         """Where it was not kept, as in a loaded or pickled state, it is solved again."""
         return Steady(self.system, Resolution(*self._resolution))
 
-    def _order(self, p: float, m: int, lowest: float) -> tuple[float, int]:
-        """The arguments of `moment`, checked."""
+    def _order(self, p: float, m: int, below: float = 0.0) -> tuple[float, int]:
+        """The arguments of `moment`, checked; below : how far below -d p may be where m > 0."""
         m = whole_number("m", m, 0, self._fine.resolution.harmonics)
+        lowest = -self.dimension - (below if m else 0.0)
         allowed = f"for m = {m} it must be above {lowest:g}, and at most 20"
         return real_number("p", p, math.nextafter(lowest, 0.0), 20.0, allowed), m
 
@@ -176,7 +177,7 @@ class DrivenState(SteadyState):
         to 4, up to 1e-4 for others of 0 or more, and below 0 as that of the density. Raises
         InputError for p or m out of range.
         """
-        p, m = self._order(p, m, -float(self.dimension))
+        p, m = self._order(p, m)
         law = self.system.law
         if m == 0 and law is not None and self.system.only_heats:
             unit = self.heating ** (1.0 / 3.0)

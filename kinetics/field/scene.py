@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -68,14 +68,18 @@ class FieldScene:
     def _units(self) -> tuple[float, FloatArray]:
         """The unit of speed of the solution in U, and the times in the mean free path over it."""
         speed = math.sqrt(self.field * self.path)
-        with np.errstate(over="ignore"):
-            scaled = self.times / math.sqrt(self.path / self.field)
-        if not (1e-100 < speed < 1e100 and scaled[-1] < 1e15):
-            raise InputError(
-                f"field: got {short(self.field)}; sqrt(field x mean free path) and the times in "
-                "sqrt(mean free path/field) are out of range"
-            )
+        with np.errstate(over="ignore", invalid="ignore"):  # sqrt(field/path) may be infinite
+            scaled = self.times * (math.sqrt(self.field) / math.sqrt(self.path))
+        known = bool(np.all((scaled == 0.0) | (scaled > 1e-150) & (scaled < 1e15)))
+        if not (known and 1e-100 < speed < 1e100 and 1e-150 < self.path < 1e150):
+            self._refuse()
         return speed, scaled
+
+    def _refuse(self) -> NoReturn:
+        raise InputError(
+            f"field: got {short(self.field)}; sqrt(field x mean free path) and the times in "
+            "sqrt(mean free path/field) are out of range"
+        )
 
     @one_blas_thread
     def _solved(self) -> tuple[list[Any], dict[str, float]]:
@@ -107,6 +111,8 @@ class FieldScene:
         start = Start.of(
             self.state, 0.1 * self.rtol, 1.0 / self._speed, resolution.harmonics, self.law.dimension
         )
+        if start.highest > 1e40:  # <v^4> of such speeds overflows
+            self._refuse()
         # starts that change averages by less are at rest; isotropic ones by the square of theirs
         isotropic = self.state.highest_harmonic == 0
         small = math.sqrt(self.rtol) if isotropic else self.rtol

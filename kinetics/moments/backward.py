@@ -226,7 +226,8 @@ class BackwardEquation:
                 a.append((source - rate * a[k]) / (k + 1.0))
             size = np.abs(a) * np.exp(self.start * np.arange(len(a)))
             kept = np.nonzero(size > 1e-19 * size.max())[0]  # the rest is below rounding
-            self._series[y] = np.array(a[: max(8, int(kept[-1]) + 1)])  # the first 4 may vanish
+            last = int(kept.max(initial=7))  # the first 4 may vanish; all, where T underflows
+            self._series[y] = np.array(a[: last + 1])
         return self._series[y]
 
     def _series_of_sources(self, y: Observable) -> tuple[FloatArray, FloatArray]:

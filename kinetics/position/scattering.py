@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from itertools import takewhile
 
 import numpy as np
 
@@ -40,15 +41,19 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
 # where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
+_LASTING = tuple(2**n for n in range(1, 10))  # m that are looked at where bounces hardly turn
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
 
 
 def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> Chebyshev:
-    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
-    turns = largest * min(1.0, math.exp(min(highest, LARGEST_LOG)) / _TURNING)
-    e = min(law.disk_restitutions, default=0.0)
-    if e < 0.0:
-        turns *= (1.0 + e) ** -0.5
+    """Panels that resolve exp(-T + i K T), which varies fastest of all.
+
+    Among light scatterers a bounce takes u = 1 + e of the speed at most, and these waves last until
+    T^(3/2) K u = 1, where the paths of the tracers differ by 1/K, or all are slow, at T u = 1.
+    """
+    u = 1.0 + min(law.disk_restitutions, default=0.0)
+    lasting = max(1.0, max(u * largest, u**1.5) ** (-2.0 / 3.0))
+    turns = largest * min(lasting, math.exp(min(highest, LARGEST_LOG)) / _TURNING)
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
@@ -58,7 +63,9 @@ def _rule(law: CollisionLaw, largest: float, highest: float, tolerance: float) -
 def _harmonics(law: CollisionLaw, largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
+    # and, within a factor of two, those of which a bounce keeps more than half
     late = _SOME + digits * (0.45 + largest)
+    late += sum(takewhile(lambda m: law.harmonic_decay_rate(0.0, m) < 0.5, _LASTING))
     # free flights reach m = K T and no further
     early = _SOME * (1.0 + digits) + largest * math.exp(min(highest, 10.0))
     return 2 * math.ceil(0.5 * min(late, early))

@@ -110,12 +110,9 @@ def test_a_wrong_answer_is_found(
 
 @pytest.mark.parametrize(
     ("group", "parts"),
-    [
-        ("scaled equation", (DISKS, "rtol = 0.0001")),
-        ("steady state", ("=0.0)",)),
-        ("density", ("=0.8, dimension=3)", "HardSpheres")),
-    ],
-)
+    [("scaled equation", (DISKS, "rtol = 0.0001")), ("steady state", ("=0.0)",)),
+     ("density", ("=0.8, dimension=3)", "HardSpheres"))],
+)  # fmt: skip
 def test_a_case_of_each_other_group(group: str, parts: tuple[str, ...]) -> None:
     assert stress.attempt(named(group, *parts))["verdict"] in ACCEPTED
 
@@ -134,6 +131,11 @@ def test_the_invariants_see_what_is_violated() -> None:
         "scene", "times", "rtol", "error_estimate", "moment")}, "values": values})  # fmt: skip
     violated = {name for name, (v, allowed) in stress.invariants(bad).items() if v > allowed}
     assert {"thermal_speed does not grow", "msd does not fall", "kurtosis >= 1"} <= violated
+
+
+def test_late_autocorrelations_are_compared_by_the_speed_at_the_start() -> None:
+    scene = Scene(0.5, times=[1e200], outputs="velocity_autocorrelation")
+    assert stress.tighter(solve(scene, 1e-6)) < 1e-6
 
 
 @pytest.fixture

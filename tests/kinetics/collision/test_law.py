@@ -55,9 +55,10 @@ def test_harmonic_decay_rate(e: float, m: int, formulas: ModuleType) -> None:
             assert relative(law.harmonic_decay_rate(p, m), exact) <= LIMIT
 
 
-@pytest.mark.parametrize("e", [5e-324, 1e-300, 1e-200, 1e-160])
+@pytest.mark.parametrize("e", [0.0, 5e-324, 1e-300, 1e-200, 1e-160])
 def test_the_smallest_restitutions(e: float) -> None:
     law = CollisionLaw(e)
+    assert law.decay_rate(-1e-50) == pytest.approx(-1e-50, rel=1e-13, abs=0.0)
     assert law.decay_rate(1.0) == pytest.approx(0.5, rel=1e-13)
     assert law.mean_log_loss == pytest.approx(1.0, rel=1e-13)
     assert law.harmonic_decay_rate(1.0, 1) == pytest.approx(2 / 3, rel=1e-13)
@@ -69,7 +70,7 @@ NORMAL = [0.0, 1e-6, 0.3, 0.7, 0.999, 1.0]
 TANGENTIAL = [0.0, 0.01, 0.7, 0.8, 1.0]
 LAWS = [(e, et) for e, et in product(NORMAL, TANGENTIAL) if e + et > 0.0]
 CASES = [(e, et, d) for e, et in ((0.0, 0.5), (0.9, 0.6), (0.3, 0.0), (1.0, 0.5)) for d in (2, 3)]
-POWERS = [-0.9, -0.5, 0.5, 1.0, 2.0, 3.7, 40.0]
+POWERS = [-0.9, -0.5, 1e-200, 1e-10, 0.5, 1.0, 2.0, 3.7, 40.0]
 
 
 def sphere_decay(e: float, et: float, p: float) -> mp.mpf:

@@ -42,13 +42,8 @@ def scene(
     law: CollisionLaw, times: Any, initial: Any = "gaussian", outputs: Any = OUTPUTS
 ) -> Scene:
     """Times in l/U."""
-    return Scene(
-        **law.arguments,
-        number_density=DENSITY[law.dimension],
-        initial=initial,
-        times=PATH * np.atleast_1d(times),
-        outputs=outputs,
-    )
+    return Scene(**law.arguments, number_density=DENSITY[law.dimension], initial=initial,
+                 times=PATH * np.atleast_1d(times), outputs=outputs)  # fmt: skip
 
 
 def test_elastic_spheres_of_one_speed_against_the_transport_solution() -> None:
@@ -94,7 +89,7 @@ def test_directed_starts(initial: Any, dimension: int) -> None:
     way = found.mean_displacement
     if dimension == 3:
         assert np.abs(way[:, 1:]).max() < 1e-12
-    k = 1e-4
+    k, waves = 1e-4, [0.03, 0.1]
     for angle in (0.0, 0.7, 2.0, math.pi):
         f = found.intermediate_scattering([k], direction=angle)[:, 0]
         along = way[:, :2] @ np.array([math.cos(angle), math.sin(angle)])
@@ -103,7 +98,6 @@ def test_directed_starts(initial: Any, dimension: int) -> None:
     angles, weight = (np.arccos(cosine), 0.5 * weight)
     if dimension == 2:
         angles, weight = 2.0 * math.pi * np.arange(24) / 24, np.full(24, 1.0 / 24)
-    waves = [0.03, 0.1]
     parts = [found.intermediate_scattering(waves, direction=a) for a in angles]
     mean = np.tensordot(weight, parts, axes=1)
     assert np.abs(mean - found.intermediate_scattering(waves)).max() < 1e-10

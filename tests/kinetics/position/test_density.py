@@ -17,8 +17,6 @@ from kinetics.position.sweep import solve_displacement
 FloatArray = NDArray[np.float64]
 # the restitutions and times of the paper's figure inelasticposi
 PAIRS = [(0.4, 3000.0), (0.6, 300.0), (0.7, 500.0), (0.9, 1000.0)]
-
-
 OUTPUTS = ("msd", "kurtosis", "position_density")
 SPHERES = {"dimension": 3, "number_density": 1.0 / (12.5 * math.pi)}
 ROUGH = {"restitution": 0.9, "tangential_restitution": 0.8, **SPHERES}
@@ -94,10 +92,7 @@ def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
     found = solve_displacement(law, 1.0, state, times, root, 1e-6)
     r = t * np.linspace(0.0, 0.9, 91)
     assert root[0] * np.abs(found.density(0, r) - ring_density(r, t)).max() < tolerance
-    if t > 12.0:
-        assert found.error_estimate < 1e-6
-    else:
-        assert found.error_estimate > 1e-6  # fronts are felt, and it is said
+    assert (found.error_estimate < 1e-6) == (t > 12.0)  # before, fronts are felt, and it is said
     assert np.allclose(found.uncollided.fronts, [[[t]], [[math.exp(-t)]]])
     share = found.within(0, np.array([0.5 * t, t]))
     half = 1.0 - math.exp(0.5 * math.sqrt(3.0) * t - t)
@@ -132,11 +127,9 @@ def test_the_elastic_density_at_late_times_is_a_mixture_of_gaussians() -> None:
 @pytest.mark.parametrize(
     ("e", "t", "initial"),
     [
-        # F goes over from one power to the next beyond the data: an error of 2.8e-3 was said to
-        # be 4e-4
+        # F goes over from one power to the next beyond the data: 2.8e-3 was said to be 4e-4
         (0.2, 100.0, "gaussian"),
-        # as many tracers at rest as at any speed: F falls as K^-2, and an error of 3.9e-3 was said
-        # to be 7e-4
+        # as many tracers at rest as at any speed: F falls as K^-2; 3.9e-3 was said to be 7e-4
         (0.7, 300.0, SpeedTable([0.0, 1.0], [1.0, 1.0])),
     ],
 )

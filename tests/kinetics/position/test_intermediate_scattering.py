@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.special import j0
 
 from kinetics import Beam, CollisionLaw, Gaussian, Monoenergetic, Scene, ToleranceWarning, solve
 from kinetics.position import scattering
@@ -24,10 +25,7 @@ from kinetics.position import scattering
 def test_directed_starts_meet_the_accuracy_asked_for_and_do_not_warn(
     e: float, t: float, initial: Any, k: float
 ) -> None:
-    """Every harmonic of the start counts there, and each has to be resolved in speed and angle.
-
-    The error is that at the time asked for, not the largest of all times before.
-    """
+    """Every harmonic counts; the error is that at the time asked for, not the largest before."""
     scene = Scene(e, initial=initial, times=[t], outputs=("intermediate_scattering",))
     wave_numbers = k * np.array([0.1, 0.6, 1.0])
     with warnings.catch_warnings():
@@ -50,6 +48,16 @@ def test_a_scattering_function_that_misses_its_tolerance_says_so(
     with pytest.warns(ToleranceWarning, match=r"F\(k, t\): the error estimate"):
         found = solution.intermediate_scattering([1.5], direction=0.3)
     assert np.abs(found - right).max() > 1e-9
+
+
+def test_light_scatterers_hardly_turn_a_tracer() -> None:
+    """All have come about as far, straight on: F is J_0, of hundreds of harmonics that last."""
+    scene = Scene(0.0, mass_ratio=1e-3, initial="monoenergetic", times=[100.0, 1000.0, 7000.0],
+                  outputs=("msd", "intermediate_scattering"))  # fmt: skip
+    found, k = solve(scene, rtol=1e-3), np.array([0.001, 0.004, 0.01, 0.02, 0.05])
+    phase = np.outer(np.sqrt(found.msd), k)
+    apart = np.concatenate([found.intermediate_scattering([x]) for x in k], axis=1) - j0(phase)
+    assert np.abs(apart[phase < 50.0]).max() < 2e-3
 
 
 def late_power(law: CollisionLaw, k: float) -> float:
