@@ -126,7 +126,7 @@ def _integrals(
 ) -> FloatArray:
     """Of ln r from low to each of high (n,) on the real axis, where it is smooth."""
     # ln r is analytic within about _START of the path, or 2 pi over the largest loss if that is
-    # further and the lowest power as well: 12 Gauss points for half of that leave less than rounding
+    # further and the lowest power as well: 12 Gauss points for half of it leave less than rounding
     first, last = min(low, float(high.min())), max(low, float(high.max()))
     edges = [first]
     while edges[-1] < last:
