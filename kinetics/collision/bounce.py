@@ -60,6 +60,15 @@ class ImpactQuadrature:
         """cos(chi), shape (n_nodes,)."""
         return np.cos(self.deflection)
 
+    def losses(self, z: NDArray[Any]) -> NDArray[Any]:
+        """1 - s^z, of the shape of z and (n_nodes,), accurate where it is small."""
+        if not np.iscomplexobj(z):
+            return np.asarray(-np.expm1(-np.multiply.outer(z, self.log_loss)))
+        fall, half = (np.multiply.outer(x, self.log_loss) for x in (z.real, 0.5 * z.imag))
+        sine, left = np.sin(half), 2.0 * np.exp(-fall)  # quicker than a complex expm1
+        left *= sine
+        return np.asarray(left * sine - np.expm1(-fall) + 1j * (left * np.cos(half)))
+
     def harmonic_loss(self, m: int) -> FloatArray:
         """1 - cos(m chi) in the plane, 1 - P_m(cos chi) in space, accurate where it is small."""
         if self.dimension == 2:
@@ -369,7 +378,7 @@ class Collision:
     def lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
         """1 - E[s^z cos(m chi)] of one collision, shape of z."""
         q = self.quadrature_for(z, abs(m))
-        lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
+        lost = q.losses(z)
         if m == 0:
             return np.asarray(lost @ q.weight + self._beyond(z, lost=True))
         # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation

@@ -257,11 +257,7 @@ class CollisionLaw(Collision):
         q = self.quadrature_for(at)
         # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
         rest = np.multiply.outer(q.log_loss, offsets)
-        fall, half = (np.multiply.outer(part, q.log_loss) for part in (z.real, 0.5 * z.imag))
-        sine, left = np.sin(half), 2.0 * np.exp(-fall)  # quicker than a complex expm1
-        left *= sine
-        lost = left * sine - np.expm1(-fall) + 1j * (left * np.cos(half))
-        lost = lost @ (q.weight[:, None] * np.exp(-rest))
+        lost = q.losses(z) @ (q.weight[:, None] * np.exp(-rest))
         rate = lost - q.weight @ np.expm1(-rest) + self._beyond(at, lost=True)
         return self.met_again(at, rate, 0)
 

@@ -40,10 +40,8 @@ def log_growth(
 
 def taylor_of_log(c: Sequence[NDArray[Any]]) -> list[NDArray[Any]]:
     """Taylor coefficients of the logarithm of a function with the coefficients c, each (n,)."""
-    d = [np.log(c[0])]
-    for n in range(1, len(c)):
-        total = n * c[n]
-        for i in range(1, n):
-            total = total - i * d[i] * c[n - i]
-        d.append(total / (n * c[0]))
-    return d
+    a = np.stack(c[1:]) / c[0]
+    slope = np.empty_like(a)  # n d_n in row n - 1
+    for n in range(len(a)):
+        slope[n] = (n + 1) * a[n] - (slope[:n] * a[n - 1 :: -1][:n]).sum(axis=0)
+    return [np.log(c[0]), *(row / (n + 1) for n, row in enumerate(slope))]

@@ -77,7 +77,8 @@ def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
         return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
     rate = law.decay_taylor(z, MOST_ORDERS)
     of_rate = taylor_of_log([c / rate[0] for c in rate])  # lambda < 0 for z < 0
-    rest = [-((-1.0 / z) ** n) / n - of_rate[n] for n in orders]
+    powers = np.cumprod(np.broadcast_to(-1.0 / z, (MOST_ORDERS - 1, z.size)), axis=0)
+    rest = [-power / n - of_rate[n] for n, power in zip(orders, powers, strict=True)]
     return [np.log(law.mean_log_loss * z / rate[0]), *rest]
 
 
@@ -125,16 +126,15 @@ def _integrals(
 ) -> FloatArray:
     """Of ln r from low to each of high (n,) on the real axis, where it is smooth."""
     # ln r is analytic within about _START of the path, or 2 pi over the largest loss if that is
-    # further and the lowest power as well: 24 Gauss points for a panel that is no longer leave less
-    # than rounding
+    # further and the lowest power as well: 12 Gauss points for half of it leave less than rounding
     first, last = min(low, float(high.min())), max(low, float(high.max()))
     edges = [first]
     while edges[-1] < last:
         unit = max(_START, min(2.0 / law.largest_loss, edges[-1] - law.lowest_power))
-        edges.append(min(edges[-1] + unit, last))
+        edges.append(min(edges[-1] + 0.5 * unit, last))
     ends = np.unique(np.concatenate([edges, [low], high]))
-    nodes, weights = panels_between(ends, 24)
-    sums = np.cumsum(np.append(0.0, (weights * log_ratio(nodes)).reshape(-1, 24).sum(axis=1)))
+    nodes, weights = panels_between(ends, 12)
+    sums = np.cumsum(np.append(0.0, (weights * log_ratio(nodes)).reshape(-1, 12).sum(axis=1)))
     return np.asarray(sums[np.searchsorted(ends, high)] - sums[np.searchsorted(ends, low)])
 
 

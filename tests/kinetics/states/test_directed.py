@@ -27,7 +27,6 @@ def test_harmonics_of_a_beam(e: float, m: int) -> None:
 
 @pytest.mark.parametrize("e", [0.2, 1.0])
 def test_a_turned_beam_is_the_beam_turned(e: float) -> None:
-    """That along x is held by test_any_law.py of the moments."""
     outputs = ("mean_velocity", "velocity_tensor")
     beam, turned = (solve(scene(e, Beam(angle), outputs=outputs)) for angle in (0.0, 2.2))
     turn = np.array([[np.cos(2.2), -np.sin(2.2)], [np.sin(2.2), np.cos(2.2)]])
@@ -51,6 +50,8 @@ def test_two_temperature_gaussian_at_the_start(sx: float, sy: float) -> None:
     # densities are per dv: the error of f in the plane is larger by 1/v
     error = np.abs(found - exact) * v[:, None]
     assert np.max(error) < 1e-5 * np.max(exact * v[:, None])
+    far = Gaussian(1e4, 1.0).profile(0)(np.array([8e4]))[0]  # half of a Gaussian line
+    assert abs(far / (np.sqrt(2 / np.pi) * np.exp(-32.0) * 1e-4) - 1) < 1e-8
 
 
 def test_angular_harmonics() -> None:
@@ -92,8 +93,8 @@ def test_polar_grid_is_the_function_it_samples() -> None:
     exact = np.eye(2) + np.outer([0.5, 0.2], [0.5, 0.2])
     assert np.allclose(solution.velocity_tensor[0], exact, atol=1e-5)
     for m in (1, 3, 8):
-        weight = np.exp(-1j * m * phi)
-        direct = np.trapezoid((values * weight).mean(axis=1) * 2 * np.pi * v**2, v)
+        turned = values * np.exp(-1j * m * phi)
+        direct = np.trapezoid(turned.mean(axis=1) * 2 * np.pi * v**2, v)
         assert abs(solution.harmonic(1, m)[0] - direct) < 1e-5
     at, angle = np.array([0.5, 1.0, 2.0]), np.array([0.3, 2.0, 4.0])
     found = solution.velocity_density(at, angle)[0]
@@ -103,9 +104,8 @@ def test_polar_grid_is_the_function_it_samples() -> None:
 @pytest.mark.parametrize("n", [7, 20_000])  # kept as they are, and gathered on a grid
 def test_samples_of_velocities(n: int) -> None:
     v = velocities(n)
-    times = [0.0, 0.4]
     outputs = ("thermal_speed", "mean_velocity", "velocity_tensor")
-    solution = solve(scene(0.4, VelocitySamples(v), times, outputs=outputs))
+    solution = solve(scene(0.4, VelocitySamples(v), [0.0, 0.4], outputs=outputs))
     assert np.allclose(solution.mean_velocity[0], v.mean(axis=0), rtol=1e-11)
     assert np.allclose(solution.velocity_tensor[0], v.T @ v / n, rtol=1e-11)
     speed, phi = np.hypot(*v.T), np.arctan2(v[:, 1], v[:, 0])
@@ -117,7 +117,7 @@ def test_samples_of_velocities(n: int) -> None:
         factor, exact = 1.0, 0.0j
         for k in range(60):
             exact += factor * known[1 + k]
-            factor *= -times[1] * float(nu[1 + k]) / (k + 1)
+            factor *= -0.4 * float(nu[1 + k]) / (k + 1)
         assert abs(solution.harmonic(1, m)[1] - exact) < 1e-9
 
 
