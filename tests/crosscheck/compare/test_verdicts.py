@@ -189,8 +189,7 @@ def test_what_is_not_told_is_found() -> None:
             if name in told:
                 assert (parameter.value, parameter.error) == (truth, None)
             else:
-                assert abs(parameter.value - truth) < 3.5 * parameter.error
-                assert parameter.error < 0.02 * truth
+                assert abs(parameter.value - truth) < 3.5 * parameter.error < 0.07 * truth
     fitted, known = (compare(made(0.75), 0.75, d, explain=False) for d in (None, DENSITY))
     assert np.all(fitted.to_dataframe("msd")["error"] < known.to_dataframe("msd")["error"])
 
@@ -249,17 +248,15 @@ def test_exchanged_components_are_seen_and_named(field: float, axis: int, what: 
 def test_components_that_are_not_exchanged_are_not_named(wrong: dict[str, float]) -> None:
     told = {"restitution": 0.7, "number_density": DENSITY} | wrong
     result = compare(along_x(0.05, 2), **told, field=0.05)
-    assert (result.verdict, explained(result, "components exchanged").outcome) == (
-        "differs", "does not"
-    )  # fmt: skip
+    outcome = explained(result, "components exchanged").outcome
+    assert (result.verdict, outcome) == ("differs", "does not")
 
 
 @pytest.mark.parametrize(
     ("told", "verdict"), [({}, "agrees"), ({"tangential_restitution": 0.3}, "differs")]
 )
 def test_data_in_space(told: dict[str, Any], verdict: str) -> None:
-    run = simulated(medium=BoltzmannGrad(DENSITY, dimension=3), tracers=100)
-    data = arrays_of(run)
+    data = arrays_of(simulated(medium=BoltzmannGrad(DENSITY, dimension=3), tracers=100))
     found = compare(data, 0.75, DENSITY, dimension=3, explain=False, **told)
     assert found.verdict == verdict
     assert {test.time for test in found.tests} == {None}
@@ -270,8 +267,7 @@ def real(kind: str) -> dict[str, Any]:
     """Arrays of frames of 4000 tracers among hard disks, or of the equation itself."""
     medium = HardDisks(DENSITY, 5000) if kind == "hard disks" else BoltzmannGrad(DENSITY)
     times = [0.0, *np.geomspace(0.3, 200, 9) * PATH]
-    run = simulated(medium=medium, restitution=0.7, times=times, tracers=100, seed=9)
-    return arrays_of(run)
+    return arrays_of(simulated(medium=medium, restitution=0.7, times=times, tracers=100, seed=9))
 
 
 def spoilt(kind: str, fault: str) -> tuple[dict[str, Any], dict[str, Any]]:

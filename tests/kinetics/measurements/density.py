@@ -58,9 +58,8 @@ def deviations(name: str, e: float, n: float, tracers: int) -> dict[str, tuple[F
 def squares(name: str, e: float, n: float, tracers: int) -> dict[str, FloatArray]:
     """Squared deviation of each average over n^2, without its statistical part, (n_times,)."""
     times = (ALL_TIMES if e < 1.0 else ALL_TIMES[ALL_TIMES <= 100.0]) / (2.0 * n)
-    run = simulated(name, e, n, times, tracers)
+    run, found = simulated(name, e, n, times, tracers), {}
     exact = solve(Scene(e, n, times=times, outputs=AVERAGES, scatterers=name))
-    found = {}
     for average in AVERAGES:
         data, theory = getattr(run, average), getattr(exact, average)
         size = {"a2": 1.0 + theory, AVERAGES[-1]: 2**0.5 * exact.thermal_speed}.get(average, theory)
