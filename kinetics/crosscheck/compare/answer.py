@@ -64,8 +64,7 @@ def _likeliest(fits: Sequence[Fit]) -> Fit:
     Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
     fits = [f for f in fits if f.chi_square and f.chi_square.verdict is Verdict.AGREES] or fits
-    # another medium than the equation's costs as much as a fitted number
-    best = min(fits, key=lambda f: f.criterion + 2 * (f.point.scatterers != "dilute"))
+    best = min(fits, key=lambda f: f.criterion)
     if not np.isfinite(best.criterion):
         return best
     weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])

@@ -27,8 +27,8 @@ class Observable(NamedTuple):
 
     power: x^power, or ln x for 0, has an error that hardly depends on x (x is 1 + a2 for a2).
     own_error: standard deviation of simulations from the theory of hard disks, of x (of v0 for the
-    drift) and divided by n = rho d^2, before 30 l/U and from then on; among overlapping disks twice
-    that: tests/kinetics/measurements/density.py, rounded up.
+    drift) and divided by n = rho d^2, before 30 l/U and from then on; of v0 and <r^2> among
+    overlapping disks twice that: tests/kinetics/measurements/density.py, rounded up.
     """
 
     title: str
@@ -238,12 +238,13 @@ class Expectation:
         size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
         if "drift" in names:
             size[names.index("drift")] = theory[names.index("thermal_speed")]
+        pair = [names.index(x) for x in ("thermal_speed", "msd")]
         if point.scatterers == "overlapping":
-            share *= 2
+            share[pair] *= 2
         error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
         # smooth over a decade of time, as simulations have it
         logs = np.log10(np.where(times > 0, times, 1.0))
         correlation = np.exp(-((logs[:, None] - logs) ** 2) / 2)
-        between, pair = np.eye(len(names)), [names.index(x) for x in ("thermal_speed", "msd")]
+        between = np.eye(len(names))
         between[pair, pair[::-1]] = 0.9
         return np.asarray(np.kron(between, correlation) * np.outer(error, error))
