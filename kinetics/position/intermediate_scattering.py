@@ -127,7 +127,8 @@ def scattering_function(
     Warns (ToleranceWarning) where the error estimate exceeds max(rtol, 1e-12).
     """
     path, times = averages.mean_free_path, averages.times
-    scaled = wave_numbers * path
+    with np.errstate(over="ignore"):
+        scaled = wave_numbers * path
     typical = math.exp(0.5 * averages.speeds.log_second_moment()) / path
     most = _LARGEST_DELAYED if averages.law.returns(0)[0] else _LARGEST
     limit = most * max(1.0, 1.0 / max(float(times[-1]) * typical, 1e-300))
