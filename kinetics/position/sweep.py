@@ -216,8 +216,9 @@ class _Sweep:
             return None, float(np.abs(f).max()) * turns ** (0.5 * (self.system.law.dimension - 1.0))
         largest = float(np.abs(last).max())
         law, begin = self.system.law, max(1.0, 1.0 / self.width[time])
-        if law.dimension == 3 and self.system.state.kinks.size:
-            largest *= _BY_STEPS  # edges of a table of speeds: waves that add up beside fronts
+        # in space the waves of the edges of a table of speeds add up beside fronts
+        edges = law.dimension == 3 and self.system.state.kinks.size > 0
+        largest *= _BY_STEPS if edges else 1.0
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, largest
         # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
@@ -228,7 +229,6 @@ class _Sweep:
             first = 1 - law.dimension
         k, f = points_beyond(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, first)
-        edges = law.dimension == 3 and self.system.state.kinks.size > 0
         by_steps = _BY_STEPS if edges or law.least_loss > _LOSSY else _BEYOND
         left *= 2.0 * _BEYOND if returns else by_steps
         return (tail, left) if left < _FITTED * largest else (None, largest)

@@ -70,11 +70,8 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
 
 def averages_of(law: Law, start: Any = "gaussian") -> tuple[str, ...]:
     """The averages that are compared under a law: of driven tracers without the kurtosis."""
-    where = (
-        "both",
-        "field" if law.field else "free",
-        "along" if law.field or start == BEAM else "",
-    )
+    where = {"both", "field" if law.field else "free"}
+    where |= {"along"} if law.field or start == BEAM else set()
     every = [k for k, x in OBSERVABLES.items() if x.measured and x.where in where]
     if law.capture_speed:  # places are not those of all that move
         every = [k for k in every if k in ("drift", "thermal_speed", "a2")]
