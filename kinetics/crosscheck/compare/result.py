@@ -280,6 +280,8 @@ def render(result: Any, json_name: str) -> str:
 # -- the figures, drawn from the rows: data beside theory, and all deviations ----------------------
 def draw(result: Any, figure: str, ax: Any) -> None:
     """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
+    from matplotlib.ticker import LogLocator
+
     name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
     mine, bars = rows[rows["observable"] == name], {"fmt": "o", "ms": 4, "lw": 1}
     x, x_scale, y_scale = "time $t$ / (d/U)", "log", "linear"
@@ -311,6 +313,8 @@ def draw(result: Any, figure: str, ax: Any) -> None:
         shown = {"color": "black", "label": "data", **bars}
         ax.errorbar(mine["time"], mine["value"], mine["error"], **shown)
     ax.set(xlabel=x, ylabel=y, xscale=x_scale, yscale=y_scale)
+    if x_scale == "log":  # labels of every unit would overlap in a decade
+        ax.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     ax.set_title(title, fontsize="medium")
     ax.legend(fontsize="small", frameon=False)
 
