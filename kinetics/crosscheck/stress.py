@@ -450,7 +450,8 @@ class StressReport:
             frame = pd.DataFrame(self.cases)
             counts = pd.crosstab(frame["group"], frame["verdict"], margins=True, margins_name="all")
             counts = counts.reindex(columns=["all", *VERDICTS], fill_value=0)
-            counts["slowest [s]"] = frame.groupby("group")["seconds"].max()
+            slowest = frame.groupby("group")["seconds"].max()
+            counts["slowest [s]"] = slowest.reindex(counts.index, fill_value=slowest.max())
             text += markdown_table(counts.reset_index()) + "\n"
         text += "".join(f"- {verdict}: {meaning}\n" for verdict, meaning in VERDICTS.items())
         if self.rejected:

@@ -54,9 +54,9 @@ def stress(quick: bool, groups: tuple[str, ...], output: Path | None, as_json: b
     """Drive solvers and particles to their limits, and give each case a verdict.
 
     Restitution to within 1e-10 of 0 and 1, times to 1e300, speeds from 1e-150 to 1e150, rough
-    starts, dense media: error reached against error asked, invariants,
-    and the longest time of each group. Ends with status 1 if a case ended as it must not. All of it
-    takes about half an hour; Ctrl-C or SIGTERM reports what has been run by then.
+    starts, dense media: error reached against error asked, invariants, and the longest time of each
+    group. Ends with status 1 if a case ended as it must not. All of it takes five to fifteen
+    minutes; Ctrl-C or SIGTERM reports what has been run by then.
     """
     from kinetics.crosscheck.stress import run_stress
 

@@ -247,29 +247,35 @@ def _slopes(
 
 
 def steadied(measured: Expectation, theory: Array, model_groups: float = 10.0) -> Array:
-    """The replicates of differences, as `stabilised`, where the error of the kurtosis is a mean
-    of theirs and of that of independent tracers, a Gaussian of random width (gamma-distributed,
-    so that it has the theory's kurtosis) in each component.
+    """The replicates of differences, as `stabilised`, where the error of a2 and of the kurtosis is
+    a mean of theirs and of that of independent tracers, a Gaussian of random width
+    (gamma-distributed, so that it has the theory's kurtosis) in each component.
 
-    Of 500 tracers few make <r^8>, and most samples miss them. The model is good to 20 %, as if
-    from so many groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol.
-    3, 3 (2004)).
+    Of 500 tracers few make <v^8> or <r^8>, and most samples miss them. The model is good to 20 %,
+    as if from so many groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol.
+    Biol. 3, 3 (2004)). Below a Gaussian's kurtosis no error becomes smaller, and the model is a
+    Gaussian's error, less in proportion down to the kurtosis of one size, which has no error.
     """
     found = measured.stabilised(theory, measured.replicates - theory)
-    if "kurtosis" not in measured.names:
-        return found
-    k, d = measured.names.index("kurtosis"), measured.sample.law.dimension
-    x, wider = theory[k], theory[k] / measured.sample.law.gaussian - 1
-    sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
-    eighth = sixth * (d + 6) / d * (1 + 3 * wider)
-    variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
-    own, mine = errors(found[:, k]), effective_groups(found[:, k])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.sqrt(variance / measured.sample.samples) / own
-        factor = np.sqrt((mine + model_groups * ratio**2) / (mine + model_groups))
-    middle = found[:, k].mean(axis=0)
-    factor = np.where((wider >= 0) & np.isfinite(factor), factor, 1.0)
-    found[:, k] = middle + factor * (found[:, k] - middle)
+    d, gaussian = measured.sample.law.dimension, measured.sample.law.gaussian
+    for name, unit in (("a2", gaussian), ("kurtosis", 1.0)):
+        if name in measured.names:
+            k = measured.names.index(name)
+            ratio = unit * (theory[k] + (name == "a2")) / gaussian  # to a Gaussian's kurtosis
+            wider = np.maximum(ratio - 1, 0.0)
+            x = gaussian * (1 + wider)
+            sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
+            eighth = sixth * (d + 6) / d * (1 + 3 * wider)
+            variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
+            model = np.sqrt(variance / measured.sample.samples) / unit
+            model *= np.clip((gaussian * ratio - 1) / (gaussian - 1), 0.0, 1.0)
+            own, mine = errors(found[:, k]), effective_groups(found[:, k])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                more = np.maximum(model / own, np.where(ratio < 1, 1.0, 0.0))
+                factor = np.sqrt((mine + model_groups * more**2) / (mine + model_groups))
+            middle = found[:, k].mean(axis=0)
+            factor = np.where(np.isfinite(factor), factor, 1.0)
+            found[:, k] = middle + factor * (found[:, k] - middle)
     return found
 
 
