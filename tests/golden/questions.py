@@ -2,7 +2,7 @@
 
 The numbers were made with the code of 22 November 2026 (commit 7baf535), before the package was
 made half as big; they are the contract of that work. A number changes only by a decision that the
-CHANGELOG names: chi-squares of a2 and of the kurtosis are of 23 November 2026, as those of x^-2,
+CHANGELOG names: chi-squares of the kurtosis are of 23, of a2 of 24 November 2026, as those of x^-3,
 and so is <r^2> at a finite density, where returns take time.
 Particles are followed for few collisions: among fixed scatterers a difference of one rounding grows
 tenfold or more at each of them, and processors differ in roundings.

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.special import betainc, gammaincc, gammainccinv
 
 from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
-from kinetics.crosscheck.compare.theory import Expectation, Point
+from kinetics.crosscheck.compare.theory import Expectation, Point, spread_of_ratio
 from kinetics.crosscheck.data.sample import Sample, effective_groups, errors
 from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas
 
@@ -64,8 +64,7 @@ class Fit:
     Of these, (n_names, n_times) each: difference of data and theory; error (with the theory's own);
     shaped: the difference as `Expectation.stabilised`, with its replicates (G, ...), and sigmas;
     effective groups; compared: where there is something to compare; usable: and where it has
-    spread. chi_square of those tested; criterion: -2 ln likelihood, to a constant, plus 2 for each
-    parameter (Akaike's criterion).
+    spread. chi_square of those tested; criterion: Akaike's, -2 ln likelihood + 2 len(free) + const.
     """
 
     expectation: Expectation
@@ -87,7 +86,8 @@ class Fit:
         with np.errstate(divide="ignore", invalid="ignore"):
             self.difference = measured.values - theory
             self.shaped = measured.stabilised(theory, self.difference)
-            self.replicates = self._moved(steadied(measured, theory))
+            self.steady = steadied(measured, theory, measured.spread_of_a2(self.point))
+            self.replicates = self._moved(self.steady)
             error = errors(self._moved(measured.replicates - theory))
             own = 0.0 if self.known is None else np.diagonal(self.known).reshape(error.shape)
             self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
@@ -194,14 +194,12 @@ def fit(
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-    made = Fit(
-        expectation, at, theory, known, tuple(free), best, spread, slope, influence, chosen
-    )  # fmt: skip
+    made = Fit(expectation, at, theory, known, tuple(free), best, spread, slope, influence, chosen)
     shaped, left_of, own = made.flat(tested)
     widening = 0.0  # ln(det(C + M)/det C) of the chi-square, M the theory's own covariance
     if known is not None and own is not None:
         # of the data themselves: the same for all that is fitted in a medium
-        axes = whitening(covariance(steadied(expectation, theory).reshape(groups, -1)[:, tested]))
+        axes = whitening(covariance(made.steady.reshape(groups, -1)[:, tested]))
         widening = float(np.linalg.slogdet(np.eye(len(axes)) + axes @ own @ axes.T)[1])
         passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
         passed[:, chosen] -= slope[tested] @ influence
@@ -246,36 +244,30 @@ def _slopes(
     return np.stack(made, axis=1)
 
 
-def steadied(measured: Expectation, theory: Array, model_groups: float = 10.0) -> Array:
+def steadied(measured: Expectation, theory: Array, spread_of_a2: Array | None = None) -> Array:
     """The replicates of differences, as `stabilised`, where the error of a2 and of the kurtosis is
-    a mean of theirs and of that of independent tracers, a Gaussian of random width
-    (gamma-distributed, so that it has the theory's kurtosis) in each component.
+    a mean of theirs and of that of independent tracers: of 500 tracers few make <v^8> and <r^8>.
 
-    Of 500 tracers few make <v^8> or <r^8>, and most samples miss them. The model is good to 20 %,
-    as if from so many groups; the mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol.
-    Biol. 3, 3 (2004)). Below a Gaussian's kurtosis no error becomes smaller, and the model is a
-    Gaussian's error, less in proportion down to the kurtosis of one size, which has no error.
+    That of a2 is the kinetic equation's; that of the kurtosis is of a Gaussian of random width
+    (gamma-distributed, so that it has the theory's kurtosis) in each component, good to 20 %. The
+    mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3 (2004)): 10 of the
+    kurtosis, 20 of a2, as tracers may share scatterers.
     """
     found = measured.stabilised(theory, measured.replicates - theory)
-    d, gaussian = measured.sample.law.dimension, measured.sample.law.gaussian
-    for name, unit in (("a2", gaussian), ("kurtosis", 1.0)):
-        if name in measured.names:
-            k = measured.names.index(name)
-            ratio = unit * (theory[k] + (name == "a2")) / gaussian  # to a Gaussian's kurtosis
-            wider = np.maximum(ratio - 1, 0.0)
-            x = gaussian * (1 + wider)
-            sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
-            eighth = sixth * (d + 6) / d * (1 + 3 * wider)
-            variance = eighth - x**2 - 4 * x * (sixth - x) + 4 * x**2 * (x - 1)
-            model = np.sqrt(variance / measured.sample.samples) / unit
-            model *= np.clip((gaussian * ratio - 1) / (gaussian - 1), 0.0, 1.0)
-            own, mine = errors(found[:, k]), effective_groups(found[:, k])
-            with np.errstate(divide="ignore", invalid="ignore"):
-                more = np.maximum(model / own, np.where(ratio < 1, 1.0, 0.0))
-                factor = np.sqrt((mine + model_groups * more**2) / (mine + model_groups))
-            middle = found[:, k].mean(axis=0)
-            factor = np.where(np.isfinite(factor), factor, 1.0)
-            found[:, k] = middle + factor * (found[:, k] - middle)
+    known = [] if spread_of_a2 is None else [("a2", spread_of_a2, 20.0)]
+    if "kurtosis" in measured.names:
+        x, d = theory[measured.names.index("kurtosis")], measured.sample.law.dimension
+        wider = x / measured.sample.law.gaussian - 1
+        sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
+        variance = spread_of_ratio(x, sixth, sixth * (d + 6) / d * (1 + 3 * wider))
+        known.append(("kurtosis", np.where(wider >= 0, variance, np.nan), 10.0))
+    for name, variance, groups in known:
+        k = measured.names.index(name)
+        own, mine = errors(found[:, k]), effective_groups(found[:, k])
+        ratio = np.sqrt(variance / measured.sample.samples) / own
+        factor = np.sqrt((mine + groups * ratio**2) / (mine + groups))
+        factor, middle = np.where(np.isfinite(factor), factor, 1.0), found[:, k].mean(axis=0)
+        found[:, k] = middle + factor * (found[:, k] - middle)
     return found
 
 

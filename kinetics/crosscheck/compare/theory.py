@@ -127,6 +127,11 @@ class Point(NamedTuple):
         return named.get(self.start, "a beam along x" if self.start == BEAM else str(self.start))
 
 
+def spread_of_ratio(fourth: Array, sixth: Array, eighth: Array) -> Array:
+    """N times the variance of <x^4>/<x^2>^2 of N samples, from moments in units of <x^2>."""
+    return eighth - fourth**2 - 4 * fourth * (sixth - fourth) + 4 * fourth**2 * (fourth - 1)
+
+
 class Expectation:
     """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
     with each group left out; and what is expected. exchanged: which components are, in words.
@@ -134,7 +139,7 @@ class Expectation:
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
         self.sample, self.names, self.exchanged = sample, tuple(names), ""
-        self._solved: dict[Any, Array] = {}
+        self._solved: dict[Any, tuple[Array, Solution]] = {}
         total = sample.sums.sum(axis=0)
         made: Any = [OBSERVABLES[name].measured for name in names]
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -170,19 +175,33 @@ class Expectation:
 
     def theory(self, point: Point) -> Array:
         """Theory (n_names, n_times)."""
+        values = self._answer(point)[0]
+        told = point[4:8] == (1.0, 1.0, 1.0, 0.0) and point[9:] == (0.0, 0.0)
+        return values if told else self._measured(values, point)
+
+    def _answer(self, point: Point) -> tuple[Array, Solution]:
+        """The theory of the motion, in what was told."""
         # units of length, noise and tracers at rest change no motion: these are solved once
         clock, times = point.speed_unit / point.time_unit, self.sample.times
         key = (*point[:2], id(point.start), point.scatterers, clock, point.time_offset)
         if key not in self._solved:
-            late = np.where(times > 0, point.time_offset, 0.0)
-            solution = self.solved(point, np.maximum(times * clock + late, 0.0), self.names)
+            times = np.maximum(times * clock + point.time_offset * (times > 0), 0.0)
+            solution = self.solved(point, times, self.names)
             rows: Any = [(name, OBSERVABLES[name]) for name in self.names]
             self._solved[key] = np.stack([
                 np.asarray(getattr(solution, row.output or name))[(..., *row.component)]
                 for name, row in rows
-            ])  # fmt: skip
-        told = point[4:8] == (1.0, 1.0, 1.0, 0.0) and point[9:] == (0.0, 0.0)
-        return self._solved[key] if told else self._measured(self._solved[key], point)
+            ]), solution  # fmt: skip
+        return self._solved[key]
+
+    def spread_of_a2(self, point: Point) -> Array | None:
+        """N times the variance (n_times,) of a2 of N independent tracers; None where unknown."""
+        law = self.sample.law
+        if law.field or law.is_driven or "a2" not in self.names:
+            return None
+        moment = self._answer(point)[1].moment
+        parts = (moment(p) / moment(2.0) ** (p / 2) for p in (4.0, 6.0, 8.0))
+        return np.asarray(spread_of_ratio(*parts) / law.gaussian**2)
 
     def _measured(self, values: Array, point: Point) -> Array:
         """The same as data in other units, with noise or with tracers at rest have them."""
