@@ -13,10 +13,12 @@ from kinetics.collision import CollisionLaw
 from kinetics.field.restitution import ImpactRestitution, impact_restitution
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.validation import check_mass_ratio, check_restitution, real_number, whole_number
+from kinetics.validation import check_mass_ratio, check_restitution, real_number, refuse, whole_number
 
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 """What a System has beside a restitution, a mass ratio and a field."""
+LEAST, MOST = 1e-20, 1e20  # of what drives, in units of U and l: its powers are in doubles
+SIZES = f"in units of U and the mean free path it must be 0, or from {LEAST:g} to {MOST:g}"
 TAIL = 1e-3  # of a tolerance: the share of tracers above the highest speed
 _LEAST_TOP = 1e-12  # of the speeds that are looked at: a system that stays below is at rest
 _STRONG = 0.45  # a speed over sqrt(g l), from which on harmonics fall exponentially
@@ -57,10 +59,16 @@ class System:
         )
 
     def scaled(self, path: float) -> System:
-        """From accelerations, noise and drag per unit of length to those per mean free path."""
-        return replace(
-            self, heating=self.heating * path, drag=self.drag * path, field=self.field * path
-        )
+        """From accelerations, noise and drag per unit of length to those per mean free path.
+
+        InputError where one of these, or a speed, is tiny or huge.
+        """
+        units = dict.fromkeys(DRIVES, 1.0) | dict.fromkeys(("heating", "drag", "field"), path)
+        sizes = {name: getattr(self, name) * unit for name, unit in units.items()}
+        for name, size in sizes.items():
+            if getattr(self, name) and not LEAST <= size <= MOST:
+                refuse(name, getattr(self, name), SIZES)
+        return replace(self, **sizes)
 
     @property
     def is_driven(self) -> bool:
