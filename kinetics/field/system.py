@@ -13,7 +13,13 @@ from kinetics.collision import CollisionLaw
 from kinetics.field.restitution import ImpactRestitution, impact_restitution
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.validation import check_mass_ratio, check_restitution, real_number, refuse, whole_number
+from kinetics.validation import (
+    check_mass_ratio,
+    check_restitution,
+    real_number,
+    refuse,
+    whole_number,
+)
 
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 """What a System has beside a restitution, a mass ratio and a field."""
@@ -134,10 +140,14 @@ class System:
     @cached_property
     def scale(self) -> float:
         """The speed below which averages vary little; 0 where nothing sets one."""
-        noise = self.heating ** (1.0 / 3.0)
-        found = max(self.bath_speed, noise, 0.3 * math.sqrt(self.field))
-        stick = self.capture_speed
+        found, stick = self._driven, self.capture_speed
         return min(found, stick) if found and stick else found or stick
+
+    @property
+    def _driven(self) -> float:
+        """A speed that is given to tracers; 0 where nothing drives."""
+        noise = self.heating ** (1.0 / 3.0)
+        return max(self.bath_speed, noise, 0.3 * math.sqrt(self.field))
 
     def _losses(self, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """E[1 - s^2], E[1 - s cos chi] and E[(1 + e*)^2 n^2] of resting scatterers, (n,) each."""
@@ -162,7 +172,7 @@ class System:
         """
         if not self.is_driven:
             return start
-        v = np.geomspace(1e-6, 1e6, 2401) * (self.scale or 1.0)
+        v = np.geomspace(1e-6, 1e6, 2401) * self._driven
         loss, turn, kick = self._losses(v)
         drift = self.drag * v + 0.5 * loss * v * v
         bath, noise, g = 0.5 * self.bath_speed**2 * kick * v, self.heating, self.field
