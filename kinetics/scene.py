@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.field.restitution import impact_restitution
-from kinetics.field.system import DRIVES, System, checked_drives
+from kinetics.field.system import DRIVES, LEAST, MOST, SIZES, System, checked_drives
 from kinetics.numerics import FloatArray
 from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 from kinetics.results import Value
@@ -100,7 +100,8 @@ class Scene(Value):
         law, system = self._any_law, self.system
         rho = check_positive("number_density", self.number_density)
         diameter = check_positive("diameter", self.diameter)
-        if not 0.0 < law.mean_free_path(rho, diameter) < math.inf:
+        path = law.mean_free_path(rho, diameter)
+        if not 0.0 < path < math.inf:
             allowed = f"at diameter {diameter:g} the mean free path must be a finite number above 0"
             refuse("number_density", self.number_density, allowed)
         allowed = "it must be a finite number, 0 or more: the field is along +x"
@@ -126,6 +127,9 @@ class Scene(Value):
                 name = "scatterers" if at_a_density else "tangential_restitution"
                 allowed = "driven tracers are solved among smooth dilute scatterers only"
                 refuse(name, getattr(self, name), allowed)
+            system.scaled(path)
+            if np.any((times > 0.0) & ((times < LEAST * path) | (times > MOST * path))):
+                refuse("times", self.times, SIZES)
             arguments |= {name: getattr(system, name) for name in ("restitution", *DRIVES)}
         table = DRIVEN_OUTPUTS if system else FIELD_OUTPUTS if field else OUTPUTS
         gains = field > 0.0 or (system is not None and system.is_driven)

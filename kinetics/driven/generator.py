@@ -32,6 +32,9 @@ from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 
 _MOST_NODES, _MOST_HARMONICS = 180, 70
+_MOST_SUMMED = (
+    2e8  # impacts times functions, of one solution if there shall be a finer one: seconds
+)
 _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
 # Under noise the density next to rest has odd powers of v, where impacts begin to stick a root:
 # errors fall as a power of the number of speeds, and up to 3.8 times what two solutions differ by
@@ -59,11 +62,11 @@ class Resolution:
     def first(cls, system: System, rtol: float, span: float, harmonics: int = 1) -> Resolution:
         """One that is often enough; span : asinh of the highest speed over the axis' scale."""
         digits = -math.log10(max(rtol, 1e-12))
+        most = 4 * _MOST_HARMONICS // 5 - 2  # so that one finer solution is left; of nodes too
         if system.only_falls:
             assert system.law is not None
             lossy = 1.0 + 0.4 * system.law.mean_log_loss  # then directions vary faster
-            # at most so many that one finer solution is left
-            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), 4 * _MOST_HARMONICS // 5 - 2)
+            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), most)
             return cls(math.ceil((6.0 + 2.3 * digits) * lossy**0.4), 0, turns, 10.0**-digits)
         if not system.is_driven:
             nodes = 20.0 + 5.0 * digits
@@ -77,6 +80,7 @@ class Resolution:
             coupled = 2.0 + (0.6 + 0.4 * math.sqrt(system.field) / system.scale) * digits
         else:
             coupled = 0.0
+        nodes, coupled = min(nodes, 0.8 * _MOST_NODES - 4.0), min(coupled, most)
         points = math.ceil(14.0 + 0.26 * digits**2 if system.field else 6.0 + 2.4 * digits)
         return cls(math.ceil(nodes), points, max(harmonics, math.ceil(coupled)), 10.0**-digits)
 
@@ -95,9 +99,11 @@ class Generator:
 
     def __init__(self, system: System, axis: SpeedAxis, resolution: Resolution) -> None:
         self.system, self.axis = system, axis
-        self.harmonics, self._points = resolution.harmonics, resolution.points
+        self.harmonics, self._points, self.impacts = resolution.harmonics, resolution.points, 0
         v, d = axis.speeds, system.dimension
         self._collide()
+        summed = self.impacts * (axis.size + self.harmonics)
+        self.finer = resolution.finer if summed < _MOST_SUMMED else None
         slopes, inverse = [axis.derivative(0), axis.derivative(1)], np.diag(1.0 / v)
         noise = system.heating * axis.faded[:, None]
         for m, matrix in enumerate(self.matrices):
@@ -176,6 +182,7 @@ class Generator:
             for parity in (0, 1):
                 self.matrices[parity::2, i] = weighed[parity::2] @ tables[parity]
             self.rate[i] = rate.sum()
+            self.impacts += rate.size
         for parity in (0, 1):
             self.matrices[parity::2] = self.matrices[parity::2] @ self.axis.to_coefficients(parity)
         self.matrices[:, np.arange(n), np.arange(n)] -= self.rate
@@ -202,7 +209,7 @@ class Steady:
         self.axis = axis = SpeedAxis(top, scale, resolution.nodes, power, smooth, fading)
         self.generator = one = Generator(system, axis, resolution)
         v, self.system, self.resolution = axis.speeds, system, resolution
-        self.finer = resolution.finer
+        self.finer = one.finer
         nothing = np.zeros((resolution.harmonics + 1, v.size))
         self.decay = 0.0
         if system.capture_speed:
@@ -232,7 +239,7 @@ class Steady:
     def figures(self) -> FloatArray:
         """The figures of `steady.DrivenState`, (8,)."""
         one, v, d = self.generator, self.axis.speeds, self.system.dimension
-        drift, second, fourth = self.average(1, 1), self.average(2, 0), self.average(4, 0)
+        drift, second, fourth = (np.float64(self.average(p, int(p == 1))) for p in (1, 2, 4))
         cosine = self.average(2, 2) if one.harmonics > 1 else 0.0
         rate = float(one.rate @ self.sums[0])
         spread = [math.nan] * 3
@@ -246,7 +253,7 @@ class Steady:
                 spread += [float(v @ self.solver.solve(one.chain.pulled(self.sums))[1])]
         excess = d * fourth / ((d + 2.0) * second**2) - 1.0
         square = (second + (d - 1.0) * cosine) / d
-        return np.array([math.sqrt(second), excess, drift, square, rate, *spread])
+        return np.array([np.sqrt(second), excess, drift, square, rate, *spread])
 
     @cached_property
     def depth(self) -> float:

@@ -63,13 +63,14 @@ class _Evolution(March):
         axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
         self.axis = axis
         one, fields = Generator(system, axis, resolution), [("f", 0), ("x", 0), ("y", 1)]
+        self._finer = one.finer
         if isotropic:  # y f is as x f
             fields = fields[:2]
         equation = Equation(one.chain, fields, axis.speeds, np.ones(axis.size), one.rate)
         begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
         begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
         self.sums = np.repeat(begin[:1], times.size, axis=0)
-        self.values, self.steps = np.zeros((times.size, len(ALL))), 0
+        self.values, self.steps, self.tries = np.zeros((times.size, len(ALL))), 0, 0
         if times[-1] > 0.0:
             self._run(equation, begin, fastest)
         # at time 0 all is known from the start
@@ -82,7 +83,7 @@ class _Evolution(March):
     @property
     def finer(self) -> Resolution | None:
         """A finer resolution; None where there is none."""
-        return self.resolution.finer if self.steps < self.most_steps else None
+        return self._finer if self.tries < self.most_steps else None
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self._densities:
@@ -156,8 +157,9 @@ class DrivenScene(FieldScene):
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
         """If some stick: of the velocity over those that move, of the place over all."""
-        found, kept = super()._of, {"1", *INTEGRALS}
-        return {name: x if name in kept else x / found["1"] for name, x in found.items()}
+        found, kept = super()._of, {"1", *INTEGRALS} if self.system.capture_speed else set(ALL)
+        with np.errstate(divide="ignore", invalid="ignore"):  # none may be left
+            return {name: x if name in kept else x / found["1"] for name, x in found.items()}
 
     @property
     def captured(self) -> FloatArray:

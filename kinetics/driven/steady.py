@@ -288,7 +288,7 @@ def solve_steady(
     system = System.checked(
         restitution, dimension, mass_ratio, bath_speed=bath_speed, heating=heating, drag=drag,
         field=field, capture_speed=capture_speed,
-    )  # fmt: skip
+    ).scaled(1.0)  # fmt: skip
     if not system.is_driven:
         raise InputError(
             "bath_speed: got 0; without bath_speed, heating or field tracers cool for ever, and "

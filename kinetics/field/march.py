@@ -46,6 +46,7 @@ _MOST_HARMONICS = 40  # in a field: seconds, and 200 MB of memory
 T = TypeVar("T")
 
 
+@np.errstate(all="ignore")  # of what is not resolved, figures may overflow: its error is infinite
 def refined(
     solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
     allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4,
@@ -149,7 +150,7 @@ class March:
     resolution, axis : with the ``rtol`` of the steps; of speeds
     asked : names of `ALL` that steps must resolve; others may be less accurate, or 0
     values : `ALL`, shape (n_times, n_averages)
-    steps : their number
+    steps, tries : their number, and that of those that were too long as well
     """
 
     # then steps are taken as they are: another resolution says that this one fails
@@ -161,6 +162,7 @@ class March:
     asked: frozenset[str]
     values: FloatArray
     steps: int
+    tries: int
 
     def _uncollided(self, times: FloatArray) -> FloatArray | float:
         """What tracers in closed form add to the averages, (n, n_averages)."""
@@ -179,16 +181,15 @@ class March:
 
     def _run(self, equation: Equation, f: FloatArray, fastest: float) -> None:
         """From f on, up to the last time or beyond it; fastest : the highest speed in f."""
-        self.values, self.steps = np.zeros((self.times.size, len(ALL))), 0
+        self.values, self.steps, self.tries = np.zeros((self.times.size, len(ALL))), 0, 0
         now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
         # at the first of the times averages may be small, as the fourth power of the time
         h = min(_FIRST / (1.0 + fastest), *self.times[self.times > 0.0][:1], last)
         totals, allowed = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
         grows = [one for one, _ in INTEGRALS.values()]
         factor = np.array([factor for _, factor in INTEGRALS.values()])
-        tried = 0
-        while now < last or tried == 0:
-            tried += 1
+        while now < last or self.tries == 0:
+            self.tries += 1
             early, source = self._early(now, h) or (0.0, None)
             stages = equation.step(f, h, source)
             averages = equation.averages(stages)
@@ -197,7 +198,7 @@ class March:
             left = radau.roughness(averages)
             left = np.append(left, h * radau.roughness(total)[grows] * factor)
             rough = self._relative(left[None], np.hstack([total, grown])[-1:])
-            if rough > allowed and tried < self.most_steps and h > _SHORTEST * last:
+            if rough > allowed and self.tries < self.most_steps and h > _SHORTEST * last:
                 h *= 0.5
                 continue
             inside = (self.times >= now) & (self.times <= now + h)
@@ -209,7 +210,7 @@ class March:
             self.steps += 1
             now, totals = now + h, grown[-1]
             equation, f = self._slowed(equation, stages[-1], now, np.hstack([total, grown])[-1:])
-            if rough * _SMOOTH < allowed or tried >= self.most_steps:
+            if rough * _SMOOTH < allowed or self.tries >= self.most_steps:
                 h *= 2.0
 
     def _relative(self, missed: FloatArray, values: FloatArray) -> float:
@@ -221,7 +222,8 @@ class March:
         scale |= dict.fromkeys(("x", "y"), np.sqrt(square)) | dict.fromkeys(SQUARES, square)
         used = [ALL.index(name) for name in self.asked]
         sizes = np.stack([scale[ALL[i]] for i in used], axis=1)
-        found = np.abs(missed[:, used])[sizes > 0.0] / sizes[sizes > 0.0]
+        there = sizes != 0.0  # also what is not a number, of a solution that overflows
+        found = np.abs(missed[:, used])[there] / sizes[there]
         worst = float(np.max(found, initial=0.0))
         return worst if math.isfinite(worst) else math.inf
 

@@ -13,10 +13,18 @@ from kinetics.collision import CollisionLaw
 from kinetics.field.restitution import ImpactRestitution, impact_restitution
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.validation import check_mass_ratio, check_restitution, real_number, whole_number
+from kinetics.validation import (
+    check_mass_ratio,
+    check_restitution,
+    real_number,
+    refuse,
+    whole_number,
+)
 
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 """What a System has beside a restitution, a mass ratio and a field."""
+LEAST, MOST = 1e-20, 1e20  # of what drives, in units of U and l: its powers are in doubles
+SIZES = f"in units of U and the mean free path it must be 0, or from {LEAST:g} to {MOST:g}"
 TAIL = 1e-3  # of a tolerance: the share of tracers above the highest speed
 _LEAST_TOP = 1e-12  # of the speeds that are looked at: a system that stays below is at rest
 _STRONG = 0.45  # a speed over sqrt(g l), from which on harmonics fall exponentially
@@ -57,10 +65,16 @@ class System:
         )
 
     def scaled(self, path: float) -> System:
-        """From accelerations, noise and drag per unit of length to those per mean free path."""
-        return replace(
-            self, heating=self.heating * path, drag=self.drag * path, field=self.field * path
-        )
+        """From accelerations, noise and drag per unit of length to those per mean free path.
+
+        InputError where one of these, or a speed, is tiny or huge.
+        """
+        units = dict.fromkeys(DRIVES, 1.0) | dict.fromkeys(("heating", "drag", "field"), path)
+        sizes = {name: getattr(self, name) * unit for name, unit in units.items()}
+        for name, size in sizes.items():
+            if getattr(self, name) and not LEAST <= size <= MOST:
+                refuse(name, getattr(self, name), SIZES)
+        return replace(self, **sizes)
 
     @property
     def is_driven(self) -> bool:
@@ -126,10 +140,14 @@ class System:
     @cached_property
     def scale(self) -> float:
         """The speed below which averages vary little; 0 where nothing sets one."""
-        noise = self.heating ** (1.0 / 3.0)
-        found = max(self.bath_speed, noise, 0.3 * math.sqrt(self.field))
-        stick = self.capture_speed
+        found, stick = self._driven, self.capture_speed
         return min(found, stick) if found and stick else found or stick
+
+    @property
+    def _driven(self) -> float:
+        """A speed that is given to tracers; 0 where nothing drives."""
+        noise = self.heating ** (1.0 / 3.0)
+        return max(self.bath_speed, noise, 0.3 * math.sqrt(self.field))
 
     def _losses(self, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """E[1 - s^2], E[1 - s cos chi] and E[(1 + e*)^2 n^2] of resting scatterers, (n,) each."""
@@ -154,7 +172,7 @@ class System:
         """
         if not self.is_driven:
             return start
-        v = np.geomspace(1e-6, 1e6, 2401) * (self.scale or 1.0)
+        v = np.geomspace(1e-6, 1e6, 2401) * self._driven
         loss, turn, kick = self._losses(v)
         drift = self.drag * v + 0.5 * loss * v * v
         bath, noise, g = 0.5 * self.bath_speed**2 * kick * v, self.heating, self.field

@@ -216,6 +216,23 @@ def test_a_sharp_start_that_hardly_anything_drives_begins_as_it_is(dimension, he
     assert np.all(abs(solve(scene, rtol=1e-6).thermal_speed - 1.0) <= [1e-7, 1e-3])
 
 
+@pytest.mark.parametrize("size", [1e-300, 1e-150, 1e150, 1e300])
+@pytest.mark.parametrize("name", ["bath_speed", "heating", "drag", "capture_speed", "times"])
+def test_extreme_sizes_are_refused(name, size):
+    with pytest.raises(InputError, match=name):
+        one_l(
+            0.7,
+            **({"times": [1.0], "bath_speed": 1.0} | {name: [size] if name == "times" else size}),
+        )
+
+
+def test_rare_sticking_leaves_fast_tracers():
+    """The top was sought about the capture speed: 7 % off, said to converge."""
+    scene = one_l(0.9, times=[0.8], bath_speed=10.0)
+    found = [solve(replace(scene, capture_speed=x), 1e-3).thermal_speed for x in (0.0, 1e-4)]
+    assert found[1] == pytest.approx(found[0], rel=2e-3)
+
+
 # -- noise and drag --------------------------------------------------------------------------------
 
 
