@@ -70,12 +70,13 @@ def _rho(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.where(zero, 0.0, np.log(ratio)))
 
 
-def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
-    """Taylor coefficients of rho at z (n,), up to order 11."""
+def _taylor_of_rho(
+    law: CollisionLaw, z: NDArray[Any], rate: list[NDArray[Any]]
+) -> list[NDArray[Any]]:
+    """Taylor coefficients of rho at z (n,), up to order 11; rate: those of lambda."""
     p, orders = law.uniform_power, range(1, MOST_ORDERS)
     if p:
         return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
-    rate = law.decay_taylor(z, MOST_ORDERS)
     of_rate = taylor_of_log([c / rate[0] for c in rate])  # lambda < 0 for z < 0
     powers = np.cumprod(np.broadcast_to(-1.0 / z, (MOST_ORDERS - 1, z.size)), axis=0)
     rest = [-power / n - of_rate[n] for n, power in zip(orders, powers, strict=True)]
@@ -90,12 +91,13 @@ def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
         out[low], out[~low] = log_moment(law, z[low]), log_moment(law, z[~low])
         return out
     n = _shift(law, float(z.min()))
-    # ln A(n), and from there to z + n, from which the recurrence leads down to z
-    known = _rho(law, np.arange(1.0, n)).sum()
-    ends = _taylor_of_rho(law, np.append(n, z + n))
+    # the recurrence leads from 0 up to n, and down to z from z + n
+    both = np.append(0.0, z)
+    steps = _rho(law, both[:, None] + np.arange(n)).sum(axis=1)
+    ends = _taylor_of_rho(law, both + n, law.decay_taylor(both + n, MOST_ORDERS))
     integral = _integrals(partial(_rho, law), law, float(n), z + n)
     grown = log_growth(integral, [c[:1] for c in ends], [c[1:] for c in ends])
-    return np.asarray(known + grown - _rho(law, z[:, None] + np.arange(n)).sum(axis=1))
+    return np.asarray(steps[0] + grown - steps[1:])
 
 
 def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
@@ -111,12 +113,13 @@ def _growth_on_line(law: CollisionLaw, begin: complex, step: float, count: int) 
     z = begin + 1j * step * np.arange(count)
     shift = _shift(law, begin.real, float(z[-1].imag))
     node, weight = gauss_legendre(10)
-    offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
-    rho = np.log(law.mean_log_loss * (z[1:, None] + offsets) / law.decay_rates(z[1:], offsets))
+    offsets = np.concatenate([np.arange(shift), shift + 1j * step * node, [shift]])
+    rates, taylor = law.decay_rates(z, offsets, MOST_ORDERS)
+    rho = np.log(law.mean_log_loss * (z[1:, None] + offsets) / rates[1:])
     # at the beginning itself, sums of powers might lose their digits next to z = 0
     rho = np.concatenate([_rho(law, begin + offsets)[None], rho])
-    path = np.append(0.0, 1j * step * np.cumsum(rho[:-1, shift:] @ weight))
-    end = _taylor_of_rho(law, z + shift)
+    path = np.append(0.0, 1j * step * np.cumsum(rho[:-1, shift:-1] @ weight))
+    end = _taylor_of_rho(law, z + shift, taylor)
     below = rho[:, :shift].sum(axis=1)
     return np.asarray(log_growth(path, [c[0] for c in end], end) - below + below[0])
 
