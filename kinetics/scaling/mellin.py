@@ -42,6 +42,7 @@ _START = 16
 # Of a line, in deviations: how far from its centre it serves, and half of the way to the next one;
 # it loses e^(1.6^2/2) = 4 at most, between lines of different deviations.
 _SERVES = 1.25
+_SERVES_MORE = 2.4  # where a bounce costs less than a deviation: nearly Gaussian, loses 18
 # Below e^-5 of the speed after a bounce, the tilted density changes between two such lines: closer.
 _RARELY_LOST, _CLOSE = 5.0, 0.4
 _LEAST = 0.02  # share of its terms that a sum must have: two digits are lost there
@@ -148,11 +149,13 @@ class Line(NamedTuple):
     """One Mellin line Re z = exponent: A(z)/A(exponent) at exponent + i n step.
 
     centre, deviation : mean and standard deviation of x under the density e^(exponent x) g(x)
+    reach : how far from its centre it serves
     """
 
     exponent: float
     centre: float
     deviation: float
+    reach: float
     step: float
     log_moment: float
     samples: ComplexArray
@@ -188,7 +191,7 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
             total = total[~lost]
         mine, total = serving == i, total * line.step / (2.0 * math.pi)
         out[mine] = np.log(np.maximum(total, 1e-300)) + line.log_moment - line.exponent * x[mine]
-    out[x > centre[-1] + _SERVES * deviation[-1]] = -math.inf
+    out[x > centre[-1] + lines[-1].reach] = -math.inf
     if not law.reaches_rest:
         unknown = math.isfinite(law.lowest_power)
         out[x < centre[0] - 2.0 * _SERVES * deviation[0]] = math.nan if unknown else -math.inf
@@ -199,26 +202,32 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
 def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line]) -> None:
     """Make lines from the bulk (x near 0) outwards, until both x are served or F is 0 there."""
     if not lines:
-        lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law))))
+        lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law)), 32))
 
     def something(line: Line) -> bool:  # Chernoff: ln g(x) <= ln A(a) - a x
         log_f = line.log_moment - (line.exponent + law.dimension) * line.centre
         return log_f > -LARGEST_LOG - FOLDS
 
-    while (end := lines[-1]).centre + _SERVES * end.deviation < highest and something(end):
-        lines.append(_line(law, end.exponent + 2.0 * _SERVES / end.deviation, end.deviation))
-    while (end := lines[0]).centre - _SERVES * end.deviation > lowest and something(end):
-        step = 2.0 * _SERVES / end.deviation
+    def beside(end: Line, step: float) -> Line:
+        return _line(law, end.exponent + step, end.deviation, end.samples.size)
+
+    while (end := lines[-1]).centre + end.reach < highest and something(end):
+        lines.append(beside(end, 2.0 * end.reach / end.deviation**2))
+    while (end := lines[0]).centre - end.reach > lowest and something(end):
+        step = 2.0 * end.reach / end.deviation**2
         if law.largest_loss > _RARELY_LOST:
             step = min(step, _CLOSE)
-        exponent = max(end.exponent - step, law.lowest_power + _LOWEST_LINE)
-        if exponent == end.exponent:
+        step = min(step, end.exponent - law.lowest_power - _LOWEST_LINE)
+        if step <= 0.0:
             break
-        lines.insert(0, _line(law, exponent, end.deviation))
+        lines.insert(0, beside(end, -step))
 
 
-def _line(law: CollisionLaw, a: float, scale: float) -> Line:
-    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible."""
+def _line(law: CollisionLaw, a: float, scale: float, count: int) -> Line:
+    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible.
+
+    scale, count : about its deviation, and how many samples it takes
+    """
     # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
     deepest = min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)
     small = 0.2 * min(1.0 / scale, a - law.lowest_power)  # for differences
@@ -234,11 +243,14 @@ def _line(law: CollisionLaw, a: float, scale: float) -> Line:
     left = float(np.max(-(below + FOLDS) / down))
     step, samples = 2.0 * math.pi / (right - left), np.ones(1, dtype=complex)
     while np.max(np.abs(samples[-4:])) >= math.exp(-FOLDS):
-        count = max(32, samples.size)
         begin = a + 1j * step * (samples.size - 1)
         more = np.exp(_growth_on_line(law, begin, step, count + 1)[1:])
         samples = np.append(samples, samples[-1] * more)
-    return Line(a, mean, math.sqrt(variance), step, log_a, samples)
+        count = max(32, samples.size // 2)
+    needed = max(32, 4 + int(np.count_nonzero(np.abs(samples) >= math.exp(-FOLDS))))
+    deviation = math.sqrt(variance)
+    reach = deviation * (_SERVES_MORE if law.largest_loss < deviation else _SERVES)
+    return Line(a, mean, deviation, reach, step, log_a, samples[:needed])
 
 
 def small_deviation(law: CollisionLaw) -> float:
