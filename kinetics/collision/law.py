@@ -270,13 +270,7 @@ class CollisionLaw(Collision):
 
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
         """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
-        q = self.quadrature_for(z)
-        power = np.exp(-np.multiply.outer(z, q.log_loss))
-        order = np.arange(1.0, orders)
-        factors = q.weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
-        # a complex matrix times a real one would be taken apart for each column
-        slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
-        return self.taylor_met_again(z, [self.lost(z), *(-slopes.T)], 0)
+        return self.decay_rates(z, np.zeros(1), orders)[1]
 
     # -- returns to the scatterer before, in a medium ----------------------------------------------
 
