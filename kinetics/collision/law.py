@@ -255,7 +255,8 @@ class CollisionLaw(Collision):
         self, z: NDArray[Any], offsets: NDArray[Any], orders: int
     ) -> tuple[NDArray[Any], list[NDArray[Any]]]:
         """lambda(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to 1 + |lambda|; and
-        at the last d its Taylor coefficients, of the orders 0 to orders - 1, each (n_z,)."""
+        at the last d its Taylor coefficients, of the orders 0 to orders - 1, each (n_z,).
+        """
         at = z[:, None] + offsets
         q = self.quadrature_for(at)
         # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials

@@ -236,7 +236,7 @@ def _line(law: CollisionLaw, a: float, scale: float, count: int) -> Line:
     down = down[down - a < deepest]
     found = log_moment(law, np.concatenate([[a, a + small, a - small], a + steps, a - down]))
     log_a, (more, less) = float(found[0]), found[1:3] - found[0]
-    mean, variance = float(more - less) / (2.0 * small), float(more + less) / small**2
+    mean, deviation = float(more - less) / (2.0 * small), math.sqrt(more + less) / small
     # Chernoff: where the tilted density is negligible on either side
     above, below = np.split(found[3:] - log_a, [steps.size])
     right = float(np.min((above + FOLDS) / steps))
@@ -248,7 +248,6 @@ def _line(law: CollisionLaw, a: float, scale: float, count: int) -> Line:
         samples = np.append(samples, samples[-1] * more)
         count = max(32, samples.size // 2)
     needed = max(32, 4 + int(np.count_nonzero(np.abs(samples) >= math.exp(-FOLDS))))
-    deviation = math.sqrt(variance)
     reach = deviation * (_SERVES_MORE if law.largest_loss < deviation else _SERVES)
     return Line(a, mean, deviation, reach, step, log_a, samples[:needed])
 
