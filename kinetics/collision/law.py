@@ -251,25 +251,26 @@ class CollisionLaw(Collision):
         """lambda_m(z), shape of z; without checks of the range, for inner loops."""
         return self.met_again(z, self.lost(z, m), m)
 
-    def decay_rates(self, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
-        """lambda(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to itself."""
+    def decay_rates(
+        self, z: NDArray[Any], offsets: NDArray[Any], orders: int
+    ) -> tuple[NDArray[Any], list[NDArray[Any]]]:
+        """lambda(z + d) for z (n_z,) and d (n_d,), shape (n_z, n_d), relative to 1 + |lambda|; and
+        at the last d its Taylor coefficients, of the orders 0 to orders - 1, each (n_z,).
+        """
         at = z[:, None] + offsets
         q = self.quadrature_for(at)
         # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
         rest = np.multiply.outer(q.log_loss, offsets)
-        lost = q.losses(z) @ (q.weight[:, None] * np.exp(-rest))
-        rate = lost - q.weight @ np.expm1(-rest) + self._beyond(at, lost=True)
-        return self.met_again(at, rate, 0)
+        kept = q.weight[:, None] * np.exp(-rest)
+        slopes = kept[:, -1:] * np.cumprod(-q.log_loss[:, None] / np.arange(1.0, orders), axis=1)
+        both = q.losses(z) @ np.hstack([kept, slopes])
+        rate = both[:, : offsets.size] - q.weight @ np.expm1(-rest) + self._beyond(at, lost=True)
+        taylor = [rate[:, -1], *(both[:, offsets.size :] - slopes.sum(axis=0)).T]
+        return self.met_again(at, rate, 0), self.taylor_met_again(at[:, -1], taylor, 0)
 
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
         """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
-        q = self.quadrature_for(z)
-        power = np.exp(-np.multiply.outer(z, q.log_loss))
-        order = np.arange(1.0, orders)
-        factors = q.weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
-        # a complex matrix times a real one would be taken apart for each column
-        slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
-        return self.taylor_met_again(z, [self.lost(z), *(-slopes.T)], 0)
+        return self.decay_rates(z, np.zeros(1), orders)[1]
 
     # -- returns to the scatterer before, in a medium ----------------------------------------------
 

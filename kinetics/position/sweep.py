@@ -26,7 +26,7 @@ from kinetics.position.wave_numbers import (
 )
 from kinetics.states.state import State
 
-# The work of all times at one tolerance, in products of numbers, some five seconds. Where it is
+# The work of all times at one tolerance, in products of numbers, 5 to 25 seconds. Where it is
 # not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to ask for more
 # is to leave no less. From sharp speeds F is solved up to this K, or K T.
 _MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _FURTHEST = 2e10, 0.04, 8.0, 60.0

@@ -216,7 +216,7 @@ class ScalingSolution(ScaledState):
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), the scaled velocity distribution; same shape as c.
 
-        Its integral over all velocities is 1, and <c^2> = 1. Relative error below 1e-12 wherever F
+        Its integral over all velocities is 1, and <c^2> = 1. Relative error below 5e-12 wherever F
         is not below 1e-280; near e = 1, where F is a ring of width sqrt(1 - e), what the rounding
         of c makes, some 1e-16/sqrt(1 - e). F(0) is 0 (a hole) unless bounces come as near to rest
         as one likes. For smooth scatterers with e = 0, F is infinite there: exp(-sqrt(2) c)/

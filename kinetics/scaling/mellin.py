@@ -42,6 +42,7 @@ _START = 16
 # Of a line, in deviations: how far from its centre it serves, and half of the way to the next one;
 # it loses e^(1.6^2/2) = 4 at most, between lines of different deviations.
 _SERVES = 1.25
+_SERVES_MORE = 2.4  # where a bounce costs less than a deviation: nearly Gaussian, loses 18
 # Below e^-5 of the speed after a bounce, the tilted density changes between two such lines: closer.
 _RARELY_LOST, _CLOSE = 5.0, 0.4
 _LEAST = 0.02  # share of its terms that a sum must have: two digits are lost there
@@ -70,12 +71,13 @@ def _rho(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.where(zero, 0.0, np.log(ratio)))
 
 
-def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
-    """Taylor coefficients of rho at z (n,), up to order 11."""
+def _taylor_of_rho(
+    law: CollisionLaw, z: NDArray[Any], rate: list[NDArray[Any]]
+) -> list[NDArray[Any]]:
+    """Taylor coefficients of rho at z (n,), up to order 11; rate: those of lambda."""
     p, orders = law.uniform_power, range(1, MOST_ORDERS)
     if p:
         return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
-    rate = law.decay_taylor(z, MOST_ORDERS)
     of_rate = taylor_of_log([c / rate[0] for c in rate])  # lambda < 0 for z < 0
     powers = np.cumprod(np.broadcast_to(-1.0 / z, (MOST_ORDERS - 1, z.size)), axis=0)
     rest = [-power / n - of_rate[n] for n, power in zip(orders, powers, strict=True)]
@@ -90,12 +92,13 @@ def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
         out[low], out[~low] = log_moment(law, z[low]), log_moment(law, z[~low])
         return out
     n = _shift(law, float(z.min()))
-    # ln A(n), and from there to z + n, from which the recurrence leads down to z
-    known = _rho(law, np.arange(1.0, n)).sum()
-    ends = _taylor_of_rho(law, np.append(n, z + n))
+    # the recurrence leads from 0 up to n, and down to z from z + n
+    both = np.append(0.0, z)
+    steps = _rho(law, both[:, None] + np.arange(n)).sum(axis=1)
+    ends = _taylor_of_rho(law, both + n, law.decay_taylor(both + n, MOST_ORDERS))
     integral = _integrals(partial(_rho, law), law, float(n), z + n)
     grown = log_growth(integral, [c[:1] for c in ends], [c[1:] for c in ends])
-    return np.asarray(known + grown - _rho(law, z[:, None] + np.arange(n)).sum(axis=1))
+    return np.asarray(steps[0] + grown - steps[1:])
 
 
 def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
@@ -111,12 +114,13 @@ def _growth_on_line(law: CollisionLaw, begin: complex, step: float, count: int) 
     z = begin + 1j * step * np.arange(count)
     shift = _shift(law, begin.real, float(z[-1].imag))
     node, weight = gauss_legendre(10)
-    offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
-    rho = np.log(law.mean_log_loss * (z[1:, None] + offsets) / law.decay_rates(z[1:], offsets))
+    offsets = np.concatenate([np.arange(shift), shift + 1j * step * node, [shift]])
+    rates, taylor = law.decay_rates(z, offsets, MOST_ORDERS)
+    rho = np.log(law.mean_log_loss * (z[1:, None] + offsets) / rates[1:])
     # at the beginning itself, sums of powers might lose their digits next to z = 0
     rho = np.concatenate([_rho(law, begin + offsets)[None], rho])
-    path = np.append(0.0, 1j * step * np.cumsum(rho[:-1, shift:] @ weight))
-    end = _taylor_of_rho(law, z + shift)
+    path = np.append(0.0, 1j * step * np.cumsum(rho[:-1, shift:-1] @ weight))
+    end = _taylor_of_rho(law, z + shift, taylor)
     below = rho[:, :shift].sum(axis=1)
     return np.asarray(log_growth(path, [c[0] for c in end], end) - below + below[0])
 
@@ -145,11 +149,13 @@ class Line(NamedTuple):
     """One Mellin line Re z = exponent: A(z)/A(exponent) at exponent + i n step.
 
     centre, deviation : mean and standard deviation of x under the density e^(exponent x) g(x)
+    reach : how far from its centre it serves
     """
 
     exponent: float
     centre: float
     deviation: float
+    reach: float
     step: float
     log_moment: float
     samples: ComplexArray
@@ -185,7 +191,7 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
             total = total[~lost]
         mine, total = serving == i, total * line.step / (2.0 * math.pi)
         out[mine] = np.log(np.maximum(total, 1e-300)) + line.log_moment - line.exponent * x[mine]
-    out[x > centre[-1] + _SERVES * deviation[-1]] = -math.inf
+    out[x > centre[-1] + lines[-1].reach] = -math.inf
     if not law.reaches_rest:
         unknown = math.isfinite(law.lowest_power)
         out[x < centre[0] - 2.0 * _SERVES * deviation[0]] = math.nan if unknown else -math.inf
@@ -196,26 +202,32 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
 def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line]) -> None:
     """Make lines from the bulk (x near 0) outwards, until both x are served or F is 0 there."""
     if not lines:
-        lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law))))
+        lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law)), 32))
 
     def something(line: Line) -> bool:  # Chernoff: ln g(x) <= ln A(a) - a x
         log_f = line.log_moment - (line.exponent + law.dimension) * line.centre
         return log_f > -LARGEST_LOG - FOLDS
 
-    while (end := lines[-1]).centre + _SERVES * end.deviation < highest and something(end):
-        lines.append(_line(law, end.exponent + 2.0 * _SERVES / end.deviation, end.deviation))
-    while (end := lines[0]).centre - _SERVES * end.deviation > lowest and something(end):
-        step = 2.0 * _SERVES / end.deviation
+    def beside(end: Line, step: float) -> Line:
+        return _line(law, end.exponent + step, end.deviation, end.samples.size)
+
+    while (end := lines[-1]).centre + end.reach < highest and something(end):
+        lines.append(beside(end, 2.0 * end.reach / end.deviation**2))
+    while (end := lines[0]).centre - end.reach > lowest and something(end):
+        step = 2.0 * end.reach / end.deviation**2
         if law.largest_loss > _RARELY_LOST:
             step = min(step, _CLOSE)
-        exponent = max(end.exponent - step, law.lowest_power + _LOWEST_LINE)
-        if exponent == end.exponent:
+        step = min(step, end.exponent - law.lowest_power - _LOWEST_LINE)
+        if step <= 0.0:
             break
-        lines.insert(0, _line(law, exponent, end.deviation))
+        lines.insert(0, beside(end, -step))
 
 
-def _line(law: CollisionLaw, a: float, scale: float) -> Line:
-    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible."""
+def _line(law: CollisionLaw, a: float, scale: float, count: int) -> Line:
+    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible.
+
+    scale, count : about its deviation, and how many samples it takes
+    """
     # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
     deepest = min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)
     small = 0.2 * min(1.0 / scale, a - law.lowest_power)  # for differences
@@ -224,18 +236,20 @@ def _line(law: CollisionLaw, a: float, scale: float) -> Line:
     down = down[down - a < deepest]
     found = log_moment(law, np.concatenate([[a, a + small, a - small], a + steps, a - down]))
     log_a, (more, less) = float(found[0]), found[1:3] - found[0]
-    mean, variance = float(more - less) / (2.0 * small), float(more + less) / small**2
+    mean, deviation = float(more - less) / (2.0 * small), math.sqrt(more + less) / small
     # Chernoff: where the tilted density is negligible on either side
     above, below = np.split(found[3:] - log_a, [steps.size])
     right = float(np.min((above + FOLDS) / steps))
     left = float(np.max(-(below + FOLDS) / down))
     step, samples = 2.0 * math.pi / (right - left), np.ones(1, dtype=complex)
     while np.max(np.abs(samples[-4:])) >= math.exp(-FOLDS):
-        count = max(32, samples.size)
         begin = a + 1j * step * (samples.size - 1)
         more = np.exp(_growth_on_line(law, begin, step, count + 1)[1:])
         samples = np.append(samples, samples[-1] * more)
-    return Line(a, mean, math.sqrt(variance), step, log_a, samples)
+        count = max(32, samples.size // 2)
+    needed = max(32, 5 + int(np.flatnonzero(np.abs(samples) >= math.exp(-FOLDS))[-1]))
+    reach = deviation * (_SERVES_MORE if law.largest_loss < deviation else _SERVES)
+    return Line(a, mean, deviation, reach, step, log_a, samples[:needed])
 
 
 def small_deviation(law: CollisionLaw) -> float:

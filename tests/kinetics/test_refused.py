@@ -107,6 +107,10 @@ SYSTEM: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("mass_ratio", lambda more: solve_scaled(**light(**more)), [dict(mass_ratio="1"), MEDIUM]),
     ("mass_ratio", lambda more: solve_field(**light(**more)), [dict(tangential_restitution=0.5)]),
     ("bath_speed", lambda w: scene(bath_speed=w), [-1.0]),
+    # of which powers are no numbers, or whose collided tracers would be lost
+    ("bath_speed|heating|drag|times", lambda more: scene(**dict(capture_speed=1.0) | more),
+     [{k: x} for k in ("bath_speed", "heating", "drag", "times") for x in (1e-150, 1e300)]),
+    ("field", lambda g: solved(field=g, outputs="velocity_density"), [1e-13, 1e-36]),
     ("scatterers", lambda w: scene(bath_speed=w, **DENSE), [1.0]),
     ("tangential_restitution", lambda et: scene(drag=1.0, tangential_restitution=et), [0.5]),
     ("outputs", lambda o: scene(bath_speed=1.0, outputs=o), ["kurtosis"]),
