@@ -377,13 +377,10 @@ def test_progress_and_colour_are_shown_on_a_terminal_only() -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
-@pytest.mark.parametrize(
-    ("redirect", "status", "lines"),
-    [
-        (">/dev/full", 2, 1), (">&- 2>&-", 2, 0), ("-e 7 2>/dev/full", 2, 0),
-        ("--json | head -c 1", 0, 0),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("redirect", "status", "lines"), [
+    (">/dev/full", 2, 1), (">&- 2>&-", 2, 0), ("-e 7 2>/dev/full", 2, 0),
+    ("--json | head -c 1", 0, 0),
+])  # fmt: skip
 def test_a_stream_that_takes_nothing_makes_no_traceback(
     redirect: str, status: int, lines: int
 ) -> None:

@@ -28,14 +28,10 @@ def test_flight_far_below_the_mean_free_path(number_density: float, e: float) ->
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-8, 1e-12])
-@pytest.mark.parametrize(
-    "state",
-    [
-        Gaussian(1e-3, 1.0), Gaussian(1.0, 1e-4), SpeedTable([0.0, 1.0], [2.0, 0.0]),
-        SpeedTable([0.0, 1.0], [0.0, 2.0]),
-    ],
-    ids=str,
-)  # fmt: skip
+@pytest.mark.parametrize("state", [
+    Gaussian(1e-3, 1.0), Gaussian(1.0, 1e-4), SpeedTable([0.0, 1.0], [2.0, 0.0]),
+    SpeedTable([0.0, 1.0], [0.0, 2.0]),
+], ids=str)  # fmt: skip
 def test_no_tracers_are_left_out_of_a_start(state: Any, rtol: float) -> None:
     """Late, the slowest tracers of the start count as much as the others."""
     scene = Scene(restitution=0.7, initial=state, times=[0.0, 1e300])

@@ -90,15 +90,12 @@ def test_the_mean_free_path_is_that_of_santalo(medium: Any) -> None:
         assert abs(path.value * np.pi * medium.number_density - 1) < 0.015
 
 
-@pytest.mark.parametrize(
-    ("medium", "more"),
-    [
-        (BoltzmannGrad(0.04), {}), (BoltzmannGrad(0.04, diameter=2.0, dimension=3), {}),
-        (HardDisks(0.1, 200, diameter=0.5), {}), (PoissonSpheres(0.1, count=300), {}),
-        (BoltzmannGrad(0.04), dict(field=1e-13)), (HardDisks(0.1, 200), dict(field=1e-13)),
-        (BoltzmannGrad(0.04, dimension=3), dict(bath_speed=1e-13)),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("medium", "more"), [
+    (BoltzmannGrad(0.04), {}), (BoltzmannGrad(0.04, diameter=2.0, dimension=3), {}),
+    (HardDisks(0.1, 200, diameter=0.5), {}), (PoissonSpheres(0.1, count=300), {}),
+    (BoltzmannGrad(0.04), dict(field=1e-13)), (HardDisks(0.1, 200), dict(field=1e-13)),
+    (BoltzmannGrad(0.04, dimension=3), dict(bath_speed=1e-13)),
+])  # fmt: skip
 def test_at_speed_one_a_flight_lasts_as_long_as_it_is(medium: Any, more: dict[str, Any]) -> None:
     names = ["free_path_histogram", "free_time_histogram"]
     run = simulate(medium, 1.0, "monoenergetic", times=[40.0], media=4, tracers=50, seed=2,

@@ -93,14 +93,11 @@ MEDIA: list[tuple[str, Any]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "call"),
-    [
-        *((name, partial(simulate, **GOOD | more | {name: value}))
-          for name, values, more in RUNS for value in values),
-        *MEDIA,
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "call"), [
+    *((name, partial(simulate, **GOOD | more | {name: value}))
+      for name, values, more in RUNS for value in values),
+    *MEDIA,
+])  # fmt: skip
 @pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
 def test_one_line_names_the_argument(name: str, call: Any) -> None:
     with pytest.raises(ValueError, match=rf"^{name}\W[^\n]*$") as refused:
