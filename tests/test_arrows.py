@@ -154,15 +154,12 @@ HEAVY |= {"pyarrow", "pandas"}
 STATED = "derivations; derivations.printed_equation('vchange')"
 
 
-@pytest.mark.parametrize(
-    ("package", "others"),
-    [
-        ("kinetics", {"particles", "derivations"} | HEAVY),
-        ("particles", {"kinetics", "derivations"}),
-        ("derivations", {"kinetics", "particles", "sympy", "mpmath"}),
-        (STATED, {"derivations.derived"}),  # it derives nothing
-    ],
-)
+@pytest.mark.parametrize(("package", "others"), [
+    ("kinetics", {"particles", "derivations"} | HEAVY),
+    ("particles", {"kinetics", "derivations"}),
+    ("derivations", {"kinetics", "particles", "sympy", "mpmath"}),
+    (STATED, {"derivations.derived"}),  # it derives nothing
+])  # fmt: skip
 def test_what_importing_a_method_loads(package: str, others: set[str]) -> None:
     code = f"import sys, {package}; print(*sys.modules)"
     ran = subprocess.run(

@@ -32,8 +32,7 @@ from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
 
 _MOST_NODES, _MOST_HARMONICS = 180, 70
-# Impacts times functions, of one solution if there shall be a finer one: seconds.
-_MOST_SUMMED = 2e8
+_MOST_SUMMED = 2e8  # impacts times functions of a solution that may have a finer one: seconds
 _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rounding makes
 # Under noise the density next to rest has odd powers of v, where impacts begin to stick a root:
 # errors fall as a power of the number of speeds, and up to 3.8 times what two solutions differ by

@@ -54,7 +54,9 @@ class _Evolution(March):
             text = "in a field, and for outputs with a direction, it must be symmetric"
             raise InputError(f"initial: of a driven tracer, {text} about the x axis")
         driven, tail, fastest = system.is_driven, TAIL * resolution.rtol, start.highest
-        if driven and (speeds := measures[0]) is not None:
+        speeds = measures[0]
+        assert speeds is not None
+        if driven:
             # what fades towards the top changes averages of the start by less than the tail does
             share = logsumexp(FADING * speeds.x, b=abs(speeds.weight)) - math.log(tail)
             fastest = max(fastest, math.exp(share / FADING))
@@ -73,6 +75,12 @@ class _Evolution(March):
         self.values, self.steps, self.tries = np.zeros((times.size, len(ALL))), 0, 0
         if times[-1] > 0.0:
             self._run(equation, begin, fastest)
+        # the rate of the start, which bends at rest, is known; what it is off lasts a collision
+        rate = float(speeds.weight.real @ system.collision_rate(np.exp(speeds.x)))
+        off = abs(begin[0, 0] @ one.rate - rate) * np.minimum(times, 1.0 / max(rate, 1e-300))
+        counted = self.values[:, ALL.index("collisions")]
+        there = (times > 0.0) & (counted > 0.0) & ("collisions" in asked)
+        self.missed = float(np.max(off[there] / counted[there], initial=0.0))
         # at time 0 all is known from the start
         known = dict.fromkeys(ALL, 0.0) | {"1": 1.0}
         for name, power, m in (("v_x", 1, 1), ("v^2", 2, 0), ("v^4", 4, 0), ("v^2 cos 2", 2, 2)):
@@ -142,7 +150,8 @@ class DrivenScene(FieldScene):
         """Where impacts begin to stick averages bend sharply, unless a bath smooths them."""
         slowly = self.system.capture_speed > 0.0 and not self.system.bath_speed
         errors = super()._apart(one, two)
-        return errors | {"averages": errors["averages"] * (SLOWLY if slowly else 1.0)}
+        apart = errors["averages"] * (SLOWLY if slowly else 1.0)
+        return errors | {"averages": max(apart, one.missed)}
 
     def _densities_apart(self, one: Any, two: Any) -> float:
         """Of the speed, over their maximum."""

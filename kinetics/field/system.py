@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.special import hyp1f1, poch
 
 from kinetics.collision import CollisionLaw
 from kinetics.field.restitution import ImpactRestitution, impact_restitution
@@ -148,6 +149,11 @@ class System:
         """A speed that is given to tracers; 0 where nothing drives."""
         noise = self.heating ** (1.0 / 3.0)
         return max(self.bath_speed, noise, 0.3 * math.sqrt(self.field))
+
+    def collision_rate(self, v: FloatArray) -> FloatArray:
+        """Of tracers of these speeds (n,), in 1/l: the mean speed relative to the scatterers."""
+        d, w = 0.5 * self.dimension, math.sqrt(2.0) * self.bath_speed
+        return w * poch(d, 0.5) * hyp1f1(-0.5, d, -((v / w) ** 2)) if w else v
 
     def _losses(self, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """E[1 - s^2], E[1 - s cos chi] and E[(1 + e*)^2 n^2] of resting scatterers, (n,) each."""

@@ -12,16 +12,13 @@ FIRST: dict[str, Any] = dict(restitution=1.0, media=400, tracers=50, max_collisi
 MANY: dict[str, Any] = dict(media=100, tracers=100, max_collisions=20)
 
 
-@pytest.mark.parametrize(
-    ("medium", "path", "run"),
-    [
-        (Poisson(0.1, 1000), 5.0, FIRST),
-        (PoissonSpheres(0.2, count=3000), 5 / np.pi, FIRST),
-        (BoltzmannGrad(0.04), 12.5, MANY),
-        (BoltzmannGrad(0.04, dimension=3), 25 / np.pi, MANY),
-        (BoltzmannGrad(0.5), 1.0, MANY | dict(initial="rest", field=2.0)),
-    ],
-)
+@pytest.mark.parametrize(("medium", "path", "run"), [
+    (Poisson(0.1, 1000), 5.0, FIRST),
+    (PoissonSpheres(0.2, count=3000), 5 / np.pi, FIRST),
+    (BoltzmannGrad(0.04), 12.5, MANY),
+    (BoltzmannGrad(0.04, dimension=3), 25 / np.pi, MANY),
+    (BoltzmannGrad(0.5), 1.0, MANY | dict(initial="rest", field=2.0)),
+])  # fmt: skip
 def test_free_paths_are_exponential(medium: Any, path: float, run: dict[str, Any]) -> None:
     # Of overlapping scatterers the first ones only: those that do not cover the start are in the
     # way. Tracers of one medium share them, so the spread over media is the error; 4.5 sigma in

@@ -14,16 +14,13 @@ GOOD: dict[str, Any] = dict(restitution=0.5, times=[1.0, 9.0], media=2, tracers=
 RAW = ["positions", "velocities", "finals"]
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        (dict(medium=HardDisks(0.04, 10**12)), "count: got 1000000000000"),
-        (dict(medium=HardSpheres(0.04, count=10**12)), "count: got 1000000000000"),
-        (dict(media=2 * 10**9), "media: got 2000000000"),
-        (dict(media=10**5, tracers=10**7, observables=RAW), "observables: got ['finals'"),
-        (dict(times=np.arange(10**6), observables=["speed_histogram"]), "times: got array(["),
-    ],
-)
+@pytest.mark.parametrize(("changes", "words"), [
+    (dict(medium=HardDisks(0.04, 10**12)), "count: got 1000000000000"),
+    (dict(medium=HardSpheres(0.04, count=10**12)), "count: got 1000000000000"),
+    (dict(media=2 * 10**9), "media: got 2000000000"),
+    (dict(media=10**5, tracers=10**7, observables=RAW), "observables: got ['finals'"),
+    (dict(times=np.arange(10**6), observables=["speed_histogram"]), "times: got array(["),
+])  # fmt: skip
 def test_a_run_that_is_too_large_is_refused_with_the_estimate(
     changes: dict[str, Any], words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
