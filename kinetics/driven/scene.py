@@ -54,8 +54,7 @@ class _Evolution(March):
             text = "in a field, and for outputs with a direction, it must be symmetric"
             raise InputError(f"initial: of a driven tracer, {text} about the x axis")
         driven, tail, fastest = system.is_driven, TAIL * resolution.rtol, start.highest
-        speeds = measures[0]
-        assert speeds is not None
+        speeds: Any = measures[0]  # never None
         if driven:
             # what fades towards the top changes averages of the start by less than the tail does
             share = logsumexp(FADING * speeds.x, b=abs(speeds.weight)) - math.log(tail)

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.special import hyp1f1, poch
 
 from kinetics.collision import CollisionLaw
 from kinetics.field.restitution import ImpactRestitution, impact_restitution
@@ -152,6 +151,8 @@ class System:
 
     def collision_rate(self, v: FloatArray) -> FloatArray:
         """Of tracers of these speeds (n,), in 1/l: the mean speed relative to the scatterers."""
+        from scipy.special import hyp1f1, poch  # averages alone load no scipy
+
         d, w = 0.5 * self.dimension, math.sqrt(2.0) * self.bath_speed
         return w * poch(d, 0.5) * hyp1f1(-0.5, d, -((v / w) ** 2)) if w else v
 
