@@ -43,9 +43,9 @@ _STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.6, 1.25
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted; part of the last F they may miss
-# Error of F beyond over that of the fit, twice as much where tracers return; and where every bounce
-# costs more than e^-_LOSSY of the speed: F goes on by steps there, of which the last are not seen.
-_BEYOND, _BY_STEPS, _LOSSY = 2.0, 40.0, 0.5
+# Error of F beyond over that of the fit, twice as much where tracers return; where head-on bounces
+# leave less than e^(-2 _LOSSY) of the speed, or all e^-_LOSSY: F goes on by steps not seen there.
+_BEYOND, _BY_FEW_STEPS, _BY_STEPS, _LOSSY = 2.0, 6.0, 40.0, 0.5
 _TAPERED = 1e-2  # what is missed of G where F is tapered towards its last K
 _FAINT = 12.0  # flights after which so few have not collided, or once, that fronts do not count
 
@@ -214,11 +214,10 @@ class _Sweep:
             # the waves of all K add up beside the front of tracers of a sharp speed
             turns = max(1.0, high * min(float(self._flights[time]), _FAINT))
             return None, float(np.abs(f).max()) * turns ** (0.5 * (self.system.law.dimension - 1.0))
-        largest = float(np.abs(last).max())
         law, begin = self.system.law, max(1.0, 1.0 / self.width[time])
         # in space the waves of the edges of a table of speeds add up beside fronts
         edges = law.dimension == 3 and self.system.state.kinks.size > 0
-        largest *= _BY_STEPS if edges else 1.0
+        largest = float(np.abs(last).max()) * (_BY_STEPS if edges else 1.0)
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, largest
         # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
@@ -229,6 +228,7 @@ class _Sweep:
             first = 1 - law.dimension
         k, f = points_beyond(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, first)
-        by_steps = _BY_STEPS if edges or law.least_loss > _LOSSY else _BEYOND
+        few = _BY_FEW_STEPS if law.least_ratio < math.exp(-2.0 * _LOSSY) else _BEYOND
+        by_steps = _BY_STEPS if edges or law.least_loss > _LOSSY else few
         left *= 2.0 * _BEYOND if returns else by_steps
         return (tail, left) if left < _FITTED * largest else (None, largest)

@@ -56,11 +56,14 @@ def test_norm_and_moments(system: dict[str, Any], t: float, rtol: float) -> None
             found.position_tail([1.0])
 
 
-@pytest.mark.parametrize(("e", "t"), [PAIRS[2], pytest.param(*PAIRS[1], marks=pytest.mark.slow)])
-def test_less_accuracy_differs_by_what_was_asked(e: float, t: float) -> None:
+# at 3 l/U and e = 0.3 tracers that have lost much of their speed once or twice leave steps
+@pytest.mark.parametrize(("e", "t", "finest"), [
+    (*PAIRS[2], 1e-7), (0.3, 37.5, 1e-4), pytest.param(*PAIRS[1], 1e-7, marks=pytest.mark.slow),
+])  # fmt: skip
+def test_less_accuracy_differs_by_what_was_asked(e: float, t: float, finest: float) -> None:
     r = np.linspace(0.0, 6.0, 200)
-    best = density(e, [t], rtol=1e-7).scaled_position_density(r)
-    for rtol in (1e-3, 1e-5):
+    best = density(e, [t], rtol=finest).scaled_position_density(r)
+    for rtol in (1e-3, 100.0 * finest):
         found = density(e, [t], rtol=rtol)
         assert found.status is SolverStatus.CONVERGED
         assert np.abs(found.scaled_position_density(r) - best).max() < rtol
