@@ -228,7 +228,7 @@ class _Sweep:
             first = 1 - law.dimension
         k, f = points_beyond(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, first)
-        few = _BY_FEW_STEPS if law.least_ratio < math.exp(-2.0 * _LOSSY) else _BEYOND
+        few = _BY_FEW_STEPS if 0.0 < law.least_ratio < math.exp(-2.0 * _LOSSY) else _BEYOND
         by_steps = _BY_STEPS if edges or law.least_loss > _LOSSY else few
         left *= 2.0 * _BEYOND if returns else by_steps
         return (tail, left) if left < _FITTED * largest else (None, largest)

@@ -251,20 +251,20 @@ def steadied(measured: Expectation, theory: Array, spread_of_a2: Array | None = 
     That of a2 is the kinetic equation's; that of the kurtosis is of a Gaussian of random width
     (gamma-distributed, so that it has the theory's kurtosis) in each component, good to 20 %. The
     mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3 (2004)): 10 of the
-    kurtosis, 20 of a2, as tracers may share scatterers.
+    kurtosis, 20 of a2, whose error never becomes less, as tracers may share scatterers.
     """
     found = measured.stabilised(theory, measured.replicates - theory)
-    known = [] if spread_of_a2 is None else [("a2", spread_of_a2, 20.0)]
+    known = [] if spread_of_a2 is None else [("a2", spread_of_a2, 20.0, 1.0)]
     if "kurtosis" in measured.names:
         x, d = theory[measured.names.index("kurtosis")], measured.sample.law.dimension
         wider = x / measured.sample.law.gaussian - 1
         sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
         variance = spread_of_ratio(x, sixth, sixth * (d + 6) / d * (1 + 3 * wider))
-        known.append(("kurtosis", np.where(wider >= 0, variance, np.nan), 10.0))
-    for name, variance, groups in known:
+        known.append(("kurtosis", np.where(wider >= 0, variance, np.nan), 10.0, 0.0))
+    for name, variance, groups, least in known:
         k = measured.names.index(name)
         own, mine = errors(found[:, k]), effective_groups(found[:, k])
-        ratio = np.sqrt(variance / measured.sample.samples) / own
+        ratio = np.maximum(np.sqrt(variance / measured.sample.samples) / own, least)
         factor = np.sqrt((mine + groups * ratio**2) / (mine + groups))
         factor, middle = np.where(np.isfinite(factor), factor, 1.0), found[:, k].mean(axis=0)
         found[:, k] = middle + factor * (found[:, k] - middle)
