@@ -71,7 +71,7 @@ class _Evolution(March):
         begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
         begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
         self.sums = np.repeat(begin[:1], times.size, axis=0)
-        self.values, self.steps, self.tries = np.zeros((times.size, len(ALL))), 0, 0
+        self.values = np.zeros((times.size, len(ALL)))
         if times[-1] > 0.0:
             self._run(equation, begin, fastest)
         # the rate of the start, which bends at rest, is known; what it is off lasts a collision

@@ -161,8 +161,8 @@ class March:
     axis: Any
     asked: frozenset[str]
     values: FloatArray
-    steps: int
-    tries: int
+    steps: int = 0
+    tries: int = 0
 
     def _uncollided(self, times: FloatArray) -> FloatArray | float:
         """What tracers in closed form add to the averages, (n, n_averages)."""
@@ -181,7 +181,7 @@ class March:
 
     def _run(self, equation: Equation, f: FloatArray, fastest: float) -> None:
         """From f on, up to the last time or beyond it; fastest : the highest speed in f."""
-        self.values, self.steps, self.tries = np.zeros((self.times.size, len(ALL))), 0, 0
+        self.values = np.zeros((self.times.size, len(ALL)))
         now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
         # at the first of the times averages may be small, as the fourth power of the time
         h = min(_FIRST / (1.0 + fastest), *self.times[self.times > 0.0][:1], last)
