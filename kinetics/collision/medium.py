@@ -15,7 +15,7 @@ examples/docs/validation.md. Orders of the theory ("density_order"):
 "first" : the order n too. eps = (2 e/(1 + e)) n ln(1/(C n)) with a constant C(e; m) of each
     harmonic m = 0, 1, 2 (above, the leading order), and collisions 1 + d(e) n times as often. C and
     d are integrals over two scatterers and over loops, in returns.json
-"second" : with terms of the order (n ln n)^2 in the path and in the harmonic m = 1, fitted to
+"second" : with terms of the next order in the path and in the harmonic m = 1, fitted to
     simulations. The default, because it is the nearest
 """
 
@@ -42,12 +42,15 @@ HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 # Simulations over n: the share of tracers slower than v, less 1 - e, and of those nearer than r
 _SLOW, _NEAR = 1.15, 0.2
+# Constants of powers of the speed: of what comes back at once, and of loops of the size of l
+OF_SPEED = ("at once", "ratio at once", "loops", "ratio of loops", "path of loops")
+CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
 LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
-# Of the order (n ln n)^2, fitted (tests/kinetics/measurements/density.py): J_1(0) is less by
-# (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 1.5 e (1 - e), and J_1(0), near
-# 1.07 - .45 e, loses twice that, because <r^2> is not longer
+# Fitted (tests/kinetics/measurements/density.py): of the order (n ln n)^2 J_1(0) is less by
+# (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 4 e (1 - e) n^2 ln(1/n), and
+# J_1(0), near 1.07 - .45 e, loses twice that, because <r^2> is not longer
 _SECOND = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
-_LOSSY, _LONGER, _J1 = (0.29, 3.2), 1.5, (1.07, 0.45)
+_LOSSY, _LONGER, _J1 = (0.2, 3.2), 4.0, (1.07, 0.45)
 
 
 @dataclass(frozen=True)
@@ -94,13 +97,13 @@ class Medium:
         if self.scatterers == "hard disks":
             eta = 0.25 * math.pi * self.density
             ratio = (1.0 - eta) ** 2 / (1.0 - 7.0 * eta / 16.0)
-        return ratio * (1.0 + self._longer) / (1.0 + self._row[0] * self.density)
+        return ratio * (1.0 + self._longer) / (1.0 + self.constants["d"] * self.density)
 
     @property
     def _longer(self) -> float:
         """By how much paths are longer than to the order n."""
         e, n = self.restitution, self.density
-        return _LONGER * e * (1.0 - e) * (n * math.log(n)) ** 2 if self.order == "second" else 0.0
+        return -_LONGER * e * (1.0 - e) * n * n * math.log(n) if self.order == "second" else 0.0
 
     def returns(self, m: int) -> tuple[float, float]:
         """eps (-1)^m and -ln e of the bounces straight back; both are 0 where none comes.
@@ -111,14 +114,31 @@ class Medium:
         if e == 0.0:
             return 0.0, 0.0
         log_n = math.log(n)
-        log = log_n + self._row[1 + m] if m in (0, 1, 2) else log_n
-        eps = -2.0 * e / (1.0 + e) * n * log
+        log = log_n + self.constants.get(f"ln C {m}", 0.0)
+        eps = -self._straight * log
         if m == 1 and self.order == "second":
             (a, b), (f, g) = _SECOND[self.scatterers], _LOSSY
             more = (a + b * n) * e * e + (f + g * n) * math.sqrt(1.0 - e * e)
             eps += more * (n * log_n) ** 2 + 2.0 * self._longer * (_J1[0] - _J1[1] * e)
         # returns of returns must add up, eps |lambda| < 1: above the tested densities only
         return (-1.0) ** m * min(eps, 0.45), -math.log(e)
+
+    @property
+    def of_speed(self) -> tuple[float, float]:
+        """What brings powers of the speed back at once, as `returns`; no loops are in it."""
+        share, ratio = (self.constants.get(name, 0.0) for name in OF_SPEED[:2])
+        return self._straight * share, -math.log(ratio or 1.0)
+
+    @property
+    def far_loops(self) -> tuple[float, float, float]:
+        """Loops of the size of l, of powers of the speed: speed ratio, path b/l, and their eps."""
+        share, ratio, path = (self.constants[name] for name in OF_SPEED[2:])
+        return ratio, path, self._straight * share
+
+    @property
+    def _straight(self) -> float:
+        """What eps has before its logarithm: n times collisions that go straight back, by angle."""
+        return 2.0 * self.restitution / (1.0 + self.restitution) * self.density
 
     def met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
         """Taylor coefficients of lambda_m at z from those without returns, each of the shape of z.
@@ -157,17 +177,17 @@ class Medium:
         return float(brentq(log_size, low, 0.0, rtol=1e-12))
 
     @cached_property
-    def _row(self) -> list[float]:
-        """d, and ln C of the harmonics 0, 1 and 2; zeros at the leading order."""
+    def constants(self) -> dict[str, float]:
+        """Those of the file by their names there; at the leading order d = 0 and no other."""
         if self.order == "leading":
-            return [0.0] * 4
+            return {"d": 0.0}
         found: dict[str, float] = {}
         for at, columns in _constants():
             x = min(max(self.restitution, at[0]), at[-1])  # beyond the table they are held
             near = np.argsort(np.abs(at - x))[:4]  # the cubic through these
             rows = interpolation_rows(x - at[near], barycentric_weights(at[near]))
             found |= {name: float(rows @ values[near]) for name, values in columns.items()}
-        return [found[name] for name in ("d", "ln C 0", "ln C 1", "ln C 2")]
+        return found
 
     @property
     def level(self) -> str:
@@ -199,8 +219,9 @@ class Medium:
 
 @cache
 def _constants() -> list[tuple[FloatArray, dict[str, FloatArray]]]:
-    """Restitutions, and constants from the file; C(e; 0) to .9, as eps lambda_0 then vanishes."""
+    """Restitutions and constants of the file; those of speeds end before 1, where none is lost."""
     text = files("kinetics.collision").joinpath("returns.json").read_text("utf-8")
     table = {name: np.array(values) for name, values in json.loads(text).items()}
-    e, all_over = table["restitution"], {name: table[name] for name in ("d", "ln C 1", "ln C 2")}
-    return [(e[:-1], {"ln C 0": table["ln C 0"]}), (e, all_over)]
+    e, wanted = table["restitution"], ("d", "ln C 0", "ln C 1", "ln C 2", *OF_SPEED)
+    sizes = sorted({table[name].size for name in wanted})
+    return [(e[:n], {name: table[name] for name in wanted if table[name].size == n}) for n in sizes]

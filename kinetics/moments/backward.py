@@ -141,9 +141,10 @@ class BackwardEquation:
         end = min(self.highest, known, LARGEST_LOG - 9.0)
         self.count = max(1, math.ceil((end - self.start) / self.width))
 
-    def _kernel(self, m: int) -> tuple[FloatArray, FloatArray]:
+    def _kernel(self, y: Observable) -> tuple[FloatArray, FloatArray]:
         """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
-        if m not in self._kernels:
+        m, (eps, shift) = y.harmonic, self._at_once(y)
+        if (m, eps) not in self._kernels:
             rate = max(float(self.nodes), STEEPEST / self.width)
             q = self.law.quadrature_for(rate, m)
             points = q.weight.size
@@ -151,15 +152,14 @@ class BackwardEquation:
                 self._shifts[points] = PanelShifts(self.rule, q.log_loss)
             lost = q.harmonic_loss(m)[None]
             loss, gain = self._shifts[points].kernel(q.weight, 1.0 - lost, lost)
-            eps, shift = self.law.returns(m) if self._at_once(m) else (0.0, 0.0)
             if eps:
                 loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), shift)
-            self._kernels[m] = loss[0], gain[0]
-        return self._kernels[m]
+            self._kernels[m, eps] = loss[0], gain[0]
+        return self._kernels[m, eps]
 
-    def _at_once(self, m: int) -> bool:
-        """Whether returns to a scatterer take no time, in harmonic m."""
-        return True
+    def _at_once(self, y: Observable) -> tuple[float, float]:
+        """Returns to a scatterer that take no time: their share, and -ln of their speed ratio."""
+        return self.law.returns(y.harmonic)
 
     def solve(self, y: Observable) -> FloatArray:
         """Values at the nodes of all panels, shape (n_panels, nodes)."""
@@ -173,7 +173,7 @@ class BackwardEquation:
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
         # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
         apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
-        loss, gain = self._kernel(y.harmonic)
+        loss, gain = self._kernel(y)
         n, reach = self.nodes, gain.shape[1] // self.nodes
         # the panels below, and the point where the first one begins; without T^p itself if apart
         x = self._nodes_from(-reach)
@@ -237,8 +237,9 @@ class BackwardEquation:
         for factor, other in y.sources:
             known = self.series(other)[:_TERMS]
             drive[: known.size] += factor * known
-        rate_of = self.law.decay_symbol if self._at_once(y.harmonic) else self.law.lost
-        return drive, rate_of(y.degree + np.arange(_TERMS), y.harmonic)
+        power, (eps, shift) = y.degree + np.arange(_TERMS), self._at_once(y)
+        rate = self.law.lost(power, y.harmonic)
+        return drive, rate / (1.0 + eps * np.exp(-shift * power) * rate)
 
     def error_estimate(self, observable: Observable) -> float:
         """What the Chebyshev coefficients of panels leave out, relative to their smaller ends."""

@@ -12,8 +12,11 @@ Loops between near pairs of scatterers have k = (2 e/(1 + e)) n exp(-0.6 y)/y fr
 neighbour and back), 0.6 being the mean corridor that is known to be empty; what is flown of them is
 y - 2 n. The rest of eps, of loops of the size of l, is spread as exp(-0.9 y/b) - exp(-1.1 y/b),
 nearly y exp(-y/b). The integral of k is eps: the late <r^2> grows as with returns at once. b is
-fitted to <r^2> of simulations. The harmonic m = 0 keeps returns at once: with a delay a_2 is some
-60 n per cent off, without it half of that at most.
+fitted to <r^2> of simulations.
+
+Of powers of the speed nothing is fitted (:meth:`Medium.of_speed`): loops of the size of l leave a
+share of the speed of their own, nearly e^2, and what else comes back does so at once. Other
+observables of the harmonic m = 0, as <r^2> itself, keep all returns at once.
 
 All of k is a sum of exponentials w exp(-s y), so that V is one of modes Z, V = (-1)^m sum w Z, with
 c dZ/dT = W(e T) - s Z. On panels in X = ln T collocation makes small matrices of that.
@@ -30,13 +33,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision.law import CollisionLaw
-from kinetics.collision.medium import Medium
+from kinetics.collision.medium import CORRIDOR, Medium
 from kinetics.moments.backward import START, BackwardEquation, Observable, power_series
 from kinetics.numerics import ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, PanelShifts
 from kinetics.numerics.gauss import equal_panels
 
-_CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
 _LOOPS = 1.8  # b = 1.8 e l, which loops of the size of l are spread over
 _APART = 0.1  # of two rates about 1/b: exp(-0.9 y/b) - exp(-1.1 y/b) is nearly 0.2 (y/b) exp(-y/b)
 _MODES = 20  # of near loops: the sum is 1e-3 of k off for y < 20 l
@@ -50,36 +52,39 @@ def met_again(law: CollisionLaw) -> Medium | None:
     return law.medium if law.medium is not None and law.medium.restitution else None
 
 
-def _pace(medium: Medium) -> float:
-    """Time that a loop takes over its path: c."""
-    return 0.5 * (1.0 + 1.0 / medium.restitution)
+def _pace(ratio: Any) -> Any:
+    """Time that a loop takes over its path: c, of the speed ratio of the bounce half on the way."""
+    return 0.5 * (1.0 + 1.0 / ratio)
 
 
 def series_end(medium: Medium) -> float:
     """X = ln T up to which power series in T hold the fastest loops."""
-    return math.log(_pace(medium) / float(loops(medium)[0].max()))
+    return math.log(_pace(medium.restitution) / float(loops(medium)[0].max()))
 
 
 @lru_cache(maxsize=16)
-def loops(medium: Medium) -> tuple[FloatArray, FloatArray]:
-    """Rates s in 1/l, (n_modes,), and weights w of near loops and of the others, (2, n_modes).
+def loops(medium: Medium, of_speed: bool = False) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Rates s in 1/l, (n_modes,), weights w of near loops and of the others, (2, n_modes), and the
+    speed ratios of both, (2,).
 
-    The sum of w exp(-s y) is k of near loops; of the others its integral is 1.
+    The sum of w exp(-s y) is k of near loops; of the others its integral is 1. of_speed: as powers
+    of the speed have them, whose other loops have k too.
     """
     from scipy.special import exp1
 
     e, a = medium.restitution, max(2.0 * medium.density, _SHORTEST)
     u, step = equal_panels(math.log(_FASTEST / a / _SLOWEST), _MODES, math.inf)
     grown = np.append(0.5 * _SLOWEST, _SLOWEST * np.exp(u))
-    weight = np.append(_SLOWEST, step * grown[1:]) * np.exp(-(_CORRIDOR + grown) * a)
-    rate = _CORRIDOR + grown
-    weight[-1] += rate[-1] * (exp1(2.0 * _CORRIDOR * medium.density) - (weight / rate).sum())
-    far = (1.0 + _APART * np.array([-1.0, 1.0])) / (_LOOPS * e)
-    apart = far.prod() / (far[1] - far[0])
+    weight = np.append(_SLOWEST, step * grown[1:]) * np.exp(-(CORRIDOR + grown) * a)
+    rate = CORRIDOR + grown
+    weight[-1] += rate[-1] * (exp1(2.0 * CORRIDOR * medium.density) - (weight / rate).sum())
+    ratio, spread, share = medium.far_loops if of_speed else (e, _LOOPS * e, 1.0)
+    far = (1.0 + _APART * np.array([-1.0, 1.0])) / spread
+    apart = share * far.prod() / (far[1] - far[0])
     weights = np.zeros((2, rate.size + 2))
     weights[0, :-2] = 2.0 * e / (1.0 + e) * medium.density * weight
     weights[1, -2:] = apart, -apart
-    return np.append(rate, far), weights
+    return np.append(rate, far), weights, np.array([e, ratio])
 
 
 @lru_cache(maxsize=16)
@@ -126,50 +131,57 @@ class Loops:
     start : X where the panels begin, not above `series_end`
     count : how many panels there are, at most
     harmonics : the m that are asked for
+    of_speed : those of powers of the speed, whose kinds differ in the speed ratio, e in f
     rtol : relative accuracy of all this, at least; by default well below that of a panel
 
     shares : factors of kinds of loops, (m, n_kinds); of one harmonic all loops are of one kind
     weights : of modes, (n_kinds, n_modes)
     come, kept, gained : of each panel, (n_panels, n_kinds, nodes, nodes + n_modes), (n_panels,
-        n_modes), (n_panels, n_modes, nodes)
+        n_modes), (n_panels, n_ratios, n_modes, nodes)
+    below, inside : of each speed ratio, (n_ratios, nodes, reach * nodes) and (.., nodes, nodes)
     """
 
     def __init__(
         self, medium: Medium, rule: Chebyshev, start: float, count: int, harmonics: range,
-        degree: float = 0.0, rtol: float = 1.5e-11,
+        degree: float = 0.0, of_speed: bool = False, rtol: float = 1.5e-11,
     ) -> None:  # fmt: skip
         self.rule, self.start, self.count, self.degree = rule, start, count, degree
-        self._pace, self._fall = _pace(medium), -math.log(medium.restitution)
-        self._rate, weights = loops(medium)
-        near = float((weights[0] / self._rate).sum())
+        rate, weights, ratios = loops(medium, of_speed)
         # near and far loops together are eps
+        near = float((weights[0] / rate).sum())
         shares = [((-1.0) ** m, medium.returns(m)[0] - (-1.0) ** m * near) for m in harmonics]
-        self.shares, self.weights = np.array(shares), weights
-        if len(shares) == 1:
-            self.weights, self.shares = self.shares @ weights, np.ones((1, 1))
+        self.shares, self.weights, of_ratio = np.array(shares), weights, weights != 0.0
+        if not of_speed:
+            ratios, of_ratio = ratios[:1], np.ones((1, rate.size))
+            if len(shares) == 1:
+                self.weights, self.shares = self.shares @ weights, np.ones((1, 1))
+        pace, self._ratio = _pace(ratios) @ of_ratio, ratios @ of_ratio
+        self._rate, self._pace = rate / pace, pace
         n, width = rule.nodes, rule.width
-        unit = np.exp(start + width * np.arange(count)) / self._pace  # T/c where a panel begins
+        unit = np.exp(start + width * np.arange(count))  # T where a panel begins
         power = np.exp(degree * width * rule.local)
-        here, decay, gained = _responses(rule, unit[:, None] * self._rate, self.weights, rtol)
+        come = self.weights / pace
+        here, decay, gained = _responses(rule, unit[:, None] * self._rate, come, rtol)
         self.come = np.zeros((count, len(self.weights), n, n + self._rate.size))
         self.come[:, :, 1:, 1:n] = unit[:, None, None, None] * here * (power[1:, None] / power[1:])
         self.come[:, :, 0, n:] = self.weights
         self.come[:, :, 1:, n:] = self.weights[:, None] * np.swapaxes(decay, 1, 2)[:, None]
         self.come[:, :, :, n:] *= power[:, None]
         self.kept = power[-1] * decay[:, :, -1]
-        self.gained = np.zeros((count, self._rate.size, n))
-        self.gained[:, :, 1:] = unit[:, None, None] * gained * (power[-1] / power[1:])
-        shift = PanelShifts(rule, np.array([self._fall]))
+        self.gained = np.zeros((count, len(ratios), self._rate.size, n))
+        gained = (unit[:, None] / pace)[:, :, None] * gained * (power[-1] / power[1:])
+        self.gained[..., 1:] = gained[:, None] * of_ratio[:, :, None]
+        shift = PanelShifts(rule, -np.log(ratios))
         self.reach = int(shift.below.max())
-        rows = np.zeros((n, self.reach + 1, n))
-        rows[np.arange(n), self.reach - shift.below[:, 0]] = shift.rows[:, 0]
-        self.below, self.inside = rows[:, :-1].reshape(n, -1), rows[:, -1]
+        rows = np.zeros((len(ratios), n, self.reach + 1, n))
+        for i in range(len(ratios)):
+            rows[i, np.arange(n), self.reach - shift.below[:, i]] = shift.rows[:, i]
+        self.below, self.inside = rows[:, :, :-1].reshape(len(ratios), n, -1), rows[:, :, -1]
 
     def term(self, k: int, modes: FloatArray, lost: Any) -> FloatArray:
         """Term k of the power series of modes (n_modes, ...), from terms k - 1 and of W (...)."""
-        come = math.exp(-(self.degree + k - 1.0) * self._fall) * lost
-        rate = self._rate.reshape(-1, *[1] * np.ndim(lost))
-        return np.asarray((come - modes * rate) / (self._pace * k))
+        come = np.multiply.outer(self._ratio ** (self.degree + k - 1) / self._pace, lost)
+        return np.asarray((come - (self._rate * modes.T).T) / k)
 
 
 class Returns:
@@ -198,11 +210,11 @@ class Returns:
         used, n, size = drive.shape
         loops, shares = self._loops, self._loops.shares[:used]
         below = self._lost[j * n : (j + loops.reach) * n, :used]
-        self._come = np.tensordot(loops.below, below, axes=1)
+        self._come = np.tensordot(loops.below[0], below, axes=1)
         known = np.concatenate([self._come, self._modes[:, :used]]).reshape(-1, used * size)
         brought = (loops.come[j] @ known).reshape(-1, n, used, size)
         brought = np.einsum("mk,kimq->miq", shares, brought)
-        here = np.tensordot(shares, loops.come[j, :, :, :n] @ loops.inside, axes=1)
+        here = np.tensordot(shares, loops.come[j, :, :, :n] @ loops.inside[0], axes=1)
         self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
         self._added = self._inverse @ (here @ drive + brought)
         self._loss, self._drive = loss, drive
@@ -215,9 +227,9 @@ class Returns:
         lost = np.moveaxis(self._drive - self._loss @ total, 0, 1)
         loops, begin = self._loops, (self._loops.reach + j) * n
         self._lost[begin : begin + n, :used] = lost
-        come = self._come + np.tensordot(loops.inside, lost, axes=1)
+        come = self._come + np.tensordot(loops.inside[0], lost, axes=1)
         self._modes *= loops.kept[j][:, None, None]
-        self._modes[:, :used] += np.tensordot(loops.gained[j], come, axes=1)
+        self._modes[:, :used] += np.tensordot(loops.gained[j, 0], come, axes=1)
         self._modes[:, used:] = 0.0
         return np.asarray(total)
 
@@ -226,20 +238,30 @@ class Returns:
 class DelayedReturns(BackwardEquation):
     """The backward equation with returns that take time; its law must have a medium, e > 0."""
 
-    def _at_once(self, m: int) -> bool:
-        """The speed alone is nearer to simulations so."""
-        return m == 0
+    def _at_once(self, y: Observable) -> tuple[float, float]:
+        """Nothing of harmonics, and of powers of the speed what no loop brings."""
+        assert self.law.medium is not None
+        if y.harmonic:
+            return 0.0, 0.0
+        return self.law.medium.of_speed if self._takes_time(y) else super()._at_once(y)
+
+    def _takes_time(self, y: Observable) -> bool:
+        """Not <r^2> and collisions, nor negative powers, of slow tracers; see the module."""
+        assert self.law.medium is not None
+        grows = y.is_power and y.degree > 0.0 and self.law.medium.of_speed[0] > 0.0
+        return y.harmonic > 0 or grows
 
     def __post_init__(self) -> None:
         assert self.law.medium is not None
         self.start = min(START, series_end(self.law.medium))
         super().__post_init__()
 
-    def _loops(self, m: int, degree: float) -> Loops:
-        key = Loops, m, degree, self.count, self.rtol
+    def _loops(self, y: Observable) -> Loops:
+        m = y.harmonic
+        key = Loops, m, y.degree, self.count, self.rtol
         if key not in self._kept:
             assert self.law.medium is not None
-            asked = self.rule, self.start, self.count, range(m, m + 1), degree, self.rtol
+            asked = self.rule, self.start, self.count, range(m, m + 1), y.degree, m == 0, self.rtol
             self._kept[key] = Loops(self.law.medium, *asked)
         return self._kept[key]
 
@@ -247,12 +269,13 @@ class DelayedReturns(BackwardEquation):
         """Power series of Y, U, W, (n_terms,), and of the modes, (n_terms, n_modes), over T^p."""
         if y not in self._kept:
             drive, rates = self._series_of_sources(y)
-            loops = self._loops(y.harmonic, y.degree)
-            modes, value = [np.zeros(loops.kept.shape[1])], [float(y.is_power)]
+            loops = self._loops(y)
+            weights = loops.weights.sum(axis=0)
+            modes, value = [np.zeros(weights.size)], [float(y.is_power)]
             total, lost = [], []
             known = zip(drive[:_TERMS].tolist(), rates[:_TERMS].tolist(), strict=True)
             for k, (source, rate) in enumerate(known, 1):
-                total.append(value[-1] + float(loops.weights[0] @ modes[-1]))
+                total.append(value[-1] + float(weights @ modes[-1]))
                 lost.append(-rate * total[-1])
                 value.append((source + lost[-1]) / k)
                 modes.append(loops.term(k, modes[-1], lost[-1]))
@@ -262,25 +285,28 @@ class DelayedReturns(BackwardEquation):
 
     def series(self, y: Observable) -> FloatArray:
         """Coefficients a_k of y = T^p sum_k a_k T^k."""
-        return super().series(y) if self._at_once(y.harmonic) else self._early(y)[0]
+        return self._early(y)[0] if self._takes_time(y) else super().series(y)
 
-    def _step(self, m: int, degree: float) -> FloatArray:
+    def _step(self, y: Observable) -> FloatArray:
         """What each panel makes of all that it is linear in, (n_panels, n_to, n_from).
 
-        From Y where it begins, the gain from U below, f from W below, the modes, and the sources;
-        to U, W, the modes where it ends, and Y.
+        From Y where it begins, the gain from U below, f of each speed ratio from W below, the
+        modes, and the sources; to U, W, the modes where it ends, and Y.
         """
-        key = m, degree, self.count, self.rtol
+        key = y.harmonic, y.degree, self.count, self.rtol
         if key not in self._kept:
-            (loss, _), loops, n = self._kernel(m), self._loops(m, degree), self.nodes
-            one, modes = np.eye(n), loops.kept.shape[1]
-            gains, f, z = slice(1, n + 1), slice(n + 1, 2 * n + 1), slice(2 * n + 1, -n)
-            here = loops.come[:, 0, :, :n] @ loops.inside
-            inverse = np.linalg.inv(one + here @ loss)
-            added = np.zeros((self.count, n, 1 + 3 * n + modes))
-            added[:, :, gains], added[:, :, n + 1 : -n] = here, loops.come[:, 0]
+            (loss, _), loops, n = self._kernel(y), self._loops(y), self.nodes
+            one, (ratios, modes) = np.eye(n), loops.gained.shape[1:3]
+            gains, z = slice(1, n + 1), slice((1 + ratios) * n + 1, -n)
+            after_f = [slice(i * n + 1, i * n + 1 + n) for i in range(1, ratios + 1)]
+            added = np.zeros((self.count, n, 1 + (2 + ratios) * n + modes))
+            for i, f in enumerate(after_f):
+                added[:, :, f] = loops.come[:, i, :, :n]
+                added[:, :, gains] += added[:, :, f] @ loops.inside[i]
+            added[:, :, z] = loops.come[..., n:].sum(axis=1)
+            inverse = np.linalg.inv(one + added[:, :, gains] @ loss)
             added = inverse @ added
-            matrix, rate = self._rows(degree)
+            matrix, rate = self._rows(y.degree)
             matrix += rate[:, :, None] * (loss @ inverse)
             matrix[:, 0] = one[0]
             right = -loss @ added
@@ -292,34 +318,35 @@ class DelayedReturns(BackwardEquation):
             total = inverse @ value + added
             lost = -loss @ total
             lost[:, :, gains] += one
-            after = loops.gained @ (loops.inside @ lost)
-            after[:, :, f] += loops.gained
+            after = (loops.gained @ (loops.inside @ lost[:, None])).sum(axis=1)
             after[:, :, z] += loops.kept[:, :, None] * np.eye(modes)
+            for i, f in enumerate(after_f):
+                after[:, :, f] += loops.gained[:, i]
             self._kept[key] = np.concatenate([total, lost, after, value], axis=1)
         return self._kept[key]
 
     def _solve(self, y: Observable) -> FloatArray:
-        if self._at_once(y.harmonic):
+        if not self._takes_time(y):
             return super()._solve(y)
-        gain, loops = self._kernel(y.harmonic)[1], self._loops(y.harmonic, y.degree)
-        n, step = self.nodes, self._step(y.harmonic, y.degree)
+        gain, loops = self._kernel(y)[1], self._loops(y)
+        n, step = self.nodes, self._step(y)
         reach = max(gain.shape[1] // n, loops.reach)
         value, total, lost, modes = self._early(y)
         x, begin = self._nodes_from(-reach)[:reach], np.array(self.start)
         table = np.empty((2, reach + self.count, n))  # U and W
         table[0, :reach] = power_series(y.degree, x, total)
         table[1, :reach] = power_series(y.degree, x, lost)
-        state = np.zeros(step.shape[2] - n)
+        state, first = np.zeros(step.shape[2] - n), 1 + n + loops.below.shape[0] * n
         state[0] = power_series(y.degree, begin, value)
-        state[2 * n + 1 :] = power_series(y.degree, begin, modes)
+        state[first:] = power_series(y.degree, begin, modes)
         driven = (step[:, :, -n:] @ self._driven(y)[:, :, None])[:, :, 0]
         step, found = step[:, :, :-n], np.empty((self.count, n))
         above, last = reach - gain.shape[1] // n, reach - loops.reach
         for j in range(self.count):
             state[1 : n + 1] = gain @ table[0, above + j : reach + j].ravel()
-            state[n + 1 : 2 * n + 1] = loops.below @ table[1, last + j : reach + j].ravel()
+            state[n + 1 : first] = (loops.below @ table[1, last + j : reach + j].ravel()).ravel()
             after = step[j] @ state + driven[j]
             table[:, reach + j] = after[: 2 * n].reshape(2, n)
-            state[2 * n + 1 :] = after[2 * n : -n]
+            state[first:] = after[2 * n : -n]
             found[j], state[0] = after[-n:], after[-1]
         return found

@@ -47,9 +47,9 @@ OBSERVABLES = {name: Observable(*words) for name, *words in (
     ("drift", "Mean velocity along x", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
      lambda m, law: m[VX], "along", "mean_velocity", (0,), None, (0.05, 0.05)),
     ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
-     lambda m, law: np.sqrt(m[V2]), "both", "", (), 0, (0.05, 0.05)),
+     lambda m, law: np.sqrt(m[V2]), "both", "", (), 0, (0.04, 0.02)),
     ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
-     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1, "free", "", (), -3, (0.13, 0.25)),
+     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1, "free", "", (), -3, (0.08, 0.15)),
     ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
      lambda m, law: m[R2], "free", "", (), 0, (0.1, 0.1)),
     ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
@@ -258,9 +258,9 @@ class Expectation:
         if point.scatterers == "overlapping":
             share[pair] *= 2
         error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
-        # smooth over a decade of time, as simulations have it
+        # smooth over 0.4 of a decade of time, as simulations have it
         logs = np.log10(np.where(times > 0, times, 1.0))
-        correlation = np.exp(-((logs[:, None] - logs) ** 2) / 2)
+        correlation = np.exp(-3 * (logs[:, None] - logs) ** 2)
         between = np.eye(len(names))
         between[pair, pair[::-1]] = 0.9
         return np.asarray(np.kron(between, correlation) * np.outer(error, error))

@@ -13,10 +13,11 @@ c_near : two disks. The tracer meets the first one with a uniform impact paramet
     then all bounces from one to the other. Less A lambda^2/(1 + t) dt, t the flight between them.
 g : the tracer comes back after two or more collisions in between, at distances of the order of l:
     the propagator of the Boltzmann equation at distance 0, less its first two terms.
+    Such loops are spread over paths y of which the Laplace transform has lambda + s for lambda.
 N, nested rings : the way back runs through a corridor that is known to be empty. It is damped by
     exp(-R (1 + |delta|/4)/l) in place of exp(-2 R/l), delta its distance from the way out.
 
-    python -m tests.kinetics.measurements.returns     writes the file, in about ten minutes
+    python -m tests.kinetics.measurements.returns     writes the file, in ten minutes
 """
 
 from __future__ import annotations
@@ -30,10 +31,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from kinetics.collision.medium import CORRIDOR, OF_SPEED
+
 Array = NDArray[Any]
 FILE = Path(__file__).parents[3] / "kinetics" / "collision" / "returns.json"
-RESTITUTIONS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
-PAIRS = ((0, 1), (1, 0), (2, 0), (0, 2), (1, 1))
+RESTITUTIONS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
+PAIRS = ((0, 1), (1, 0), (2, 0), (0, 3))
 FARTHEST = 3000.0  # of the second disk: beyond it the integrand is of the order of 1/t^2
 MOST_BOUNCES = 400  # a tracer that bounces more often stays in the corner of two disks
 
@@ -119,7 +122,7 @@ def _follow(e: float, y: Array, flight: Array, real: bool) -> tuple[Array, Array
 
 
 def two_disks(
-    e: float, pairs: tuple[tuple[int, int], ...], points: int = 17, shifts: int = 16
+    e: float, pairs: tuple[tuple[int, int], ...], points: int = 19, shifts: int = 16
 ) -> dict[Any, tuple[float, float]]:
     """What two disks give, by 2^points Sobol points for each shift, with standard errors.
 
@@ -157,8 +160,13 @@ def _power(velocity: Array, m: int, p: int) -> Array:
 # -- loops of the size of l -----------------------------------------------------------------------
 
 
-def far_ring(e: float, m: int, p: int, highest: float = 40.0, points: int = 36) -> float:
-    """g, by Gauss points in ln(1 + k) and the tail a/k^3 + b/k^4 of its integrand k R(k)."""
+def far_ring(
+    e: float, m: int, p: int, slower: float = 0.0, highest: float = 40.0, points: int = 36
+) -> float:
+    """g, by Gauss points in ln(1 + k) and the tail a/k^3 + b/k^4 of its integrand k R(k).
+
+    slower : s, of the Laplace transform over the path of the loop
+    """
     _, w, s, chi = bounces(e, 3000)
     most = int(13 * highest) + 60 + m
     gain = np.cos(np.outer(np.arange(most + 1), chi)) @ (w * s**p)
@@ -166,19 +174,21 @@ def far_ring(e: float, m: int, p: int, highest: float = 40.0, points: int = 36) 
     end = math.log1p(highest)
     x = 0.5 * end * (x + 1.0)
     k = np.expm1(x)
-    total = sum(0.5 * end * weight * (1.0 + k) * k * [_loops(gain, m, float(q)) for q in k])
-    half, whole = ((q**3 * _loops(gain, m, q)) for q in (0.5 * highest, highest))
+    rings = [_loops(gain, m, float(q), slower) for q in k]
+    total = sum(0.5 * end * weight * (1.0 + k) * k * rings)
+    half, whole = ((q**3 * _loops(gain, m, q, slower)) for q in (0.5 * highest, highest))
     b = highest * (half - whole)
     return float(total + (whole - 0.5 * b / highest) / highest) / (2.0 * math.pi)
 
 
-def _loops(gain: Array, m: int, k: float) -> float:
+def _loops(gain: Array, m: int, k: float, slower: float) -> float:
     """R_mm - G0_mm - (G0 K G0)_mm at the wave number k."""
+    free = 1.0 + slower
     reach = min(int(13.0 * k) + 60, len(gain) - 1 - m)
     quarter = 0.25 * k * k
 
     def rate(j: int) -> float:
-        return float(1.0 - gain[abs(j)])
+        return float(free - gain[abs(j)])
 
     above = below = 1.0
     for j in range(m + reach, m, -1):
@@ -186,11 +196,11 @@ def _loops(gain: Array, m: int, k: float) -> float:
     for j in range(m - reach, m):
         below = 1.0 / (rate(j) + quarter * below)
     whole = 1.0 / (rate(m) + quarter * (above + below))
-    root = math.sqrt(1.0 + k * k)
+    root = math.sqrt(free * free + k * k)
     j = np.arange(m - reach, m + reach + 1)
     apart = np.abs(m - j)
-    # G0_mj = (-i q)^|m - j|/root, q = (root - 1)/k
-    once = (-1.0) ** apart * ((root - 1.0) / k) ** (2 * apart) / root**2
+    # G0_mj = (-i q)^|m - j|/root, q = (root - free)/k
+    once = (-1.0) ** apart * ((root - free) / k) ** (2 * apart) / root**2
     return whole - 1.0 / root - float(once @ gain[np.abs(j)])
 
 
@@ -225,7 +235,7 @@ def _corridor(out: Array, back: Array) -> Array:
 # -- all of it ------------------------------------------------------------------------------------
 
 
-def constants(e: float, points: int = 17, shifts: int = 16) -> dict[str, Any]:
+def constants(e: float, points: int = 19, shifts: int = 16) -> dict[str, Any]:
     """One row of the file: d, and B + d/lambda for every (m, p), each with its error."""
     pairs = tuple(pair for pair in PAIRS if e < 1.0 or pair[0] > 0)
     disks = two_disks(e, pairs, points, shifts)
@@ -239,7 +249,29 @@ def constants(e: float, points: int = 17, shifts: int = 16) -> dict[str, Any]:
         b = a * (near - math.log(4.0) - float(np.euler_gamma))
         b += 4.0 * far_ring(e, m, p) + nested_ring(e, m, p) / rate**2
         row[f"B {m} {p}"] = [b, abs(a) * error]
+    if e < 1.0:
+        row |= _of_speed(row)
     return row
+
+
+def _of_speed(row: dict[str, Any]) -> dict[str, float]:
+    """What powers of the speed meet again: near loops e^p + I q^p + F r^p, over n 2 e/(1 + e).
+
+    Near loops of a path y are spread as exp(-0.6 y)/y from 2 n on: ln(1/n) - gamma - ln 1.2. Loops
+    of the size of l are F r^p = 4 g, and y exp(-y/b)/b^2, b half of their mean path; what is left
+    comes back at once. I, q, F and r are those of p = 1 and 3, and b that of p = 2.
+    """
+    e, once, loops = row["restitution"], [], []
+    for p in (1, 3):
+        near = float(np.euler_gamma) + math.log(2.0 * CORRIDOR)
+        loops.append(4.0 * far_ring(e, 0, p) / leading(e, 0, 0))
+        once.append(e**p * (near - _log_c(row, 0, p)[0]) - loops[-1])
+    found = {}
+    for name, (first, third) in (("at once", once), ("loops", loops)):
+        ratio = math.sqrt(third / first)
+        found |= {name: first / ratio, "ratio " + ("of " * (name == "loops")) + name: ratio}
+    g = [far_ring(e, 0, 2, step) for step in (0.0, 5e-4, 1e-3)]
+    return found | {"path of loops": 0.5 * (g[0] - g[2]) / (1e-3 * g[1])}
 
 
 def document(rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -247,7 +279,7 @@ def document(rows: list[dict[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {
         "made by": "python -m tests.kinetics.measurements.returns",
         "meaning": "eps = (2e/(1+e)) n ln(1/(C n)) for (m, p) = (0, 1), (1, 0), (2, 0); "
-        "1 + d n collisions for one",
+        "1 + d n collisions for one; then what powers of the speed meet, over n 2e/(1+e)",
         "restitution": [row["restitution"] for row in rows],
         "d": [round(row["d"][0], 4) for row in rows],
         "error of d": [round(row["d"][1], 4) for row in rows],
@@ -257,6 +289,8 @@ def document(rows: list[dict[str, Any]]) -> dict[str, Any]:
         name = f"{m}" if (m, p) in ((0, 1), (1, 0), (2, 0)) else f"{m} at p = {p}"
         found[f"ln C {name}"] = [round(value, 4) for value, _ in logs]
         found[f"error of ln C {name}"] = [round(error, 4) for _, error in logs]
+    for name in OF_SPEED:
+        found[name] = [round(row[name], 4) for row in rows if name in row]
     return found
 
 
