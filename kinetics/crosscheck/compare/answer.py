@@ -28,23 +28,19 @@ def answered(
     sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool
 ) -> Comparison:
     """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
-    best, explanations = _likeliest(fits), list[Explanation]()
-    wrong = never_move(sample) or wrong_unit(sample)
-    for last in (False, True):
-        point, histograms = best.point, list(histograms_of(best))
-        rows, tests = tuple(rows_of(best, histograms)), tuple(tests_of(best, histograms))
-        # Rows without spread no test can hold.
-        words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-        verdict = Verdict.DIFFERS if wrong else worst_of(words)
-        if last or not explain:
-            break
+    (best, seen), explanations = _likeliest(fits), list[Explanation]()
+    wrong = never_move(sample) or wrong_unit(fits)
+    if explain:
+        verdict = Verdict.DIFFERS if wrong else seen[-1]
         explanations, medium = _explained(best, verdict, wrong, media)
-        if medium == point.scatterers or medium not in media:
-            break  # else what explains is in another medium: it is the one that is shown
-        best = next((one for one in fits if one.point.scatterers == medium), best)
+        if medium != best.point.scatterers and medium in media:  # the one that is shown
+            best = next((one for one in fits if one.point.scatterers == medium), best)
+            seen = _seen(best)
+    point, (densities, rows, tests, verdict) = best.point, seen
+    verdict = Verdict.DIFFERS if wrong else verdict
     likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
     first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
-    note = [_OWN_START] if point.own_start and histograms else []
+    note = [_OWN_START] if point.own_start and densities else []
     note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
     parameters = _parameters(best, wrong)
     return Comparison(
@@ -57,19 +53,36 @@ def answered(
     )  # fmt: skip
 
 
-def _likeliest(fits: Sequence[Fit]) -> Fit:
-    """The likeliest of the fits that agree with the data, or of all of them.
+def _seen(found: Fit) -> tuple[bool, Any, Any, Verdict]:
+    """Whether densities were compared, the rows, the tests, and the verdict on them."""
+    histograms = list(histograms_of(found))
+    rows, tests = tuple(rows_of(found, histograms)), tuple(tests_of(found, histograms))
+    # Rows without spread no test can hold.
+    words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
+    return bool(histograms), rows, tests, worst_of(words)
+
+
+def _likeliest(fits: Sequence[Fit]) -> tuple[Fit, Any]:
+    """The likeliest of the fits that agree with the data, or of all of them, and what is seen.
 
     Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
-    Burnham and Augustin, Biometrics 53, 603 (1997)).
+    Burnham and Augustin, Biometrics 53, 603 (1997)), but not those that a density or a single
+    average refutes, which count little among all averages.
     """
     fits = [f for f in fits if f.chi_square and f.chi_square.verdict is Verdict.AGREES] or fits
-    best = min(fits, key=lambda f: f.criterion)
+    fits = sorted(fits, key=lambda f: f.criterion)
+    seen = _seen(fits[0])
+    for k, one in enumerate(fits[1:] if seen[-1] is not Verdict.AGREES else [], 1):
+        if (other := _seen(one))[-1] is Verdict.AGREES:
+            fits, seen = fits[k:], other
+            break
+    best = fits[0]
     if not np.isfinite(best.criterion):
-        return best
+        return best, seen
     weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
     away = np.array([one.at - best.at for one in fits])
-    return replace(best, covariance=best.covariance + (away.T * (weight / weight.sum())) @ away)
+    spread = best.covariance + (away.T * (weight / weight.sum())) @ away
+    return replace(best, covariance=spread), seen
 
 
 def _explained(
@@ -103,29 +116,34 @@ def never_move(sample: Sample) -> Explanation | None:
     return Explanation("scatterers", "found", said + more, value=rest / most, headline=said)
 
 
-def wrong_unit(sample: Sample) -> Explanation | None:
+def wrong_unit(fits: Sequence[Fit]) -> Explanation | None:
     """What is said where units do not belong together; None where they do, or cannot be known.
 
-    Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit, or a wrong clock.
+    Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit, or a wrong clock. Which
+    it is, say the averages that are left with the value that this gives.
     """
+    sample = fits[0].expectation.sample
     law, flights, unit = sample.law, sample.flights, sample.units.get("time", 1.0)
     if law.field or law.is_driven or not flights or abs(math.log(flights[0][1])) <= 0.005:
         return None
     at, ratio = flights[0]
-    said = f"tracers that fly straight have r = {numeral(ratio, '.5g')} v t"
-    # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
-    true = [time * one for time, one in flights]
-    slope = abs((true[1] - true[0]) / (flights[1][0] - at)) if len(true) > 1 else math.inf
-    if abs(math.log(slope)) < 0.005:
-        value = (at - true[0]) * unit
-        said += f" at t = {numeral(at * unit, '.4g')}, as if the clock were {numeral(value, '.4g')}"
-        said += " d/U ahead" if unit == 1.0 else " ahead"
-        more = f"{said}; shift the times. No other cause is looked for."
-        return Explanation("time offset", "found", more, True, value, headline=said)
-    said += f", as if times were {numeral(1 / ratio, '.5g')} times too long"
-    more = f"{said}; put it right by --time-unit, --length-unit or --speed-unit. No other cause is "
-    more += "looked for."
-    return Explanation("time unit", "found", more, True, 1 / ratio, headline=said)
+    size, ahead = numeral(1 / ratio, ".5g"), at * (1 - ratio) * unit
+    words = {
+        "time offset": f"the clock were {numeral(ahead, '.4g')}{' d/U' * (unit == 1.0)} ahead",
+        "time unit": f"times were {size} times too long",
+        "speed unit": f"speeds were {size} times too high",
+        "length unit": f"lengths were {numeral(ratio, '.5g')} times too long",
+    }
+    tried = dict(zip(words, (at * (ratio - 1), 1 / ratio, 1 / ratio, ratio), strict=True))
+    from kinetics.crosscheck.compare.causes import which_of
+
+    names = which_of(fits, tried)
+    said = f"tracers that fly straight have r = {numeral(ratio, '.5g')} v t at t = "
+    said += f"{numeral(at * unit, '.4g')}, as if {' or '.join(words[name] for name in names)}"
+    more = f"{said}; put it right by --time-unit, --length-unit or --speed-unit, or shift the times"
+    more += ". No other cause is looked for."
+    value = ahead if names[0] == "time offset" else tried[names[0]]
+    return Explanation(names[0], "found", more, True, value, headline=said)
 
 
 def _noted(told: Fit) -> Iterator[Explanation]:
@@ -135,7 +153,10 @@ def _noted(told: Fit) -> Iterator[Explanation]:
     if rest:
         said = f"{rest} tracers come to rest"
         text = f"{said}: caught between scatterers, or stopped by a program."
-        yield Explanation("traps", "found", text, value=rest / most, headline=said)
+        # few change densities alone: where averages differ, it is for another reason
+        agree = told.chi_square is None or told.chi_square.verdict is Verdict.AGREES
+        outcome = "found" if agree else "noted"
+        yield Explanation("traps", outcome, text, value=rest / most, headline=said)
     complete = samples == most
     if np.all(complete):
         return

@@ -133,11 +133,11 @@ def test_a_start_of_no_name_is_taken_from_the_data() -> None:
 
 
 def test_units_that_do_not_belong_together_are_found() -> None:
-    data = made(0.75) | {"times": 1.5 * made(0.75)["times"]}
-    result = compare(data, 0.75, DENSITY)
-    item = result.explanations[0]
-    assert (item.name, item.outcome) == ("time unit", "found")
-    assert item.value == pytest.approx(1.5, rel=1e-3)
+    for name, part in (("time", "times"), ("speed", "velocities"), ("length", "positions")):
+        data = made(0.75) | {part: 1.5 * made(0.75)[part]}
+        item = compare(data, 0.75, DENSITY).explanations[0]
+        assert (item.name, item.outcome) == (f"{name} unit", "found")
+        assert item.value == pytest.approx(1.5, rel=1e-3)
     few = {"medium": np.arange(data["velocities"].shape[1]) % 4}  # groups that show nothing else
     assert compare(data | few, 0.75, DENSITY, explain=False).verdict == "differs"
     fast = made(0.75) | {"velocities": 3 * made(0.75)["velocities"]}
