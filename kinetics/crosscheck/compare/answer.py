@@ -3,13 +3,15 @@ numbers of the theory, and a summary in words.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import Fit, choose, hotelling
+from kinetics.crosscheck.compare.fit import Fit, choose, fit, hotelling
 from kinetics.crosscheck.compare.judge import histograms_of, rows_of, tests_of, worst_of
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.theory import OBSERVABLES
@@ -28,16 +30,16 @@ def answered(
     sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool
 ) -> Comparison:
     """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
-    (best, seen), explanations = _likeliest(fits), list[Explanation]()
-    wrong = never_move(sample) or wrong_unit(fits)
+    in_medium, explanations = {one.point.scatterers: one for one in fits}, list[Explanation]()
+    seen = cache(lambda medium: _seen(in_medium[medium]))
+    wrong, best = never_move(sample) or wrong_unit(fits), _likeliest(fits, seen)
+    point, verdict = best.point, Verdict.DIFFERS if wrong else seen(best.point.scatterers)[-1]
     if explain:
-        verdict = Verdict.DIFFERS if wrong else seen[-1]
         explanations, medium = _explained(best, verdict, wrong, media)
-        if medium != best.point.scatterers and medium in media:  # the one that is shown
-            best = next((one for one in fits if one.point.scatterers == medium), best)
-            seen = _seen(best)
-    point, (densities, rows, tests, verdict) = best.point, seen
-    verdict = Verdict.DIFFERS if wrong else verdict
+        if medium in in_medium and medium != point.scatterers:  # what explains is shown
+            best, point = in_medium[medium], in_medium[medium].point
+    densities, rows, tests, found = seen(point.scatterers)
+    verdict = Verdict.DIFFERS if wrong else found
     likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
     first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
     note = [_OWN_START] if point.own_start and densities else []
@@ -62,27 +64,20 @@ def _seen(found: Fit) -> tuple[bool, Any, Any, Verdict]:
     return bool(histograms), rows, tests, worst_of(words)
 
 
-def _likeliest(fits: Sequence[Fit]) -> tuple[Fit, Any]:
-    """The likeliest of the fits that agree with the data, or of all of them, and what is seen.
+def _likeliest(fits: Sequence[Fit], seen: Callable[[str], Any]) -> Fit:
+    """The likeliest of the fits that agree with the data, also in every single test, or of all.
 
     Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
-    Burnham and Augustin, Biometrics 53, 603 (1997)), but not those that a density or a single
-    average refutes, which count little among all averages.
+    Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
     fits = [f for f in fits if f.chi_square and f.chi_square.verdict is Verdict.AGREES] or fits
-    fits = sorted(fits, key=lambda f: f.criterion)
-    seen = _seen(fits[0])
-    for k, one in enumerate(fits[1:] if seen[-1] is not Verdict.AGREES else [], 1):
-        if (other := _seen(one))[-1] is Verdict.AGREES:
-            fits, seen = fits[k:], other
-            break
-    best = fits[0]
+    fits = [f for f in fits if seen(f.point.scatterers)[-1] is Verdict.AGREES] or fits
+    best = min(fits, key=lambda f: f.criterion)
     if not np.isfinite(best.criterion):
-        return best, seen
+        return best
     weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
     away = np.array([one.at - best.at for one in fits])
-    spread = best.covariance + (away.T * (weight / weight.sum())) @ away
-    return replace(best, covariance=spread), seen
+    return replace(best, covariance=best.covariance + (away.T * (weight / weight.sum())) @ away)
 
 
 def _explained(
@@ -116,34 +111,43 @@ def never_move(sample: Sample) -> Explanation | None:
     return Explanation("scatterers", "found", said + more, value=rest / most, headline=said)
 
 
-def wrong_unit(fits: Sequence[Fit]) -> Explanation | None:
+def wrong_unit(fits: Sequence[Fit], nearly: float = 6.0) -> Explanation | None:
     """What is said where units do not belong together; None where they do, or cannot be known.
 
     Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit, or a wrong clock. Which
-    it is, say the averages that are left with the value that this gives.
+    it is, say the averages that are left with the value that this gives, and what is `nearly` as
+    likely (`causes.NEAR_BEST`) is said too.
     """
-    sample = fits[0].expectation.sample
-    law, flights, unit = sample.law, sample.flights, sample.units.get("time", 1.0)
-    if law.field or law.is_driven or not flights or abs(math.log(flights[0][1])) <= 0.005:
+    sample, own_start = fits[0].expectation.sample, fits[0].point.own_start
+    (at, ratio), unit = sample.flights, sample.units.get("time", 1.0)
+    if sample.law.field or sample.law.is_driven or abs(math.log(ratio)) <= 0.005:
         return None
-    at, ratio = flights[0]
     size, ahead = numeral(1 / ratio, ".5g"), at * (1 - ratio) * unit
     words = {
-        "time offset": f"the clock were {numeral(ahead, '.4g')}{' d/U' * (unit == 1.0)} ahead",
-        "time unit": f"times were {size} times too long",
-        "speed unit": f"speeds were {size} times too high",
-        "length unit": f"lengths were {numeral(ratio, '.5g')} times too long",
+        "time offset": (at * (ratio - 1), f"the clock were {numeral(ahead, '.4g')} ahead"),
+        "time unit": (1 / ratio, f"times were {size} times too long"),
+        "speed unit": (1 / ratio, f"speeds were {size} times too high"),
+        "length unit": (ratio, f"lengths were {numeral(ratio, '.5g')} times too long"),
     }
-    tried = dict(zip(words, (at * (ratio - 1), 1 / ratio, 1 / ratio, ratio), strict=True))
-    from kinetics.crosscheck.compare.causes import which_of
-
-    names = which_of(fits, tried)
+    costs = dict[str, float]()
+    for told, (name, (value, _)) in product(fits, words.items()):
+        changed: Any = {name.replace(" ", "_"): value}
+        if name == "speed unit":  # the times are right, and a Gaussian may be the start
+            changed |= {"time_unit": value} | ({"start": "gaussian"} if own_start else {})
+        usable = told.usable & (sample.times > 0)
+        made = fit(told.expectation, told.point._replace(**changed), told.free, usable, [told.at])
+        if made and made.chi_square and made.chi_square.verdict is not Verdict.DIFFERS:
+            costs[name] = min(made.criterion, costs.get(name, math.inf))
+    if "speed unit" in costs and own_start:  # no start but a Gaussian is needed
+        costs.pop("time unit", None)
+    near = min(costs.values(), default=0.0) + nearly
+    may_be = [one for one in sorted(costs, key=costs.__getitem__) if costs[one] < near] or [*words]
     said = f"tracers that fly straight have r = {numeral(ratio, '.5g')} v t at t = "
-    said += f"{numeral(at * unit, '.4g')}, as if {' or '.join(words[name] for name in names)}"
-    more = f"{said}; put it right by --time-unit, --length-unit or --speed-unit, or shift the times"
-    more += ". No other cause is looked for."
-    value = ahead if names[0] == "time offset" else tried[names[0]]
-    return Explanation(names[0], "found", more, True, value, headline=said)
+    said += f"{numeral(at * unit, '.4g')}, as if {' or '.join(words[one][1] for one in may_be)}"
+    more = f"{said}; shift the times, or say --time-unit, --length-unit or --speed-unit. No other "
+    value = ahead if may_be[0] == "time offset" else words[may_be[0]][0]
+    return Explanation(may_be[0], "found", more + "cause is looked for.", True, value,
+                       headline=said)  # fmt: skip
 
 
 def _noted(told: Fit) -> Iterator[Explanation]:
@@ -151,12 +155,11 @@ def _noted(told: Fit) -> Iterator[Explanation]:
     sample, samples = told.expectation.sample, told.expectation.sample.samples
     most, least, rest = int(samples.max()), int(np.argmin(samples)), int(sample.at_rest.max())
     if rest:
-        said = f"{rest} tracers come to rest"
-        text = f"{said}: caught between scatterers, or stopped by a program."
+        said = f"{rest} tracers come to rest: caught between scatterers, or stopped by a program"
         # few change densities alone: where averages differ, it is for another reason
         agree = told.chi_square is None or told.chi_square.verdict is Verdict.AGREES
         outcome = "found" if agree else "noted"
-        yield Explanation("traps", outcome, text, value=rest / most, headline=said)
+        yield Explanation("traps", outcome, f"{said}.", value=rest / most, headline=said)
     complete = samples == most
     if np.all(complete):
         return
@@ -168,10 +171,10 @@ def _noted(told: Fit) -> Iterator[Explanation]:
     if part is not None and part.verdict is not Verdict.AGREES:
         alone = whole is None or whole.verdict is Verdict.AGREES
         outcome = "explains" if alone else "in part"
-    text = f"{missing} of {most} tracers are missing at t = {numeral(sample.times[least], '.4g')}. "
+    said = f"{missing} tracers that are missing at later times"
+    text = f"{said}, of {most} at t = {numeral(sample.times[least], '.4g')}. "
     text += "A cap on collisions takes the fast ones away."
     left: tuple[Any, ...] = (None, None, None) if whole is None else whole[:3]
-    said = f"{missing} tracers that are missing at later times"
     yield Explanation(
         "missing tracers", outcome, text, part is not None, missing / most, None,
         part and part.value, left[0], left[1], left[2], said,

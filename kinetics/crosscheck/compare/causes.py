@@ -88,26 +88,6 @@ def tested_causes(told: Fit, media: Sequence[str]) -> Iterator[tuple[Explanation
         yield item._replace(outcome="in part") if far else item, one.point.scatterers
 
 
-def which_of(fits: Sequence[Fit], tried: dict[str, float]) -> list[str]:
-    """Which of these causes, with these values, may be: the likeliest first, and all near it."""
-    costs: dict[str, float] = {}
-    for cause in (one for one in CAUSES if one.name in tried):
-        for told in fits:
-            changed: Any = {cause.free: tried[cause.name]}
-            point = told.point._replace(**changed)
-            if cause.name == "speed unit":  # the times are right
-                point = point._replace(time_unit=point.speed_unit)
-                point = point._replace(start="gaussian") if point.own_start else point
-            usable = told.usable & (told.expectation.sample.times > 0)
-            made = fit(told.expectation, point, told.free, usable, [told.at])
-            if made and made.chi_square and made.chi_square.verdict is not Verdict.DIFFERS:
-                costs[cause.name] = min(made.criterion, costs.get(cause.name, math.inf))
-    if "speed unit" in costs and fits[0].point.own_start:  # no start but a Gaussian is needed
-        costs.pop("time unit", None)
-    near = min(costs.values(), default=0.0) + NEAR_BEST
-    return [name for name in sorted(costs, key=costs.__getitem__) if costs[name] < near] or [*tried]
-
-
 def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[Expectation, Point]]:
     """The data and the theory, but for what is fitted, of every variant of a cause."""
     measured, point, changes = told.expectation, told.point, list[dict[str, Any]]([{}])

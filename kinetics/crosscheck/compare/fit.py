@@ -61,10 +61,11 @@ class Fit:
     the parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence
     (k, p) on `at` of the averages `fitted` (p,).
 
-    Of these, (n_names, n_times) each: difference of data and theory; error (with the theory's own);
-    shaped: the difference as `Expectation.stabilised`, with its replicates (G, ...), and sigmas;
-    effective groups; compared: where there is something to compare; usable: and where it has
-    spread. chi_square of those tested; criterion: Akaike's, -2 ln likelihood + 2 len(free) + const.
+    Of these, (n_names, n_times) each: difference of data and theory; error (with the theory's own),
+    and bars, that of rows; shaped: the difference as `Expectation.stabilised`, with its replicates
+    (G, ...), and sigmas; effective groups; compared: where there is something to compare; usable:
+    and where it has spread. chi_square of those tested; criterion: Akaike's, -2 ln likelihood + 2
+    len(free) + const.
     """
 
     expectation: Expectation
@@ -88,10 +89,14 @@ class Fit:
             self.shaped = measured.stabilised(theory, self.difference)
             self.steady = steadied(measured, theory, measured.spread_of_a2(self.point))
             self.replicates = self._moved(self.steady)
-            error = errors(self._moved(measured.replicates - theory))
+            plain = measured.replicates - theory
+            error = errors(self._moved(plain))
             own = 0.0 if self.known is None else np.diagonal(self.known).reshape(error.shape)
             self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
             self.error = np.sqrt(error**2 + own)
+            # as the verdicts have it, whose replicates are steadied
+            wider = errors(self.steady) / errors(measured.stabilised(theory, plain))
+            self.bars = np.sqrt((error * np.where(np.isfinite(wider), wider, 1)) ** 2 + own)
         self.compared = np.isfinite(self.difference) & (early | (sample.times > 0))
         self.usable = self.compared & spread_in(error, measured.values, theory)
         self.effective = effective_groups(self.replicates)

@@ -143,7 +143,7 @@ def rows_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Row]:
     for i, name in enumerate(measured.names):
         looks = int(found.usable[i].sum())
         for k in np.flatnonzero(found.compared[i]).tolist():
-            parts = (sample.times, measured.values[i], found.error[i], found.theory[i])
+            parts = (sample.times, measured.values[i], found.bars[i], found.theory[i])
             time, value, error, theory = (float(part[k]) for part in parts)
             sigmas, corrected, count = None, None, int(sample.samples[k])
             if found.usable[i, k]:

@@ -94,8 +94,8 @@ class Sample:
     grouping : what a group is made of: "medium", "tracer" or "row"
     speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
         outside, of groups that are not those of the sums, (n, n_times, n_bins + 2)
-    flights : (time, |r|/(|v| t)) of tracers that have flown straight, at the two times when most
-        have: 1 where units belong together, whatever the scatterers
+    flights : (time, |r|/(|v| t)) of tracers that have flown straight, at the time when most have:
+        1 where units belong together, whatever the scatterers, or where few have
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
     units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
@@ -109,7 +109,7 @@ class Sample:
     speeds: tuple[Array, Counts] | None = None
     displacements: tuple[Array, Counts] | None = None
     start: StartBins | None = None
-    flights: tuple[tuple[float, float], ...] = ()
+    flights: tuple[float, float] = (0.0, 1.0)
     law: Law = Law()
     free: bool = False
     warnings: tuple[str, ...] = ()
@@ -140,7 +140,7 @@ def reduced(
     sums = np.zeros((MOST_GROUPS, count, VX + 3 * axes))
     scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
     counts = np.zeros((2, HISTOGRAM_GROUPS, count, bins), np.int32)
-    start, flights = None, []
+    start, flights = None, [(0.0, 1.0, 0.0)]
     for k, time in enumerate(tracks.times):
         there = np.isfinite(tracks.velocity[k, :, 0])
         place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
@@ -170,10 +170,10 @@ def reduced(
         (scale, one[one.any(axis=(1, 2))]) for scale, one in zip(scales, counts, strict=True)
     )
     used = sums[..., N].sum(axis=1) > 0
-    most = sorted((one for one in flights if one[0]), reverse=True)[:2]
+    _, ratio, time = max(flights)
     return Sample(
         names, tracks.times, sums[used], at_rest, grouping, speeds, displacements, start,
-        tuple((time, ratio) for _, ratio, time in most),
+        (time, ratio),
     )  # fmt: skip
 
 
