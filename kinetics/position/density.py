@@ -151,9 +151,7 @@ class Displacement(Value):
                 continue
             points = _enough(2 * f.size + 8, float(rho.max()) * (panel.high - panel.low))
             k, weight, values = panel.gauss(f, points)
-            if tail is not None:
-                values = values - tail.at(k)
-            elif panel.high > self.cut[time]:
+            if tail is None and panel.high > self.cut[time]:
                 # tapered over a factor of two: a sharp end would leave oscillations everywhere
                 level = np.clip(k / self.cut[time] - 1.0, 0.0, 1.0)
                 values = values * np.cos(0.5 * math.pi * level) ** 2

@@ -42,10 +42,11 @@ _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K 
 _STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.6, 1.25
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
-_FITTED = 0.3  # share of K, from above, to which they are fitted; part of the last F they may miss
-# Error of F beyond over that of the fit, twice as much where tracers return; where head-on bounces
-# leave less than e^(-2 _LOSSY) of the speed, or all e^-_LOSSY: F goes on by steps not seen there.
-_BEYOND, _BY_FEW_STEPS, _BY_STEPS, _LOSSY = 2.0, 6.0, 40.0, 0.5
+_KNOWN = 0.3  # part of the last F that its end may miss
+# Error of F beyond over that of the fit, where F goes on by steps not seen there: where head-on
+# bounces leave less than _SLOWED of the speed, few; where all lose e^-_LOSSY, many. Starts with a
+# higher power of v than _NO_POWER near 0 have none.
+_BY_FEW_STEPS, _BY_STEPS, _LOSSY, _SLOWED, _NO_POWER = 4.0, 40.0, 0.5, math.exp(-1.0), 8.0
 _TAPERED = 1e-2  # what is missed of G where F is tapered towards its last K
 _FAINT = 12.0  # flights after which so few have not collided, or once, that fronts do not count
 
@@ -113,6 +114,7 @@ class _Sweep:
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
             self._flights = system.times * typical  # T of a typical tracer
+        self._first, self._order = self._powers()
 
     def groups(self) -> list[list[int]]:
         """The times in groups that need about the same wave numbers, those that need most last."""
@@ -203,6 +205,17 @@ class _Sweep:
             return left + right, max(first, second)
         return [panel], panel.missed + error
 
+    def _powers(self) -> tuple[int, float]:
+        """The first of `PowerTail`, and the power of v, near 0, of the density of the start."""
+        law, profile, order = self.system.law, self.system.state.profile(0), math.inf
+        if law.throws_back or law.returns(0)[0]:  # tracers cross the origin
+            return 1 - law.dimension, order
+        if profile is not None:
+            f = np.asarray(profile(np.array([1e-4, 2e-4])).real)
+            order = math.log2(f[1] / f[0]) if f.min() > 0.0 else math.inf
+        slow = 0 if 0.0 in law.disk_restitutions else 1
+        return math.floor(min(slow, order + 2.01 - law.dimension)), order
+
     def _rest(self, time: int, high: float) -> tuple[PowerTail | None, float]:
         """How F goes on beyond K = high, and how much of it is not known there."""
         last = self.panels[-1].of(time)
@@ -220,15 +233,8 @@ class _Sweep:
         largest = float(np.abs(last).max()) * (_BY_STEPS if edges else 1.0)
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, largest
-        # j_0 of `PowerTail`: tracers that are thrown straight back cross the origin
-        profile, returns = self.system.state.profile(0), law.returns(0)[0]
-        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        first = 0 if 0.0 in law.disk_restitutions or slow else 1
-        if law.throws_back or returns:
-            first = 1 - law.dimension
-        k, f = points_beyond(self.panels, time, _FITTED * high)
-        tail, left = fit_tail(k, f, begin, law.dimension, first)
-        few = _BY_FEW_STEPS if 0.0 < law.least_ratio < math.exp(-2.0 * _LOSSY) else _BEYOND
-        by_steps = _BY_STEPS if edges or law.least_loss > _LOSSY else few
-        left *= 2.0 * _BEYOND if returns else by_steps
-        return (tail, left) if left < _FITTED * largest else (None, largest)
+        tail, left = fit_tail(self.panels, time, high, begin, law.dimension, self._first)
+        # no power of v near 0 is as slow as that of a log-normal start
+        few = self._order > _NO_POWER or law.returns(0)[0] or 0.0 < law.least_ratio < _SLOWED
+        left *= _BY_STEPS if edges or law.least_loss > _LOSSY else _BY_FEW_STEPS if few else 1.0
+        return (tail, left) if left < _KNOWN * largest else (None, largest)

@@ -2,9 +2,9 @@
 
 On an interval F of the collided is a polynomial through Chebyshev points. Beyond the last one it
 goes on with the powers of 1/k that the slowest tracers leave: initial speeds near 0, of density
-~ v^(d-1) in dimension d, leave k^-(d+1); where e = 0, collisions leave a density ~ v^(d-2), and
-k^-d. Tracers that are thrown straight back stay on a straight line through the origin: F falls as
-1/k. The end of F is fitted by terms whose transforms are known.
+~ v^a, leave k^-(a+2), a = d - 1 as a rule in dimension d; where e = 0, collisions leave a density
+~ v^(d-2), and k^-d. Tracers that are thrown straight back stay on a straight line through the
+origin: F falls as 1/k. The end of F is fitted by such powers.
 """
 
 from __future__ import annotations
@@ -12,13 +12,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from kinetics.numerics import LARGEST_LOG, FloatArray
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import Chebyshev
-from kinetics.numerics.gauss import gauss_legendre
+from kinetics.numerics.gauss import gauss_legendre, panels_of
+from kinetics.position.directions import mean_phase
 from kinetics.results import Value
 
 Indices = NDArray[np.intp]
@@ -112,84 +115,91 @@ def points_beyond(panels: list[WavePanel], time: int, low: float) -> tuple[Float
 
 _TERMS = range(6, 14)  # of the sum, the number among these that leaves least
 _BEYOND = np.geomspace(1.2, 30.0, 20)  # of the largest K, where two sums are compared
+_FITTED, _LOWER = 0.3, 0.75  # share of K to which they are fitted, and where the second one ends
+_TURN, _ROTATED, _REAL = 12.0, 16, 30  # K r where the path of the integral turns; points on it
 
 
 @dataclass(frozen=True)
 class PowerTail(Value):
-    """sum_j c_j (q^2 + 1)^(-nu - d/2), nu = (j + j_0)/2, q = K/scale, K = k l, d the dimension.
+    """F beyond K = high: s^(first + d) sum_j c_j T_j(2 s/s_0 - 1), in d dimensions.
 
-        integral of q J_0(q x) (q^2 + 1)^(-nu - 1) dq = (x/2)^nu K_nu(x)/Gamma(nu + 1)
-
-    (DLMF 10.22.46), and in space
-
-        (2/pi) integral of q sin(q x)/x (q^2 + 1)^(-nu - 3/2) dq
-            = (x/2)^nu K_nu(x)/(sqrt(pi) Gamma(nu + 3/2)).
+    s = ((K/scale)^2 + 1)^(-1/2), and s_0 is that of the least K it was fitted to: the powers of
+    1/K, with coefficients of the size of F.
 
     scale : K where the powers begin
-    first : j_0: 1; 0 where collisions may stop tracers; 1 - d where many are thrown straight back
+    first : the first power less d: 1; less where tracers are slow or thrown straight back
     """
 
     coefficients: FloatArray
+    high: float
     scale: float
     dimension: int = 2
     first: int = 1
 
-    def at(self, k: FloatArray) -> FloatArray:
-        """The tail at K = k, shape (n_k,)."""
-        terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension, self.first)
-        return np.asarray(terms @ self.coefficients)
+    def at(self, k: NDArray[Any]) -> NDArray[Any]:
+        """The tail at K = k, also complex: shape of k."""
+        s = _falling(k, self.scale)
+        x = 2.0 * s / _falling(_FITTED * self.high, self.scale) - 1.0
+        total = np.polynomial.chebyshev.chebval(x, self.coefficients)
+        return np.asarray(s ** (self.first + self.dimension) * total)
 
     def transform(self, rho: FloatArray) -> FloatArray:
-        """The radial density over r^(d-1) at r = rho l, l = 1, shape (n_r,)."""
-        from scipy.special import gamma, kv
+        """Radial density of F beyond K = high, over r^(d-1), at r = rho l, l = 1: shape (n_r,).
 
-        x = np.clip(self.scale * rho, 1e-12, LARGEST_LOG)  # beyond it is negligible
-        nu = 0.5 * (self.first + np.arange(self.coefficients.size))
-        norm = gamma(nu + 1.0) if self.dimension == 2 else math.sqrt(math.pi) * gamma(nu + 1.5)
-        with np.errstate(under="ignore"):
-            terms = x ** nu[:, None] * kv(nu[:, None], x)
-        return np.asarray(
-            (self.coefficients / (2.0**nu * norm)) @ terms * self.scale**self.dimension
-        )
+        Up to x = K rho = _TURN along real K; beyond along x + i y, where waves fall as exp(-y).
+        """
+        from scipy.special import hankel1e
+
+        rho, d = np.maximum(rho, 1e-12 / self.high)[:, None], self.dimension
+        turn = np.maximum(self.high * rho, _TURN)
+        y, weight = np.polynomial.laguerre.laggauss(_ROTATED)
+        x = turn + 1j * y
+        wave = 1j * hankel1e(0, x) if d == 2 else np.ones(1)
+        wave = (np.exp(1j * turn) * wave * x * self.at(x / rho)).real @ weight
+        ends = np.log(np.concatenate([self.high * rho, turn], axis=1))
+        points = _REAL + int(3.0 * np.ptp(ends, axis=1).max())
+        x, weight = panels_of(ends, points)
+        x = np.exp(x)
+        wave += (weight * x**d * mean_phase(x, d) * self.at(x / rho)).sum(axis=1)
+        return np.asarray(wave * (1.0 if d == 2 else 2.0 / math.pi) / rho[:, 0] ** d)
 
 
-def origin_terms(q: FloatArray, count: int, dimension: int, first: int) -> FloatArray:
-    """(q^2 + 1)^(-nu - d/2), nu = (first + j)/2, for j < count: q (n,) gives (n, count)."""
-    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + first + np.arange(count))))
+def _falling(k: Any, scale: float) -> Any:
+    return ((k / scale) ** 2 + 1.0) ** -0.5
 
 
 def fit_tail(
-    k: FloatArray, f: FloatArray, scale: float, dimension: int, first: int = 1
+    panels: list[WavePanel], time: int, high: float, scale: float, dimension: int, first: int
 ) -> tuple[PowerTail, float]:
-    """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
+    """The tail of F beyond the last of the panels, which end at K = high, and its error, absolute.
 
-    Two sums are fitted, to the lower part of the range and to all of it. The error is the largest
-    that the first one misses there, or that they differ by beyond, times K over the largest K: so
+    Two sums are fitted, to the panels below high and to those below _LOWER high. The error is the
+    most that they differ by above that (there the first one is F itself), times K over high: so
     much more it changes G(R). As many terms are taken as leave least. scale, first : as above
     """
-    highest = float(k.max())
-    below = k < k.min() + 0.7 * (highest - k.min())  # what the first one is fitted to
-    most = min(_TERMS[-1], int(np.count_nonzero(below)) - 2)
+    k, f = points_beyond(panels, time, _FITTED * _LOWER * high)
+    every = np.append(k, high * _BEYOND)
+    s, share = _falling(every, scale), np.maximum(1.0, every / high)
+    lead = s ** (dimension + first)  # errors relative to the first power count
+    ends = high * np.array([1.0, _LOWER])
+    used = [(k > _FITTED * end) & (k < end) for end in ends]
+    most = min(_TERMS[-1], *(int(np.count_nonzero(one)) - 2 for one in used))
     if most < _TERMS[0]:
-        return PowerTail(np.zeros(0), scale, dimension, first), np.inf
-    weight = k ** (dimension + first)  # errors relative to the first power count
-    everywhere = np.append(k, highest * _BEYOND)
-    terms = origin_terms(everywhere / scale, most + 1, dimension, first)
-    share = np.maximum(1.0, everywhere / highest)
-
-    def fit(used: FloatArray, count: int) -> FloatArray:
-        columns = terms[: k.size, :count] * used[:, None]
-        return np.asarray(np.linalg.lstsq(columns, f * used, rcond=1e-13)[0])
+        return PowerTail(np.zeros(1), high, scale, dimension, first), np.inf
+    bases = [chebvander(2.0 * s / _falling(_FITTED * end, scale) - 1.0, most) for end in ends]
 
     def left(count: int) -> tuple[FloatArray, float]:
-        found = fit(weight, count)
-        known = np.append(f, terms[k.size :, :count] @ found)
-        lower = terms[:, :count] @ fit(weight * below, count)
-        return found, float(np.abs(share * (lower - known)).max())
+        fits = [
+            np.linalg.lstsq(basis[: k.size, :count][one], (f / lead[: k.size])[one])[0]
+            for basis, one in zip(bases, used, strict=True)
+        ]
+        whole, lower = (lead * (basis[:, :count] @ c) for basis, c in zip(bases, fits, strict=True))
+        apart = share * np.abs(lower - np.append(f, whole[k.size :]))
+        return fits[0], float(apart[every > ends[1]].max())
 
-    fits = [left(count) for count in range(_TERMS[0] - 1, most + 2)]
+    found = [left(count) for count in range(_TERMS[0] - 1, most + 2)]
     # the error of one number of terms may vanish by accident: the largest of three neighbours
-    errors = np.array([error for _, error in fits])
+    errors = np.array([error for _, error in found])
     errors = np.maximum(np.maximum(errors[:-2], errors[1:-1]), errors[2:])
     best = int(np.argmin(errors))
-    return PowerTail(fits[best + 1][0], scale, dimension, first), float(errors[best])
+    return PowerTail(found[best + 1][0], high, scale, dimension, first), float(errors[best])
