@@ -26,10 +26,10 @@ from kinetics.position.wave_numbers import (
 )
 from kinetics.states.state import State
 
-# The work of all times at one tolerance, in products of numbers, 5 to 25 seconds. Where it is
-# not enough, tolerances from _LOOSEST on are tried, each a tenth of the one before: to ask for more
-# is to leave no less. From sharp speeds F is solved up to this K, or K T.
-_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _FURTHEST = 2e10, 0.04, 8.0, 60.0
+# The work of all times at one tolerance, in products of numbers, 5 to 25 seconds. Where it is not
+# enough, the steps of one ladder from _LOOSEST on that are below _HOPE times what was left are
+# tried: to ask for more is to leave no less. From sharp speeds F is solved up to this K, or K T.
+_MOST_WORK, _LOOSEST, _HOPE, _LARGEST_OF_PEAKS, _FURTHEST = 2e10, 0.04, 4.0, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 # Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
@@ -40,13 +40,14 @@ _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K 
 # From the end of one interval to that of the next: before its powers of 1/K are found, and after
 # that, at most and at least; the least for sharp speeds, where the best of many ends is taken.
 _STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.6, 1.25
-_POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
-_NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
+# K, in units of where the powers of 1/K begin, from which they are looked for, and where few see
+# the next step of F
+_POWERS, _POWERS_OF_FEW = 2.2, 5.0
 _KNOWN = 0.3  # part of the last F that its end may miss
 # Error of F beyond over that of the fit, where F goes on by steps not seen there: where head-on
 # bounces leave less than _SLOWED of the speed, few; where all lose e^-_LOSSY, many. Starts with a
 # higher power of v than _NO_POWER near 0 have none.
-_BY_FEW_STEPS, _BY_STEPS, _LOSSY, _SLOWED, _NO_POWER = 4.0, 40.0, 0.5, math.exp(-1.0), 8.0
+_BY_FEW_STEPS, _BY_STEPS, _LOSSY, _SLOWED, _NO_POWER = 2.0, 40.0, 0.5, math.exp(-1.0), 8.0
 _TAPERED = 1e-2  # what is missed of G where F is tapered towards its last K
 _FAINT = 12.0  # flights after which so few have not collided, or once, that fronts do not count
 
@@ -64,13 +65,14 @@ def solve_displacement(
     asked = _attempt(system, root_mean_square, rtol)
     if asked.error_estimate <= _ENOUGH * rtol:
         return asked
-    # looser ones, up to the first that is missed: the same for all that ask for more than this one
-    count, tried = math.log10(_LOOSEST / rtol) - 1e-9, []
-    for aim in (*(_LOOSEST * 0.1 ** np.arange(count)), rtol):
-        tried.append(asked if aim == rtol else _attempt(system, root_mean_square, float(aim)))
-        if tried[-1].error_estimate > _ENOUGH * aim:
-            break
-    best = min(tried, key=lambda one: one.error_estimate)
+    # of looser ones, up to the first that is missed, those that may leave less than this one
+    best = asked
+    for aim in _LOOSEST * 10.0 ** np.arange(0.0, math.log10(rtol / _LOOSEST) + 1e-9, -0.5):
+        if aim < _HOPE * asked.error_estimate:
+            tried = _attempt(system, root_mean_square, float(aim))
+            best = min(best, tried, key=lambda one: one.error_estimate)
+            if tried.error_estimate > _ENOUGH * aim:
+                break
     return replace(best, systems=dict(system.systems))
 
 
@@ -231,10 +233,11 @@ class _Sweep:
         # in space the waves of the edges of a table of speeds add up beside fronts
         edges = law.dimension == 3 and self.system.state.kinks.size > 0
         largest = float(np.abs(last).max()) * (_BY_STEPS if edges else 1.0)
-        if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
+        # no power of v near 0 is as slow as that of a log-normal start
+        few = 0.0 < law.least_ratio < _SLOWED or self._order > _NO_POWER
+        if high < (_POWERS_OF_FEW if few else _POWERS) * begin:
             return None, largest
         tail, left = fit_tail(self.panels, time, high, begin, law.dimension, self._first)
-        # no power of v near 0 is as slow as that of a log-normal start
-        few = self._order > _NO_POWER or law.returns(0)[0] or 0.0 < law.least_ratio < _SLOWED
+        few = few or law.returns(0)[0] > 0.0
         left *= _BY_STEPS if edges or law.least_loss > _LOSSY else _BY_FEW_STEPS if few else 1.0
         return (tail, left) if left < _KNOWN * largest else (None, largest)
