@@ -27,9 +27,9 @@ from kinetics.position.wave_numbers import (
 from kinetics.states.state import State
 
 # The work of all times at one tolerance, in products of numbers, 5 to 25 seconds. Where it is not
-# enough, the steps of one ladder from _LOOSEST on that are below _HOPE times what was left are
-# tried: to ask for more is to leave no less. From sharp speeds F is solved up to this K, or K T.
-_MOST_WORK, _LOOSEST, _HOPE, _LARGEST_OF_PEAKS, _FURTHEST = 2e10, 0.04, 4.0, 8.0, 60.0
+# enough, the steps of one ladder from _LOOSEST on that are below what was left are tried: to ask
+# for more is to leave no less. From sharp speeds F is solved up to this K, or K T.
+_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _FURTHEST = 2e10, 0.04, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 # Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
@@ -47,7 +47,7 @@ _KNOWN = 0.3  # part of the last F that its end may miss
 # Error of F beyond over that of the fit, where F goes on by steps not seen there: where head-on
 # bounces leave less than _SLOWED of the speed, few; where all lose e^-_LOSSY, many. Starts with a
 # higher power of v than _NO_POWER near 0 have none.
-_BY_FEW_STEPS, _BY_STEPS, _LOSSY, _SLOWED, _NO_POWER = 2.0, 40.0, 0.5, math.exp(-1.0), 8.0
+_BY_FEW_STEPS, _BY_STEPS, _LOSSY, _SLOWED, _NO_POWER = 2.0, 20.0, 0.5, math.exp(-1.0), 8.0
 _TAPERED = 1e-2  # what is missed of G where F is tapered towards its last K
 _FAINT = 12.0  # flights after which so few have not collided, or once, that fronts do not count
 
@@ -68,7 +68,7 @@ def solve_displacement(
     # of looser ones, up to the first that is missed, those that may leave less than this one
     best = asked
     for aim in _LOOSEST * 10.0 ** np.arange(0.0, math.log10(rtol / _LOOSEST) + 1e-9, -0.5):
-        if aim < _HOPE * asked.error_estimate:
+        if aim < asked.error_estimate:
             tried = _attempt(system, root_mean_square, float(aim))
             best = min(best, tried, key=lambda one: one.error_estimate)
             if tried.error_estimate > _ENOUGH * aim:
@@ -238,6 +238,7 @@ class _Sweep:
         if high < (_POWERS_OF_FEW if few else _POWERS) * begin:
             return None, largest
         tail, left = fit_tail(self.panels, time, high, begin, law.dimension, self._first)
-        few = few or law.returns(0)[0] > 0.0
-        left *= _BY_STEPS if edges or law.least_loss > _LOSSY else _BY_FEW_STEPS if few else 1.0
+        if few or law.returns(0)[0]:
+            left *= _BY_FEW_STEPS if high * law.least_ratio > 1.0 else _BY_FEW_STEPS**2
+        left *= _BY_STEPS if edges or law.least_loss > _LOSSY else 1.0
         return (tail, left) if left < _KNOWN * largest else (None, largest)
