@@ -113,7 +113,7 @@ def points_beyond(panels: list[WavePanel], time: int, low: float) -> tuple[Float
 
 # -- how F ends ----------------------------------------------------------------------------------
 
-_TERMS = range(6, 14)  # of the sum, the number among these that leaves least
+_TERMS = range(5, 15)  # of the sum, the number among these, but the ends, that leaves least
 _BEYOND = np.geomspace(1.2, 30.0, 20)  # of the largest K, where two sums are compared
 _FITTED, _LOWER = 0.3, 0.75  # share of K to which they are fitted, and where the second one ends
 _TURN, _ROTATED, _REAL = 12.0, 16, 30  # K r where the path of the integral turns; points on it
@@ -157,9 +157,8 @@ class PowerTail(Value):
         wave = 1j * hankel1e(0, x) if d == 2 else np.ones(1)
         wave = (np.exp(1j * turn) * wave * x * self.at(x / rho)).real @ weight
         ends = np.log(np.concatenate([self.high * rho, turn], axis=1))
-        points = _REAL + int(3.0 * np.ptp(ends, axis=1).max())
-        x, weight = panels_of(ends, points)
-        x = np.exp(x)
+        log_x, weight = panels_of(ends, _REAL + int(3.0 * np.ptp(ends, axis=1).max()))
+        x = np.exp(log_x)
         wave += (weight * x**d * mean_phase(x, d) * self.at(x / rho)).sum(axis=1)
         return np.asarray(wave * (1.0 if d == 2 else 2.0 / math.pi) / rho[:, 0] ** d)
 
@@ -179,27 +178,22 @@ def fit_tail(
     """
     k, f = points_beyond(panels, time, _FITTED * _LOWER * high)
     every = np.append(k, high * _BEYOND)
-    s, share = _falling(every, scale), np.maximum(1.0, every / high)
+    s = _falling(every, scale)
     lead = s ** (dimension + first)  # errors relative to the first power count
-    ends = high * np.array([1.0, _LOWER])
-    used = [(k > _FITTED * end) & (k < end) for end in ends]
-    most = min(_TERMS[-1], *(int(np.count_nonzero(one)) - 2 for one in used))
-    if most < _TERMS[0]:
-        return PowerTail(np.zeros(1), high, scale, dimension, first), np.inf
-    bases = [chebvander(2.0 * s / _falling(_FITTED * end, scale) - 1.0, most) for end in ends]
 
-    def left(count: int) -> tuple[FloatArray, float]:
-        fits = [
-            np.linalg.lstsq(basis[: k.size, :count][one], (f / lead[: k.size])[one])[0]
-            for basis, one in zip(bases, used, strict=True)
-        ]
-        whole, lower = (lead * (basis[:, :count] @ c) for basis, c in zip(bases, fits, strict=True))
-        apart = share * np.abs(lower - np.append(f, whole[k.size :]))
-        return fits[0], float(apart[every > ends[1]].max())
+    def sums(end: float) -> list[tuple[FloatArray, FloatArray]]:
+        """Coefficients, and the sum everywhere, of each number of terms, fitted below end."""
+        used = np.flatnonzero((k > _FITTED * end) & (k < end))
+        basis = chebvander(2.0 * s / _falling(_FITTED * end, scale) - 1.0, _TERMS[-1])
+        right = f[used] / lead[used]
+        fits = [np.linalg.lstsq(basis[used, :n], right, rcond=None)[0] for n in _TERMS]
+        return [(c, lead * (basis[:, : c.size] @ c)) for c in fits]
 
-    found = [left(count) for count in range(_TERMS[0] - 1, most + 2)]
+    whole, lower = sums(high), sums(_LOWER * high)
+    share = (every > _LOWER * high) * np.maximum(1.0, every / high)
+    apart = [np.append(f, a[k.size :]) - b for (_, a), (_, b) in zip(whole, lower, strict=True)]
+    errors = (share * np.abs(apart)).max(axis=1)
     # the error of one number of terms may vanish by accident: the largest of three neighbours
-    errors = np.array([error for _, error in found])
     errors = np.maximum(np.maximum(errors[:-2], errors[1:-1]), errors[2:])
     best = int(np.argmin(errors))
-    return PowerTail(found[best + 1][0], high, scale, dimension, first), float(errors[best])
+    return PowerTail(whole[best + 1][0], high, scale, dimension, first), float(errors[best])
