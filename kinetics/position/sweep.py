@@ -40,9 +40,7 @@ _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K 
 # From the end of one interval to that of the next: before its powers of 1/K are found, and after
 # that, at most and at least; the least for sharp speeds, where the best of many ends is taken.
 _STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.6, 1.25
-# K, in units of where the powers of 1/K begin, from which they are looked for, and where few see
-# the next step of F
-_POWERS, _POWERS_OF_FEW = 2.2, 5.0
+_POWERS, _POWERS_OF_FEW = 2.2, 5.0  # K over where the powers of 1/K begin, to look for them
 _KNOWN = 0.3  # part of the last F that its end may miss
 # Error of F beyond over that of the fit, where F goes on by steps not seen there: where head-on
 # bounces leave less than _SLOWED of the speed, few; where all lose e^-_LOSSY, many. Starts with a
@@ -209,12 +207,11 @@ class _Sweep:
 
     def _powers(self) -> tuple[int, float]:
         """The first of `PowerTail`, and the power of v, near 0, of the density of the start."""
-        law, profile, order = self.system.law, self.system.state.profile(0), math.inf
+        law, profile = self.system.law, self.system.state.profile(0)
+        f = np.zeros(2) if profile is None else np.asarray(profile(np.array([1e-4, 2e-4])).real)
+        order = math.log2(f[1] / f[0]) if f.min() > 0.0 else math.inf
         if law.throws_back or law.returns(0)[0]:  # tracers cross the origin
             return 1 - law.dimension, order
-        if profile is not None:
-            f = np.asarray(profile(np.array([1e-4, 2e-4])).real)
-            order = math.log2(f[1] / f[0]) if f.min() > 0.0 else math.inf
         slow = 0 if 0.0 in law.disk_restitutions else 1
         return math.floor(min(slow, order + 2.01 - law.dimension)), order
 

@@ -123,11 +123,8 @@ _TURN, _ROTATED, _REAL = 12.0, 16, 30  # K r where the path of the integral turn
 class PowerTail(Value):
     """F beyond K = high: s^(first + d) sum_j c_j T_j(2 s/s_0 - 1), in d dimensions.
 
-    s = ((K/scale)^2 + 1)^(-1/2), and s_0 is that of the least K it was fitted to: the powers of
-    1/K, with coefficients of the size of F.
-
-    scale : K where the powers begin
-    first : the first power less d: 1; less where tracers are slow or thrown straight back
+    s = ((K/scale)^2 + 1)^(-1/2), s_0 at the least K it was fitted to: powers of 1/K that begin at
+    K = scale. first : 1; less where tracers are slow or thrown straight back
     """
 
     coefficients: FloatArray
