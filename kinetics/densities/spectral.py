@@ -38,6 +38,7 @@ _AIMS = ((1.0, 0.0), (0.03, 0.25))
 # The least error that is claimed: for the rounding that two solutions may have in common (2e-13 was
 # seen), and of what is aimed at, below which the low end is cut off.
 _FLOOR, _CUT = 5e-13, 0.1
+_LOST = 0.1  # an error from which on nothing is known of narrow starts near e = 1
 # Of the root mean square speed: above it a density keeps its accuracy relative to its maximum, and
 # below it the density of ln v does.
 _LOWEST_SPEED = 1e-2
@@ -180,7 +181,8 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
             best = found
         if best.error_estimate <= rtol:
             break
-    return best
+    lost = best is not None and best.error_estimate > _LOST and asked.nodes is None
+    return None if lost else best
 
 
 def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profile:
@@ -215,6 +217,8 @@ def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profi
     top = (np.abs(g[few]) * per_speed).max(axis=1)
     top = np.maximum(top, least * _LOWEST_SPEED * np.exp(-floor[:, 0]))
     wrong = (apart * per_speed[:, common]).max(axis=1) / top
+    if m == 0:  # of rounding that is raised alike both may have the same: it is negative somewhere
+        wrong = np.maximum(wrong, -(g[few] * per_speed).min(axis=1) / top)
     of_g = apart.max(axis=1) / np.maximum(np.abs(g[few]).max(axis=1), max(least, 1e-300))
     error = max(float(wrong.max()), _FLOOR, _CUT * aim)
     if asked.nodes is not None:  # few nodes may agree, and say nothing of what is between

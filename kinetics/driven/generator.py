@@ -18,6 +18,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +39,7 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 # errors fall as a power of the number of speeds, and up to 3.8 times what two solutions differ by
 # is left
 SLOWLY = 4.0
+_TRIED = np.linspace(0.1, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
 
 
@@ -278,6 +280,12 @@ class Steady:
             worst *= SLOWLY
         return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
 
+    def densities_apart(self, coarse: Steady) -> dict[str, float]:
+        """The largest difference of the mean density over directions, over its maximum."""
+        d, v = self.system.dimension, _TRIED * math.sqrt(self.average(2.0, 0))
+        f, other = (one.axis.density(one.sums[:1], v, d) for one in (self, coarse))
+        return {"averages": float(np.abs(f - other).max() / np.abs(f).max())}
+
 
 def _slowest(
     elimination: BlockElimination, f: FloatArray, weighed: Callable[[FloatArray], FloatArray],
@@ -294,8 +302,8 @@ def _slowest(
     return f, math.nan
 
 
-def solved(system: System, rtol: float) -> tuple[Steady, float]:
+def solved(system: System, rtol: float, apart: Any = Steady.apart) -> tuple[Steady, float]:
     """The first that differs from a coarser one by less than rtol, or the best; and its error."""
     first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
-    fine, errors = refined(partial(Steady, system), first, Steady.apart, {"averages": rtol})
+    fine, errors = refined(partial(Steady, system), first, apart, {"averages": rtol})
     return fine, errors["averages"]

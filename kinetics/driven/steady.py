@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from kinetics.driven.generator import Resolution, Steady, solved
 from kinetics.driven.heated import Line, density, log_moment
-from kinetics.errors import InputError, PlanStep, SolverStatus, judged
+from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
 from kinetics.field.harmonics import angular, norms
+from kinetics.field.scene import BEST_DENSITY
 from kinetics.field.system import DRIVES, System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results import Result, dataset, variable
@@ -182,16 +183,15 @@ class DrivenState(SteadyState):
         if m == 0 and law is not None and self.system.only_heats:
             unit = self.heating ** (1.0 / 3.0)
             return float(unit**p * np.exp(log_moment(law, np.array([p]))[0].real))
-        return self._fine.average(p, m)
+        return (self._fine if p >= 0.0 else self._dense).average(p, m)
 
     def vdf(self, v: ArrayLike, angle: ArrayLike = 0.0) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle); its integral is 1.
 
         v : speeds; angle : to the field, in radians. Raises InputError for others. If noise alone
-        drives, it is a closed form, to some 1e-12 of itself. Else its error is about 1e-5 of the
-        maximum, less for a smaller rtol, but in space 1e-2 for those nearly at rest, below a tenth
-        of the thermal speed; and in a field without noise or bath it is more in the direction of
-        the field.
+        drives, it is a closed form, to some 1e-12 of itself. Else its error is below rtol, or 1e-4,
+        of the maximum, or a ToleranceWarning says so; but in space it is up to 1e-2 below a tenth
+        of the thermal speed, and without noise or bath more in the direction of the field.
         """
         v_, phi = speeds(v), finite_line("angle", angle)
         law, d = self.system.law, self.dimension
@@ -199,8 +199,17 @@ class DrivenState(SteadyState):
             unit = self.heating ** (1.0 / 3.0)
             f = density(law, v_ / unit, self._lines) / unit**d
             return np.repeat(f[:, None], phi.size, axis=1)
-        one = self._fine
+        one = self._dense
         return angular_sum(one.axis.density(one.sums, v_, d), phi, d)
+
+    @cached_property
+    def _dense(self) -> Steady:
+        """A solution whose density has its accuracy, or the best; then it warns."""
+        most = max(self.rtol, BEST_DENSITY)
+        one, error = solved(self.system, most, Steady.densities_apart)
+        if error > most:
+            warn_missed("vdf", error, most)
+        return one if one.resolution.nodes > self._fine.resolution.nodes else self._fine
 
     @cached_property
     def _lines(self) -> list[Line]:

@@ -19,7 +19,7 @@ from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
 DENSITIES = "densities"
-_BEST_DENSITY = 1e-4
+BEST_DENSITY = 1e-4
 _MADE_OF = {
     "a2": {"v^4"},
     "collisions": {"collisions"},
@@ -60,7 +60,7 @@ class FieldScene:
         self._speed, self._scaled = self._units()
         self.allowed = {"averages": self.rtol}
         if set(self.outputs) & _FUNCTIONS:
-            self.allowed[DENSITIES] = max(self.rtol, _BEST_DENSITY)
+            self.allowed[DENSITIES] = max(self.rtol, BEST_DENSITY)
         made_of = [_MADE_OF.get(name, set()) for name in self.outputs]
         self._asked = frozenset({"v^2"}.union(*made_of))
         self._parts, self.errors = self._solved()
