@@ -227,13 +227,6 @@ def position_integral(r: ArrayLike, eta: ArrayLike = 0.5) -> FloatArray:
         return np.where(inside, 2 / np.sqrt(numbers(eta)) * bessel, 0.0)
 
 
-def _saddle_squared(z: FloatArray) -> FloatArray:
-    """w = V*^2 = (sqrt(1 + 8 z^2) - 1)/4, z = R/sqrt(eta), without cancellation or overflow."""
-    wide = math.sqrt(8) * z
-    with np.errstate(under="ignore"):
-        return wide / 4 * (wide / (1 + np.hypot(1, wide)))
-
-
 def position_tail(
     r: ArrayLike, eta: ArrayLike = TAIL_ETA, gamma: ArrayLike = TAIL_GAMMA
 ) -> FloatArray:
@@ -244,9 +237,10 @@ def position_tail(
     z = _scaled(r, eta)
     factor = 2 * numbers(gamma) / np.sqrt(numbers(eta))
     # On the saddle R^2 = eta (w + 2 w^2), so that R^2 p = ln(w)/2 + 2 w + 1/2 and
-    # R^2 p'' = 8 + 2/w: the square root of w goes with that of p''.
-    w = _saddle_squared(z)
+    # R^2 p'' = 8 + 2/w: the square root of w goes with that of p''. w = (sqrt(1 + 8 z^2) - 1)/4
+    wide = math.sqrt(8) * z
     with np.errstate(under="ignore"):
+        w = wide / 4 * (wide / (1 + np.hypot(1, wide)))
         return factor * z * np.sqrt(math.pi / (4 + 16 * w)) * np.exp(-2 * w - 0.5)
 
 

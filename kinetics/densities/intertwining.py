@@ -223,7 +223,12 @@ def intertwine(
     def inverse(modes: ComplexArray) -> NDArray[Any]:
         return np.asarray(np.fft.ifft(modes) if angle else np.fft.irfft(modes, grid.nodes))
 
-    low, high = _taper(grid) if angle else (np.ones(1), np.ones(grid.nodes))
+    low = np.ones(grid.nodes)
+    if angle:  # factors that fall to zero at the lower and, turned round, at the upper end
+        from scipy.special import erfc
+
+        low = 0.5 * erfc(_STEEPEST * (1.0 - 2.0 / TAPER * (grid.x - grid.x[0])))
+    high = low[::-1]
     w = inverse(whole) * (low * high)
     if not pole:
         return Intertwined(grid, angle, w[None], np.zeros(rows.shape[0]), back)
@@ -241,11 +246,3 @@ def intertwine(
     else:
         u -= u[:, -1:]
     return Intertwined(grid, angle, np.stack([w, u]), floor, back)
-
-
-def _taper(grid: LogGrid) -> tuple[FloatArray, FloatArray]:
-    """Factors that fall to zero at the lower and at the upper end of the window, (nodes,) each."""
-    from scipy.special import erfc
-
-    low = 0.5 * erfc(_STEEPEST * (1.0 - 2.0 / TAPER * (grid.x - grid.x[0])))
-    return low, low[::-1]

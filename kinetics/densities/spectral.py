@@ -181,8 +181,8 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
             best = found
         if best.error_estimate <= rtol:
             break
-    lost = best is not None and best.error_estimate > _LOST and asked.nodes is None
-    return None if lost else best
+    other = asked.nodes is None and law.medium is None  # there is another method
+    return None if other and best is not None and best.error_estimate > _LOST else best
 
 
 def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profile:
@@ -217,7 +217,7 @@ def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profi
     top = (np.abs(g[few]) * per_speed).max(axis=1)
     top = np.maximum(top, least * _LOWEST_SPEED * np.exp(-floor[:, 0]))
     wrong = (apart * per_speed[:, common]).max(axis=1) / top
-    if m == 0:  # of rounding that is raised alike both may have the same: it is negative somewhere
+    if m == 0 and law.medium is None:  # raised rounding that both have is negative somewhere
         wrong = np.maximum(wrong, -(g[few] * per_speed).min(axis=1) / top)
     of_g = apart.max(axis=1) / np.maximum(np.abs(g[few]).max(axis=1), max(least, 1e-300))
     error = max(float(wrong.max()), _FLOOR, _CUT * aim)

@@ -39,7 +39,7 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 # errors fall as a power of the number of speeds, and up to 3.8 times what two solutions differ by
 # is left
 SLOWLY = 4.0
-_TRIED = np.linspace(0.1, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
+TRIED = np.linspace(0.1, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
 
 
@@ -282,7 +282,7 @@ class Steady:
 
     def densities_apart(self, coarse: Steady) -> dict[str, float]:
         """The largest difference of the mean density over directions, over its maximum."""
-        d, v = self.system.dimension, _TRIED * math.sqrt(self.average(2.0, 0))
+        d, v = self.system.dimension, TRIED * math.sqrt(self.average(2.0, 0))
         f, other = (one.axis.density(one.sums[:1], v, d) for one in (self, coarse))
         return {"averages": float(np.abs(f - other).max() / np.abs(f).max())}
 

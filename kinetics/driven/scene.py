@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from kinetics.driven.axis import FADING, SpeedAxis
-from kinetics.driven.generator import SLOWLY, Generator, Resolution
+from kinetics.driven.generator import SLOWLY, TRIED, Generator, Resolution
 from kinetics.driven.steady import angular_sum
 from kinetics.errors import InputError
 from kinetics.field import radau
@@ -25,7 +25,6 @@ from kinetics.states.state import State
 
 _RANGE = 6.0  # of the highest speeds at times that are solved together
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
-_TRIED = np.linspace(0.05, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
 
 
 def _scale(system: System, time: float, top: float) -> float:
@@ -156,7 +155,7 @@ class DrivenScene(FieldScene):
         """Of the speed, over their maximum."""
         worst = 0.0
         for i, square in enumerate(one.values[:, ALL.index("v^2")]):
-            v = math.sqrt(max(square, 0.0)) * _TRIED
+            v = math.sqrt(max(square, 0.0)) * TRIED
             f, other = (self._speed_density(e, i, v) for e in (one, two))
             apart = float(np.abs(f - other).max() / max(np.abs(f).max(), 1e-300))
             worst = max(worst, apart if math.isfinite(apart) else math.inf)

@@ -255,16 +255,13 @@ class SteadyDensity:
         f, first = self._sums[m], self.panels.parts[0]
         rest = slice(first.stop, None)
         above = (v[rest] ** (p + d - 1.0) * f[rest]) @ self.panels.weights[rest]
-        return float(above + self._first_panel(f[first], p + d - 1.0))
-
-    def _first_panel(self, f: FloatArray, power: float) -> float:
-        """Integral of v^power f over the first panel, with f or f/v a polynomial there."""
-        top = self.panels.edges[1]
+        # on the first panel f, or f/v, is a polynomial
+        f, power, half = f[first], p + d - 1.0, 0.5 * self.panels.edges[1]
         if power <= -1.0:
-            f, power = f / self.panels.speeds[: f.size], power + 1.0
+            f, power = f / v[first], power + 1.0
         x, w = roots_jacobi(f.size, 0.0, power)
-        rows = self.panels.rows(0, 0.5 * top * (x + 1.0))
-        return float((0.5 * top) ** (power + 1.0) * (w @ (rows @ f)))
+        below = half ** (power + 1.0) * (w @ (self.panels.rows(0, half * (x + 1.0)) @ f))
+        return float(above + below)
 
     @cached_property
     def _flights(self) -> LastFlights:

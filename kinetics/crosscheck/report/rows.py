@@ -195,7 +195,10 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     who = ("paper's integral", runs.KINETIC, PAPER_KURTOSIS, float(found.kinetic.kurtosis[-1]))
     yield _row("kurtosis", "approximation", *who, **end)
     for source, form, low, high in POSITION_FORMS:
-        r, density = sure_density(case, np.linspace(low, high, 61))
+        r, position = np.linspace(low, high, 61), case.solved.position
+        density = position.scaled_position_density(r)[-1]
+        sure = density > 20.0 * position.rtol  # its logarithm is known to 5 %
+        r, density = r[sure], density[sure]
         if r.size:  # at its worst
             values = form(r)
             k = int(np.argmax(np.abs(np.log(values / density))))
@@ -203,14 +206,6 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
                 "position", "approximation", source, runs.KINETIC, values[k], density[k], **end,
                 distance=float(r[k]),
             )  # fmt: skip
-
-
-def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
-    """Those of the R (n,) at which the last G(R) is well above its error, and G(R) there."""
-    position = case.solved.position
-    density = position.scaled_position_density(r)[-1]
-    known = density > 20.0 * position.rtol  # its logarithm is known to 5 %
-    return r[known], density[known]
 
 
 def records(table: Any) -> list[dict[str, Any]]:

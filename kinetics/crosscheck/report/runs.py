@@ -353,7 +353,11 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
     theory: dict[str, dict[str, Any]] = {SOLVER: said, EXACT: {}}
     if state is not None:
         elapsed = float(times[-1] - times[first])
-        s: dict[Any, Any] = _moments(_vectors(run, "velocities")[first:])
+        v = _vectors(run, "velocities")[first:]
+        size, along = np.linalg.norm(v, axis=-1), v[..., 0]
+        s: dict[Any, Any] = {(p, 0): size**p for p in (1, 2, 3, 4, 5)}
+        s |= {(p, 1): size ** (p - 1) * along for p in (1, 2, 3)}
+        s = {key: x.mean(axis=(0, 2)) for key, x in s.items()}  # <v^p cos^k> of each group
         exact: dict[Any, Any] = {(p, k): state.moment(float(p), k) for p, k in s}
         s |= _growth(run, first)
         spread = (state.diffusion_parallel, state.diffusion_perpendicular)
@@ -387,14 +391,6 @@ def _vectors(run: Ensemble, name: str) -> Array:
     """Its velocities or positions, (n_times, n_groups, n_in_group, d)."""
     found: Array = getattr(run, name)
     return found.reshape(len(found), run.media, run.tracers, -1)
-
-
-def _moments(v: Array) -> dict[Any, Array]:
-    """<v^p cos^k> of each group over all times, by (p, k)."""
-    speed, along = np.linalg.norm(v, axis=-1), v[..., 0]
-    every = {(p, 0): speed**p for p in (1, 2, 3, 4, 5)}
-    every |= {(p, 1): speed ** (p - 1) * along for p in (1, 2, 3)}
-    return {key: x.mean(axis=(0, 2)) for key, x in every.items()}
 
 
 def _growth(run: Ensemble, first: int) -> dict[Any, Array]:

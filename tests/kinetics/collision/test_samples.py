@@ -1,5 +1,6 @@
 """A law of one's own, and mixtures of laws: averages are known; no law is refused."""
 
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -91,4 +92,5 @@ def test_a_mixture_is_its_joined_points() -> None:
     exact = ScalingSolution(mixed)
     assert solve_scaled(mixed).vdf([0.3, 1.0]) == pytest.approx(exact.vdf([0.3, 1.0]), rel=1e-9)
     assert mixed.tail_exponent == pytest.approx(0.4 / 0.75 + 0.6 / 0.19)
+    assert math.isnan(CollisionLaw(1.0, 0.5).tail_exponent)
     assert ScalingSolution(joined).cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-13)

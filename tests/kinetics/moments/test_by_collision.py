@@ -21,17 +21,12 @@ def after(law: Any, numbers: Any = NUMBERS, **options: Any) -> ByCollision:
     return solve(scene).by_collision
 
 
-def turning(cosine: float, dimension: int = 2) -> CollisionLaw:
-    """Elastic bounces, all by one angle."""
-    return CollisionLaw.from_samples([1.0], [1.0], [cosine], dimension)
-
-
 @pytest.mark.parametrize("cosine", [-1.0, -0.75, 0.0, 0.5, 1.0 - 2.0**-12, 1.0 - 2.0**-40, 1.0])
 def test_the_displacement_is_a_sum_over_pairs_of_flights(cosine: float) -> None:
     """Exactly: <r^2> = 2 l^2 sum of (N - k) c^k."""
     numbers, c = [0, 1, 2, 7, 40, 300], Fraction(cosine)
     exact = [float(2 * sum((n - k) * c**k for k in range(n))) for n in numbers]
-    found = after(turning(cosine), numbers).msd
+    found = after(CollisionLaw.from_samples([1.0], [1.0], [cosine]), numbers).msd
     np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-14)
 
 

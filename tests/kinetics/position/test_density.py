@@ -78,23 +78,16 @@ class Isotropic(CollisionLaw):
         return ImpactQuadrature(w, np.zeros_like(x), math.pi * x)
 
 
-def ring_density(r: FloatArray, t: float) -> FloatArray:
-    """Of a walk of speed and rate 1, without the uncollided: Stadje, J. Stat. Phys. 46, 207 (1987).
-
-    r exp(sqrt(t^2 - r^2) - t)/sqrt(t^2 - r^2), of weight 1 - exp(-t).
-    """
-    root = np.sqrt(t * t - r * r)
-    return np.asarray(r / root * np.exp(root - t))
-
-
 @pytest.mark.parametrize(("t", "tolerance"), [(12.0, 2e-4), (24.0, 1e-7)])
 def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
+    """The collided, of speed and rate 1: Stadje, J. Stat. Phys. 46, 207 (1987)."""
     law, times, state = Isotropic(1.0), np.array([t]), Monoenergetic()
     root = np.sqrt(msd(Averages(law, 1.0, state, times, 1e-12)))
     assert abs(root[0] ** 2 / (2.0 * (t - 1.0 + math.exp(-t))) - 1.0) < 1e-12
     found = solve_displacement(law, 1.0, state, times, root, 1e-6)
     r = t * np.linspace(0.0, 0.9, 91)
-    assert root[0] * np.abs(found.density(0, r) - ring_density(r, t)).max() < tolerance
+    left = np.sqrt(t * t - r * r)
+    assert root[0] * np.abs(found.density(0, r) - r / left * np.exp(left - t)).max() < tolerance
     assert (found.error_estimate < 1e-6) == (t > 12.0)  # before, fronts are felt, and it is said
     assert np.allclose(found.uncollided.fronts, [[[t]], [[math.exp(-t)]]])
     share = found.within(0, np.array([0.5 * t, t]))
