@@ -304,7 +304,7 @@ def solve_steady(
             "reach no steady state: see solve_scaled"
         )
     if not system.takes_energy:
-        allowed = "collisions keep the energy, and drag is 0: no steady state is reached"
+        allowed = "collisions take no energy, and drag is 0: no steady state is reached"
         refuse("restitution", restitution, allowed)
     fine, error = solved(system, rtol)
     sticks = bool(system.capture_speed)
