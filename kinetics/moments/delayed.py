@@ -134,8 +134,7 @@ class Loops:
     of_speed : those of powers of the speed, whose kinds differ in the speed ratio, e in f
     rtol : relative accuracy of all this, at least; by default well below that of a panel
 
-    shares : factors of kinds of loops, (m, n_kinds); of one harmonic all loops are of one kind
-    weights : of modes, (n_kinds, n_modes)
+    shares, weights : of the kinds of loops, (m, n_kinds), and of modes in them, (n_kinds, n_modes)
     come, kept, gained : of each panel, (n_panels, n_kinds, nodes, nodes + n_modes), (n_panels,
         n_modes), (n_panels, n_ratios, n_modes, nodes)
     below, inside : of each speed ratio, (n_ratios, nodes, reach * nodes) and (.., nodes, nodes)
@@ -147,14 +146,11 @@ class Loops:
     ) -> None:  # fmt: skip
         self.rule, self.start, self.count, self.degree = rule, start, count, degree
         rate, weights, ratios = loops(medium, of_speed)
-        # near and far loops together are eps
-        near = float((weights[0] / rate).sum())
-        shares = [((-1.0) ** m, medium.returns(m)[0] - (-1.0) ** m * near) for m in harmonics]
-        self.shares, self.weights, of_ratio = np.array(shares), weights, weights != 0.0
-        if not of_speed:
-            ratios, of_ratio = ratios[:1], np.ones((1, rate.size))
-            if len(shares) == 1:
-                self.weights, self.shares = self.shares @ weights, np.ones((1, 1))
+        self.weights, self.shares, of_ratio = weights, np.ones((1, 2)), weights != 0.0
+        if not of_speed:  # near and far loops together are eps
+            near = float((weights[0] / rate).sum())
+            shares = [((-1.0) ** m, medium.returns(m)[0] - (-1.0) ** m * near) for m in harmonics]
+            self.shares, ratios, of_ratio = np.array(shares), ratios[:1], np.ones((1, rate.size))
         pace, self._ratio = _pace(ratios) @ of_ratio, ratios @ of_ratio
         self._rate, self._pace = rate / pace, pace
         n, width = rule.nodes, rule.width
@@ -210,11 +206,11 @@ class Returns:
         used, n, size = drive.shape
         loops, shares = self._loops, self._loops.shares[:used]
         below = self._lost[j * n : (j + loops.reach) * n, :used]
-        self._come = np.tensordot(loops.below[0], below, axes=1)
-        known = np.concatenate([self._come, self._modes[:, :used]]).reshape(-1, used * size)
-        brought = (loops.come[j] @ known).reshape(-1, n, used, size)
-        brought = np.einsum("mk,kimq->miq", shares, brought)
-        here = np.tensordot(shares, loops.come[j, :, :, :n] @ loops.inside[0], axes=1)
+        self._come = np.tensordot(loops.below, below, axes=1)
+        brought = loops.come[j, :, :, :n] @ self._come.reshape(-1, n, used * size)
+        brought += loops.come[j, :, :, n:] @ self._modes[:, :used].reshape(-1, used * size)
+        brought = np.einsum("mk,kimq->miq", shares, brought.reshape(-1, n, used, size))
+        here = np.tensordot(shares, loops.come[j, :, :, :n] @ loops.inside, axes=1)
         self._inverse = np.linalg.inv(np.eye(n) + here @ loss)
         self._added = self._inverse @ (here @ drive + brought)
         self._loss, self._drive = loss, drive
@@ -227,9 +223,9 @@ class Returns:
         lost = np.moveaxis(self._drive - self._loss @ total, 0, 1)
         loops, begin = self._loops, (self._loops.reach + j) * n
         self._lost[begin : begin + n, :used] = lost
-        come = self._come + np.tensordot(loops.inside[0], lost, axes=1)
+        come = self._come + np.tensordot(loops.inside, lost, axes=1)
         self._modes *= loops.kept[j][:, None, None]
-        self._modes[:, :used] += np.tensordot(loops.gained[j, 0], come, axes=1)
+        self._modes[:, :used] += np.tensordot(loops.gained[j], come, axes=([0, 2], [0, 1]))
         self._modes[:, used:] = 0.0
         return np.asarray(total)
 
@@ -270,7 +266,7 @@ class DelayedReturns(BackwardEquation):
         if y not in self._kept:
             drive, rates = self._series_of_sources(y)
             loops = self._loops(y)
-            weights = loops.weights.sum(axis=0)
+            weights = loops.shares[0] @ loops.weights
             modes, value = [np.zeros(weights.size)], [float(y.is_power)]
             total, lost = [], []
             known = zip(drive[:_TERMS].tolist(), rates[:_TERMS].tolist(), strict=True)
@@ -287,66 +283,25 @@ class DelayedReturns(BackwardEquation):
         """Coefficients a_k of y = T^p sum_k a_k T^k."""
         return self._early(y)[0] if self._takes_time(y) else super().series(y)
 
-    def _step(self, y: Observable) -> FloatArray:
-        """What each panel makes of all that it is linear in, (n_panels, n_to, n_from).
-
-        From Y where it begins, the gain from U below, f of each speed ratio from W below, the
-        modes, and the sources; to U, W, the modes where it ends, and Y.
-        """
-        key = y.harmonic, y.degree, self.count, self.rtol
-        if key not in self._kept:
-            (loss, _), loops, n = self._kernel(y), self._loops(y), self.nodes
-            one, (ratios, modes) = np.eye(n), loops.gained.shape[1:3]
-            gains, z = slice(1, n + 1), slice((1 + ratios) * n + 1, -n)
-            after_f = [slice(i * n + 1, i * n + 1 + n) for i in range(1, ratios + 1)]
-            added = np.zeros((self.count, n, 1 + (2 + ratios) * n + modes))
-            for i, f in enumerate(after_f):
-                added[:, :, f] = loops.come[:, i, :, :n]
-                added[:, :, gains] += added[:, :, f] @ loops.inside[i]
-            added[:, :, z] = loops.come[..., n:].sum(axis=1)
-            inverse = np.linalg.inv(one + added[:, :, gains] @ loss)
-            added = inverse @ added
-            matrix, rate = self._rows(y.degree)
-            matrix += rate[:, :, None] * (loss @ inverse)
-            matrix[:, 0] = one[0]
-            right = -loss @ added
-            right[:, :, gains] += one
-            right[:, :, -n:] += one
-            right *= rate[:, :, None]
-            right[:, 0] = np.eye(1, right.shape[2])
-            value = np.linalg.inv(matrix) @ right
-            total = inverse @ value + added
-            lost = -loss @ total
-            lost[:, :, gains] += one
-            after = (loops.gained @ (loops.inside @ lost[:, None])).sum(axis=1)
-            after[:, :, z] += loops.kept[:, :, None] * np.eye(modes)
-            for i, f in enumerate(after_f):
-                after[:, :, f] += loops.gained[:, i]
-            self._kept[key] = np.concatenate([total, lost, after, value], axis=1)
-        return self._kept[key]
-
     def _solve(self, y: Observable) -> FloatArray:
         if not self._takes_time(y):
             return super()._solve(y)
-        gain, loops = self._kernel(y)[1], self._loops(y)
-        n, step = self.nodes, self._step(y)
-        reach = max(gain.shape[1] // n, loops.reach)
+        (loss, gain), (matrix, rate), n = self._kernel(y), self._rows(y.degree), self.nodes
         value, total, lost, modes = self._early(y)
-        x, begin = self._nodes_from(-reach)[:reach], np.array(self.start)
-        table = np.empty((2, reach + self.count, n))  # U and W
-        table[0, :reach] = power_series(y.degree, x, total)
-        table[1, :reach] = power_series(y.degree, x, lost)
-        state, first = np.zeros(step.shape[2] - n), 1 + n + loops.below.shape[0] * n
-        state[0] = power_series(y.degree, begin, value)
-        state[first:] = power_series(y.degree, begin, modes)
-        driven = (step[:, :, -n:] @ self._driven(y)[:, :, None])[:, :, 0]
-        step, found = step[:, :, :-n], np.empty((self.count, n))
-        above, last = reach - gain.shape[1] // n, reach - loops.reach
+        returns = Returns(self._loops(y), lost[:, None, None], modes[..., None, None])
+        reach = gain.shape[1] // n
+        table = np.empty((reach + self.count, n))  # of U
+        table[:reach] = power_series(y.degree, self._nodes_from(-reach)[:reach], total)
+        first = power_series(y.degree, np.array(self.start), value)
+        source, found = self._driven(y), np.empty((self.count, n))
         for j in range(self.count):
-            state[1 : n + 1] = gain @ table[0, above + j : reach + j].ravel()
-            state[n + 1 : first] = (loops.below @ table[1, last + j : reach + j].ravel()).ravel()
-            after = step[j] @ state + driven[j]
-            table[:, reach + j] = after[: 2 * n].reshape(2, n)
-            state[first:] = after[2 * n : -n]
-            found[j], state[0] = after[-n:], after[-1]
+            below = (gain @ table[j : j + reach].ravel())[None, :, None]
+            (inside,), (come,) = returns.begin(j, loss[None], below)
+            matrix[j] += rate[j, :, None] * inside
+            matrix[j, 0] = np.eye(n)[0]
+            right = rate[j] * (come[:, 0] + source[j])
+            right[0] = first
+            found[j] = np.linalg.solve(matrix[j], right)
+            table[reach + j] = returns.end(j, found[None, j, :, None])[0, :, 0]
+            first = found[j, -1]
         return found
