@@ -36,9 +36,8 @@ _BELOW_AIM = 6.0  # e-folds below what is aimed at, where the window ends
 # oscillates at low speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt.
 _AIMS = ((1.0, 0.0), (0.03, 0.25))
 # The least error that is claimed: for the rounding that two solutions may have in common (2e-13 was
-# seen), and of what is aimed at, below which the low end is cut off.
-_FLOOR, _CUT = 5e-13, 0.1
-_LOST = 0.1  # an error from which on nothing is known of narrow starts near e = 1
+# seen), and of what is aimed at, below which the low end is cut off. One with which all is lost.
+_FLOOR, _CUT, _LOST = 5e-13, 0.1, 0.1
 # Of the root mean square speed: above it a density keeps its accuracy relative to its maximum, and
 # below it the density of ln v does.
 _LOWEST_SPEED = 1e-2
@@ -309,7 +308,10 @@ def _window(
     x = start.x[order] - 0.5 * start.log_second_moment()
     below = np.cumsum(np.abs(start.weight[order]))
     share = math.exp(-depth) * below[-1]
-    low = float(x[max(int(np.searchsorted(below, share)) - 1, 0)])
+    # of bounces that lose L at rates e^x a share exp(-(y^2 - x^2)/2 L) comes from x down to y
+    loss = min(law.largest_loss, -math.log(_SMALL_RATIO))
+    depths = np.minimum(x, 0.0) ** 2 + 2.0 * loss * np.log(np.maximum(below / share, 1.0))
+    low = -math.sqrt(float(depths[below >= share].max()))
     last = int(np.searchsorted(below - below[-1], -share))
     high = float(x[min(last + 1, x.size - 1)])
     scaled, band = extent_of(law, depth)

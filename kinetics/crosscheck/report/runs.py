@@ -353,11 +353,10 @@ def _driven(parameter: float, system: Driven, tell: Tell) -> Case:
     theory: dict[str, dict[str, Any]] = {SOLVER: said, EXACT: {}}
     if state is not None:
         elapsed = float(times[-1] - times[first])
-        v = _vectors(run, "velocities")[first:]
-        size, along = np.linalg.norm(v, axis=-1), v[..., 0]
-        s: dict[Any, Any] = {(p, 0): size**p for p in (1, 2, 3, 4, 5)}
-        s |= {(p, 1): size ** (p - 1) * along for p in (1, 2, 3)}
-        s = {key: x.mean(axis=(0, 2)) for key, x in s.items()}  # <v^p cos^k> of each group
+        v: Any = _vectors(run, "velocities")[first:]
+        size: Any = np.linalg.norm(v, axis=-1)
+        by = [(1, 0), (2, 0), (3, 0), (4, 0), (5, 0), (1, 1), (2, 1), (3, 1)]  # <v^p cos^k>
+        s: dict[Any, Any] = {(q, k): (size ** (q - k) * v[..., 0] ** k).mean((0, 2)) for q, k in by}
         exact: dict[Any, Any] = {(p, k): state.moment(float(p), k) for p, k in s}
         s |= _growth(run, first)
         spread = (state.diffusion_parallel, state.diffusion_perpendicular)

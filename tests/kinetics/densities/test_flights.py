@@ -8,7 +8,7 @@ import pytest
 from kinetics import Scene, solve
 from particles import BoltzmannGrad, simulate
 
-EDGES = np.append(0.0, np.geomspace(0.1, 50.0, 40))
+EDGES = np.geomspace(0.1, 50.0, 40)
 
 
 def flights(e: float, times: Any, **scene: Any) -> Any:
