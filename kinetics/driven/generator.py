@@ -275,16 +275,15 @@ class Steady:
             apart = np.append(apart[:5], abs(coarse.decay / self.decay - 1.0))
             if self.system.field:
                 apart = np.append(apart, abs(coarse.depth / self.depth - 1.0))
-        worst = float(np.max(apart))
-        if self.system.heating:
-            worst *= SLOWLY
+        worst = float(np.max(apart)) * (SLOWLY if self.system.heating else 1.0)
         return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
 
     def densities_apart(self, coarse: Steady) -> dict[str, float]:
         """The largest difference of the mean density over directions, over its maximum."""
         d, v = self.system.dimension, TRIED * math.sqrt(self.average(2.0, 0))
         f, other = (one.axis.density(one.sums[:1], v, d) for one in (self, coarse))
-        return {"averages": float(np.abs(f - other).max() / np.abs(f).max())}
+        least = np.abs(f).max() / (SLOWLY if self.system.heating else 1.0)
+        return {"averages": float(np.abs(f - other).max() / least)}
 
 
 def _slowest(
