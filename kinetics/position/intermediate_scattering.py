@@ -21,7 +21,9 @@ from kinetics.position.wave_numbers import Indices
 from kinetics.states.state import LogMeasure, State
 
 HALVINGS = 6  # of panels that do not resolve what is on them, at most
-_LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
+# K, or K T, that can be asked for: some hundred harmonics on a hundred panels; and K at all, whose
+# 40th power is a double
+_LARGEST, _LARGEST_AT_ALL = 200.0, 1e6
 _LARGEST_DELAYED = 20.0  # the same where returns take time: each panel looks back at all others
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
 _ONCE_MORE = 0.03  # where the tolerance was missed, F is solved once more for this share of it
@@ -131,7 +133,7 @@ def scattering_function(
         scaled = wave_numbers * path
     typical = math.exp(0.5 * averages.speeds.log_second_moment()) / path
     most = _LARGEST_DELAYED if averages.law.returns(0)[0] else _LARGEST
-    limit = most * max(1.0, 1.0 / max(float(times[-1]) * typical, 1e-300))
+    limit = most * max(1.0, 1.0 / max(float(times[-1]) * typical, most / _LARGEST_AT_ALL))
     if float(scaled.max()) > limit:
         raise InputError(
             f"wave_numbers: got up to {wave_numbers.max():.4g}; for these times they may reach "

@@ -176,6 +176,8 @@ RESULTS: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("scaled_radii", lambda x: placed().position_tail(x), [[-0.5]]),
     ("edges", lambda r: placed().position_fraction(r), [[1.0], [2.0, 1.0]]),
     ("wave_numbers", lambda k: placed().intermediate_scattering(k), [[], [-1.0], [1e9], [1e308]]),
+    ("wave_numbers", lambda k: solved(
+        times=[1e-9], outputs="intermediate_scattering").intermediate_scattering(k), [[1e8]]),
     ("direction", lambda way: placed().intermediate_scattering([1.0], way), [INF]),
     ("p", lambda f, p: solved(initial=SpeedTable([0.0, 1.0], f)).moment(p),
      [([2.0, 0.0], -1.0), ([0.0, 2.0], -2.0)]),
