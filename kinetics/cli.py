@@ -103,6 +103,11 @@ def main(arguments: list[str] | None = None) -> int:
         status = _run(sys.argv[1:] if arguments is None else arguments)
     if own_process and status in ENDED.values():
         os._exit(status)
+    for stream in filter(None, (sys.stdout, sys.stderr)) if own_process else ():
+        try:
+            stream.flush()
+        except OSError:  # what it does not take would fail again as Python ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
     return status
 
 

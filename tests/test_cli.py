@@ -385,7 +385,8 @@ def test_a_stream_that_takes_nothing_makes_no_traceback(
     redirect: str, status: int, lines: int
 ) -> None:
     command = f"set -o pipefail; {sys.executable} -m kinetics.cli {' '.join(TINY)} {redirect}"
-    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    buffered = {**os.environ, "PYTHONUNBUFFERED": ""}  # or what is left is written at once
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, env=buffered)
     assert done.returncode == status, done.stderr
     assert done.stderr.count("\n") == lines
     assert done.stderr.startswith("lorentz: " * lines)
