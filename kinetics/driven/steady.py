@@ -183,7 +183,7 @@ class DrivenState(SteadyState):
         if m == 0 and law is not None and self.system.only_heats:
             unit = self.heating ** (1.0 / 3.0)
             return float(unit**p * np.exp(log_moment(law, np.array([p]))[0].real))
-        return (self._fine if p >= 0.0 else self._dense).average(p, m)
+        return (self._fine if p >= 0.0 else self._with_density("moment")).average(p, m)
 
     def vdf(self, v: ArrayLike, angle: ArrayLike = 0.0) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle); its integral is 1.
@@ -199,17 +199,21 @@ class DrivenState(SteadyState):
             unit = self.heating ** (1.0 / 3.0)
             f = density(law, v_ / unit, self._lines) / unit**d
             return np.repeat(f[:, None], phi.size, axis=1)
-        one = self._dense
+        one = self._with_density("vdf")
         return angular_sum(one.axis.density(one.sums, v_, d), phi, d)
 
+    def _with_density(self, what: str) -> Steady:
+        """A solution whose density has its accuracy, or the best; then it warns, every time."""
+        one, error = self._dense
+        if error > (most := max(self.rtol, BEST_DENSITY)):
+            warn_missed(what, error, most)
+        return one
+
     @cached_property
-    def _dense(self) -> Steady:
-        """A solution whose density has its accuracy, or the best; then it warns."""
+    def _dense(self) -> tuple[Steady, float]:
         most = max(self.rtol, BEST_DENSITY)
         one, error = solved(self.system, most, Steady.densities_apart)
-        if error > most:
-            warn_missed("vdf", error, most)
-        return one if one.resolution.nodes > self._fine.resolution.nodes else self._fine
+        return max(self._fine, one, key=lambda each: each.resolution.nodes), error
 
     @cached_property
     def _lines(self) -> list[Line]:

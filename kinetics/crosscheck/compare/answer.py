@@ -155,7 +155,7 @@ def _noted(told: Fit) -> Iterator[Explanation]:
     sample, samples = told.expectation.sample, told.expectation.sample.samples
     most, least, rest = int(samples.max()), int(np.argmin(samples)), int(sample.at_rest.max())
     if rest:
-        said = f"{rest} tracers come to rest: caught between scatterers, or stopped by a program"
+        said = f"tracers come to rest ({rest}): caught between scatterers, or stopped by a program"
         # few change densities alone: where averages differ, it is for another reason
         agree = told.chi_square is None or told.chi_square.verdict is Verdict.AGREES
         outcome = "found" if agree else "noted"

@@ -20,6 +20,7 @@ from kinetics import (
     Monoenergetic,
     ScalingSolution,
     Scene,
+    ToleranceWarning,
     Viscoelastic,
     load,
     solve,
@@ -379,6 +380,13 @@ def test_all_stick_without_a_field_in_the_end():
     assert solution.captured[-1] > 0.99
     with pytest.raises(InputError, match="capture_speed"):
         _ = solve(one_l(0.5, times=[1.0])).captured
+
+
+def test_a_density_that_misses_its_accuracy_warns_every_time():
+    state = solve_steady(0.54, bath_speed=0.9, drag=2.1, mass_ratio=1.34, rtol=1e-6)
+    for _ in range(2):
+        with pytest.warns(ToleranceWarning, match="vdf"):
+            state.vdf([0.3])
 
 
 @pytest.mark.parametrize("law", [0.5, Viscoelastic(0.3), ([0.5, 1.0], [0.9, 0.7])])
