@@ -111,17 +111,18 @@ def never_move(sample: Sample) -> Explanation | None:
     return Explanation("scatterers", "found", said + more, value=rest / most, headline=said)
 
 
-def wrong_unit(fits: Sequence[Fit], nearly: float = 6.0) -> Explanation | None:
+def wrong_unit(fits: Sequence[Fit]) -> Explanation | None:
     """What is said where units do not belong together; None where they do, or cannot be known.
 
     Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit, or a wrong clock. Which
-    it is, say the averages that are left with the value that this gives, and what is `nearly` as
-    likely (`causes.NEAR_BEST`) is said too.
+    it is, say the averages that are left with the value that this gives: all near the best.
     """
     sample, own_start = fits[0].expectation.sample, fits[0].point.own_start
     (at, ratio), unit = sample.flights, sample.units.get("time", 1.0)
     if sample.law.field or sample.law.is_driven or abs(math.log(ratio)) <= 0.005:
         return None
+    from kinetics.crosscheck.compare.causes import NEAR_BEST
+
     size, ahead = numeral(1 / ratio, ".5g"), at * (1 - ratio) * unit
     words = {
         "time offset": (at * (ratio - 1), f"the clock were {numeral(ahead, '.4g')} ahead"),
@@ -140,7 +141,7 @@ def wrong_unit(fits: Sequence[Fit], nearly: float = 6.0) -> Explanation | None:
             costs[name] = min(made.criterion, costs.get(name, math.inf))
     if "speed unit" in costs and own_start:  # no start but a Gaussian is needed
         costs.pop("time unit", None)
-    near = min(costs.values(), default=0.0) + nearly
+    near = min(costs.values(), default=0.0) + NEAR_BEST
     may_be = [one for one in sorted(costs, key=costs.__getitem__) if costs[one] < near] or [*words]
     said = f"tracers that fly straight have r = {numeral(ratio, '.5g')} v t at t = "
     said += f"{numeral(at * unit, '.4g')}, as if {' or '.join(words[one][1] for one in may_be)}"
