@@ -66,8 +66,8 @@ class Resolution:
         if system.only_falls:
             assert system.law is not None
             lossy = 1.0 + 0.4 * system.law.mean_log_loss  # then directions vary faster
-            turns = min(math.ceil((4.0 + 0.22 * digits**2) * lossy), most)
-            return cls(math.ceil((6.0 + 2.3 * digits) * lossy**0.4), 0, turns, 10.0**-digits)
+            turns = min(math.ceil((4.0 + 0.25 * digits**2) * lossy), most)
+            return cls(math.ceil((6.0 + 2.5 * digits) * lossy**0.4), 0, turns, 10.0**-digits)
         if not system.is_driven:
             nodes = 20.0 + 5.0 * digits
         elif system.bath_speed:

@@ -60,10 +60,11 @@ def refined(
     """
     past: list[float] = []
     best: Any = solve(first)
-    last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
+    last, errors, least, chance = best, dict.fromkeys(allowed, math.inf), math.inf, 3.0
     while least > 1.0 and (more := last.finer) is not None:
         before, last = last, solve(more)
-        found = apart(last, before)
+        # the first difference may be small by chance
+        found, chance = {name: chance * x for name, x in apart(last, before).items()}, 1.0
         # above 1 no digit is known: there more may not be worse
         worst = max(min(found[name], 1.0) / most for name, most in allowed.items())
         if worst < least:

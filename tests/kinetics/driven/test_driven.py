@@ -149,6 +149,15 @@ def test_broken_powers_in_a_field_with_drag(rtol: float) -> None:
     assert state.moment(0.5) == pytest.approx(0.78305464, rel=1e-4)
 
 
+def test_one_small_difference_of_two_solutions_is_not_enough():
+    drives = {"field": 0.11354721261252179, "drag": 0.16582438848949461, "mass_ratio": 69.30491305}
+    one, two = (
+        solve_steady(lambda v: 0.775 + 0.225 / (1.0 + (v / 1.84) ** 2), 3, rtol=rtol, **drives)
+        for rtol in (1.9e-4, 1e-8)
+    )
+    assert one.a2 == pytest.approx(two.a2, abs=1.9e-4)  # 3.5e-4
+
+
 def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
     scene = one_l(1.0, bath_speed=1.0, initial="rest", times=[0.1, 1.0, 20.0, 60.0],
                   outputs=("thermal_speed", "collisions"))  # fmt: skip
