@@ -60,11 +60,15 @@ def refined(
     """
     past: list[float] = []
     best: Any = solve(first)
-    last, errors, least, chance = best, dict.fromkeys(allowed, math.inf), math.inf, 3.0
+    last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
+    earlier: dict[str, float] = {}
     while least > 1.0 and (more := last.finer) is not None:
         before, last = last, solve(more)
-        # the first difference may be small by chance
-        found, chance = {name: chance * x for name, x in apart(last, before).items()}, 1.0
+        # one difference may be small by chance: the first counts threefold, and no other is taken
+        # for more than two digits less than that before it
+        now = apart(last, before)
+        found = {n: max(x, 0.01 * min(earlier.get(n, 300.0 * x), 1.0)) for n, x in now.items()}
+        earlier = now
         # above 1 no digit is known: there more may not be worse
         worst = max(min(found[name], 1.0) / most for name, most in allowed.items())
         if worst < least:

@@ -156,6 +156,13 @@ def test_one_small_difference_of_two_solutions_is_not_enough():
         for rtol in (1.9e-4, 1e-8)
     )
     assert one.a2 == pytest.approx(two.a2, abs=1.9e-4)  # 3.5e-4
+    scene = Scene(
+        Viscoelastic(0.773), number_density=0.5, mass_ratio=13.15, bath_speed=0.408,
+        capture_speed=0.245, times=[0.0674, 0.933], outputs=["a2"],
+        initial=lambda v: 1.32 / 1.14 * (v / 1.14) ** 0.32 * np.exp(-((v / 1.14) ** 1.32)),
+    )  # fmt: skip
+    first, second = (solve(scene, rtol).a2 for rtol in (5e-6, 1e-8))
+    assert first == pytest.approx(second, abs=8e-6)  # 1.5e-5
 
 
 def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
