@@ -261,6 +261,10 @@ class Steady:
         v, d = self.axis.speeds, self.system.dimension
         return _slowest(self.solver, self.sums, lambda f: v * along(f, 0, d))[1]
 
+    @property
+    def _slowly(self) -> float:
+        return SLOWLY if self.system.heating or self.system.sticks_sharply else 1.0
+
     def apart(self, coarse: Steady) -> dict[str, float]:
         """The largest difference of the figures from a coarser solution's, relative to each.
 
@@ -275,14 +279,14 @@ class Steady:
             apart = np.append(apart[:5], abs(coarse.decay / self.decay - 1.0))
             if self.system.field:
                 apart = np.append(apart, abs(coarse.depth / self.depth - 1.0))
-        worst = float(np.max(apart)) * (SLOWLY if self.system.heating else 1.0)
+        worst = float(np.max(apart)) * self._slowly
         return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
 
     def densities_apart(self, coarse: Steady) -> dict[str, float]:
         """The largest difference of the mean density over directions, over its maximum."""
         d, v = self.system.dimension, TRIED * math.sqrt(self.average(2.0, 0))
         f, other = (one.axis.density(one.sums[:1], v, d) for one in (self, coarse))
-        least = np.abs(f).max() / (SLOWLY if self.system.heating else 1.0)
+        least = np.abs(f).max() / self._slowly
         return {"averages": float(np.abs(f - other).max() / least)}
 
 
@@ -304,5 +308,6 @@ def _slowest(
 def solved(system: System, rtol: float, apart: Any = Steady.apart) -> tuple[Steady, float]:
     """The first that differs from a coarser one by less than rtol, or the best; and its error."""
     first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
-    fine, errors = refined(partial(Steady, system), first, apart, {"averages": rtol})
+    fall = 1.0 if system.sticks_sharply else 0.01
+    fine, errors = refined(partial(Steady, system), first, apart, {"averages": rtol}, fall=fall)
     return fine, errors["averages"]

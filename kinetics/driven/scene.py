@@ -142,13 +142,13 @@ class DrivenScene(FieldScene):
             rtol = one.rtol * (25.0 if one.rtol < 0.005 * first.rtol else 1.0)
             return _Evolution(self.system, self.state, times, *asked, replace(one, rtol=rtol))
 
-        return refined(solve, first, self._apart, self.allowed)
+        fall = 1.0 if self.system.sticks_sharply else 0.01
+        return refined(solve, first, self._apart, self.allowed, fall=fall)
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:
-        """Where impacts begin to stick averages bend sharply, unless a bath smooths them."""
-        slowly = self.system.capture_speed > 0.0 and not self.system.bath_speed
+        """Slower ones where averages bend."""
         errors = super()._apart(one, two)
-        apart = errors["averages"] * (SLOWLY if slowly else 1.0)
+        apart = errors["averages"] * (SLOWLY if self.system.sticks_sharply else 1.0)
         return errors | {"averages": max(apart, one.missed)}
 
     def _densities_apart(self, one: Any, two: Any) -> float:

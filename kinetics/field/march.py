@@ -49,7 +49,7 @@ T = TypeVar("T")
 @np.errstate(all="ignore")  # of what is not resolved, figures may overflow: its error is infinite
 def refined(
     solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
-    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4,
+    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4, fall: float = 0.01,
 ) -> tuple[T, dict[str, float]]:  # fmt: skip
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
@@ -57,6 +57,7 @@ def refined(
     apart : the errors by their names, of which those in ``allowed`` decide
     worse : by so much an error may be larger than one before, and finer ones are tried
     patience : so many finer solutions in a row must halve it
+    fall : from one to the next no error is taken to be a smaller part of that before it
     """
     past: list[float] = []
     best: Any = solve(first)
@@ -64,10 +65,9 @@ def refined(
     earlier: dict[str, float] = {}
     while least > 1.0 and (more := last.finer) is not None:
         before, last = last, solve(more)
-        # one difference may be small by chance: the first counts threefold, and no other is taken
-        # for more than two digits less than that before it
+        # one difference may be small by chance: the first counts threefold
         now = apart(last, before)
-        found = {n: max(x, 0.01 * min(earlier.get(n, 300.0 * x), 1.0)) for n, x in now.items()}
+        found = {n: max(x, min(fall * earlier.get(n, 3.0 * x / fall), 1.0)) for n, x in now.items()}
         earlier = now
         # above 1 no digit is known: there more may not be worse
         worst = max(min(found[name], 1.0) / most for name, most in allowed.items())

@@ -131,6 +131,11 @@ class System:
         return np.unique(np.concatenate([knots, stick]))
 
     @property
+    def sticks_sharply(self) -> bool:
+        """Whether averages bend where impacts begin to stick, which no bath smooths."""
+        return self.capture_speed > 0.0 and not self.bath_speed
+
+    @property
     def is_singular(self) -> bool:
         """Whether the restitution varies as a fractional power of slow impacts."""
         return callable(self.restitution) and self.restitution.is_singular

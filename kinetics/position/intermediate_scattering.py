@@ -27,6 +27,7 @@ _LARGEST, _LARGEST_AT_ALL = 200.0, 1e6
 _LARGEST_DELAYED = 20.0  # the same where returns take time: each panel looks back at all others
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
 _ONCE_MORE = 0.03  # where the tolerance was missed, F is solved once more for this share of it
+_MOST_WORK = 1e10  # products of numbers, of one wave number: some 5 s, and 2 GB
 _AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 
 
@@ -62,7 +63,7 @@ class Scattering:
     """Solves for F(k, t) of one system and start, as a scene has them; see `Scene.problem`.
 
     systems : how many systems of so many equations have been solved, by their size
-    work : of all `Waves` so far
+    work, most_work : of all `Waves` so far, and of one
     """
 
     law: CollisionLaw
@@ -71,6 +72,7 @@ class Scattering:
     times: FloatArray
     systems: Counter[int] = field(default_factory=Counter)
     work: float = 0.0
+    most_work: float = math.inf
 
     def flying(self, time: int) -> float:
         """exp(-T) of the slowest tracers of a start of sharp speeds at a time; 0 for densities."""
@@ -97,7 +99,7 @@ class Scattering:
         highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        waves = Waves(self.law, wave_numbers, highest, least, kept)
+        waves = Waves(self.law, wave_numbers, highest, least, kept, self.most_work)
         self.systems[waves.rule.nodes - 1] += waves.systems
         self.work += waves.work
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
@@ -144,7 +146,7 @@ def scattering_function(
     out = np.ones((times.size, scaled.size), dtype=float if direction is None else complex)
     late = times > 0.0
     every = np.arange(np.count_nonzero(late))
-    system = Scattering(averages.law, path, averages.state, times[late])
+    system = Scattering(averages.law, path, averages.state, times[late], most_work=_MOST_WORK)
     left = (scaled > 0.0) & bool(late.any())
     tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():

@@ -24,6 +24,7 @@ from itertools import takewhile
 import numpy as np
 
 from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
 from kinetics.moments.backward import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
 from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
@@ -87,12 +88,13 @@ class Waves:
 
     def __init__(
         self, law: CollisionLaw, wave_numbers: FloatArray, highest: float, tolerance: float,
-        kept: int = 0,
+        kept: int = 0, most_work: float = math.inf,
     ) -> None:  # fmt: skip
         """Solve on panels up to X = highest.
 
         tolerance : absolute, of a_0 and of those kept
         kept : largest m that is wanted, if it is not negligible
+        most_work : InputError where some three times as much is to be expected
         """
         self.law, self.wave_numbers, self.tolerance = law, wave_numbers, tolerance
         largest = float(wave_numbers.max())
@@ -112,7 +114,7 @@ class Waves:
         # row m of the equations over the coupling: free flights then look the same for all m
         self._coupling = coupling(top, law.dimension)
         by_row = self._coupling[:, None, None]
-        loss, self._gain = self._kernels(count)
+        loss, self._gain = self._kernels(count, most_work)
         self._rise, self._loss = rule.derivative / by_row, loss / by_row
         self._loops: Loops | None = None
         if medium is not None:
@@ -122,14 +124,11 @@ class Waves:
         self._of_series = min(top, _TERMS)  # the last harmonic that begins with one of its powers
         self._run(count)
 
-    def _kernels(self, count: int) -> tuple[FloatArray, FloatArray]:
+    def _kernels(self, count: int, most_work: float) -> tuple[FloatArray, FloatArray]:
         """What a panel loses, and gains from those below it, for each harmonic."""
         law, rule, top, tolerance = self.law, self.rule, self._top, self.tolerance
-        q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         # collisions that lose very much lead to where a_0 is 1, but for K T, and all others 0
         deep = 2.0 - math.log(tolerance)
-        most = count * rule.width + deep
-        lost = np.stack(list(q.harmonic_losses(top)))
         # no tracer is further away than T: a_m is (e K T/2 m)^m at most, and nothing before panel
         order = np.arange(1, top + 1)
         rise = np.log(2.0 * order) - math.log(float(self.wave_numbers.max())) - 1.0
@@ -137,7 +136,17 @@ class Waves:
         first = np.floor((np.append(-FOLDS, rise) - self.start) / rule.width)
         self._first = np.minimum(first, count).astype(int)
         reach = count - self._first + math.ceil(deep / rule.width)
-        shifts = PanelShifts(rule, np.minimum(q.log_loss, most))
+        back = np.minimum(reach, law.largest_loss / rule.width)
+        work = float((count - self._first) @ (rule.nodes + back)) * rule.nodes**2
+        if work > 3.0 * most_work:  # it grows as the cube
+            k = float(self.wave_numbers.max())
+            raise InputError(
+                f"wave_numbers: got up to {k:.4g}/(mean free path); for this law and these times "
+                f"{k * (3.0 * most_work / work) ** (1.0 / 3.0):.2g} can be had within seconds"
+            )
+        q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
+        lost = np.stack(list(q.harmonic_losses(top)))
+        shifts = PanelShifts(rule, np.minimum(q.log_loss, count * rule.width + deep))
         loss, gain = shifts.kernel(q.weight, 1.0 - lost, lost, reach)
         self.work = float(lost.size * rule.nodes**2)
         if law.returns(0)[0]:

@@ -178,6 +178,9 @@ RESULTS: list[tuple[str, Callable[..., Any], list[Any]]] = [
     ("wave_numbers", lambda k: placed().intermediate_scattering(k), [[], [-1.0], [1e9], [1e308]]),
     ("wave_numbers", lambda k: solved(
         times=[1e-9], outputs="intermediate_scattering").intermediate_scattering(k), [[1e8]]),
+    ("wave_numbers", lambda k: solve(  # 44 s, and 6 GB
+        scene(restitution=0.0, times=[12.5], outputs="intermediate_scattering"), 1e-6
+        ).intermediate_scattering(k), [[15.9]]),
     ("direction", lambda way: placed().intermediate_scattering([1.0], way), [INF]),
     ("p", lambda f, p: solved(initial=SpeedTable([0.0, 1.0], f)).moment(p),
      [([2.0, 0.0], -1.0), ([0.0, 2.0], -2.0)]),

@@ -235,6 +235,12 @@ def test_a_sharp_start_that_hardly_anything_drives_begins_as_it_is(dimension, he
     assert np.all(abs(solve(scene, rtol=1e-6).thermal_speed - 1.0) <= [1e-7, 1e-3])
 
 
+def test_the_depth_where_averages_bend_is_within_its_error():
+    state = solve_steady(0.9, field=1.0, capture_speed=0.2, rtol=1e-3)
+    # 20.642 to 20.655 with up to 119 speeds; it was 20.676, and 8e-5 said
+    assert abs(state.capture_depth / 20.645 - 1.0) < 1.5 * state.error_estimate
+
+
 def test_rare_sticking_leaves_fast_tracers():
     """The top was sought about the capture speed: 7 % off, said to converge."""
     scene = one_l(0.9, times=[0.8], bath_speed=10.0)
