@@ -26,20 +26,20 @@ from kinetics.position.wave_numbers import (
 )
 from kinetics.states.state import State
 
-# The work of all times at one tolerance, in products of numbers, 5 to 25 seconds. Where it is not
-# enough, the steps of one ladder from _LOOSEST on that are below what was left are tried: to ask
-# for more is to leave no less. From sharp speeds F is solved up to this K, or K T.
-_MOST_WORK, _LOOSEST, _LARGEST_OF_PEAKS, _FURTHEST = 2e10, 0.04, 8.0, 60.0
+# The work of all times, in products of numbers, a few seconds: of _ALIKE and above, and so many
+# times as much for each digit more, which is more than it costs: to ask for more is to go as far.
+# From sharp speeds F is solved up to this K, or K T.
+_MOST_WORK, _ALIKE, _OF_DIGIT, _LARGEST_OF_PEAKS, _FURTHEST = 1e10, 1e-5, 1.5, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
-# Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
-# are needed: it decides the norm and the moments.
-_SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
+# Tolerance of F where it is solved for, over what G needs, and the part of it by which F was off at
+# most; less up to K = _CHEAP, where few harmonics are needed: it decides the norm and the moments.
+_SOLVED, _OFF, _SOLVED_CHEAPLY, _CHEAP = 10.0, 0.01, 3e-3, 2.0
 _POINTS, _FOR_DIGIT = 6.0, 1.4  # Chebyshev points of an interval: some, and so many for each digit
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
 # From the end of one interval to that of the next: before its powers of 1/K are found, and after
 # that, at most and at least; the least for sharp speeds, where the best of many ends is taken.
-_STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.6, 1.25
+_STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.3, 1.25
 _POWERS, _POWERS_OF_FEW = 2.2, 5.0  # K over where the powers of 1/K begin, to look for them
 _KNOWN = 0.3  # part of the last F that its end may miss
 # Error of F beyond over that of the fit, where F goes on by steps not seen there: where head-on
@@ -60,24 +60,7 @@ def solve_displacement(
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
     system = Scattering(law, mean_free_path, state, times)
-    asked = _attempt(system, root_mean_square, rtol)
-    if asked.error_estimate <= _ENOUGH * rtol:
-        return asked
-    # of looser ones, up to the first that is missed, those that may leave less than this one
-    best = asked
-    for aim in _LOOSEST * 10.0 ** np.arange(0.0, math.log10(rtol / _LOOSEST) + 1e-9, -0.5):
-        if aim < asked.error_estimate:
-            tried = _attempt(system, root_mean_square, float(aim))
-            best = min(best, tried, key=lambda one: one.error_estimate)
-            if tried.error_estimate > _ENOUGH * aim:
-                break
-    return replace(best, systems=dict(system.systems))
-
-
-def _attempt(system: Scattering, root_mean_square: FloatArray, rtol: float) -> Displacement:
-    """`solve_displacement` within the work of one tolerance."""
-    law, mean_free_path = system.law, system.mean_free_path
-    state, times, most = system.state, system.times, system.work + _MOST_WORK
+    most = _MOST_WORK * _OF_DIGIT ** max(0.0, math.log10(_ALIKE / rtol))
     uncollided = Uncollided(state, mean_free_path, times)
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed, and G falls as exp(-2 R) or faster
@@ -140,10 +123,11 @@ class _Sweep:
         high = (1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))) / self._widest
         begin = done = self.system.work
         while self.active.size:
-            # rounding of F allows no more than 3e-12
+            # rounding of F allows no more than 3e-12 (3e-13 here, see _SOLVED)
             share = max(1.0, float(np.max(self.width[self.active])) * high)
-            solved = _SOLVED if high > _CHEAP else _SOLVED_CHEAPLY
-            new, error = self._interval(low, high, max(3e-12, self.rtol / share * solved), size)
+            # beyond, the same for all large rtol, which then see the same
+            needed = min(self.rtol, _ALIKE) if high > _CHEAP else self.rtol * _SOLVED_CHEAPLY
+            new, error = self._interval(low, high, max(3e-13, needed / share), size)
             self.panels += new
             last = self.panels[-1].values
             # F of densities falls; that of sharp speeds turns
@@ -151,9 +135,7 @@ class _Sweep:
             self._judge(high, error)
             step = _LEAST_STEP if self.sharp else _STEP
             if not self.sharp and all(self.tails[i] is not None for i in self.active):
-                # what the powers of 1/K miss falls as K^-8 at least
-                more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
-                step = min(_STEP_KNOWN, max(_LEAST_STEP, more**0.125))
+                step = _STEP_KNOWN
             low, high = high, high * step
             if self.sharp and low >= _LARGEST_OF_PEAKS:
                 self.active = self.active[low * self._flights[self.active] <= _FURTHEST]
@@ -184,26 +166,27 @@ class _Sweep:
         self.active = self.active[self.missed[self.active] > self.enough]
 
     def _interval(
-        self, low: float, high: float, tolerance: float, size: float, halvings: int = 0
+        self, low: float, high: float, needed: float, size: float, halvings: int = 0
     ) -> tuple[list[WavePanel], float]:
         """F on an interval of K, halved until its Chebyshev coefficients end; and its error."""
         falls = not self.sharp and low > 0.0 and high * self._widest > _FIRST
         power = self.system.law.dimension + 1 if falls else 0
-        digits = math.log10(max(10.0, size / tolerance))
+        digits = math.log10(max(10.0, size / needed))
         # and for cos(K T), with which tracers of one speed turn F until they have collided
         flights = self._flights[self.active]
-        flying = flights[np.exp(-flights) > tolerance] if self.sharp else np.zeros(0)
+        flying = flights[np.exp(-flights) > needed] if self.sharp else np.zeros(0)
         turns = 0.5 * (high - low) * float(flying.max(initial=0.0))
         count = math.ceil(_POINTS + _FOR_DIGIT * digits + turns)
         k = wave_numbers_between(low, high, power, count)
+        tolerance = _SOLVED * needed
         values, error = self.system.average(k, self.active, tolerance, collided=True)
         panel = WavePanel(low, high, power, self.active, values)
-        if panel.missed > tolerance / _SOLVED and halvings < HALVINGS:
+        if panel.missed > needed and halvings < HALVINGS:
             middle = 0.5 * (low + high)
-            left, first = self._interval(low, middle, tolerance, size, halvings + 1)
-            right, second = self._interval(middle, high, tolerance, size, halvings + 1)
+            left, first = self._interval(low, middle, needed, size, halvings + 1)
+            right, second = self._interval(middle, high, needed, size, halvings + 1)
             return left + right, max(first, second)
-        return [panel], panel.missed + error
+        return [panel], panel.missed + error + _OFF * tolerance
 
     def _powers(self) -> tuple[int, float]:
         """The first of `PowerTail`, and the power of v, near 0, of the density of the start."""
