@@ -1,13 +1,14 @@
 """Chi-squares, their p-values against scipy and mpmath, errors, and the fit on small cases."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from kinetics.crosscheck.compare.fit import covariance, hotelling, steadied, whitening
-from kinetics.crosscheck.compare.theory import Expectation, averages_of, spread_of_ratio
+from kinetics.crosscheck.compare.fit import covariance, fit, hotelling, steadied, whitening
+from kinetics.crosscheck.compare.theory import Expectation, Point, averages_of, spread_of_ratio
 from kinetics.crosscheck.data.sample import Law, Sample, effective_groups, errors
 
 
@@ -76,6 +77,48 @@ def test_an_error_of_the_theory_is_added_and_counted() -> None:
     assert plain and wide  # noqa: PT018
     assert plain.statistic == pytest.approx(400, rel=0.2)
     assert wide.statistic == pytest.approx(1 / (0.5 + 1 / 400), rel=0.01)
+
+
+class AllAre:
+    """Six averages whose theory is the mean free path, measured by 12 groups."""
+
+    names = ("thermal_speed", "msd")
+
+    def __init__(self, seed: int, own: Any = None) -> None:
+        data = 1.0 + 0.05 * np.random.default_rng(seed).normal(size=(12, 2, 3))
+        self.sample = SimpleNamespace(groups=12, times=np.arange(1.0, 4.0))
+        self.values, self.replicates, self.own_covariance = (
+            data.mean(0),
+            left_out(data),
+            lambda *_: own,
+        )
+        self.stabilised, self.spread_of_a2 = (
+            lambda theory, difference: difference,
+            lambda point: None,
+        )
+
+    def theory(self, point: Point) -> Any:
+        return np.full((2, 3), point.path)
+
+    def fitted(self, *free: str) -> Any:
+        told, every = Point(0.7, 1.0, "gaussian"), np.ones((2, 3), bool)
+        made: Any = self
+        return fit(made, told, free, every, [[0.0]], parameters=3)
+
+
+def test_errors_of_fitted_parameters_allow_for_weights_that_are_estimated() -> None:
+    found = [AllAre(seed).fitted("path").value("path") for seed in range(400)]
+    square = np.mean([((value - 1.0) ** 2, error**2) for value, error in found], axis=0)
+    assert square[0] == pytest.approx(square[1], rel=0.25)
+
+
+def test_an_error_of_the_theory_costs_likelihood_and_is_left_only_where_not_fitted() -> None:
+    huge = [AllAre(1, size * np.eye(6)).fitted().criterion for size in (1.0, 100.0)]
+    assert huge[1] - huge[0] == pytest.approx(6 * np.log(100.0), rel=0.01)
+    plain, shared = (
+        AllAre(1, own).fitted("path").chi_square for own in (None, np.full((6, 6), 0.01))
+    )
+    assert shared.statistic == pytest.approx(plain.statistic, rel=1e-3)
 
 
 def test_differences_are_those_of_functions_whose_errors_stay() -> None:

@@ -10,7 +10,7 @@ import pytest
 from marking import slow_but
 
 from kinetics import CollisionLaw, ScalingSolution, Scene, solve
-from kinetics.collision import law_in_medium
+from kinetics.collision import law_in_medium, medium
 from tests.kinetics.measurements import density, returns
 
 LATE = 1e15
@@ -41,12 +41,22 @@ def test_the_leading_order_is_what_it_is_defined_to_be(scatterers: str) -> None:
     assert law.mean_free_path(n, 1.0) == pytest.approx(ratio / (2 * n), rel=1e-15)
 
 
+def test_longer_paths_of_the_second_order_do_not_lengthen_the_way(monkeypatch: Any) -> None:
+    late_squares = []
+    for longer in (medium._LONGER, 0.0):
+        monkeypatch.setattr(medium, "_LONGER", longer)
+        one = medium.Medium("hard disks", 0.04, 0.7, "second")
+        way = 1 / CollisionLaw(0.7).harmonic_decay_rate(0.0, 1) + one.returns(1)[0]
+        late_squares.append(one.path_ratio**2 * way)
+    assert late_squares[0] == pytest.approx(late_squares[1], rel=2e-3)
+
+
 @pytest.mark.parametrize(("e", "n"), [(0.95, 0.3), (0.7, 0.04), (0.3, 0.1), (0.05, 0.02)])
 @pytest.mark.parametrize("order", ["leading", "second"])
 def test_averages_tend_to_the_closed_forms_of_the_operator(e: float, n: float, order: str) -> None:
     """Beyond the leading order returns take time for powers of the speed: not in the operator."""
-    medium: Any = {"scatterers": "overlapping", "density_order": order}
-    found, exact = late(e, n, **medium), ScalingSolution(e, number_density=n, **medium)
+    among: Any = {"scatterers": "overlapping", "density_order": order}
+    found, exact = late(e, n, **among), ScalingSolution(e, number_density=n, **among)
     path = found.scene.mean_free_path
     assert found.diffusion_coefficient.shape == (2,)
     slope = found.msd_slope / path**2

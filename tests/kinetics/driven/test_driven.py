@@ -192,6 +192,20 @@ def test_rest_at_time_zero_is_no_error(drive):
     assert [x[0] for x in solve(scene, rtol=1e-4).values.values()] == [0.0, 0.0]
 
 
+def test_the_first_speeds_from_rest_are_those_of_one_collision():
+    """<v^2> and <v^4> to first order in time; with the top of diffusion 1e-3 is not reached."""
+    t, w = 0.01, 0.3
+    scene = one_l(1.0, 3, bath_speed=w, initial="rest", times=[t], outputs=("thermal_speed", "a2"))
+    found, square = solve(scene, rtol=1e-3), 16.0 * w**3 * t * math.sqrt(2.0 / math.pi)
+    assert found.thermal_speed[0] ** 2 == pytest.approx(square, rel=5e-3)
+    assert 1.0 + found.a2[0] == pytest.approx(0.6 * 16.0 * w * w / square, rel=0.015)
+
+
+def test_the_estimate_has_no_unit_of_speed():
+    slow, fast = (solve_steady(0.5, bath_speed=w, field=1e-3 * w * w, rtol=1e-6) for w in (1, 1e6))
+    assert fast.error_estimate == pytest.approx(slow.error_estimate, rel=1e-3)
+
+
 def test_time_zero_is_known_from_the_start():
     """Of a start of many speeds a2 was -1, and not reached."""
     asked = {"times": [0.0], "outputs": ("thermal_speed", "a2"), "bath_speed": 0.1}
