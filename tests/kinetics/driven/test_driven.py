@@ -197,6 +197,7 @@ def test_the_first_speeds_from_rest_are_those_of_one_collision():
     t, w = 0.01, 0.3
     scene = one_l(1.0, 3, bath_speed=w, initial="rest", times=[t], outputs=("thermal_speed", "a2"))
     found, square = solve(scene, rtol=1e-3), 16.0 * w**3 * t * math.sqrt(2.0 / math.pi)
+    assert found.status.name == "CONVERGED"
     assert found.thermal_speed[0] ** 2 == pytest.approx(square, rel=5e-3)
     assert 1.0 + found.a2[0] == pytest.approx(0.6 * 16.0 * w * w / square, rel=0.015)
 
