@@ -107,6 +107,13 @@ def test_a_front_and_a_continuous_part_make_the_whole() -> None:
     assert np.all(found.position_density([130.0])[1] == 0.0)
 
 
+def test_shares_of_a_start_of_sharp_edges_make_the_whole() -> None:
+    """Those that have not collided have edges where the speeds of the table have them."""
+    found = density(0.6, [6.0], SpeedTable([0.5, 0.500001, 1.5, 1.500001], [0, 1, 1, 0]), 1e-3)
+    shares = found.position_fraction([0.0, 1.8, 4.8, 7.2, 10.2, 15.0])
+    assert shares.sum() == pytest.approx(1.0, abs=1e-3)
+
+
 def test_the_elastic_density_at_late_times_is_a_mixture_of_gaussians() -> None:
     """Each speed diffuses with D = (3/8) l v: integral over v of (r/2 D t) exp(-r^2/4 D t)."""
     t = 1e7
