@@ -409,6 +409,11 @@ def test_the_depth_of_a_trap_from_rest():
     assert np.all(abs(found - [17.97, 24.35, 31.4]) < 4 * np.array([0.06, 0.08, 0.1]))
 
 
+def test_a_depth_that_is_not_found_is_not_said_to_be_reached():
+    state = solve_steady(0.5, 3, field=0.01, capture_speed=0.1, bath_speed=1.0, rtol=0.01)
+    assert math.isfinite(state.capture_depth) == (state.status.name == "CONVERGED")
+
+
 def test_all_stick_without_a_field_in_the_end():
     scene = one_l(0.5, 3, capture_speed=0.1, times=[0.0, 1.0, 10.0, 300.0])
     solution = solve(scene, rtol=1e-3)
