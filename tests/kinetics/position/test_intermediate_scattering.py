@@ -10,6 +10,7 @@ from scipy.special import j0
 
 from kinetics import Beam, CollisionLaw, Gaussian, Monoenergetic, Scene, ToleranceWarning, solve
 from kinetics.position import scattering
+from kinetics.position.intermediate_scattering import Scattering
 
 
 @pytest.mark.parametrize(
@@ -48,6 +49,15 @@ def test_a_scattering_function_that_misses_its_tolerance_says_so(
     with pytest.warns(ToleranceWarning, match=r"F\(k, t\): the error estimate"):
         found = solution.intermediate_scattering([1.5], direction=0.3)
     assert np.abs(found - right).max() > 1e-9
+
+
+def test_the_estimate_has_what_all_harmonics_of_a_beam_miss() -> None:
+    """0.7 of the estimate; each harmonic but the mean counts twice."""
+    state = Scene(0.0, initial=Beam(), times=[1.0]).state
+    one = Scattering(CollisionLaw(0.0), 1.0, state, np.array([0.6]))
+    asked = np.array([6.0]), np.arange(1)
+    (best, _), (found, error) = (one.average(*asked, rtol, 0.3) for rtol in (1e-13, 1e-8))
+    assert np.abs(found - best).max() < error < 1e-8
 
 
 def test_light_scatterers_hardly_turn_a_tracer() -> None:
