@@ -28,12 +28,12 @@ from kinetics.states.state import State
 # The work of all times, in products of numbers, a few seconds: of _ALIKE and above, and so many
 # times as much for each digit more, so that one gets as far.
 # From sharp speeds F is solved up to this K, or K T.
-_MOST_WORK, _ALIKE, _OF_DIGIT, _LARGEST_OF_PEAKS, _FURTHEST = 1e10, 1e-5, 1.5, 8.0, 60.0
+_MOST_WORK, _ALIKE, _OF_DIGIT, _LARGEST_OF_PEAKS, _FURTHEST = 1.5e10, 1e-5, 1.5, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
-# Tolerance of F where it is solved for, over what G needs, and the part of it by which F was off at
-# most; less up to K = _CHEAP, where few harmonics are needed: it decides the norm and the moments.
-_SOLVED, _OFF, _SOLVED_CHEAPLY, _CHEAP = 10.0, 0.01, 3e-3, 2.0
+# Error of F, over what G needs, up to K = _CHEAP, where few harmonics are needed: it decides the norm
+# and the moments.
+_SOLVED_CHEAPLY, _CHEAP = 3e-3, 2.0
 _POINTS, _FOR_DIGIT = 6.0, 1.4  # Chebyshev points of an interval: some, and so many for each digit
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
 # From the end of one interval to that of the next: before its powers of 1/K are found, and after
@@ -127,11 +127,11 @@ class _Sweep:
         high = (1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))) / self._widest
         begin = done = self.system.work
         while self.active.size:
-            # rounding of F allows no more than 3e-12 (3e-13 here, see _SOLVED)
+            # rounding of F allows no more than 3e-12
             share = max(1.0, float(np.max(self.width[self.active])) * high)
             # beyond, the same for all large rtol, which then see the same
             needed = min(self.rtol, _ALIKE) if high > _CHEAP else self.rtol * _SOLVED_CHEAPLY
-            new, error = self._interval(low, high, max(3e-13, needed / share), size)
+            new, error = self._interval(low, high, max(3e-12, needed / share), size)
             self.panels += new
             last = self.panels[-1].values
             # F of densities falls; that of sharp speeds turns
@@ -182,15 +182,14 @@ class _Sweep:
         turns = 0.5 * (high - low) * float(flying.max(initial=0.0))
         count = math.ceil(_POINTS + _FOR_DIGIT * digits + turns)
         k = wave_numbers_between(low, high, power, count)
-        tolerance = _SOLVED * needed
-        values, error = self.system.average(k, self.active, tolerance, collided=True)
+        values, error = self.system.average(k, self.active, needed, collided=True)
         panel = WavePanel(low, high, power, self.active, values)
         if panel.missed > needed and halvings < HALVINGS:
             middle = 0.5 * (low + high)
             left, first = self._interval(low, middle, needed, size, halvings + 1)
             right, second = self._interval(middle, high, needed, size, halvings + 1)
             return left + right, max(first, second)
-        return [panel], panel.missed + error + _OFF * tolerance
+        return [panel], panel.missed + error
 
     def _powers(self) -> tuple[int, float]:
         """The first of `PowerTail`, and the power of v, near 0, of the density of the start."""
