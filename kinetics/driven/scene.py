@@ -165,8 +165,8 @@ class DrivenScene(FieldScene):
     def _of(self) -> dict[str, FloatArray]:
         """If some stick: of the velocity over those that move, of the place over all."""
         found, kept = super()._of, {"1", *INTEGRALS} if self.system.capture_speed else set(ALL)
-        with np.errstate(divide="ignore", invalid="ignore"):  # none may be left
-            return {name: x if name in kept else x / found["1"] for name, x in found.items()}
+        left = np.where(found["1"] > 0.0, found["1"], np.nan)  # none may be left
+        return {name: x if name in kept else x / left for name, x in found.items()}
 
     @property
     def captured(self) -> FloatArray:

@@ -40,6 +40,7 @@ _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is dou
 _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
 _SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
 SHORTEST_TIME = 1e-12
+_ROUNDING = 1e-14  # of averages, term by term: shorter steps do not mend it
 _FIRST = 0.5  # of the first step, in free flights of the fastest
 _MOST_HARMONICS = 40  # in a field: seconds, and 200 MB of memory
 
@@ -190,7 +191,7 @@ class March:
         now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
         # at the first of the times averages may be small, as the fourth power of the time
         h = min(_FIRST / (1.0 + fastest), *self.times[self.times > 0.0][:1], last)
-        totals, allowed = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
+        totals, asked = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
         grows = [one for one, _ in INTEGRALS.values()]
         factor = np.array([factor for _, factor in INTEGRALS.values()])
         while now < last or self.tries == 0:
@@ -203,6 +204,9 @@ class March:
             left = radau.roughness(averages)
             left = np.append(left, h * radau.roughness(total)[grows] * factor)
             rough = self._relative(left[None], np.hstack([total, grown])[-1:])
+            lost = np.zeros_like(left)
+            lost[: len(AVERAGES)] = _ROUNDING * equation.averages(np.abs(stages[-1:]))
+            allowed = max(asked, self._relative(lost[None], np.hstack([total, grown])[-1:]))
             if rough > allowed and self.tries < self.most_steps and h > _SHORTEST * last:
                 h *= 0.5
                 continue

@@ -169,7 +169,7 @@ class FieldScene:
         variances = self._tensor(of["x^2"], of["x y"], of["y^2"])
         variances -= displacement[:, :, None] * displacement[:, None, :]
         with np.errstate(divide="ignore", invalid="ignore"):
-            excess = d / (d + 2.0) * of["v^4"] / second**2 - 1.0
+            excess = d / (d + 2.0) * of["v^4"] / np.where(second > 0.0, second, np.nan) ** 2 - 1.0
         velocities = self._tensor(along, of["v_x v_y"], (second - along) / (d - 1.0))
         found = {
             "thermal_speed": speed * np.sqrt(second),

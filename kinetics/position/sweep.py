@@ -31,7 +31,7 @@ from kinetics.states.state import State
 _MOST_WORK, _ALIKE, _OF_DIGIT, _LARGEST_OF_PEAKS, _FURTHEST = 1.5e10, 1e-5, 1.5, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
-# Error of F, over what G needs, up to K = _CHEAP, where few harmonics are needed: it decides the norm
+# Error of F over what G needs up to K = _CHEAP, where few harmonics are needed: it decides the norm
 # and the moments.
 _SOLVED_CHEAPLY, _CHEAP = 3e-3, 2.0
 _POINTS, _FOR_DIGIT = 6.0, 1.4  # Chebyshev points of an interval: some, and so many for each digit
