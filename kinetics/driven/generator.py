@@ -308,6 +308,6 @@ def _slowest(
 def solved(system: System, rtol: float, apart: Any = Steady.apart) -> tuple[Steady, float]:
     """The first that differs from a coarser one by less than rtol, or the best; and its error."""
     first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
-    fall = 1.0 if system.sticks_sharply else 0.01
-    fine, errors = refined(partial(Steady, system), first, apart, {"averages": rtol}, fall=fall)
+    solve, bends = partial(Steady, system), system.sticks_sharply
+    fine, errors = refined(solve, first, apart, {"averages": rtol}, bends=bends)
     return fine, errors["averages"]

@@ -142,11 +142,11 @@ class DrivenScene(FieldScene):
             rtol = one.rtol * (25.0 if one.rtol < 0.005 * first.rtol else 1.0)
             return _Evolution(self.system, self.state, times, *asked, replace(one, rtol=rtol))
 
-        fall = 1.0 if self.system.sticks_sharply else 0.01
-        return refined(solve, first, self._apart, self.allowed, fall=fall)
+        bends = self.system.sticks_sharply
+        return refined(solve, first, self._apart, self.allowed, bends=bends)
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:
-        """Slower ones where averages bend."""
+        """Two solutions; their errors fall more slowly where averages bend."""
         errors = super()._apart(one, two)
         apart = errors["averages"] * (SLOWLY if self.system.sticks_sharply else 1.0)
         return errors | {"averages": max(apart, one.missed)}

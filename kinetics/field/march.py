@@ -50,7 +50,7 @@ T = TypeVar("T")
 @np.errstate(all="ignore")  # of what is not resolved, figures may overflow: its error is infinite
 def refined(
     solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
-    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4, fall: float = 0.01,
+    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4, bends: bool = False,
 ) -> tuple[T, dict[str, float]]:  # fmt: skip
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
@@ -58,7 +58,7 @@ def refined(
     apart : the errors by their names, of which those in ``allowed`` decide
     worse : by so much an error may be larger than one before, and finer ones are tried
     patience : so many finer solutions in a row must halve it
-    fall : from one to the next no error is taken to be a smaller part of that before it
+    bends : whether what is solved for bends: differences then fall slowly, and change sign
     """
     past: list[float] = []
     best: Any = solve(first)
@@ -66,10 +66,11 @@ def refined(
     earlier: dict[str, float] = {}
     while least > 1.0 and (more := last.finer) is not None:
         before, last = last, solve(more)
-        # one difference may be small by chance: the first counts threefold
-        now = apart(last, before)
-        found = {n: max(x, min(fall * earlier.get(n, 3.0 * x / fall), 1.0)) for n, x in now.items()}
-        earlier = now
+        # one difference may be small by chance: the first counts threefold, and of two in a row the
+        # earlier one counts, or a hundredth of it
+        now, part = apart(last, before), 1.0 if bends else 0.01
+        chance = {n: part * earlier[n] if earlier else 3.0 * x for n, x in now.items()}
+        found, earlier = {n: max(x, min(chance[n], 1.0)) for n, x in now.items()}, now
         # above 1 no digit is known: there more may not be worse
         worst = max(min(found[name], 1.0) / most for name, most in allowed.items())
         if worst < least:

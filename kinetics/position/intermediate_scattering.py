@@ -27,7 +27,7 @@ _LARGEST, _LARGEST_AT_ALL = 200.0, 1e6
 _LARGEST_DELAYED = 20.0  # the same where returns take time: each panel looks back at all others
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
 _ONCE_MORE = 0.03  # where the tolerance was missed, F is solved once more for this share of it
-_MOST_WORK = 1e10  # products of numbers, of one wave number: some 5 s, and 2 GB
+_MOST_WORK = 3e10  # products of numbers that one wave number may need: some 5 s, and 2 GB
 _AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 
 
@@ -63,7 +63,7 @@ class Scattering:
     """Solves for F(k, t) of one system and start, as a scene has them; see `Scene.problem`.
 
     systems : how many systems of so many equations have been solved, by their size
-    work, most_work : of all `Waves` so far, and of one
+    work, most_work : of all `Waves` so far, and what one may need
     """
 
     law: CollisionLaw

@@ -94,7 +94,7 @@ class Waves:
 
         tolerance : absolute, of a_0 and of those kept
         kept : largest m that is wanted, if it is not negligible
-        most_work : InputError where some three times as much is to be expected
+        most_work : InputError where more may be needed: some three times what is
         """
         self.law, self.wave_numbers, self.tolerance = law, wave_numbers, tolerance
         largest = float(wave_numbers.max())
@@ -138,11 +138,11 @@ class Waves:
         reach = count - self._first + math.ceil(deep / rule.width)
         back = np.minimum(reach, law.largest_loss / rule.width)
         work = float((count - self._first) @ (rule.nodes + back)) * rule.nodes**2
-        if work > 3.0 * most_work:  # it grows as the cube
+        if work > most_work:  # it grows as the cube
             k = float(self.wave_numbers.max())
             raise InputError(
                 f"wave_numbers: got up to {k:.4g}/(mean free path); for this law and these times "
-                f"{k * (3.0 * most_work / work) ** (1.0 / 3.0):.2g} can be had within seconds"
+                f"{k * (most_work / work) ** (1.0 / 3.0):.2g} can be had within seconds"
             )
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         lost = np.stack(list(q.harmonic_losses(top)))

@@ -36,9 +36,9 @@ _ENOUGH = 2.2
 _SOLVED_CHEAPLY, _CHEAP = 3e-3, 2.0
 _POINTS, _FOR_DIGIT = 6.0, 1.4  # Chebyshev points of an interval: some, and so many for each digit
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-# From the end of one interval to that of the next: before its powers of 1/K are found, and after
-# that, at most and at least; the least for sharp speeds, where the best of many ends is taken.
-_STEP, _STEP_KNOWN, _LEAST_STEP = 2.0, 1.3, 1.25
+# From the end of one interval to that of the next: before its powers of 1/K are found, after that,
+# and for sharp speeds, where the best of many ends is taken.
+_STEP, _STEP_KNOWN, _STEP_OF_PEAKS = 2.0, 1.3, 1.25
 _POWERS, _POWERS_OF_FEW = 2.2, 5.0  # K over where the powers of 1/K begin, to look for them
 _KNOWN = 0.3  # part of the last F that its end may miss
 # Error of F beyond over that of the fit, where F goes on by steps not seen there: where head-on
@@ -137,7 +137,7 @@ class _Sweep:
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            step = _LEAST_STEP if self.sharp else _STEP
+            step = _STEP_OF_PEAKS if self.sharp else _STEP
             if not self.sharp and all(self.tails[i] is not None for i in self.active):
                 step = _STEP_KNOWN
             low, high = high, high * step
