@@ -99,7 +99,12 @@ class Scattering:
         highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        waves = Waves(self.law, wave_numbers, highest, least, kept, self.most_work)
+        try:
+            waves = Waves(self.law, wave_numbers, highest, least, kept, self.most_work)
+        except OverflowError as error:
+            k, most = np.array([wave_numbers.max(), error.args[0]]) / self.mean_free_path
+            said = f"got up to {k:.4g}; for this law and these times some {most:.2g} per d can be"
+            raise InputError(f"wave_numbers: {said} had") from None
         self.systems[waves.rule.nodes - 1] += waves.systems
         self.work += waves.work
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)

@@ -24,7 +24,6 @@ from itertools import takewhile
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError
 from kinetics.moments.backward import asymptotic_from
 from kinetics.moments.delayed import Loops, Returns, met_again, series_end
 from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
@@ -94,7 +93,8 @@ class Waves:
 
         tolerance : absolute, of a_0 and of those kept
         kept : largest m that is wanted, if it is not negligible
-        most_work : InputError where more may be needed: some three times what is
+        most_work : OverflowError, with the K that could be had, where more may be needed (some
+            three times what is)
         """
         self.law, self.wave_numbers, self.tolerance = law, wave_numbers, tolerance
         largest = float(wave_numbers.max())
@@ -139,11 +139,7 @@ class Waves:
         back = np.minimum(reach, law.largest_loss / rule.width)
         work = float((count - self._first) @ (rule.nodes + back)) * rule.nodes**2
         if work > most_work:  # it grows as the cube
-            k = float(self.wave_numbers.max())
-            raise InputError(
-                f"wave_numbers: got up to {k:.4g}/(mean free path); for this law and these times "
-                f"{k * (most_work / work) ** (1.0 / 3.0):.2g} can be had within seconds"
-            )
+            raise OverflowError(float(self.wave_numbers.max()) * (most_work / work) ** (1.0 / 3.0))
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         lost = np.stack(list(q.harmonic_losses(top)))
         shifts = PanelShifts(rule, np.minimum(q.log_loss, count * rule.width + deep))
