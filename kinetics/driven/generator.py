@@ -39,7 +39,8 @@ _FLOOR = 1e-12  # below it two solutions may agree by chance: ten times what rou
 # errors fall as a power of the number of speeds, and up to 3.8 times what two solutions differ by
 # is left
 SLOWLY = 4.0
-TRIED = np.linspace(0.1, 3.0, 60)  # speeds, over the thermal one, at which densities are compared
+# speeds, over the thermal one, at which densities are compared
+TRIED = np.append([0.01, 0.02, 0.04, 0.07], np.linspace(0.1, 3.0, 60))
 _REACH = 8.5  # standard deviations of a scatterer's velocity: beyond it is 1e-16 of them
 
 

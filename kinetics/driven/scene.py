@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bisect
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -20,10 +19,9 @@ from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March,
 from kinetics.field.scene import DENSITIES, FieldScene
 from kinetics.field.starts import Start
 from kinetics.field.system import TAIL, System
-from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.numerics import FloatArray
 from kinetics.states.state import State
 
-_RANGE = 6.0  # of the highest speeds at times that are solved together
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
 
 
@@ -93,7 +91,7 @@ class _Evolution(March):
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self._densities:
-            inside = (self.times >= now) & (self.times <= now + h)
+            inside = self._inside(now, h)
             rows = radau.rows((self.times[inside] - now) / h)
             self.sums[inside] = np.tensordot(rows, stages[:, 0], axes=1)
 
@@ -106,20 +104,6 @@ class DrivenScene(FieldScene):
 
     def _units(self) -> tuple[float, FloatArray]:
         return 1.0, self.times / self.path
-
-    @one_blas_thread
-    def _solved(self) -> tuple[list[Any], dict[str, float]]:
-        """Times at which tracers are about as fast are solved together."""
-        parts: list[_Evolution] = []
-        worst, end = dict.fromkeys(self.allowed, 0.0), self._scaled.size
-        while end > 0:
-            far = self._top(end - 1) / _RANGE
-            begin = bisect.bisect_left(range(end - 1), True, key=lambda i: self._top(i) >= far)
-            part, errors = self._refined(self._scaled[begin:end])
-            parts.insert(0, part)
-            worst = {name: max(errors[name], x) for name, x in worst.items()}
-            end = begin
-        return parts, worst
 
     def _top(self, i: int) -> float:
         return self.system.top(TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)

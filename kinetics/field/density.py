@@ -131,7 +131,7 @@ class LastFlights:
 _ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
 _CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
 # velocities at which two solutions are compared, in units of the usual speed
-_TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
+_TRIED_SPEEDS = np.array([0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2, 1.6, 2.0])
 _LOOKED_AT = np.linspace(0.1, 2.5, 17)  # speeds at which a density may not be below zero
 _TRIED_ANGLES = np.array([0.05, -0.5, 1.3, -2.2, 3.0])  # on both sides of the field
 
@@ -184,11 +184,16 @@ class VelocityDensity:
         return worst
 
     def difference(self, other: VelocityDensity) -> float:
-        """The largest difference of two solutions relative to the largest density of each time."""
+        """The largest difference of two solutions relative to the largest density of each time.
+
+        Of the velocity, and of the speed.
+        """
         worst = 0.0
-        for i, _, along, across in self._tried(_TRIED_SPEEDS, _TRIED_ANGLES):
-            one, two = self.at(i, along, across), other.at(i, along, across)
-            worst = max(worst, float(np.max(np.abs(one - two)) / max(np.abs(one).max(), 1e-300)))
+        for i, v, along, across in self._tried(_TRIED_SPEEDS, _TRIED_ANGLES):
+            f = np.reshape([x.at(i, along, across) for x in (self, other)], (2, -1, v.size))
+            for one, two in (f, f * v ** (self._dimension - 1)):
+                largest = max(np.abs(one).mean(axis=0).max(), 1e-300)
+                worst = max(worst, float(np.abs(one - two).max() / largest))
         return worst if math.isfinite(worst) else math.inf
 
     @property

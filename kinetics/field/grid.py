@@ -25,7 +25,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 
-_RATIO = 3.0  # of the ends of a panel, over time
+_RATIO = 3.0  # of the ends of a panel, at most
 _FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
 
 
@@ -35,21 +35,23 @@ class Resolution:
 
     nodes : of a panel of speeds
     harmonics : M, odd; harmonics 0 ... M are solved
-    lowest : the first panel is about so long
+    lowest : the first panel is so long, of the usual speed
     rtol : what speeds above the highest, and a step of time, may miss
+    step : the first step of time, over the longest: a finer solution has others
     """
 
     nodes: int
     harmonics: int
     lowest: float
     rtol: float
+    step: float = 1.0
 
     @classmethod
     def steady(cls, rtol: float, harmonics: int) -> Resolution:
         """One for the density of the steady state; harmonics : as many as averages need."""
         digits = -math.log10(max(rtol, 1e-12))
         nodes = max(math.ceil(4.4 + 0.85 * digits), _FEWEST)
-        return cls(nodes, harmonics | 1, 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
+        return cls(nodes, harmonics | 1, 0.35 * 10.0 ** (-digits / 6.0), 10.0**-digits)
 
     @classmethod
     def over_time(cls, rtol: float) -> Resolution:
@@ -62,7 +64,8 @@ class Resolution:
     def finer(self) -> Resolution:
         """With half as many harmonics again, some more nodes and shorter steps."""
         harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)
-        return Resolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.2 * self.rtol)
+        lowest, step = 0.7 * self.lowest, 0.7 * self.step
+        return Resolution(self.nodes + 2, harmonics, lowest, 0.2 * self.rtol, step)
 
 
 @dataclass(frozen=True)
@@ -78,13 +81,14 @@ class SpeedPanels:
 
     @classmethod
     def rising(cls, highest: float, lowest: float, nodes: int, tail: bool = False) -> SpeedPanels:
-        """Panels up to a speed, the first one to about ``lowest``.
+        """Panels up to a speed, the first one to ``lowest`` if that is below it.
 
         Above the speed 1 each has ``nodes`` nodes, and fewer below, where averages vary less.
         tail : whether the last one is cut in two, so that the density is resolved that falls there
         """
-        count = max(1, math.ceil(math.log(highest / lowest) / math.log(_RATIO)))
-        edges = [highest * _RATIO ** (j - count) for j in range(count + 1)]
+        lowest = min(lowest, highest / _RATIO)
+        count = math.ceil(math.log(highest / lowest) / math.log(_RATIO))
+        edges = np.geomspace(lowest, highest, count + 1).tolist()
         fewest = max(_FEWEST, nodes // 2)
         rising = max(1, math.ceil(-math.log(lowest) / math.log(_RATIO)))
         share = np.minimum(1.0, np.arange(1, count + 1) / rising)

@@ -42,6 +42,7 @@ _SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
 SHORTEST_TIME = 1e-12
 _ROUNDING = 1e-14  # of averages, term by term: shorter steps do not mend it
 _FIRST = 0.5  # of the first step, in free flights of the fastest
+_SLOWEST = 0.01  # over the usual speed: from there on densities are right
 _MOST_HARMONICS = 40  # in a field: seconds, and 200 MB of memory
 
 T = TypeVar("T")
@@ -171,6 +172,10 @@ class March:
     steps: int = 0
     tries: int = 0
 
+    def _inside(self, now: float, h: float) -> NDArray[np.bool_]:
+        """Which times are in a step, (n_times,): also the last one, but for rounding."""
+        return (self.times >= now) & (self.times <= now + h * (1.0 + SHORTEST_TIME))
+
     def _uncollided(self, times: FloatArray) -> FloatArray | float:
         """What tracers in closed form add to the averages, (n, n_averages)."""
         return 0.0
@@ -186,17 +191,23 @@ class March:
         """What goes on after a step; values : `ALL` by now, (1, n_averages)."""
         return equation, f
 
-    def _run(self, equation: Equation, f: FloatArray, fastest: float) -> None:
-        """From f on, up to the last time or beyond it; fastest : the highest speed in f."""
+    def _run(self, equation: Equation, f: FloatArray, fastest: float, steps: int = 1) -> None:
+        """From f on, up to the last time.
+
+        fastest : the highest speed in f; steps : that the first one is cut in, at least
+        """
         self.values = np.zeros((self.times.size, len(ALL)))
         now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
-        # at the first of the times averages may be small, as the fourth power of the time
-        h = min(_FIRST / (1.0 + fastest), *self.times[self.times > 0.0][:1], last)
+        # at the first of the times averages may be small, as the fourth power of the time: a step
+        # ends there
+        first = float(np.min(self.times[self.times > 0.0], initial=last))
+        h = min(_FIRST / (1.0 + fastest), first) / steps
         totals, asked = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
         grows = [one for one, _ in INTEGRALS.values()]
         factor = np.array([factor for _, factor in INTEGRALS.values()])
-        while now < last or self.tries == 0:
+        while last - now > SHORTEST_TIME * last:
             self.tries += 1
+            h = min(h, last - now)
             early, source = self._early(now, h) or (0.0, None)
             stages = equation.step(f, h, source)
             averages = equation.averages(stages)
@@ -211,7 +222,7 @@ class March:
             if rough > allowed and self.tries < self.most_steps and h > _SHORTEST * last:
                 h *= 0.5
                 continue
-            inside = (self.times >= now) & (self.times <= now + h)
+            inside = self._inside(now, h)
             local = (self.times[inside] - now) / h
             found = radau.rows(local) @ averages + self._uncollided(self.times[inside])
             made = totals + h * (radau.integral_rows(local) @ total[:, grows]) * factor
@@ -220,7 +231,8 @@ class March:
             self.steps += 1
             now, totals = now + h, grown[-1]
             equation, f = self._slowed(equation, stages[-1], now, np.hstack([total, grown])[-1:])
-            if rough * _SMOOTH < allowed or self.tries >= self.most_steps:
+            smooth = rough * _SMOOTH < allowed or self.tries >= self.most_steps
+            if smooth and not now < first < now + 1.99 * h:
                 h *= 2.0
 
     def _relative(self, missed: FloatArray, values: FloatArray) -> float:
@@ -268,8 +280,15 @@ class Evolution(March):
         system, tail = System(self.law, d, field=1.0), TAIL * one.rtol
         highest = system.top(tail, last, self.start.highest)
         self._lasting = system.top(tail, last)
-        # below 1/t, no tracer has collided by the time t
-        lowest = min(one.lowest * max(1.0, 1.0 / last), 0.1 * highest)
+        first = float(np.min(self.times[self.times > 0.0], initial=last))
+        mean = self.start.mean_speed
+        if self.state is None:
+            # below 1/t no tracer has collided by the time t, but most may be slower; from rest,
+            # before the square root of rtol fewer than that have
+            slow = min(max(1.0, 1.0 / last), max(mean, first, math.sqrt(one.rtol)))
+        else:  # densities vary where collisions leave few
+            slow = min(1.0, max(_SLOWEST * mean, first))
+        lowest = one.lowest * slow
         self.axis = self.left = SpeedPanels.rising(highest, lowest, one.nodes)
         self.families = 1 if self.start.is_symmetric else 2
         of = ("f", "x", "y") if self.asked & SQUARES else ("f",)
@@ -280,7 +299,7 @@ class Evolution(March):
         if self.start.velocities is None:
             sums = self.start.projected(self.axis, one.harmonics + 1, self.families, self.state)
             f[: self.families] = sums / self._volume
-        self._run(equation, f, self.start.highest)
+        self._run(equation, f, self.start.highest, math.ceil(1.0 / one.step))
 
     def _equation(self) -> Equation:
         """On the panels that are left: no collision makes a tracer faster."""

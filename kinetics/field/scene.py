@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NoReturn
 
 import numpy as np
@@ -13,13 +14,15 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
 from kinetics.field.density import VelocityDensity, is_sharp
 from kinetics.field.grid import Resolution
-from kinetics.field.march import ALL, Evolution, refined
+from kinetics.field.march import ALL, SHORTEST_TIME, Evolution, refined
 from kinetics.field.starts import Start
+from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
 DENSITIES = "densities"
 BEST_DENSITY = 1e-4
+_RANGE = 6.0  # of the highest speeds at times that are solved together
 _MADE_OF = {
     "a2": {"v^4"},
     "collisions": {"collisions"},
@@ -83,16 +86,42 @@ class FieldScene:
 
     @one_blas_thread
     def _solved(self) -> tuple[list[Any], dict[str, float]]:
-        """Solutions up to one time after another, and the largest errors."""
+        """Times at which tracers are about as fast are solved together; and the largest errors.
+
+        Slower ones would be lost in the rounding of the fast.
+        """
+        parts: list[Any] = []
+        worst, end = dict.fromkeys(self.allowed, 0.0), self._scaled.size
+        while end > 0:
+            far = self._top(end - 1) / _RANGE
+            begin = bisect.bisect_left(range(end - 1), True, key=lambda i: self._top(i) >= far)
+            part, errors = self._refined(self._scaled[begin:end])
+            parts.insert(0, part)
+            worst = {name: max(errors[name], x) for name, x in worst.items()}
+            end = begin
+        return parts, worst
+
+    @property
+    def _system(self) -> System:
+        """In units of the solution."""
+        return System(self.law, self.law.dimension, field=1.0)
+
+    def _top(self, i: int) -> float:
+        """The highest speed up to the i-th time."""
+        time = max(float(self._scaled[i]), SHORTEST_TIME)
+        return self._system.top(TAIL * self.rtol, time, self._start_from(1).highest)
+
+    def _refined(self, times: FloatArray) -> tuple[Any, dict[str, float]]:
+        """The best solution up to some times, and its errors."""
         sharp, allowed = is_sharp(self.state), dict(self.allowed)
         if sharp:  # densities have fronts, which finer solutions hardly mend
             allowed.pop(DENSITIES, None)
         first = Resolution.over_time(self.rtol)
-        found, errors = refined(self._evolution, first, self._apart, allowed)
+        found, errors = refined(partial(self._evolution, times), first, self._apart, allowed)
         if sharp and DENSITIES in self.allowed:
             negative = self._densities(found).negative()
             errors[DENSITIES] = max(errors.get(DENSITIES, math.inf), negative)
-        return [found], errors
+        return found, errors
 
     def _densities(self, one: Evolution) -> VelocityDensity:
         return VelocityDensity(one, self.state, self._speed)
@@ -107,20 +136,22 @@ class FieldScene:
     def _densities_apart(self, one: Any, two: Any) -> float:
         return self._densities(one).difference(self._densities(two))
 
-    def _evolution(self, resolution: Resolution) -> Evolution:
-        start = Start.of(
-            self.state, 0.1 * self.rtol, 1.0 / self._speed, resolution.harmonics, self.law.dimension
-        )
+    def _start_from(self, harmonics: int) -> Start:
+        unit, d = 1.0 / self._speed, self.law.dimension
+        return Start.of(self.state, 0.1 * self.rtol, unit, harmonics, d)
+
+    def _evolution(self, times: FloatArray, resolution: Resolution) -> Evolution:
+        start = self._start_from(resolution.harmonics)
         # <v^4> of such speeds overflows; flights that change them by less than 1e-12 lose digits
         if start.highest > (1e6 if DENSITIES in self.allowed else 1e40):
             self._refuse()
         # starts that change averages by less are at rest; isotropic ones by the square of theirs
         isotropic = self.state.highest_harmonic == 0
         small = math.sqrt(self.rtol) if isotropic else self.rtol
-        if start.highest < 0.1 * small * min(1.0, float(self._scaled[0])):
+        if start.highest < 0.1 * small * min(1.0, float(times[0])):
             start = Start.rest(self.law.dimension)
         state = self.state if DENSITIES in self.allowed else None
-        return Evolution(self.law, start, self._scaled, resolution, self._asked, state)
+        return Evolution(self.law, start, times, resolution, self._asked, state)
 
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
@@ -202,18 +233,20 @@ class FieldScene:
     # -- densities --------------------------------------------------------------------------------
 
     @cached_property
-    def _density(self) -> VelocityDensity:
-        return self._densities(self._parts[0])
+    def _at_times(self) -> list[tuple[VelocityDensity, int]]:
+        """Of each time its solution, and its place there."""
+        solved = [(self._densities(one), one.times.size) for one in self._parts]
+        return [(one, i) for one, count in solved for i in range(count)]
 
     @property
     def uncollided(self) -> FloatArray:
         """See `VelocityDensity`."""
-        return self._density.uncollided
+        return np.concatenate([one.uncollided for one, i in self._at_times if i == 0])
 
     def speed_density(self, v: FloatArray) -> FloatArray:
         """In 1/U at all times, shape (n_times, n_v)."""
-        one = self._density.by_speed
-        return np.array([one(i, v / self._speed) for i in range(self.times.size)]) / self._speed
+        v = v / self._speed
+        return np.array([one.by_speed(i, v) for one, i in self._at_times]) / self._speed
 
     def component_density(self, v_x: FloatArray) -> FloatArray:
         """Not available."""
@@ -226,6 +259,6 @@ class FieldScene:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""
         along = np.outer(v / self._speed, np.cos(phi)).ravel()
         across = np.outer(v / self._speed, np.sin(phi)).ravel()
-        found = [self._density.at(i, along, across) for i in range(self.times.size)]
+        found = [one.at(i, along, across) for one, i in self._at_times]
         shape = self.times.size, v.size, phi.size
         return np.reshape(found, shape) / self._speed**self.law.dimension

@@ -167,6 +167,15 @@ class Start:
             return float(np.max(np.hypot(self.velocities.along, self.velocities.across)))
         return max(self.speed * float(np.exp(m.x.max())) for m in self.measures if m)
 
+    @property
+    def mean_speed(self) -> float:
+        """The average speed at the start."""
+        if self.velocities is not None:
+            speeds = np.hypot(self.velocities.along, self.velocities.across)
+            return float(self.velocities.weight @ speeds)
+        assert self.measures[0] is not None  # every state has its speeds
+        return self.speed * float(self.measures[0].weight.real @ np.exp(self.measures[0].x))
+
     def projected(self, axis: Any, count: int, families: int, state: State | None) -> FloatArray:
         """Sums over the start of harmonics and polynomials of an axis, (families, count, size).
 

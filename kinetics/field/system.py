@@ -205,4 +205,7 @@ class System:
             rising = np.minimum(rising, 0.5 * (v / (2.0 * self.bath_speed)) ** 2)
         needed = math.log(1.0 / tolerance) + 8.0
         reached = float(np.interp(needed, np.maximum(steady, rising), v))
-        return max(math.hypot(reached, start), _LEAST_TOP)
+        top = math.hypot(reached, start)
+        if self.only_falls:  # and no faster than without a collision
+            top = min(top, start + g * time)
+        return max(top, _LEAST_TOP)
