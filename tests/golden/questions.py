@@ -19,12 +19,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pandas as pd
 
 import particles as package
-from derivations import verify
 from kinetics import (
     Beam,
     CollisionLaw,
@@ -204,21 +202,6 @@ def particles(medium: str, **arguments: Any) -> Any:
     return run.positions[:, ::5], run.velocities[:, ::5]
 
 
-@question(1e-12)
-def paper_algebra() -> Any:
-    checks = verify()
-    return [
-        [
-            sum(check.status == status for check in checks)
-            for status in sorted({c.status for c in checks})
-        ]
-    ]
-
-
-STEP, SIDE = 0.25, 25.0
-"""Time of a step, and side of the periodic box, of the files of particle data."""
-
-
 def trajectories(dimension: int = 2, tracers: int = 150) -> tuple[Any, Any, Any]:
     """Times (4,), positions and velocities (4, tracers, d): a dilute gas, e = .7, l = 12.5."""
     u = iter(np.random.default_rng(3).uniform(size=200_000)).__next__
@@ -228,7 +211,7 @@ def trajectories(dimension: int = 2, tracers: int = 150) -> tuple[Any, Any, Any]
         v = np.array(
             [np.sqrt(-2 * np.log(u())) * np.cos(2 * np.pi * u()) for _ in range(dimension)]
         )
-        r, t, k = np.array([SIDE * u() for _ in range(dimension)]), 0.0, 0
+        r, t, k = np.array([25.0 * u() for _ in range(dimension)]), 0.0, 0
         while k < 4:
             end = t - 12.5 * np.log(u()) / np.linalg.norm(v)
             while k < 4 and times[k] <= end:
@@ -248,86 +231,14 @@ def trajectories(dimension: int = 2, tracers: int = 150) -> tuple[Any, Any, Any]
     return times, place, speed
 
 
-def columns(times: Any, place: Any, speed: Any) -> dict[str, Any]:
+def write_table(path: Path, times: Any, place: Any, speed: Any) -> None:
     found = {"t": np.repeat(times, place.shape[1])}
     found["id"] = np.tile(np.arange(place.shape[1]), times.size)
     for names, part in (("xyz", place), (("vx", "vy", "vz"), speed)):
         found |= dict(zip(names, part.reshape(-1, part.shape[2]).T, strict=False))
-    return found
+    pd.DataFrame(found).to_csv(path, index=False)
 
 
-def write_table(path: Path, *run: Any) -> None:
-    frame = pd.DataFrame(columns(*run))
-    if path.suffix == ".parquet":
-        frame.to_parquet(path)
-    elif path.name == "columns.npz":
-        np.savez(path, **columns(*run))
-    else:
-        frame.to_csv(path, index=False)
-
-
-def write_arrays(path: Path, times: Any, place: Any, speed: Any) -> None:
-    np.savez(path, times=times, positions=place, velocities=speed)
-
-
-def write_h5md(path: Path, times: Any, place: Any, speed: Any) -> None:
-    image = np.floor(place / SIDE).astype(int)
-    with h5py.File(path, "w") as file:
-        file.create_group("h5md").attrs["version"] = [1, 1]
-        group = file.create_group("particles/tracers")
-        group["box/edges"] = [SIDE] * place.shape[2]
-        group["box"].attrs["boundary"] = [b"periodic"] * place.shape[2]
-        parts = {"position": place - image * SIDE, "velocity": speed, "image": image}
-        for name, values in parts.items():
-            group[f"{name}/value"], group[f"{name}/time"] = values, times
-            group[f"{name}/step"] = np.round(times / STEP).astype(int)
-
-
-def write_dump(path: Path, times: Any, place: Any, speed: Any) -> None:
-    image = np.floor(place / SIDE).astype(int)
-    lines = []
-    for k, time in enumerate(times):
-        lines += ["ITEM: TIMESTEP", str(round(time / STEP)), "ITEM: NUMBER OF ATOMS"]
-        lines += [str(place.shape[1]), "ITEM: BOX BOUNDS pp pp pp", "0.0 25.0", "0.0 25.0"]
-        lines += ["-0.5 0.5", "ITEM: ATOMS id type x y ix iy vx vy"]
-        for n in range(place.shape[1]):
-            row = [*(place - image * SIDE)[k, n], *image[k, n], *speed[k, n]]
-            lines.append(" ".join([str(n + 1), "1", *(repr(x.item()) for x in row)]))
-    path.write_text("\n".join(lines) + "\n")
-
-
-def write_xyz(path: Path, times: Any, place: Any, speed: Any) -> None:
-    lines = []
-    for time, r, v in zip(times.tolist(), place.tolist(), speed.tolist(), strict=True):
-        lines += [str(len(r)), f"Properties=species:S:1:pos:R:3:id:I:1:vel:R:3 Time={time!r}"]
-        for n in range(len(r)):
-            lines.append(" ".join(["X", *map(repr, r[n]), "0.0", str(n), *map(repr, v[n]), "0.0"]))
-    path.write_text("\n".join(lines) + "\n")
-
-
-def write_gsd(path: Path, times: Any, place: Any, speed: Any) -> None:
-    from gsd import hoomd
-
-    image = np.floor(place / SIDE + 0.5).astype(int)
-    with hoomd.open(str(path), "w") as file:
-        for k, time in enumerate(times):
-            frame = hoomd.Frame()
-            frame.configuration.step, frame.configuration.dimensions = round(time / STEP), 2
-            frame.configuration.box = [SIDE, SIDE, 0, 0, 0, 0]
-            frame.particles.N = place.shape[1]
-            three = [
-                np.pad(part[k], ((0, 0), (0, 1))) for part in (place - image * SIDE, speed, image)
-            ]
-            frame.particles.position, frame.particles.velocity, frame.particles.image = three
-            file.append(frame)
-
-
-FILES: dict[str, Callable[..., None]] = {
-    "run.csv": write_table, "run.parquet": write_table, "columns.npz": write_table,
-    "run.npz": write_arrays, "run.h5md": write_h5md, "run.dump": write_dump, "run.xyz": write_xyz,
-    "run.gsd": write_gsd,
-}  # fmt: skip
-SINGLE_PRECISION = ("run.gsd",)
 TOLD: dict[str, list[str]] = {
     "true": ["-e", "0.7", "--number-density", "0.04"],
     "false": ["-e", "0.85", "--number-density", "0.04"],
@@ -339,7 +250,7 @@ def judged(file: Path, *told: str) -> Any:
     """What `lorentz compare --json` says of a file: the whole document."""
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        status = main(["compare", str(file), "--timestep", str(STEP), "--json", *told])
+        status = main(["compare", str(file), "--json", *told])
     assert status == 0
     return json.loads(out.getvalue())
 

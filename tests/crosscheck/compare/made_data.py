@@ -86,6 +86,8 @@ def write_h5md(path: Path, run: Run, image: bool = False) -> None:
         group = file.create_group("particles/tracers")
         elements = {"position": place, "velocity": run[1]} | ({"image": flags} if image else {})
         group["box/edges"] = [SIDE] * run[0].shape[2]
+        if image:
+            group["box"].attrs["boundary"] = [b"periodic"] * run[0].shape[2]
         group["medium"] = np.arange(run[0].shape[1]) // 50
         for name, values in elements.items():
             group[f"{name}/value"] = values
@@ -94,14 +96,15 @@ def write_h5md(path: Path, run: Run, image: bool = False) -> None:
                 group[f"{name}/time"] = TIMES
 
 
-def write_dump(path: Path, run: Run, columns: str = "", kind: Any = None) -> None:
+def write_dump(path: Path, run: Run, place: str = "{}u", kind: Any = None) -> None:
+    """As LAMMPS; place: the columns of a coordinate."""
     box, image = inside(run)
     axes = "xyz"[: run[0].shape[2]]
-    columns = columns or " ".join([f"{axis}u" for axis in axes] + ["vx", "vy", "vz"])
+    columns = " ".join([place.format(axis) for axis in axes] + ["vx vy vz"])
     data = {"vz": np.zeros(run[0].shape[:2])}
     for k, axis in enumerate(axes):
         data |= {f"{axis}u": run[0][..., k], f"v{axis}": run[1][..., k], axis: box[..., k]}
-        data |= {f"i{axis}": image[..., k], f"{axis}s": box[..., k] / SIDE}
+        data |= {f"i{axis}": image[..., k]}
     bounds = [f"0.0 {SIDE}"] * len(axes) + ["-0.5 0.5"] * (3 - len(axes))
     lines, n = [], run[0].shape[1]
     for k, time in enumerate(TIMES):
@@ -155,10 +158,11 @@ FORMATS: dict[str, Callable[[Path, Run], None]] = {
     "run.h5md": write_h5md,
     "image.h5": lambda path, run: write_h5md(path, run, image=True),
     "run.dump": write_dump,
+    "image.dump": lambda path, run: write_dump(path, run, "{0} i{0}"),
     "run.xyz": write_xyz,
     "run.gsd": write_gsd,
 }
-NO_MEDIUM = ("frames.npz", "run.dump", "run.xyz", "run.gsd")
+NO_MEDIUM = ("frames.npz", "run.dump", "image.dump", "run.xyz", "run.gsd")
 """Formats that do not say the configuration."""
 
 
