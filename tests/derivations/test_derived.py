@@ -165,6 +165,7 @@ def test_the_printed_curves_of_the_solver_meet_the_printed_formulas() -> None:
         side = formula[-1].rhs if isinstance(formula, sp.Tuple) else formula.rhs
         return sp.lambdify(arguments, side.subs(at or {}).doit(), "numpy")
 
+    other = {sy.alpha: sp.Rational(5, 6), sy.beta: sp.Rational(3, 200), sy.l: 3}
     law, radii = printed_numbers, RANDOM.uniform(0.3, 6, 20)
     time, value = RANDOM.uniform(1, 3000, 20), RANDOM.uniform(0.1, 0.95, 20)
     saddle = of("csolu", R, eta)(radii, 0.25)
@@ -183,6 +184,7 @@ def test_the_printed_curves_of_the_solver_meet_the_printed_formulas() -> None:
         (law.cooling_rate_fitted(value), rate),
         (law.thermal_speed(time, rate), of("veq", e, sy.t, at=walk)(value, time)),
         (law.msd_random_walk(time, value), of("msd", e, sy.t, at=walk)(value, time)),
+        (law.msd_random_walk(time, 1, 0.1, 0.5, 3.0, 1.2, 0.3), of("msd", sy.t, at=other)(time)),
         (law.position_given_speed(radii, 0.75, 0.6), of("posivel", R, eta, sy.V)(radii, 0.75, 0.6)),
         (law.position_peak(radii), of("peakg", R, eta, sy.Vbar)(radii, 0.75, np.sqrt(0.5))),
         (law.position_far_tail(radii, 0.25), of("semig", R, eta)(radii, 0.25)),
