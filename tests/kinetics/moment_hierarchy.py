@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Any
 
 import mpmath as mp
-import numpy as np
 from collision import decay_rates
 
 from kinetics import Scene
@@ -53,12 +52,3 @@ def chance_of_bounces(rates: list[Any], t: Any) -> Any:
 
 def scene(e: float, initial: Any, times: Any = TIMES, **more: Any) -> Scene:
     return Scene(restitution=e, number_density=0.5, initial=initial, times=times, **more)
-
-
-def gaussian_speed_moment(q: int) -> Any:
-    """<v^q> for the speed density v exp(-v^2/2)."""
-    return mp.mpf(2) ** (mp.mpf(q) / 2) * mp.gamma(mp.mpf(q) / 2 + 1)
-
-
-def velocities(n: int) -> Any:
-    return np.random.default_rng(5).normal([0.7, -0.2], [1.0, 0.5], (n, 2))

@@ -87,15 +87,10 @@ class AllAre:
     def __init__(self, seed: int, own: Any = None) -> None:
         data = 1.0 + 0.05 * np.random.default_rng(seed).normal(size=(12, 2, 3))
         self.sample = SimpleNamespace(groups=12, times=np.arange(1.0, 4.0))
-        self.values, self.replicates, self.own_covariance = (
-            data.mean(0),
-            left_out(data),
-            lambda *_: own,
-        )
-        self.stabilised, self.spread_of_a2 = (
-            lambda theory, difference: difference,
-            lambda point: None,
-        )
+        self.values, self.replicates = data.mean(0), left_out(data)
+        self.own_covariance = lambda *_: own
+        self.stabilised = lambda theory, difference: difference
+        self.spread_of_a2 = lambda point: None
 
     def theory(self, point: Point) -> Any:
         return np.full((2, 3), point.path)

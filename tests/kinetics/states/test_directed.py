@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cooling import gaussian_moment
 from example_values import gaussian_speeds
-from moment_hierarchy import TIMES, gaussian_speed_moment, rates, scene, series, velocities
+from moment_hierarchy import TIMES, rates, scene, series
 
 from kinetics import AngularHarmonics, Beam, Gaussian, PolarGrid, VelocitySamples, solve
 
@@ -62,7 +63,7 @@ def test_angular_harmonics() -> None:
     outputs = ("velocity_density", "mean_velocity", "velocity_tensor")
     solution = solve(scene(0.7, AngularHarmonics(terms), times, outputs=outputs), rtol=1e-8)
     for m, factor in ((0, 1.0), (1, 0.3), (2, -0.25j), (3, 0.0)):
-        exact = [factor * series(0.7, m, 2, t, gaussian_speed_moment) for t in times]
+        exact = [factor * series(0.7, m, 2, t, gaussian_moment) for t in times]
         assert np.max(np.abs(solution.harmonic(2, m) - exact)) < 1e-8
     assert abs(solution.mean_velocity[0, 0] - 0.3 * np.sqrt(np.pi / 2)) < 1e-8
     assert abs(solution.velocity_tensor[0, 0, 1] - 0.25) < 1e-8  # <v^2> <sin 2 phi>/2
@@ -103,7 +104,7 @@ def test_polar_grid_is_the_function_it_samples() -> None:
 
 @pytest.mark.parametrize("n", [7, 20_000])  # kept as they are, and gathered on a grid
 def test_samples_of_velocities(n: int) -> None:
-    v = velocities(n)
+    v = np.random.default_rng(5).normal([0.7, -0.2], [1.0, 0.5], (n, 2))
     outputs = ("thermal_speed", "mean_velocity", "velocity_tensor")
     solution = solve(scene(0.4, VelocitySamples(v), [0.0, 0.4], outputs=outputs))
     assert np.allclose(solution.mean_velocity[0], v.mean(axis=0), rtol=1e-11)
