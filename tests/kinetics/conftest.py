@@ -1,15 +1,9 @@
-"""What the tests of the solver share: the reference values, and the formulas behind them."""
+"""What the tests of the solver share."""
 
 import sys
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
-import collision
-import cooling
 import pytest
-
-from kinetics.crosscheck.references import load
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # for example_values.py and others that several tests import
@@ -20,15 +14,3 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if HERE in item.path.parents:
             item.add_marker(pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning"))
-
-
-@pytest.fixture(scope="session")
-def formulas() -> SimpleNamespace:
-    """Closed forms of one collision, and series and integrals in time, in mpmath."""
-    return SimpleNamespace(**{**vars(collision), **vars(cooling)})
-
-
-@pytest.fixture(scope="session")
-def numbers() -> Any:
-    """The tables of `kinetics.crosscheck.references`."""
-    return load()

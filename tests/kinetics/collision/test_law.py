@@ -1,9 +1,9 @@
 """CollisionLaw against closed forms and integrals in mpmath: smooth disks, rough ones, spheres."""
 
 from itertools import product
-from types import ModuleType
 from typing import Any
 
+import collision
 import mpmath as mp
 import pytest
 from marking import slow_but
@@ -23,21 +23,21 @@ def relative(found: complex, exact: Any) -> float:
 
 @pytest.mark.parametrize("e", NEAR_AND_FAR)
 @pytest.mark.parametrize("p", REAL + NEGATIVE + COMPLEX)
-def test_decay_rate_and_mean_power(e: float, p: complex, formulas: ModuleType) -> None:
+def test_decay_rate_and_mean_power(e: float, p: complex) -> None:
     law = CollisionLaw(e)
     with mp.workdps(60):
-        power = formulas.speed_ratio_power(e, p)
+        power = collision.speed_ratio_power(e, p)
         # a complex power turns on the way: relative to what it is made of
-        size = formulas.speed_ratio_power(e, mp.re(p))
+        size = collision.speed_ratio_power(e, mp.re(p))
         assert float(abs(law.mean_speed_ratio_power(p) - power) / size) <= LIMIT
         assert relative(law.decay_rate(p), 1 - power) <= LIMIT
 
 
 @pytest.mark.parametrize("e", NEAR_AND_FAR)
-def test_mean_log_loss_and_mean_cosine(e: float, formulas: ModuleType) -> None:
+def test_mean_log_loss_and_mean_cosine(e: float) -> None:
     law = CollisionLaw(e)
     with mp.workdps(60):
-        assert relative(law.mean_log_loss, formulas.mean_log_loss(e)) <= LIMIT
+        assert relative(law.mean_log_loss, collision.mean_log_loss(e)) <= LIMIT
         b = mp.sqrt(1 - mp.mpf(e) ** 2)
         q = mp.atanh(b) / b
         cosine = -mp.mpf(e) * q + (1 - mp.mpf(e) ** 2 * q) / (2 * (1 - mp.mpf(e)))
@@ -46,12 +46,12 @@ def test_mean_log_loss_and_mean_cosine(e: float, formulas: ModuleType) -> None:
 
 @pytest.mark.parametrize("e", [*NEAR_AND_FAR, 0.0, 1.0])
 @pytest.mark.parametrize("m", [1, 2, 5])
-def test_harmonic_decay_rate(e: float, m: int, formulas: ModuleType) -> None:
+def test_harmonic_decay_rate(e: float, m: int) -> None:
     law = CollisionLaw(e)
     # the reference loses m times the digits of 1 - e
     with mp.workdps(60 + (8 * m if e > 0.5 else 0)):
         for p in (0.0, 1.0, 2.5, 7.0):
-            exact = 1 - formulas.ratio_power_cosine(e, p, m)
+            exact = 1 - collision.ratio_power_cosine(e, p, m)
             assert relative(law.harmonic_decay_rate(p, m), exact) <= LIMIT
 
 

@@ -7,15 +7,12 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, CollisionLaw, Scene, SolverStatus, solve
+from kinetics.crosscheck.references import load
 
 NAMES = ("msd", "kurtosis")
 LENGTH = 12.5  # mean free path at the default density, in d
-
-
-@pytest.fixture(scope="module")
-def table(numbers: Any) -> Any:
-    """<r^2> and <r^4> at 113 times, in mpmath."""
-    return numbers["displacement"]
+TABLE = load()["displacement"]
+"""<r^2> and <r^4> at 113 times, in mpmath."""
 
 
 def run(
@@ -30,11 +27,11 @@ def run(
 
 @pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
 @pytest.mark.parametrize("e", [0.0, 0.05, 0.4, 0.7, 0.9, 0.99])
-def test_the_references_at_113_times(table: Any, e: float, initial: str) -> None:
-    times = np.asarray(table["T"]) * LENGTH
+def test_the_references_at_113_times(e: float, initial: str) -> None:
+    times = np.asarray(TABLE["T"]) * LENGTH
     found = run(e, NAMES, times, initial)
     assert found.status is SolverStatus.CONVERGED
-    reference = table[str(e)][initial]
+    reference = TABLE[str(e)][initial]
     square, fourth = (np.asarray(reference[key]) for key in ("square", "fourth"))
     assert np.abs(found.msd / LENGTH**2 / square - 1.0).max() < 1e-10
     quartic = found.kurtosis * (found.msd / LENGTH**2) ** 2

@@ -1,25 +1,22 @@
 """solve: averages in time against Mellin-Barnes integrals and power series in mpmath."""
 
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+from cooling import SAMPLES, TABLE, TIMES
 
 from kinetics import ScalingSolution, Scene, Solution, SolverStatus, SpeedSamples, SpeedTable, solve
+from kinetics.crosscheck.references import load
 
 MEANS = ("thermal_speed", "temperature", "a2", "collisions", "msd")
-
-
-def state(name: str, formulas: ModuleType) -> Any:
-    return {
-        "gaussian": "gaussian",
-        "monoenergetic": "monoenergetic",
-        "table": SpeedTable(*formulas.TABLE),
-        "samples": SpeedSamples(formulas.SAMPLES),
-        "exponential": lambda v: v * np.exp(-v),
-        "power_law": lambda v: 5.0 * v * (1.0 + v * v) ** -3.5,
-    }[name]
+EVOLUTION = load()["evolution"]
+OTHERS: dict[str, Any] = {
+    "table": SpeedTable(*TABLE),
+    "samples": SpeedSamples(SAMPLES),
+    "exponential": lambda v: v * np.exp(-v),
+    "power_law": lambda v: 5.0 * v * (1.0 + v * v) ** -3.5,
+}
 
 
 def errors(solution: Solution, rows: Any) -> dict[str, float]:
@@ -37,11 +34,11 @@ def errors(solution: Solution, rows: Any) -> dict[str, float]:
 
 @pytest.mark.parametrize("e", ["0.0", "0.05", "0.4", "0.7", "0.9", "0.99"])
 @pytest.mark.parametrize("name", ["monoenergetic", "gaussian"])
-def test_averages_at_times_up_to_1e8(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
+def test_averages_at_times_up_to_1e8(e: str, name: str) -> None:
     """As accurate as asked for; and at 1e-6 not 1000 times more so, which would cost time."""
-    rows = numbers["evolution"][e][name]
+    rows = EVOLUTION[e][name]
     for rtol in (1e-6, 1e-8, 1e-10, 1e-12):
-        scene = Scene(float(e), times=formulas.TIMES, initial=name, outputs=MEANS)
+        scene = Scene(float(e), times=TIMES, initial=name, outputs=MEANS)
         solution = solve(scene, rtol=rtol)
         assert solution.status is SolverStatus.CONVERGED
         assert solution.error_estimate <= rtol
@@ -55,11 +52,11 @@ def test_averages_at_times_up_to_1e8(e: str, name: str, formulas: ModuleType, nu
 
 
 @pytest.mark.parametrize("e", ["0.05", "0.7"])
-@pytest.mark.parametrize("name", ["table", "samples", "exponential", "power_law"])
-def test_other_starts(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_starts(e: str, name: str) -> None:
     """The last one has a tail v^-6: <v^4> is 1/4 of its way from diverging."""
-    scene = Scene(float(e), times=formulas.TIMES, initial=state(name, formulas), outputs=MEANS)
-    found = errors(solve(scene, rtol=1e-12), numbers["evolution"][e][name])
+    scene = Scene(float(e), times=TIMES, initial=OTHERS[name], outputs=MEANS)
+    found = errors(solve(scene, rtol=1e-12), EVOLUTION[e][name])
     assert max(found.values()) <= 2e-12, found
 
 

@@ -1,12 +1,12 @@
 """Fourier sums are exact for what the nodes resolve; small losses count; one thread."""
 
 import math
-from types import ModuleType
 
 import mpmath as mp
 import numpy as np
 import pytest
 import threadpoolctl
+from collision import integer_moment
 
 from kinetics import Scene, solve
 from kinetics.numerics import one_blas_thread
@@ -26,12 +26,12 @@ def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
 
 
 @pytest.mark.parametrize("gap", [1e-6, 1e-8])
-def test_the_cooling_rate_of_nearly_elastic_tracers(gap: float, formulas: ModuleType) -> None:
+def test_the_cooling_rate_of_nearly_elastic_tracers(gap: float) -> None:
     """v0 t -> 2 l/h: the small losses at each bounce decide it, and must not be rounded."""
     e, t = 1.0 - gap, 1e30
     found = solve(Scene(e, times=[t], outputs=("thermal_speed",)), rtol=1e-12)
     with mp.workdps(50):
-        h = float(2 / mp.sqrt(formulas.integer_moment(e, 2)))
+        h = float(2 / mp.sqrt(integer_moment(e, 2)))
     assert 2.0 * 12.5 / (found.thermal_speed[0] * t) == pytest.approx(h, rel=2e-12, abs=0.0)
 
 

@@ -1,12 +1,11 @@
 """ScalingSolution against products, limits and Mellin inversion in mpmath."""
 
 import math
-from types import ModuleType
-from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
+from collision import Product, integer_moment
 from marking import slow_but
 
 from kinetics import ScalingSolution, solve_scaled
@@ -16,13 +15,14 @@ from kinetics.scaling import mellin
 TABLE = [1e-3, *np.round(np.arange(0.05, 0.951, 0.05), 2).tolist(), 0.99, 0.999]
 EXTREME = [1e-8, 1e-4, 1 - 1e-4, 1 - 1e-8]
 LIMIT = 1e-13
+SCALED = load()["scaled_density"]
 
 
 @pytest.mark.parametrize("e", slow_but(TABLE[::5] + EXTREME, TABLE + EXTREME))
-def test_cooling_rate_a2_and_integer_moments(e: float, formulas: ModuleType) -> None:
+def test_cooling_rate_a2_and_integer_moments(e: float) -> None:
     exact = ScalingSolution(e)
     with mp.workdps(80):
-        y = {n: formulas.integer_moment(e, n) for n in range(-2, 9) if n != 0}
+        y = {n: integer_moment(e, n) for n in range(-2, 9) if n != 0}
         h = 2 / mp.sqrt(y[2])  # v0 = 2 l/(h t), and v t/l tends to Y
         assert abs(exact.cooling_rate / h - 1) <= LIMIT
         assert abs(exact.a2 - (y[4] / (2 * y[2] ** 2) - 1)) <= LIMIT * (1 + exact.a2)
@@ -36,20 +36,20 @@ def test_cooling_rate_a2_and_integer_moments(e: float, formulas: ModuleType) -> 
 @pytest.mark.parametrize(
     "e", slow_but([0.0, 1 - 1e-8], [0.0, 0.05, 0.4, 0.9, 0.99, 1e-8, 1 - 1e-8])
 )
-def test_moments_between_the_integers(e: float, formulas: ModuleType) -> None:
+def test_moments_between_the_integers(e: float) -> None:
     """Newton's interpolation of ln E[Y^n] far out, and the recursion back."""
     exact = ScalingSolution(e)
     with mp.workdps(60):
-        moment = formulas.Product(e, 0, 90).moment
+        moment = Product(e, 0, 90).moment
         root = mp.sqrt(moment(2))
         for p in [-0.5, 0.3, 1.5, 2.5, math.pi, 7.9, 40.1, *([-1.5, -6.3] if e else [])]:
             reference = moment(p) / root ** mp.mpf(p)
             assert abs(exact.moment(p) / reference - 1) <= 2 * LIMIT, p
 
 
-@pytest.mark.parametrize("e", slow_but(["0.05", "0.6", "0.95", "0.999"], load()["scaled_density"]))
-def test_vdf_against_mellin_inversion(e: str, numbers: Any) -> None:
-    c, f = (np.array(numbers["scaled_density"][e][name]) for name in ("c", "F"))
+@pytest.mark.parametrize("e", slow_but(["0.05", "0.6", "0.95", "0.999"], SCALED))
+def test_vdf_against_mellin_inversion(e: str) -> None:
+    c, f = (np.array(SCALED[e][name]) for name in ("c", "F"))
     np.testing.assert_allclose(ScalingSolution(float(e)).vdf(c), f, rtol=1e-12)
 
 

@@ -1,15 +1,15 @@
 """solve_scaled against closed forms and Mellin inversion, which it does not use."""
 
 import math
-from types import ModuleType
-from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
+from collision import integer_moment
 from marking import slow_but
 
 from kinetics import InputError, ScaledVDF, ScalingSolution, SolverStatus, solve_scaled
+from kinetics.crosscheck.references import load
 
 EXTREME = [1e-12, 1e-8, 1e-6, 1e-5, 1e-4, 1 - 1e-6, 1 - 1e-10]
 
@@ -17,10 +17,10 @@ EXTREME = [1e-12, 1e-8, 1e-6, 1e-5, 1e-4, 1 - 1e-6, 1 - 1e-10]
 class Exact:
     """h, a2 and <c^n> from the product of decay rates at 60 digits."""
 
-    def __init__(self, e: float, formulas: ModuleType) -> None:
+    def __init__(self, e: float) -> None:
         with mp.workdps(60):
             lowest = 1 if e == 0.0 else -2
-            y = {n: formulas.integer_moment(e, n) for n in range(lowest, 9) if n != 0}
+            y = {n: integer_moment(e, n) for n in range(lowest, 9) if n != 0}
             y[0] = mp.mpf(1)
             self.h = float(2 / mp.sqrt(y[2]))
             self.a2 = float(y[4] / (2 * y[2] ** 2) - 1)
@@ -47,9 +47,9 @@ def test_convergence_is_exponential_in_the_nodes(e: float) -> None:
 
 
 @pytest.mark.parametrize("e", [0.0, 1e-3, 0.1, 0.5, 0.9, 0.99])
-def test_the_error_is_below_what_is_asked_for(e: float, formulas: ModuleType) -> None:
+def test_the_error_is_below_what_is_asked_for(e: float) -> None:
     """Never less accurate than asked without a status, and not 1000 times more work."""
-    exact = Exact(e, formulas)
+    exact = Exact(e)
     nodes = []
     for k in range(3, 13):
         vdf = solve_scaled(e, rtol=10.0**-k)
@@ -62,9 +62,9 @@ def test_the_error_is_below_what_is_asked_for(e: float, formulas: ModuleType) ->
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-11])
-def test_tails_are_as_accurate_as_asked(rtol: float, numbers: Any) -> None:
+def test_tails_are_as_accurate_as_asked(rtol: float) -> None:
     """F relative to itself, wherever it is above 1e-25 of its maximum."""
-    for e, reference in numbers["scaled_density"].items():
+    for e, reference in load()["scaled_density"].items():
         vdf = solve_scaled(float(e), rtol)
         found = vdf.vdf(np.array(reference["c"]))
         np.testing.assert_allclose(found, reference["F"], rtol=rtol, err_msg=f"e = {e}")
@@ -73,10 +73,10 @@ def test_tails_are_as_accurate_as_asked(rtol: float, numbers: Any) -> None:
 
 @pytest.mark.parametrize("e", slow_but([0.0, 0.9, 0.99], [0.0, 0.05, 0.5, 0.9, 0.99]))
 @pytest.mark.parametrize("nodes", slow_but([8, 12, 48], [8, 9, 10, 12, 14, 48]))
-def test_the_status_tells_of_too_few_nodes(e: float, nodes: int, formulas: ModuleType) -> None:
+def test_the_status_tells_of_too_few_nodes(e: float, nodes: int) -> None:
     vdf = solve_scaled(e, rtol=1e-12, nodes=nodes)
     try:
-        error = Exact(e, formulas).worst(vdf, highest=4)
+        error = Exact(e).worst(vdf, highest=4)
     except InputError:  # a moment that overflows, with so few nodes
         error = math.inf
     if error > 1e-12:
@@ -86,11 +86,9 @@ def test_the_status_tells_of_too_few_nodes(e: float, nodes: int, formulas: Modul
 
 
 @pytest.mark.parametrize("e", EXTREME)
-def test_extreme_restitutions_end_with_what_their_estimate_says(
-    e: float, formulas: ModuleType
-) -> None:
+def test_extreme_restitutions_end_with_what_their_estimate_says(e: float) -> None:
     vdf = solve_scaled(e)
-    error = Exact(e, formulas).worst(vdf)
+    error = Exact(e).worst(vdf)
     assert math.isfinite(vdf.error_estimate)
     assert error <= max(1e-11, 30 * vdf.error_estimate)
     if error > 1e-12:
