@@ -16,7 +16,6 @@ from scipy.special import eval_legendre
 from kinetics import CollisionLaw, ScalingSolution, Scene, solve, solve_field, solve_scaled
 
 MASSES = (0.2, 0.5, 1.0, 3.0)
-IN_A_FIELD = [(0.0, 0.5, 2), (1.0, 0.2, 3), (1.0, 1.0, 2), (0.8, 3.0, 3)]
 
 
 def after(y: float, alpha: float, mass: float) -> np.ndarray:
@@ -109,20 +108,6 @@ def test_directions_that_last_are_followed_to_the_end(mass: float, dimension: in
     if mass == 0.2:
         z = math.log(off[1] / off[0]) / math.log(times[1] / times[0])
         assert exact.law.harmonic_decay_rate(z, 1) == pytest.approx(0.0, abs=1e-7)
-
-
-@pytest.mark.parametrize(("alpha", "mass", "dimension"), IN_A_FIELD)
-def test_a_field_meets_its_exact_average(alpha: float, mass: float, dimension: int) -> None:
-    state = solve_field(alpha, dimension, mass_ratio=mass)
-    assert state.status.name == "CONVERGED"
-    assert state.error_estimate < 1e-10
-    # <v^2 cos> = 1/(1 - E[s cos(chi)]), and E[y^2] is 1/3 or 1/2
-    lost = (1 + alpha) * mass / (1 + mass) * (2 / 3 if dimension == 2 else 1 / 2)
-    assert state.moment(2.0, 1) == pytest.approx(1 / lost, rel=1e-10)
-    assert state.moment(4.0, 0) == pytest.approx(
-        3.0 * state.moment(2.0, 1) / CollisionLaw(alpha, 1.0, dimension, mass_ratio=mass)
-        .decay_rate(3.0), rel=1e-9,
-    )  # fmt: skip
 
 
 def test_a_field_of_known_limits() -> None:

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from kinetics import FieldState, ToleranceWarning, solve_field
+from kinetics import CollisionLaw, FieldState, ToleranceWarning, solve_field
 from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
@@ -16,13 +16,17 @@ LAWS = [
     (0.0, 2, 1.0), (0.01, 2, 1.0), (0.3, 3, 1.0), (0.5, 2, 1.0), (0.9, 3, 1.0), (0.999, 2, 1.0),
     (0.5, 2, 0.8), (0.9, 3, 0.2), (0.7, 2, 0.7), (0.4, 2, 0.4), (0.0, 2, 0.5),
 ]  # fmt: skip
+# and mass ratio
+MOVED = [(0.0, 2, 1.0, 0.5), (1.0, 3, 1.0, 0.2), (1.0, 2, 1.0, 1.0), (0.8, 3, 1.0, 3.0)]
 
 
-@pytest.mark.parametrize(("e", "dimension", "et"), LAWS)
-def test_exact_relations(e: float, dimension: int, et: float) -> None:
+@pytest.mark.parametrize(
+    ("e", "dimension", "et", "mass"), [*((*law, math.inf) for law in LAWS), *MOVED]
+)
+def test_exact_relations(e: float, dimension: int, et: float, mass: float) -> None:
     """Moments of the first two rows of the equation, with averages of the collision law."""
-    state = solve_field(e, dimension, et)
-    law, moment = state.law, state.moment
+    state = solve_field(e, dimension, et, mass_ratio=mass)
+    law, moment = CollisionLaw(e, et, dimension, mass_ratio=mass), state.moment
     assert state.status.name == "CONVERGED"
     tight = 1e-11 if e >= 0.5 else 1e-10
     assert moment(2, 1) * law.harmonic_decay_rate(1.0, 1) == pytest.approx(1.0, rel=tight)
