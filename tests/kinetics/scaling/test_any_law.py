@@ -1,6 +1,5 @@
 """The scaling state of spheres, of rough scatterers and of laws of one's own."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -16,15 +15,6 @@ LAWS = [
     (0.7, 0.7, 2), (1.0, 0.5, 2), (0.3, 0.05, 3), (0.0, 0.5, 3),
 ]  # fmt: skip
 C = np.concatenate([np.geomspace(1e-3, 0.05, 6), np.linspace(0.1, 4.0, 40)])
-
-
-def test_spheres_that_keep_no_normal_velocity() -> None:
-    """F = 3 exp(-sqrt(6) c)/(2 pi c), a2 = 3 <c^4>/5 - 1 = 1."""
-    expected = 3.0 * np.exp(-math.sqrt(6.0) * C) / (2.0 * math.pi * C)
-    exact, vdf = ScalingSolution(0.0, dimension=3), solve_scaled(0.0, dimension=3)
-    assert np.allclose(exact.vdf(C), expected, rtol=1e-14, atol=0.0)
-    assert np.allclose(vdf.vdf(C), expected, rtol=1e-12, atol=0.0)
-    assert exact.a2 == pytest.approx(1.0, rel=1e-13)
 
 
 @pytest.mark.parametrize(("e", "et", "dimension"), LAWS)
