@@ -164,19 +164,6 @@ def steady_state_in_a_field(which: str) -> Any:
     return [*(getattr(state, name) for name in parts), state.diffusion_perpendicular]
 
 
-@question(1e-6)
-def averages_in_a_field() -> Any:
-    """From rest, e = .7, at t = .1, .5, 2, 5 in sqrt(l/g), in sqrt(g l) and l."""
-    g = 0.08
-    scale = np.sqrt(12.5 / g)
-    times = scale * np.array([0.1, 0.5, 2.0, 5.0])
-    scene = Scene(
-        0.7, initial="rest", field=g, times=times, outputs=("mean_velocity", "mean_displacement")
-    )
-    found = solve(scene, rtol=1e-8)
-    return found.mean_velocity[:, 0] / np.sqrt(12.5 * g), found.mean_displacement[:, 0] / 12.5
-
-
 MEDIA: dict[str, dict[str, Any]] = {
     "BoltzmannGrad": {"number_density": 0.04},
     "BoltzmannGrad spheres": {"number_density": 0.04, "dimension": 3},

@@ -4,6 +4,7 @@ from math import inf, sqrt
 from typing import Any
 
 import numpy as np
+from scipy.stats import chi2
 
 from particles import Ensemble
 
@@ -20,6 +21,15 @@ def check_averages(run: Ensemble, solution: Any, names: tuple[str, ...]) -> None
     for name in names:
         estimate = getattr(run, name)
         check(estimate.value, estimate.error, getattr(solution, name))
+
+
+def check_counts(n: int, counts: Any, shares: Any) -> None:
+    """Of n independent tracers, against the share of all in each bin; what is left is a bin."""
+    expected = n * np.append(shares, 1.0 - shares.sum())
+    found, used = np.append(counts, n - counts.sum()), expected > 20.0
+    chi_square = np.sum((found - expected)[used] ** 2 / expected[used])
+    assert used.sum() > 10
+    assert 1e-3 < chi2.sf(chi_square, used.sum() - 1) < 0.999, (chi_square, used.sum())
 
 
 def square(run: Ensemble) -> tuple[np.ndarray, np.ndarray]:

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from marking import slow_but
-from scipy.stats import chi2
-from sigmas import check_averages
+from sigmas import check_averages, check_counts
 
 from kinetics import Scene, solve, solve_field
 from particles import BoltzmannGrad, simulate
@@ -20,15 +19,6 @@ NAMES = ("thermal_speed", "a2", "msd", "kurtosis", "collisions")
 TIMES = np.array([0.7, 4.0, 40.0])  # l/U
 TRACERS = 400_000
 MEDIA = {2: BoltzmannGrad(0.5), 3: BoltzmannGrad(1.0 / np.pi, dimension=3)}  # l = 1
-
-
-def check_counts(counts: Any, shares: Any) -> None:
-    """Counts against the shares of all tracers in each bin; what is left is a bin."""
-    expected = TRACERS * np.append(shares, 1.0 - shares.sum())
-    found, used = np.append(counts, TRACERS - counts.sum()), expected > 20.0
-    square = np.sum((found - expected)[used] ** 2 / expected[used])
-    assert used.sum() > 10
-    assert chi2.sf(square, used.sum() - 1) > 1e-3, (square, used.sum())
 
 
 @pytest.mark.parametrize(("alpha", "mass", "dimension"), slow_but(SOME, CASES))
@@ -53,9 +43,11 @@ def test_runs_meet_the_kinetic_equation(alpha: float, mass: float, dimension: in
         edges = np.linspace(0.0, 2.6, 41) * thermal
         v = edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (x + 1.0)
         f = solution.speed_density(v.ravel())[i].reshape(v.shape)
-        check_counts(np.histogram(speed[i], edges)[0], 0.5 * np.diff(edges) * (f @ w))
+        check_counts(TRACERS, np.histogram(speed[i], edges)[0], 0.5 * np.diff(edges) * (f @ w))
         edges = np.linspace(0.0, 3.0, 31) * np.sqrt(solution.msd[i])
-        check_counts(np.histogram(distance[i], edges)[0], displaced.position_fraction(edges)[i])
+        check_counts(
+            TRACERS, np.histogram(distance[i], edges)[0], displaced.position_fraction(edges)[i]
+        )
         for k in np.array([0.5, 1.5]) / np.sqrt(solution.msd[i]):
             wave = np.cos(k * run.positions[i, :, 0])
             off = wave.mean() - solution.intermediate_scattering([k])[i, 0]

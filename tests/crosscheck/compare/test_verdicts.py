@@ -24,7 +24,7 @@ def arrays_of(run: Any) -> dict[str, Any]:
 
 
 @cache
-def made(e: float, initial: str = "gaussian", **more: Any) -> dict[str, Any]:
+def made(e: float, initial: str = "gaussian") -> dict[str, Any]:
     """Arrays of frames of 5000 tracers, which start at time 0."""
     run = simulated(restitution=e, initial=initial, times=[0.0, *TIMES], tracers=125, seed=18)
     return arrays_of(run)

@@ -11,6 +11,7 @@ from example_values import DENSITY, gaussian_speeds
 from marking import slow_but
 from moment_hierarchy import chance_of_bounces
 from scipy.integrate import quad
+from scipy.special import eval_legendre
 
 from kinetics import (
     AngularHarmonics,
@@ -117,10 +118,6 @@ def test_random_scission_in_space() -> None:
     assert np.max(np.abs(found - exact) / exact.max(axis=1, keepdims=True)) < 1e-11
 
 
-def legendre(m: int, x: Any) -> Any:
-    return np.polynomial.legendre.Legendre.basis(m)(x)
-
-
 def test_elastic_spheres_scatter_in_all_directions_alike() -> None:
     """Harmonic m > 0 dies as exp(-v t/l), whatever m is; speeds are kept."""
     maxwell = partial(gaussian_speeds, dimension=3)
@@ -133,7 +130,7 @@ def test_elastic_spheres_scatter_in_all_directions_alike() -> None:
     )  # fmt: skip
     v, angle = np.array([0.3, 1.0, 2.5]), np.array([0.0, 1.0, 2.0])
     for i, t in enumerate((0.0, 2.0)):
-        turn = 1.5 * np.cos(angle) + 1.4 * legendre(3, np.cos(angle))
+        turn = 1.5 * np.cos(angle) + 1.4 * eval_legendre(3, np.cos(angle))
         exact = 1.0 + np.exp(-v * t)[:, None] * turn
         exact *= (maxwell(v) / (4.0 * np.pi * v**2))[:, None]
         np.testing.assert_allclose(solution.velocity_density(v, angle)[i], exact, rtol=1e-13)
