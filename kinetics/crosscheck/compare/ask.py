@@ -12,26 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from kinetics import validation
 from kinetics.crosscheck.compare.answer import answered
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling, media_of, spread_in
 from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.theory import BEAM, Expectation, Point, SampledStart, averages_of
-from kinetics.crosscheck.data.sample import (
-    VX,
-    X2,
-    Law,
-    N,
-    Sample,
-    errors,
-    from_ensemble,
-    read_sample,
-)
+from kinetics.crosscheck.data.sample import VX, X2, Law, Sample, errors, from_ensemble, read_sample
 from kinetics.crosscheck.data.tracks import LARGEST
 from kinetics.crosscheck.words import numeral
 from kinetics.errors import InputError
 from kinetics.field.restitution import impact_restitution
-from kinetics.validation import one_of, refuse
+from kinetics.validation import check_positive, check_restitution, one_of, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
 
@@ -99,7 +89,7 @@ def compare_data(
     changed = {name: x for name, x in asked.items() if x != getattr(Law, name)}
     if tangential_restitution is not None:
         changed["tangential_restitution"] = tangential_restitution
-    law = replace(sample.law, varies=impact is not None, **changed)
+    law = replace(sample.law, restitution=impact, **changed)
     initial = told.get("initial", "auto") if initial == "auto" else initial
     sample = replace(sample, law=law)
     start = _start(sample, initial)
@@ -110,14 +100,14 @@ def compare_data(
             said = f"Speeds at time 0 are those of U = {numeral(unit, '.4g')} of the data's unit"
             sample = replace(sample, warnings=(*sample.warnings, f"{said}; is it --speed-unit?"))
     if number_density is not None:
-        number_density = validation.check_positive("number_density", number_density)
+        number_density = check_positive("number_density", number_density)
         number_density *= (diameter if sources else 1.0) ** law.dimension
     if fitted:
         restitution = None
     elif number_density is None:
         number_density = told.get("number_density")
     if restitution is not None:
-        restitution = validation.check_restitution(restitution) if impact is None else impact
+        restitution = check_restitution(restitution) if impact is None else impact
     if number_density is not None:
         path = law.free_path(number_density)
     one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
@@ -175,7 +165,7 @@ def _start(sample: Sample, initial: str) -> Any:
     if initial == "auto":
         if np.all(np.abs(squares - 1) < 1e-6):
             first = sample.sums[:, 0].sum(axis=0)
-            along = first.size > X2 and not law.field and first[VX] > (1 - 1e-6) * first[N]
+            along = first.size > X2 and not law.field and first[VX] > (1 - 1e-6) * sample.samples[0]
             return BEAM if along else "monoenergetic"
         at_start = Expectation(sample, ("thermal_speed", "a2"))
         away = at_start.values[:, 0] - [np.sqrt(law.dimension), 0.0]

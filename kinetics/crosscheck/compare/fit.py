@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import betainc, gammaincc, gammainccinv
+from scipy.special import betainc, gammainccinv
 
 from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
 from kinetics.crosscheck.compare.theory import Expectation, Point, spread_of_ratio
@@ -333,9 +333,3 @@ def hotelling(difference: Array, replicates: Array, known: Array | None = None) 
     p_value = float(betainc((effective - freedom) / 2, freedom / 2, share))
     value = 2 * float(gammainccinv(freedom / 2, p_value)) if p_value > 1e-300 else statistic
     return ChiSquare(value, freedom, p_value, groups, statistic)
-
-
-def pearson(counts: Array, expected: Array) -> ChiSquare:
-    """Chi-square of counts, two at least, against those expected."""
-    value, freedom = float(np.sum((counts - expected) ** 2 / expected)), counts.size - 1
-    return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)

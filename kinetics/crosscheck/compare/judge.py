@@ -6,16 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammaincc
 
 from kinetics import Solution, SolverStatus
-from kinetics.crosscheck.compare.fit import (
-    ChiSquare,
-    Fit,
-    hotelling,
-    most_freedom,
-    pearson,
-    spread_out,
-)
+from kinetics.crosscheck.compare.fit import ChiSquare, Fit, hotelling, most_freedom, spread_out
 from kinetics.crosscheck.compare.result import ComparisonTest, Row
 from kinetics.crosscheck.compare.theory import BEAM, DISPLACEMENT, SPEED
 from kinetics.crosscheck.data.sample import EDGES, effective_groups
@@ -27,9 +21,7 @@ Indices = NDArray[np.int64]
 
 
 class Histogram(NamedTuple):
-    """One density at one time: edges (n + 1,) from 0 to infinity; shares of the samples, errors and
-    theory (n,).
-    """
+    """A density at a time: edges (n + 1,), 0 to infinity; share of samples, error, theory (n,)."""
 
     name: str
     time: float
@@ -90,7 +82,10 @@ def _histogram(
     # The spread of a bin that is emptier than expected is too small: at least binomial.
     error = np.maximum(error, np.sqrt(theory * (1 - theory) / samples))
     if independent:
-        chi_square: ChiSquare | None = pearson(counts, theory * samples)
+        expected, freedom = theory * samples, counts.size - 1
+        value = float(np.sum((counts - expected) ** 2 / expected))  # Pearson's
+        p_value = float(gammaincc(freedom / 2, value / 2))
+        chi_square: ChiSquare | None = ChiSquare(value, freedom, p_value, None, value)
     else:
         rest = counts - groups  # left out in turn: the counts of all but one group
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory

@@ -24,7 +24,6 @@ OUTCOMES = {
     "explains": "explains the difference", "found": "found in the data",
     "in part": "explains part of it", "does not": "does not explain it", "noted": "noted",
 }  # fmt: skip
-_REGIONS = {"68 %": 1.515, "95 %": 2.448}  # radii that hold so much of a Gaussian of two numbers
 
 
 class Row(NamedTuple):
@@ -248,9 +247,8 @@ def tables(result: Any) -> str:
     """The answer, parameters, tests, averages over time, odd bins, and explanations, as text."""
     told, tests, rows = cells_of(result)
     shown = [row for row in rows if not row[2] or row[-1] != Verdict.AGREES]
-    aligned, wrapped = [], textwrap.TextWrapper(
-        100, subsequent_indent="  ", break_on_hyphens=False
-    ).fill  # fmt: skip
+    wrapped = textwrap.TextWrapper(100, subsequent_indent="  ", break_on_hyphens=False).fill
+    aligned = list[str]()
     for lines in (tests, shown):
         wide = [max(map(len, column)) for column in zip(*lines, strict=True)]
         padded = ([cell.ljust(w) for cell, w in zip(line, wide, strict=True)] for line in lines)
@@ -291,7 +289,8 @@ def draw(result: Any, figure: str, ax: Any) -> None:
         e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
         angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
         away = root @ np.stack([np.cos(angle), np.sin(angle)])
-        for share, radius in _REGIONS.items():
+        # radii that hold so much of a Gaussian of two numbers
+        for share, radius in (("68 %", 1.515), ("95 %", 2.448)):
             ax.plot(e + radius * away[0], path * np.exp(radius * away[1]), label=share)
         ax.plot(e, path, "ko", ms=4, label="fitted")
     elif OBSERVABLES[name].measured is None:

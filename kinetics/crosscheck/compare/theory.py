@@ -167,7 +167,7 @@ class Expectation:
             restitution=point.restitution, number_density=law.free_path(point.path),
             initial=point.start, times=times, scatterers=point.scatterers,
             outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
-            **{name: value for name, value in vars(law).items() if name != "varies"},
+            **{name: value for name, value in vars(law).items() if name != "restitution"},
         )  # fmt: skip
         with warnings.catch_warnings():  # those who ask look at the status
             warnings.simplefilter("ignore", ToleranceWarning)

@@ -20,7 +20,7 @@ from kinetics.crosscheck.data import formats
 from kinetics.crosscheck.data.tracks import Asked, Rows, Tracks, bad, dense, name_of
 from kinetics.crosscheck.words import numeral
 from kinetics.field.restitution import Viscoelastic, impact_restitution
-from kinetics.field.system import DRIVES
+from kinetics.field.system import DRIVES, System
 from kinetics.validation import refuse
 
 Array = NDArray[np.float64]
@@ -44,25 +44,16 @@ class StartBins(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Law:
-    """What the system has beside the restitution, as a Scene has it in U and d; varies: whether the
-    restitution depends on the impact speed.
-    """
+class Law(System):
+    """What the system has, as a Scene has it, in U and d."""
 
+    restitution: Any = None  # only one that depends on the impact speed: a number is no part of it
     tangential_restitution: float = 1.0
-    dimension: int = 2
-    field: float = 0.0
-    mass_ratio: float = math.inf
-    bath_speed: float = 0.0
-    heating: float = 0.0
-    drag: float = 0.0
-    capture_speed: float = 0.0
-    varies: bool = False
 
     @property
     def is_driven(self) -> bool:
         """Whether `kinetics.driven` solves it: no causes of a difference are looked for."""
-        return self.varies or any(getattr(self, name) for name in DRIVES)
+        return self.restitution is not None or any(getattr(self, name) for name in DRIVES)
 
     @property
     def rtol(self) -> float:
@@ -350,9 +341,9 @@ def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
         named = "monoenergetic" if plan.monoenergetic else "gaussian"
         told["initial"] = "rest" if plan.rest else named
     law = Law(
-        ensemble.tangential_restitution, medium.dimension, ensemble.field * d, ensemble.mass_ratio,
-        ensemble.bath_speed, ensemble.heating * d, ensemble.drag * d, ensemble.capture_speed,
-        bool(plan.varies),
+        impact_restitution(restitution), medium.dimension, ensemble.bath_speed,
+        ensemble.mass_ratio, ensemble.heating * d, ensemble.drag * d, ensemble.field * d,
+        ensemble.capture_speed, ensemble.tangential_restitution,
     )  # fmt: skip
     if law.is_driven and not free:
         bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
