@@ -33,9 +33,12 @@ def velocity_after() -> sp.Matrix:
 @cache
 def one_collision() -> tuple[sp.Expr, sp.Expr]:
     """(s^2, s cos(chi)) as polynomials in y = sin(theta), in the plane and in space."""
-    after = velocity_after()
-    square, along = (in_sines(part, s.theta) for part in (after.dot(after), after[1]))
-    return square.subs(sp.sin(s.theta), s.y), along.subs(sp.sin(s.theta), s.y)
+    after, sine, cosine = velocity_after(), sp.sin(s.theta), sp.cos(s.theta)
+    square, along = (
+        sp.expand(sp.rem(sp.expand(part), cosine**2 + sine**2 - 1, cosine))
+        for part in (after.dot(after), after[1])
+    )
+    return square.subs(sine, s.y), along.subs(sine, s.y)
 
 
 def speed_ratio_squared() -> sp.Expr:
@@ -46,12 +49,6 @@ def speed_ratio_squared() -> sp.Expr:
 def parallel_component() -> sp.Expr:
     """v'.v/|v|^2 of a smooth collision as a polynomial in y."""
     return one_collision()[1].subs(s.et, 1)
-
-
-def in_sines(expression: sp.Expr, angle: sp.Symbol) -> sp.Expr:
-    """A polynomial in sine and cosine with every squared cosine as 1 - sine^2."""
-    sine, cosine = sp.sin(angle), sp.cos(angle)
-    return sp.expand(sp.rem(sp.expand(expression), cosine**2 + sine**2 - 1, cosine))
 
 
 def flux_per_angle(dimension: int) -> sp.Expr:

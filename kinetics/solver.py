@@ -18,12 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.densities import harmonic
-from kinetics.densities.harmonic import (
-    HarmonicProblem,
-    Profile,
-    angular_function,
-    component_densities,
-)
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
 from kinetics.moments import averages as averaged
 from kinetics.moments.averages import Averages, Part
@@ -188,14 +183,14 @@ class Answer(Value):
     def component_density(self, v_x: FloatArray) -> FloatArray:
         """Of one component of the velocity in 1/U at all times, shape (n_times, n)."""
         speed, d = self.typical_speed, self.scene.dimension
-        return component_densities(self.profiles[0], np.abs(v_x), speed, d)
+        return harmonic.component_densities(self.profiles[0], np.abs(v_x), speed, d)
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """In U^-d at all times, shape (n_times, n_v, n_phi)."""
         law = self.scene.law
         out = np.zeros((self.averages.times.size, v.size, phi.size))
         for m, profile in self.profiles.items():
-            turn = angular_function(m, phi, law.dimension)
+            turn = harmonic.angular_function(m, phi, law.dimension)
             out += (profile.continuous(v)[:, :, None] * turn).real
         return out / (law.unit_surface * v[:, None] ** (law.dimension - 1))
 

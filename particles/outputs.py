@@ -83,16 +83,6 @@ class Sums:
         return np.split(self.array[:, MOMENTS:], 2, axis=1)[which] / self[SAMPLES][:, None]
 
 
-def _a2(s: Sums) -> np.ndarray:
-    gaussian = (s.dimension + 2) / s.dimension
-    return np.asarray(s[SPEED4] * s[SAMPLES] / (gaussian * s[SPEED2] ** 2) - 1.0)
-
-
-def _across(s: Sums) -> np.ndarray:
-    trace = np.trace(s.covariance()[:, 1:, 1:], axis1=1, axis2=2)
-    return np.asarray(trace / (s.dimension - 1))
-
-
 class Average(NamedTuple):
     """An estimate: unit, words, and its value as a function of the sums, None of other sums.
 
@@ -107,7 +97,11 @@ class Average(NamedTuple):
 
 SCALARS = {
     "thermal_speed": Average("U", "sqrt(<v^2>)", lambda s: np.sqrt(s.mean(SPEED2)), scaled=True),
-    "a2": Average("1", "<v^4>/(k <v^2>^2) - 1, k = 2 in the plane and 5/3 in space", _a2),
+    "a2": Average(
+        "1",
+        "<v^4>/(k <v^2>^2) - 1, k = 2 in the plane and 5/3 in space",
+        lambda s: s[SPEED4] * s[SAMPLES] / ((s.dimension + 2) / s.dimension * s[SPEED2] ** 2) - 1.0,
+    ),
     "msd": Average("d^2", "mean square displacement", lambda s: s.mean(R2)),
     "kurtosis": Average("1", "<r^4>/<r^2>^2", lambda s: s[R4] * s[SAMPLES] / s[R2] ** 2),
     "collisions": Average(
@@ -136,7 +130,8 @@ IN_FIELD = {
         "d^2", "variance of the displacement along the field", lambda s: s.covariance()[:, 0, 0]
     ),
     "dispersion_perpendicular": Average(
-        "d^2", "variance across the field, of one direction", _across
+        "d^2", "variance across the field, of one direction",
+        lambda s: np.trace(s.covariance()[:, 1:, 1:], axis1=1, axis2=2) / (s.dimension - 1),
     ),
 }  # fmt: skip
 """Estimates of a run in a field; `trapped_fraction` also where tracers stick."""

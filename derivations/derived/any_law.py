@@ -157,14 +157,10 @@ row(
 # -- the scaling solution at e = 0, where s = |y| -------------------------------------------------
 
 
-def speed_at_e_zero(dimension: int) -> sp.Expr:
-    """The density of s = |y| at e = 0."""
-    return impact_density(dimension) * (2 if dimension == 2 else 1)  # both signs of y
-
-
 def _loss_at_e_zero(dimension: int) -> sp.Expr:
     """lambda(p) of smooth scatterers at e = 0."""
-    return sp.factor(1 - sp.integrate(s.y**s.p * speed_at_e_zero(dimension), (s.y, 0, 1)))
+    density = impact_density(dimension) * (2 if dimension == 2 else 1)  # of |y|: both signs of y
+    return sp.factor(1 - sp.integrate(s.y**s.p * density, (s.y, 0, 1)))
 
 
 def _shell(dimension: int) -> sp.Expr:

@@ -9,13 +9,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Int, Partial, chain, eq
-from ..premises import (
-    free_path,
-    gaussian_average,
-    gaussian_moment,
-    loss,
-    speed_ratio_squared,
-)
+from ..premises import free_path, gaussian_average, gaussian_moment, loss, speed_ratio_squared
 from .cooling import speed_equation_by_moment
 from .record import Derived, defines, derives, result, row, zero
 from .scaling_state import a2_value

@@ -160,7 +160,7 @@ def expand(
         Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
     }
     sides = (sp.expand(side.subs(inserted) / density) for side in first.args)
-    of_b = eq(*(side.replace(Dot, _beside_gradient) for side in sides))
+    of_b = eq(*(side.replace(Dot, lambda a, b: b if a == s.nabla0 else a) for side in sides))
     # times -v/2 and integrated, with D_e and nu_D named
     half = -sp.Rational(1, 2)
     named = {
@@ -170,11 +170,6 @@ def expand(
     }
     left, right = (sp.expand(half * side) for side in of_b.args)
     return Expansion(first, of_b, eq(sp.expand(left.subs(named)), right.subs(named)))
-
-
-def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """The vector X of the product X.grad."""
-    return other if one == s.nabla0 else one
 
 
 @cache

@@ -22,7 +22,7 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -187,7 +187,8 @@ def all_tables(tell: Callable[..., None] = lambda *_: None) -> Tables:
     found |= tables(("hard ln F",), _at_each(_log_density), breaks, 14, (*ends_of_n, 5), hard_xi)
     tell("steady states of driven tracers")
     for drive, powers in POWERS.items():
-        scaled = partial(_scaled_steady, drive)
+        falls = np.array([*powers.values()])
+        scaled = lambda e, d=drive, p=falls: steady(d, e) / (1.0 - e) ** p  # noqa: E731
         found |= tables([f"{drive} {name}" for name in powers], scaled, (0.0, HIGHEST_DRIVEN), 20)
     return found
 
@@ -217,10 +218,6 @@ def scaled_density(e: float, n: float | None, xi: Array) -> Array:
 
 def _log_density(e: float, n: float | None, xi: Array) -> Array:
     return np.log(np.maximum(scaled_density(e, n, xi), 1e-280))[None]
-
-
-def _scaled_steady(drive: str, e: float) -> Array:
-    return steady(drive, e) / (1.0 - e) ** np.array([*POWERS[drive].values()])
 
 
 def steady(drive: str, e: float) -> Array:

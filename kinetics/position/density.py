@@ -149,8 +149,10 @@ class Displacement(Value):
             f = panel.of(time)
             if f is None:
                 continue
-            points = _enough(2 * f.size + 8, float(rho.max()) * (panel.high - panel.low))
-            k, weight, values = panel.gauss(f, points)
+            # points for a polynomial through the nodes times J_0 over twice `half`
+            half = 0.5 * (float(rho.max()) * (panel.high - panel.low))
+            points = 8.0 + 0.5 * (2 * f.size + 8 + half) + 2.5 * half ** (1.0 / 3.0)
+            k, weight, values = panel.gauss(f, 8 * math.ceil(points / 8.0))
             if tail is None and panel.high > self.cut[time]:
                 # tapered over a factor of two: a sharp end would leave oscillations everywhere
                 level = np.clip(k / self.cut[time] - 1.0, 0.0, 1.0)
@@ -159,9 +161,3 @@ class Displacement(Value):
             total += mean_phase(np.outer(rho, k), self.dimension) @ (weight * values * factor)
         out[inside] = total
         return out
-
-
-def _enough(nodes: int, turns: float) -> int:
-    """Gauss points for a polynomial through the nodes times J_0 over ``turns`` of its argument."""
-    half = 0.5 * turns
-    return 8 * math.ceil((8.0 + 0.5 * (nodes + half) + 2.5 * half ** (1.0 / 3.0)) / 8.0)

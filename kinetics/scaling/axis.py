@@ -296,7 +296,12 @@ class SpeedAxis:
         flux = per_flux[:, None] * losses.flux
         lost = np.expm1(x[:n]) - per_flux * losses.flux_out
         guess = log_w[:n]
-        from_above = per_flux * self._from_above(losses, guess)
+        from_above = np.zeros(n)  # what flux brings from panels above, over e^guess
+        for m in range(1, min(losses.furthest, len(self._panels)) + 1):
+            node, flux_in, rows = losses.outside(m)
+            w = np.exp(rows @ self._panels[-m] - guess[node])
+            from_above += np.bincount(node, flux_in * w, n)
+        from_above *= per_flux
         for _ in range(30):  # one to four are taken
             above = from_above * np.exp(guess - log_w[:n])
             rise = (losses.rows @ (log_w - log_w[:-1, None])[:, :, None])[:, :, 0]
@@ -343,12 +348,3 @@ class SpeedAxis:
             rate = unit * 2.0**finer
             self._losses[key] = _Losses(law, self._rule, self._width, rate, reach)
         return self._losses[key]
-
-    def _from_above(self, losses: _Losses, log_w: FloatArray) -> FloatArray:
-        """What flux, over e^x/kappa, brings from panels above, over e^log_w: (nodes - 1,)."""
-        total = np.zeros(log_w.size)
-        for m in range(1, min(losses.furthest, len(self._panels)) + 1):
-            node, flux, rows = losses.outside(m)
-            w = np.exp(rows @ self._panels[-m] - log_w[node])
-            total += np.bincount(node, flux * w, total.size)
-        return total

@@ -314,7 +314,10 @@ def log_amplitude(law: CollisionLaw, z: float, theta: float) -> float:
     denominator = _log_left(law, z, j + 1.0 + theta).sum()
     top = np.array([n + 1.0 + theta])
     integral = _integrals(partial(_log_left, law, z), law, float(n), top)
-    begin, end = (_taylor_of_left(law, z, p) for p in (np.array([float(n)]), top))
+    begin, end = (  # Taylor coefficients of ln(1 - z phi)
+        taylor_of_log([(1.0 - z) + z * first, *(z * c for c in rest)])
+        for first, *rest in (law.decay_taylor(p, MOST_ORDERS) for p in (np.array([float(n)]), top))
+    )
     far = float(log_growth(integral, begin, end)[0])
     # the derivative along the imaginary axis, without cancellation: -phi'(theta) = lambda'(theta)
     falling = float(law.decay_symbol(np.array([theta + 1e-20j]))[0].imag) / 1e-20
@@ -324,12 +327,6 @@ def log_amplitude(law: CollisionLaw, z: float, theta: float) -> float:
 def _log_left(law: CollisionLaw, z: float, p: FloatArray) -> FloatArray:
     """ln(1 - z phi(p))."""
     return np.asarray(np.log((1.0 - z) + z * law.decay_rate(p)))
-
-
-def _taylor_of_left(law: CollisionLaw, z: float, p: FloatArray) -> list[NDArray[Any]]:
-    """Taylor coefficients of ln(1 - z phi) at p (n,)."""
-    rate = [z * c for c in law.decay_taylor(p, MOST_ORDERS)]
-    return taylor_of_log([(1.0 - z) + rate[0], *rate[1:]])
 
 
 def cumulants(law: CollisionLaw, n: int, of_path: bool) -> FloatArray:
