@@ -43,11 +43,6 @@ class Output(NamedTuple):
         return (self.name, *(name for name, _, _ in self.also))
 
     @property
-    def is_number(self) -> bool:
-        """Whether it is one number for each time."""
-        return self.shape == _PER_TIME
-
-    @property
     def head(self) -> str:
         """Symbol and unit, as the head of a column."""
         return self.symbol if self.unit == "1" else f"{self.symbol} [{self.unit}]"

@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
@@ -83,15 +82,6 @@ def deposit(points: LogMeasure, x: FloatArray, spacing: float) -> NDArray[Any]:
     np.add.at(mass, low, points.weight * (1.0 - up))
     np.add.at(mass, low + 1, points.weight * up)
     return mass
-
-
-def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
-    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q = law.quadrature_for(_NODES_OF_A_CELL / spacing)
-    below = np.minimum(q.log_loss, FOLDS)
-    last = math.ceil(float(below.max()) / spacing) + 1
-    points = LogMeasure(-below, q.weight * (1.0 - q.harmonic_loss(m)))
-    return deposit(points, spacing * np.arange(-last, 1.0), spacing)[::-1]
 
 
 def _start_masses(
@@ -234,7 +224,12 @@ def _solve(
         top += spacing + float(np.diff(np.sort(start.x)[-2:]).sum())
     x = top + spacing * np.arange(2 - count, 2, dtype=float)
     mass = _start_masses(asked.state, start, asked.m, x, spacing)
-    kernel = bounce_kernel(asked.law, spacing, asked.m)
+    # share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)
+    q = asked.law.quadrature_for(_NODES_OF_A_CELL / spacing)
+    below = np.minimum(q.log_loss, FOLDS)
+    last = math.ceil(float(below.max()) / spacing) + 1
+    points = LogMeasure(-below, q.weight * (1.0 - q.harmonic_loss(asked.m)))
+    kernel = deposit(points, spacing * np.arange(-last, 1.0), spacing)[::-1]
     axis = _Axis(np.exp(x)[::-1], kernel, mass[::-1].copy())
     out = np.empty((paths.size, count), dtype=mass.dtype)
     for i, duration in enumerate(map(float, np.diff(paths, prepend=0.0))):

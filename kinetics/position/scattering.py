@@ -158,7 +158,10 @@ class Waves:
         """Up to ``count`` panels, each with as many harmonics as matter there."""
         kept = self._kept
         n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
-        reach, recent = self._reach()
+        # from how many panels below a gain matters, and about how much comes from each of them
+        gains = np.abs(self._gain[0]).max(axis=0, initial=0.0).reshape(-1, n).sum(axis=1)
+        far = int(np.count_nonzero(np.cumsum(gains) < NEGLIGIBLE * self.tolerance))
+        reach, recent = gains.size - far, np.append(gains[far:], 1.0)
         series, total, returns = self._coefficients()
         few = self._of_series + 1  # harmonics
         # all panels, those below the first by the series; high harmonics are 0 until they rise
@@ -225,13 +228,6 @@ class Waves:
         level = np.floor((x - self.start) / self.rule.width)
         padded = np.concatenate([[0.0], self.errors, [0.0 if self.ended else self.errors[-1]]])
         return padded[np.clip(level + 1.0, 0.0, padded.size - 1.0).astype(int)]
-
-    def _reach(self) -> tuple[int, FloatArray]:
-        """From how many panels below a gain matters, and about how much comes from each of them."""
-        size = np.abs(self._gain[0]).max(axis=0, initial=0.0)
-        size = size.reshape(-1, self.rule.nodes).sum(axis=1)
-        far = int(np.count_nonzero(np.cumsum(size) < NEGLIGIBLE * self.tolerance))
-        return size.size - far, np.append(size[far:], 1.0)
 
     def _from_below(self, panels: FloatArray, j: int, reach: int, together: int = 8) -> FloatArray:
         """The gain of panel j from those below it, (m, nodes, n_k); panels from -reach on.

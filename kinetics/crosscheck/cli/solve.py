@@ -21,7 +21,7 @@ from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 LAW = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
 MEDIUM = ("scatterers", "density_order", "number_density")
 # averages, and parts of vectors and tensors, that are printed -> their heads
-HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
+HEADS = {row.name: row.head for row in OUTPUTS.values() if row.shape == ("n_times",)}
 PARTS = {
     "mean_velocity_x": "<v_x> [U]", "mean_displacement_x": "<x> [d]",
     "velocity_tensor_xx": "<v_x^2> [U^2]", "velocity_tensor_yy": "<v_y^2> [U^2]",

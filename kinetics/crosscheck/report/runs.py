@@ -13,7 +13,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 import kinetics
 from kinetics import Scene, Solution, sonine
@@ -140,13 +140,6 @@ def last_vdf(solution: Solution) -> Callable[[Array], Array]:
     return lambda c: v0 * solution.speed_density(c * v0)[-1] / (surface * c**power)
 
 
-def bin_average(vdf: Callable[[Array], ArrayLike], dimension: int) -> Array:
-    """F(c) averaged over the area, or volume, of each bin of c, by 8 Gauss points in each."""
-    c, weight = panels_between(SPEED_EDGES, 8)
-    shares = dimension * c ** (dimension - 1) * np.asarray(vdf(c)) * weight
-    return np.asarray(shares.reshape(-1, 8).sum(axis=1) / np.diff(SPEED_EDGES**dimension))
-
-
 def filled(density: Array, samples: int, measure: Array, least: float = 50.0) -> Array:
     """The density in those bins in which it expects `least` samples, NaN in others."""
     return np.where(samples * density * measure >= least, density, np.nan)
@@ -224,11 +217,13 @@ def cooling_case(
     found.early = early
     position, edges = found.position, POSITION_EDGES
     shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
+    c, weight = panels_between(SPEED_EDGES, 8)  # F is averaged over each bin's area, or volume
+    vdf = d * c ** (d - 1) * last_vdf(found.kinetic)(c) * weight
     solved = {name: getattr(found.kinetic, name) for name in OVER_TIME}
     theory: dict[str, dict[str, Any]] = {KINETIC: solved | rates(times, solved, early, half_rate)}
     theory[KINETIC] |= {
         "free_path": 0.5 / half_rate, "position": shares / np.diff(edges),
-        "scaled_vdf": bin_average(last_vdf(found.kinetic), d),
+        "scaled_vdf": vdf.reshape(-1, 8).sum(axis=1) / np.diff(SPEED_EDGES**d),
     }  # fmt: skip
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
