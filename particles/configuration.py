@@ -12,19 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from particles import outputs
 from particles.impact import Law, compiled
 from particles.media import BoltzmannGrad, Medium, Positions, dilute_mean_path
-from particles.outputs import (
-    DRIVES,
-    FIELD_SUMS,
-    FINALS,
-    HISTOGRAMS,
-    MOMENTS,
-    OF_FLIGHTS,
-    STATUSES,
-    TOTALS,
-    TRAPS,
-)
 from particles.values import Value, short
 
 if TYPE_CHECKING:
@@ -115,7 +105,7 @@ class Plan(Value):
         """Return the arguments of `simulate` that are of interest, without arrays."""
         names = ["medium", "restitution", "tangential_restitution", "field", "media", "tracers"]
         names += ["max_collisions", "seed", *(("mass_ratio",) if self.mass_ratio < inf else ())]
-        names += [name for name in (*DRIVES, "part") if getattr(self, name)]
+        names += [name for name in (*outputs.DRIVES, "part") if getattr(self, name)]
         return {name: getattr(self, name) for name in names}
 
     def unlike(self, other: "Plan") -> str:
@@ -177,22 +167,22 @@ def layout(plan: Plan, media: int, n: int) -> dict[str, tuple[tuple[int, ...], A
     n_times, d = plan.times.size, plan.medium.dimension
     flat = isinstance(plan.medium, BoltzmannGrad) and not plan.capture_speed
     arrays: dict[str, tuple[tuple[int, ...], Any]] = {
-        "moments": ((media, n_times, MOMENTS), 0.0),
-        "path_sums": ((media, TOTALS), 0.0),
-        "statuses": ((STATUSES,), 0),
-        "traps": ((n, 1 + TRAPS[2 if flat else d]), np.nan),
+        "moments": ((media, n_times, outputs.MOMENTS), 0.0),
+        "path_sums": ((media, outputs.TOTALS), 0.0),
+        "statuses": ((outputs.STATUSES,), 0),
+        "traps": ((n, 1 + outputs.TRAPS[2 if flat else d]), np.nan),
         "raw/positions": ((n_times, n, d), np.nan),
         "raw/velocities": ((n_times, n, d), np.nan),
-        "raw/finals": ((n, FINALS[d]), np.nan),
+        "raw/finals": ((n, outputs.FINALS[d]), np.nan),
     }
     arrays = {k: v for k, v in arrays.items() if k[:4] != "raw/" or k[4:] in plan.observables}
     if plan.field:
-        arrays["field_sums"] = (media, n_times, FIELD_SUMS[d]), 0.0
+        arrays["field_sums"] = (media, n_times, outputs.FIELD_SUMS[d]), 0.0
     if plan.depth is not None:
         arrays["raw/passages"] = (n,), np.inf
-    for name, bins in zip(HISTOGRAMS, plan.grids()[:, 2], strict=True):
+    for name, bins in zip(outputs.HISTOGRAMS, plan.grids()[:, 2], strict=True):
         if name in plan.observables:
-            rows = 1 if name in OF_FLIGHTS else n_times
+            rows = 1 if name in outputs.OF_FLIGHTS else n_times
             arrays[f"histograms/{name}/sums"] = (rows, int(bins) + 2), 0
     return arrays
 
@@ -291,7 +281,7 @@ def _follow_block(
         start_places(plan, configuration, cells, first, n),
     )  # fmt: skip
     kept = nothing(plan, 0, n)
-    counts = [sums.get(f"histograms/{name}/sums") for name in HISTOGRAMS]
+    counts = [sums.get(f"histograms/{name}/sums") for name in outputs.HISTOGRAMS]
     record = records.Records(
         times=plan.times / unit,
         scales=plan.scales(),

@@ -11,18 +11,11 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Int, Lam, Partial, chain, dot, eq
 from ..premises import isotropy, loss, mean_free_path, over_impact, parallel_component
+from . import transport
 from .record import Derived, defines, derives, result, row, zero
 from .scaling_state import slope_value
 from .sonine import SONINE_AND_EXACT, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
-from .transport import (
-    Expansion,
-    continuity_order,
-    density_series,
-    expand,
-    orders,
-    solved,
-    thermal_speed,
-)
+from .transport import solved, thermal_speed
 
 _D = s.De(s.t)
 _MSD = s.msd(s.t)
@@ -223,10 +216,10 @@ def _ap4() -> Derived:
     )
 
 
-row("ap6", lambda: eq(sp.Derivative(_N, s.t), density_series(_N)), note="Rests on ap4.")
+row("ap6", lambda: eq(sp.Derivative(_N, s.t), transport.density_series(_N)), note="Rests on ap4.")
 
 
-derives("ap7")(lambda: continuity_order(s.Jj(s.br, s.v, s.t), _N))
+derives("ap7")(lambda: transport.continuity_order(s.Jj(s.br, s.v, s.t), _N))
 
 
 row(
@@ -255,7 +248,7 @@ def _ap11_6() -> Derived:
     return result(chain(s.J0(s.br, s.v, s.t), flux, mean))
 
 
-row("ap12", lambda: orders(_N)[1], note="Formally right, given ap4 and ap11.")
+row("ap12", lambda: transport.orders(_N)[1], note="Formally right, given ap4 and ap11.")
 
 
 @cache
@@ -269,10 +262,10 @@ row("ap12.5", lambda: eq(sp.Derivative(_T, s.t), _temperature_rate()), "l = 1/(2
 
 
 @cache
-def _expansion() -> Expansion:
+def _expansion() -> transport.Expansion:
     """ap13, ap15 and ap18: the sum of v.v f over directions is v^2 m(v, t)."""
     m = s.mn(s.v, s.t)
-    return expand(_N, s.f(s.bv, s.t) / m, _temperature_rate(), _D_AT_V, s.v**2 * m)
+    return transport.expand(_N, s.f(s.bv, s.t) / m, _temperature_rate(), _D_AT_V, s.v**2 * m)
 
 
 row("ap13", lambda: _expansion().first_order, note="Formally right, given ap4 and ap11.")

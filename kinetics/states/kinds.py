@@ -15,18 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
 from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray
-from kinetics.states.state import (
-    NO_INTEGRAL,
-    LogMeasure,
-    Points,
-    SpeedFunction,
-    State,
-    evaluate,
-    function_points,
-    gaussian_points,
-    samples_points,
-    table_points,
-)
+from kinetics.states import state as rules
+from kinetics.states.state import LogMeasure, Points, SpeedFunction, State
 from kinetics.validation import (
     check_positive,
     finite_array,
@@ -91,7 +81,7 @@ class Gaussian(State):
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """Trapezoid rule in ln v."""
         d = self.dimension
-        found = gaussian_points(rtol, lowest, highest, d, self._wide, self._ratio)
+        found = rules.gaussian_points(rtol, lowest, highest, d, self._wide, self._ratio)
         factor = self._factor(m, np.exp(found.x) / self._wide)
         return None if factor is None else LogMeasure(found.x, found.weight * factor)
 
@@ -135,7 +125,7 @@ class Samples(State):
         if m and self._angle is None:
             return None
         turn = np.exp(-1j * m * np.asarray(self._angle)) if m else 1.0
-        return samples_points(np.log(speed), weight * turn, rtol, max(highest, -lowest))
+        return rules.samples_points(np.log(speed), weight * turn, rtol, max(highest, -lowest))
 
 
 @dataclass(frozen=True)
@@ -210,7 +200,7 @@ class Table(State):
         values = self._values(m)
         if values is None:
             return None
-        found = table_points(self.kinks, values, 0.1 * rtol, lowest)
+        found = rules.table_points(self.kinks, values, 0.1 * rtol, lowest)
         # ln v of points that are close to each other has lost digits: the sum may not be 1
         return LogMeasure(found.x, found.weight / found.weight.sum()) if m == 0 else found
 
@@ -280,11 +270,11 @@ class Functions(State):
             return None
         # a tenth of the allowed error of the norm, so that its check sees the density
         tight = rtol if m else min(rtol, 1e-7)
-        found = function_points(self.terms[m], tight, lowest, highest)
+        found = rules.function_points(self.terms[m], tight, lowest, highest)
         if m:
             return found
         if found is None:
-            raise InputError(NO_INTEGRAL)
+            raise InputError(rules.NO_INTEGRAL)
         if np.iscomplexobj(found.weight):
             raise InputError("initial: the speed density is complex; it must be real")
         norm = normalised(found.weight, float(found.weight.sum()))
@@ -292,7 +282,7 @@ class Functions(State):
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
-        return (lambda v: evaluate(self.terms[m], v)) if m in self.terms else None
+        return (lambda v: rules.evaluate(self.terms[m], v)) if m in self.terms else None
 
 
 @dataclass(frozen=True)
