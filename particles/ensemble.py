@@ -9,21 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from particles import outputs as tables
 from particles.configuration import PER_OCTAVE, Plan, Totals
-from particles.outputs import (
-    ALL_COLLISIONS,
-    CAUGHT,
-    ESTIMATES,
-    HISTOGRAMS,
-    IN_FIELD,
-    OF_A_DEPTH,
-    RAW,
-    SAMPLES,
-    SCALARS,
-    TRAVELLED,
-    VARIABLES,
-    Sums,
-)
 from particles.results import Estimate, Histogram, Result, jackknife, share
 from particles.values import Value, check_path, frozen, refuse
 
@@ -105,10 +92,10 @@ class Ensemble(Result):
     @property
     def outputs(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of the estimates, histograms and raw data that this ensemble has."""
-        others = (n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables)
-        passages = ("passage_times", *OF_A_DEPTH) if self.plan.depth is not None else ()
+        others = (n for n in (*tables.HISTOGRAMS, *tables.RAW) if n in self.plan.observables)
+        passages = ("passage_times", *tables.OF_A_DEPTH) if self.plan.depth is not None else ()
         sticking = ("trapped_fraction",) if self.capture_speed else ()
-        return (*SCALARS, *(IN_FIELD if self.field else sticking), *passages, *others)
+        return (*tables.SCALARS, *(tables.IN_FIELD if self.field else sticking), *passages, *others)
 
     @property
     def moments(self) -> np.ndarray:
@@ -126,12 +113,12 @@ class Ensemble(Result):
     @property
     def collision_total(self) -> int:
         """Number of collisions of all tracers."""
-        return int(self.arrays["path_sums"][:, ALL_COLLISIONS].sum())
+        return int(self.arrays["path_sums"][:, tables.ALL_COLLISIONS].sum())
 
     @cached_property
     def samples(self) -> np.ndarray:
         """Tracers that enter the estimates at each time, (n_times,)."""
-        return frozen(self.moments[:, :, SAMPLES].sum(axis=0).astype(np.int64))
+        return frozen(self.moments[:, :, tables.SAMPLES].sum(axis=0).astype(np.int64))
 
     @property
     def missing(self) -> np.ndarray:
@@ -141,13 +128,13 @@ class Ensemble(Result):
     @cached_property
     def trapped(self) -> np.ndarray:
         """Tracers among the samples at rest, in a corner or captured, at each time, (n_times,)."""
-        return frozen(self.moments[:, :, CAUGHT].sum(axis=0).astype(np.int64))
+        return frozen(self.moments[:, :, tables.CAUGHT].sum(axis=0).astype(np.int64))
 
     @cached_property
     def mean_free_path(self) -> Estimate:
         """Path travelled per collision, all tracers from start to end, in d. A scalar."""
-        sums = self.arrays["path_sums"]
-        return jackknife(sums, lambda s: s[TRAVELLED] / s[ALL_COLLISIONS] * self._unit)
+        sums, unit = self.arrays["path_sums"], self._unit
+        return jackknife(sums, lambda s: s[tables.TRAVELLED] / s[tables.ALL_COLLISIONS] * unit)
 
     @property
     def passage_times(self) -> np.ndarray:
@@ -277,24 +264,24 @@ class Ensemble(Result):
         return jackknife(np.stack((sums, numbers), axis=1), lambda total: total[0] / total[1])
 
     def _average(self, name: str) -> Estimate:
-        unit, _, of, scaled = ESTIMATES[name]
+        unit, _, of, scaled = tables.ESTIMATES[name]
         sums = self.moments
         if self.field:
             sums = np.concatenate([sums, self.arrays["field_sums"]], axis=2)
-        elif name in IN_FIELD and name != "trapped_fraction":
+        elif name in tables.IN_FIELD and name != "trapped_fraction":
             raise AttributeError(f"{name} is there in a field only: simulate(field=...)")
         assert of is not None
         d = self.medium.dimension
-        found = jackknife(sums, lambda total: of(Sums(total, d)))
+        found = jackknife(sums, lambda total: of(tables.Sums(total, d)))
         # after the jackknife: squares of late speeds are too small for a number
         return found.divided(self.plan.scales() if scaled else self._unit ** -_LENGTHS[unit])
 
     def _histogram(self, name: str) -> Histogram:
         counts, squares, cross = self._get(name, f"histograms/{name}/sums")
         samples = self.arrays[f"histograms/{name}/samples"]
-        low, per_octave, bins = self.plan.grids()[HISTOGRAMS.index(name)]
+        low, per_octave, bins = self.plan.grids()[tables.HISTOGRAMS.index(name)]
         edges = 2.0 ** (low + np.arange(int(bins) + 1) / per_octave)
-        if name not in HISTOGRAMS[:2]:
+        if name not in tables.HISTOGRAMS[:2]:
             edges = edges * self._unit
         found = share(counts, squares, cross, samples, self.media)
         inside = Estimate(found.value[:, 1:-1], found.error[:, 1:-1])
@@ -314,10 +301,10 @@ def _attach(name: str, make: Callable[[Ensemble, str], Any], words: str) -> None
     setattr(Ensemble, name, made)
 
 
-for _name, _one in ESTIMATES.items():
+for _name, _one in tables.ESTIMATES.items():
     if _one.of is not None:
         _attach(_name, Ensemble._average, f"Estimate of {_one.words}; unit {_one.unit}.")
-for _name, (_, _unit, _words) in VARIABLES.items():
+for _name, (_, _unit, _words) in tables.VARIABLES.items():
     _words = f"Histogram of the {_words} in {_unit}; {PER_OCTAVE} bins per octave."
     _attach(_name, Ensemble._histogram, _words)
 

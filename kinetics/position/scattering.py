@@ -191,7 +191,12 @@ class Waves:
             panels[: used + 1, reach + j] = returns.end(j, found) if returns else found
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
             miss = float(np.abs(found[used]).max())
-            errors.append(self._left_out(values[-1]) + (miss if kept else miss**2))
+            # and the polynomials of the panel leave out what their last two coefficients say
+            last, before = self.rule.last_coefficients(np.moveaxis(values[-1], 1, 2))
+            fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
+            each = (last * np.sqrt(fall)).max(axis=1)
+            left = _SAFETY * math.sqrt(4.0 * float(each @ each) - 3.0 * each[0] ** 2)
+            errors.append(left + (miss if kept else miss**2))
             largest.append(float(np.abs(found).max()))
             # nothing that follows is larger than the mean over what collisions lead to it from
             if len(largest) == recent.size and recent @ largest < NEGLIGIBLE * self.tolerance:
@@ -305,13 +310,6 @@ class Waves:
         if inner is None:
             inner = eliminate(blocks, turn, right, self.wave_numbers)
         return np.concatenate([known[:, None], inner], axis=1)
-
-    def _left_out(self, values: FloatArray) -> float:
-        """What the polynomials of a panel leave out of F, by their last two coefficients."""
-        last, before = self.rule.last_coefficients(np.moveaxis(values, 1, 2))
-        fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
-        each = (last * np.sqrt(fall)).max(axis=1)
-        return _SAFETY * math.sqrt(4.0 * float(each @ each) - 3.0 * each[0] ** 2)
 
 
 def _series_sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
