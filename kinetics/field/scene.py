@@ -101,15 +101,16 @@ class FieldScene:
             end = begin
         return parts, worst
 
-    @property
-    def _system(self) -> System:
-        """In units of the solution."""
-        return System(self.law, self.law.dimension, field=1.0)
+    @cached_property
+    def _fastest(self) -> float:
+        """Of the start."""
+        return self._start_from(1).highest
 
     def _top(self, i: int) -> float:
         """The highest speed up to the i-th time."""
         time = max(float(self._scaled[i]), SHORTEST_TIME)
-        return self._system.top(TAIL * self.rtol, time, self._start_from(1).highest)
+        system = System(self.law, self.law.dimension, field=1.0)
+        return system.top(TAIL * self.rtol, time, self._fastest)
 
     def _refined(self, times: FloatArray) -> tuple[Any, dict[str, float]]:
         """The best solution up to some times, and its errors."""

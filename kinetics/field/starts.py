@@ -116,7 +116,7 @@ class Velocities:
 
 
 def _fastest(speeds: LogMeasure, rtol: float) -> float:
-    """ln v up to which <v^4> is complete: panels that reach further have but rounding there."""
+    """ln v up to which <v^4> is complete: panels that reach further have only rounding there."""
     order = np.argsort(speeds.x)[::-1]
     x = speeds.x[order]
     beyond = np.cumsum(np.abs(speeds.weight[order]) * np.exp(4.0 * (x - x[0])))
