@@ -184,10 +184,7 @@ class VelocityDensity:
         return worst
 
     def difference(self, other: VelocityDensity) -> float:
-        """The largest difference of two solutions relative to the largest density of each time.
-
-        Of the velocity, and of the speed.
-        """
+        """The largest difference of densities, of velocity and of speed, over the largest there."""
         worst = 0.0
         for i, v, along, across in self._tried(_TRIED_SPEEDS, _TRIED_ANGLES):
             f = np.reshape([x.at(i, along, across) for x in (self, other)], (2, -1, v.size))

@@ -22,7 +22,7 @@ from kinetics.states.state import State
 
 DENSITIES = "densities"
 BEST_DENSITY = 1e-4
-_RANGE = 6.0  # of the highest speeds at times that are solved together
+_RANGE = 6.0  # of the highest speeds at times solved together: slower ones are lost in rounding
 _MADE_OF = {
     "a2": {"v^4"},
     "collisions": {"collisions"},
@@ -86,10 +86,7 @@ class FieldScene:
 
     @one_blas_thread
     def _solved(self) -> tuple[list[Any], dict[str, float]]:
-        """Times at which tracers are about as fast are solved together; and the largest errors.
-
-        Slower ones would be lost in the rounding of the fast.
-        """
+        """Times at which tracers are about as fast are solved together; and the largest errors."""
         parts: list[Any] = []
         worst, end = dict.fromkeys(self.allowed, 0.0), self._scaled.size
         while end > 0:

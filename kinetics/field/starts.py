@@ -187,12 +187,9 @@ class Start:
 
     @property
     def mean_speed(self) -> float:
-        """The average speed at the start."""
-        if self.velocities is not None:
-            speeds = np.hypot(self.velocities.along, self.velocities.across)
-            return float(self.velocities.weight @ speeds)
-        assert self.measures[0] is not None  # every state has its speeds
-        return self.speed * float(self.measures[0].weight.real @ np.exp(self.measures[0].x))
+        """The average speed at the start; 0 of rest, which has no measure."""
+        found = self.measures[0] if self.measures else None
+        return self.speed * float(found.weight.real @ np.exp(found.x)) if found else 0.0
 
     def projected(self, axis: Any, count: int, families: int, state: State | None) -> FloatArray:
         """Sums over the start of harmonics and polynomials of an axis, (families, count, size).
