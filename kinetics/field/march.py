@@ -198,8 +198,7 @@ class March:
         """
         self.values = np.zeros((self.times.size, len(ALL)))
         now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
-        # at the first of the times averages may be small, as the fourth power of the time: a step
-        # ends there
+        # at the first of the times averages may be small, as its fourth power: a step ends there
         first = float(np.min(self.times[self.times > 0.0], initial=last))
         h = min(_FIRST / (1.0 + fastest), first) / steps
         totals, asked = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
@@ -281,13 +280,12 @@ class Evolution(March):
         highest = system.top(tail, last, self.start.highest)
         self._lasting = system.top(tail, last)
         first = float(np.min(self.times[self.times > 0.0], initial=last))
-        mean = self.start.mean_speed
         if self.state is None:
             # below 1/t no tracer has collided by the time t, but most may be slower; from rest,
             # before the square root of rtol fewer than that have
-            slow = min(max(1.0, 1.0 / last), max(mean, first, math.sqrt(one.rtol)))
+            slow = min(max(1.0, 1.0 / last), max(self.start.mean_speed, first, math.sqrt(one.rtol)))
         else:  # densities vary where collisions leave few
-            slow = min(1.0, max(_SLOWEST * mean, first))
+            slow = min(1.0, max(_SLOWEST * self.start.mean_speed, first))
         lowest = one.lowest * slow
         self.axis = self.left = SpeedPanels.rising(highest, lowest, one.nodes)
         self.families = 1 if self.start.is_symmetric else 2
