@@ -176,9 +176,10 @@ _LATE: list[Timer] = []  # what ends the process if the exception does not
 
 
 def _raise(number: int, frame: Any) -> None:
-    """Raise, but not in the middle of an import, which may crash half a compiled module."""
+    """Raise, but not in an import, half of which may crash, nor in a finaliser, which loses it."""
     while frame is not None and hasattr(signal, "setitimer"):
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
+        file, name = frame.f_code.co_filename, frame.f_code.co_name
+        if file.startswith("<frozen importlib") or name in ("__del__", "remove"):
             signal.signal(signal.SIGALRM, lambda _, later: _raise(number, later))
             signal.setitimer(signal.ITIMER_REAL, 0.02)
             return

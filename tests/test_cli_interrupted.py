@@ -32,6 +32,11 @@ SWALLOWS = """    print('begun', flush=True)
             time.sleep(60)
         except BaseException:
             pass"""
+FINALISER = """    class Slow:
+        def __del__(self):
+            print('begun', flush=True)
+            time.sleep(0.4)
+    Slow(), time.sleep(60)"""
 
 
 def start(*arguments: str, code: str = "", **environment: str) -> "subprocess.Popen[str]":
@@ -74,8 +79,9 @@ def test_while_tracers_are_followed_for_hours(number: signal.Signals) -> None:
     assert "a.h5" in os.listdir()
 
 
-def test_in_code_that_swallows_it() -> None:
-    process = start("simulate", code=f"{BEGIN}{SWALLOWS}{END}")
+@pytest.mark.parametrize("work", [SWALLOWS, FINALISER])
+def test_in_code_that_swallows_it(work: str) -> None:
+    process = start("simulate", code=f"{BEGIN}{work}{END}")
     assert process.stdout is not None
     process.stdout.readline()
     time.sleep(0.2)

@@ -192,9 +192,8 @@ class March:
         return equation, f
 
     def _run(self, equation: Equation, f: FloatArray, fastest: float, steps: int = 1) -> None:
-        """From f on, up to the last time.
-
-        fastest : the highest speed in f; steps : that the first one is cut in, at least
+        """From f on, up to the last time; fastest : the highest speed in f; steps : that the first
+        one is cut in, at least.
         """
         self.values = np.zeros((self.times.size, len(ALL)))
         now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
