@@ -36,7 +36,7 @@ FINALISER = """    class Slow:
         def __del__(self):
             print('begun', flush=True)
             time.sleep(0.4)
-    Slow(), time.sleep(60)"""
+    Slow() and time.sleep(60)"""
 
 
 def start(*arguments: str, code: str = "", **environment: str) -> "subprocess.Popen[str]":
