@@ -153,7 +153,7 @@ class _Axis:
 
     def _arriving(self, moving: NDArray[Any]) -> NDArray[Any]:
         """Bounces of the moving masses, past the end of the axis; by transforms where shorter."""
-        self.work += moving.size * min(self.kernel.size, _TRANSFORMED)
+        self.work += 1e4 + moving.size * min(self.kernel.size, _TRANSFORMED)  # 1e4: of each sweep
         if self.kernel.size < _TRANSFORMED:
             # what np.convolve does, without its checks
             return np.correlate(moving, self.kernel[::-1], "full")
