@@ -179,7 +179,7 @@ def _raise(number: int, frame: Any) -> None:
     """Raise, but not in an import, half of which may crash, nor in a finaliser, which loses it."""
     while frame is not None and hasattr(signal, "setitimer"):
         file, name = frame.f_code.co_filename, frame.f_code.co_name
-        if file.startswith("<frozen importlib") or name in ("__del__", "remove"):
+        if file.startswith("<frozen importlib") or name in ("__del__", "remove", "_remove"):
             signal.signal(signal.SIGALRM, lambda _, later: _raise(number, later))
             signal.setitimer(signal.ITIMER_REAL, 0.02)
             return
