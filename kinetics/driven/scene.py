@@ -64,7 +64,7 @@ class _Evolution(March):
         self._finer = one.finer
         if isotropic:  # y f is as x f
             fields = fields[:2]
-        equation = Equation(one.chain, fields, axis.speeds, np.ones(axis.size), one.rate)
+        equation = Equation(one.chain, fields, axis.speeds, one.rate)
         begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
         begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
         self.sums = np.repeat(begin[:1], times.size, axis=0)

@@ -242,23 +242,25 @@ class SteadyDensity:
         least = law.least_ratio  # below it f varies as (v/least)^2 ln v
         lowest = one.lowest * (min(1.0, max(3.0 * least, 0.03)) if least else 1.0)
         self.panels = SpeedPanels.rising(highest, lowest, one.nodes, tail=True)
-        v, d = self.panels.speeds, law.dimension
+        v, d, count = self.panels.speeds, law.dimension, one.harmonics + 1
         self._loss = loss_matrices(self.panels, law, one.harmonics)
         chain = Chain(d, self._loss, self.panels.slopes(d), 1.0 / v)
         # a source anywhere, for the border: its factor comes out as 0
-        border = v ** (d - 1.0) * self.panels.weights, v * np.exp(-v)
+        border = np.ones(v.size), v * np.exp(-v)
         solver = chain.elimination(border=border)
-        self._sums = solver.solve(np.zeros((one.harmonics + 1, v.size)), 1.0)
-        self.harmonics = self._sums / norms(one.harmonics + 1, d)[0]
+        self._sums = solver.solve(np.zeros((count, v.size)), 1.0)
+        self._volumes = norms(count, d)[0] * self.panels.volumes(d)
+        self.harmonics = self._sums / self._volumes
 
     def moment(self, p: float, m: int) -> float:
         """<v^p cos(m phi)>, for p > -d; for p > -d - 1 where m > 0 and f_m is 0 at rest."""
         v, d = self.panels.speeds, self.law.dimension
         f, first = self._sums[m], self.panels.parts[0]
         rest = slice(first.stop, None)
-        above = (v[rest] ** (p + d - 1.0) * f[rest]) @ self.panels.weights[rest]
+        above = v[rest] ** p @ f[rest]
         # on the first panel f, or f/v, is a polynomial
-        f, power, half = f[first], p + d - 1.0, 0.5 * self.panels.edges[1]
+        f, half = f[first] / self.panels.volumes(d)[first], 0.5 * self.panels.edges[1]
+        power = p + d - 1.0
         if power <= -1.0:
             f, power = f / v[first], power + 1.0
         x, w = roots_jacobi(f.size, 0.0, power)
@@ -267,8 +269,8 @@ class SteadyDensity:
 
     @cached_property
     def _flights(self) -> LastFlights:
-        f, v = self.harmonics, self.panels.speeds
-        made = v * (v * f - np.einsum("mij,mj->mi", self._loss, f))
+        f, v = self._sums, self.panels.speeds
+        made = v * (v * f - np.einsum("mij,mj->mi", self._loss, f)) / self._volumes
         return LastFlights(self.panels, self.law.dimension, [(0.0, 1.0, made[None, None])])
 
     def density(self, along: FloatArray, across: FloatArray) -> FloatArray:

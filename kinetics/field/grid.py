@@ -126,6 +126,10 @@ class SpeedPanels:
         panels = zip(self.edges[:-1], self.edges[1:], self.counts, strict=True)
         return np.concatenate([(b - a) * gauss_legendre(n)[1] for a, b, n in panels])
 
+    def volumes(self, dimension: int) -> FloatArray:
+        """By which f at a node is a sum, whose total is the integral of f over all v, (size,)."""
+        return np.asarray(self.speeds ** (dimension - 1.0) * self.weights)
+
     def panel_of(self, v: FloatArray) -> NDArray[np.intp]:
         """The panel in which each speed lies; the last one above all, shape of v."""
         return np.clip(np.searchsorted(self.edges, v, side="left") - 1, 0, len(self.counts) - 1)
@@ -169,7 +173,7 @@ class SpeedPanels:
         return (w * density(v)) @ self.interpolation(v, parity)
 
     def slopes(self, dimension: int) -> tuple[FloatArray, FloatArray]:
-        """d/dv of even and of odd harmonics at the nodes, shape (size, size) each.
+        """d/dv of even and of odd harmonics, from sums to sums, shape (size, size) each.
 
         Even harmonics are 0 at the highest speed; on odd ones nothing is imposed there.
         Source: the strong form of the discontinuous Galerkin method; Hesthaven and Warburton,
@@ -192,6 +196,8 @@ class SpeedPanels:
                 if neighbour <= last:
                     row = self.rows(neighbour, np.array([end]))
                     out[part, self.parts[neighbour]] += np.outer(jump, row)
+        volumes = self.volumes(dimension)
+        both *= volumes[:, None] / volumes
         return both[0], both[1]
 
 
@@ -260,7 +266,7 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
                 changed = before
             changed = np.matmul(changed.swapaxes(1, 2), weighed)
             out[:, source, source] += loss + np.tensordot(kept[:, used], changed, axes=1)
-    return np.asarray(out / (panels.speeds ** (d - 1) * panels.weights)[:, None])
+    return np.asarray(out / panels.volumes(d))
 
 
 def _changes(panels: SpeedPanels, panel: int, v: FloatArray, change: FloatArray) -> FloatArray:

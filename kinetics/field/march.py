@@ -91,16 +91,15 @@ class Equation:
     chain : what changes the sums of each harmonic at some speeds
     fields : name and family of each: of f, and of x f and y f, of which f is the source. Without
         y f of family 1 it is as x f
-    speeds, weights : of averages over the speed, (size,)
+    speeds : (size,); averages are sums over them
     rate : of collisions, (size,)
     """
 
     def __init__(
-        self, chain: Chain, fields: list[tuple[str, int]], speeds: FloatArray,
-        weights: FloatArray, rate: FloatArray,
-    ) -> None:  # fmt: skip
+        self, chain: Chain, fields: list[tuple[str, int]], speeds: FloatArray, rate: FloatArray
+    ) -> None:
         self.chain, self.fields, self.speeds = chain, fields, speeds
-        self._weights, self._rate, self._modes = weights, rate, radau.modes()
+        self._rate, self._modes = rate, radau.modes()
         self._factors: tuple[float, list[dict[int, BlockElimination]]] = (0.0, [])
 
     def averages(self, f: FloatArray) -> FloatArray:
@@ -109,14 +108,14 @@ class Equation:
 
         def mean(name: str, family: int, m: int, of: Any) -> Any:
             there = (name, family) in self.fields
-            return f[:, self.fields.index((name, family)), m] @ (of * self._weights) if there else 0
+            return f[:, self.fields.index((name, family)), m] @ of if there else 0
 
         moved, alike = mean("x", 0, 1, v), ("y", 1) not in self.fields
         found = [
             *(mean("f", 0, 1, v), mean("f", 1, 1, v), mean("f", 0, 0, v2), mean("f", 0, 2, v2)),
             *(0.5 * mean("f", 1, 2, v2), mean("f", 0, 0, v2**2), mean("f", 0, 0, self._rate)),
             *(moved, moved if alike else mean("y", 1, 1, v)),
-            *(mean("y", 0, 1, v) + mean("x", 1, 1, v), mean("f", 0, 0, 1.0)),
+            *(mean("y", 0, 1, v) + mean("x", 1, 1, v), mean("f", 0, 0, v**0)),
         ]
         return np.stack([one + np.zeros(len(f)) for one in found], axis=1)
 
@@ -294,16 +293,15 @@ class Evolution(March):
         equation = self._equation()
         f = np.zeros((len(self._fields), one.harmonics + 1, self.axis.size))
         if self.start.velocities is None:
-            sums = self.start.projected(self.axis, one.harmonics + 1, self.families, self.state)
-            f[: self.families] = sums / self._volume
+            count, state = one.harmonics + 1, self.state
+            f[: self.families] = self.start.projected(self.axis, count, self.families, state)
         self._run(equation, f, self.start.highest, math.ceil(1.0 / one.step))
 
     def _equation(self) -> Equation:
         """On the panels that are left: no collision makes a tracer faster."""
         v, d, n = self.left.speeds, self.law.dimension, self.left.size
-        self._volume = v ** (d - 1.0) * self.left.weights
         chain = Chain(d, self._loss[:, :n, :n], self.left.slopes(d), 1.0 / v)
-        return Equation(chain, self._fields, v, self._volume, v)
+        return Equation(chain, self._fields, v, v)
 
     def _slowed(self, equation: Equation, f: Any, now: float, values: Any) -> tuple[Equation, Any]:
         """Without the highest panel once fewer tracers are there than above the top at the end."""
@@ -337,13 +335,14 @@ class Evolution(March):
             return None
         count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
         sums = velocities.projected(fine, self.left, count, self._fields)
-        early = radau.projected(sums / self._volume)
+        early = radau.projected(sums)
         return early, self._gained(early[1:])
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self.state is not None:
             families, of = self.families, norms(stages.shape[2], self.law.dimension)
-            made = self._gained(stages[:, :families] / of[:families])
+            volume = of[:families] * self.left.volumes(self.law.dimension)
+            made = self._gained(stages[:, :families]) / volume
             every = np.zeros((*made.shape[:-1], self.axis.size))
             every[..., : self.left.size] = made * self.left.speeds
             self.made.append((now, h, every))
