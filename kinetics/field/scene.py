@@ -22,7 +22,7 @@ from kinetics.states.state import State
 
 DENSITIES = "densities"
 BEST_DENSITY = 1e-4
-_RANGE = 6.0  # of the highest speeds at times solved together: slower ones are lost in rounding
+_RANGE = 6.0  # of the highest speeds at times solved together: slow ones need finer panels
 _MADE_OF = {
     "a2": {"v^4"},
     "collisions": {"collisions"},

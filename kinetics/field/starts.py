@@ -18,11 +18,10 @@ from kinetics.field.harmonics import angular
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.states.kinds import Beam, Rest, VelocitySamples
-from kinetics.states.state import LogMeasure, Points, State
+from kinetics.states.state import LogMeasure, State
 
 TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
 FEW = 64  # so many samples, or directions, are followed each
-_TAIL = 0.01  # of the tolerance of <v^4>: what the fastest of a start may add
 _STRAIGHT = 4.0 * np.finfo(float).eps  # components across a velocity that are rounding
 
 
@@ -115,19 +114,6 @@ class Velocities:
         return out
 
 
-def _fastest(speeds: LogMeasure, rtol: float) -> float:
-    """ln v up to which <v^4> is complete: panels that reach further have only rounding there."""
-    order = np.argsort(speeds.x)[::-1]
-    x = speeds.x[order]
-    beyond = np.cumsum(np.abs(speeds.weight[order]) * np.exp(4.0 * (x - x[0])))
-    return float(x[np.argmax(beyond > rtol * beyond[-1])])
-
-
-def _slower(measure: Points, top: float) -> Points:
-    keep = np.zeros(0, dtype=bool) if measure is None else measure.x <= top
-    return LogMeasure(measure.x[keep], measure.weight[keep]) if measure and keep.any() else None
-
-
 @dataclass(frozen=True)
 class Start:
     """An initial state in units of sqrt(g l).
@@ -153,9 +139,6 @@ class Start:
             return cls.rest(dimension)
         speeds = state.harmonic(0, rtol, 0.0, 4.0)
         assert speeds is not None  # every state has its speeds
-        top = _fastest(speeds, _TAIL * rtol)
-        speeds = _slower(speeds, top)
-        assert speeds is not None  # its fastest is there
         v, w = speed * np.exp(speeds.x), speeds.weight.real
         if isinstance(state, Beam):
             along, across = v * math.cos(state.direction), v * math.sin(state.direction)
@@ -169,7 +152,7 @@ class Start:
             return cls((speeds,), speed, found)
         last = harmonics if there is None else min(there, harmonics)
         every = (state.harmonic(m, rtol, 0.0, 4.0) for m in range(last + 1))
-        return cls(tuple(_slower(one, top) for one in every), speed)
+        return cls(tuple(every), speed)
 
     @property
     def is_symmetric(self) -> bool:
