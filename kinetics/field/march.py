@@ -171,6 +171,12 @@ class March:
     steps: int = 0
     tries: int = 0
 
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """The first time above 0, and the last."""
+        last = max(float(self.times[-1]), SHORTEST_TIME)
+        return float(np.min(self.times[self.times > 0.0], initial=last)), last
+
     def _inside(self, now: float, h: float) -> NDArray[np.bool_]:
         """Which times are in a step, (n_times,): also the last one, but for rounding."""
         return (self.times >= now) & (self.times <= now + h * (1.0 + SHORTEST_TIME))
@@ -195,9 +201,8 @@ class March:
         one is cut in, at least.
         """
         self.values = np.zeros((self.times.size, len(ALL)))
-        now, last = 0.0, max(float(self.times[-1]), SHORTEST_TIME)
         # at the first of the times averages may be small, as its fourth power: a step ends there
-        first = float(np.min(self.times[self.times > 0.0], initial=last))
+        now, (first, last) = 0.0, self._ends
         h = min(_FIRST / (1.0 + fastest), first) / steps
         totals, asked = np.zeros(len(INTEGRALS)), _STEPS_MISS * self.resolution.rtol
         grows = [one for one, _ in INTEGRALS.values()]
@@ -272,12 +277,10 @@ class Evolution(March):
     made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
-        one, last = self.resolution, max(float(self.times[-1]), SHORTEST_TIME)
-        d = self.law.dimension
+        one, (first, last), d = self.resolution, self._ends, self.law.dimension
         system, tail = System(self.law, d, field=1.0), TAIL * one.rtol
         highest = system.top(tail, last, self.start.highest)
         self._lasting = system.top(tail, last)
-        first = float(np.min(self.times[self.times > 0.0], initial=last))
         if self.state is None:
             # below 1/t no tracer has collided by the time t, but most may be slower; from rest,
             # before the square root of rtol fewer than that have
