@@ -9,7 +9,7 @@ coincide.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,8 @@ _MOST_NODES, _MOST_VALUES = 40_000, 3e7
 # The solution has 5 nodes where the one that it is compared with has 4, and that one's window ends
 # by so many e-folds of the speed higher up.
 _FINE, _COARSE, _HIGHER = 5, 4, 2.0
+# Where so many are too few, less is aimed at, up to this: the other method has no such digits.
+_EASIEST = 1e-4
 _BELOW_AIM = 6.0  # e-folds below what is aimed at, where the window ends
 # What is aimed at, of rtol, and the tilt. Where v t/l goes on oscillating, or tracers forwards, u
 # oscillates at low speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt.
@@ -162,19 +164,22 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
     log_unit = 0.5 * speeds.log_second_moment()
     tau = np.log(asked.times / asked.mean_free_path + math.exp(-log_unit)) + log_unit
     late = asked.nodes is not None or float(tau[-1]) > FOLDS
+    problem = _Problem(asked, rtol, 0.0, start, speeds, log_unit, tau)
+    easier = [10.0**n * rtol for n in range(2, 15, 2) if 10.0**n * rtol <= _EASIEST]
     best: Profile | None = None
     for aim, tilt in _AIMS[:1] if late else _AIMS:
-        aimed = max(aim * rtol, 50.0 * ROUNDING)
-        problem = _Problem(asked, aimed, tilt, start, speeds, log_unit, tau)
-        window = _window(law, speeds, aimed, float(tau[-1]))
-        narrow = _resolve(problem, *window)
-        if narrow is None:
-            break
-        try:
-            found = _solve(problem, narrow, *window[:2])
-        except InputError:  # too many nodes
-            if best is None:
-                raise
+        found, refused = None, None
+        for one in (rtol, *easier) if best is None and asked.nodes is None else (rtol,):
+            aimed = max(aim * one, 50.0 * ROUNDING)
+            try:
+                found, refused = _solve(replace(problem, aim=aimed, tilt=tilt)), None
+            except InputError as error:  # too many nodes
+                refused = error
+            if found is not None:
+                break
+        if best is None and refused is not None:
+            raise refused
+        if found is None:
             break
         if best is None or found.error_estimate < best.error_estimate:
             best = found
@@ -184,10 +189,14 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
     return None if other and best is not None and best.error_estimate > _LOST else best
 
 
-def _solve(problem: _Problem, narrow: LogGrid, low: float, high: float) -> Profile:
-    """With nodes that resolve the start, from x = low to high."""
+def _solve(problem: _Problem) -> Profile | None:
+    """Its solution; None where the start is too rough, InputError where nodes are too many."""
     asked, law, m, tau = problem.asked, problem.asked.law, problem.asked.m, problem.tau
     aim, tilt = problem.aim, problem.tilt
+    low, high, band = _window(law, problem.speeds, aim, float(tau[-1]))
+    narrow = _resolve(problem, low, high, band)
+    if narrow is None:
+        return None
     grid, angle = _choose_grid(problem, narrow)
     gain, pole = problem.gain(grid.wave_numbers), m == 0 and not tilt
     moved, rows = intertwine(grid, problem.on(grid), gain, angle, pole).at(tau, _FINE)
