@@ -309,6 +309,6 @@ def _slowest(
 def solved(system: System, rtol: float, apart: Any = Steady.apart) -> tuple[Steady, float]:
     """The first that differs from a coarser one by less than rtol, or the best; and its error."""
     first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
-    solve, bends = partial(Steady, system), system.sticks_sharply
-    fine, errors = refined(solve, first, apart, {"averages": rtol}, bends=bends)
+    solve, earlier = partial(Steady, system), 1.0 if system.sticks_sharply else 0.01
+    fine, errors = refined(solve, first, apart, {"averages": rtol}, earlier=earlier)
     return fine, errors["averages"]

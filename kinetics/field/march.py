@@ -51,7 +51,7 @@ T = TypeVar("T")
 @np.errstate(all="ignore")  # of what is not resolved, figures may overflow: its error is infinite
 def refined(
     solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
-    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4, bends: bool = False,
+    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4, earlier: float = 0.1,
 ) -> tuple[T, dict[str, float]]:  # fmt: skip
     """The best of ever finer solutions, and its errors: how far the one before it is apart.
 
@@ -59,19 +59,19 @@ def refined(
     apart : the errors by their names, of which those in ``allowed`` decide
     worse : by so much an error may be larger than one before, and finer ones are tried
     patience : so many finer solutions in a row must halve it
-    bends : whether what is solved for bends: differences then fall slowly, and change sign
+    earlier : so much of the difference before the last one an error is at least: 1 where they fall
+        slowly and change sign, as what is solved for bends
     """
     past: list[float] = []
     best: Any = solve(first)
     last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
-    earlier: dict[str, float] = {}
+    prior: dict[str, float] = {}
     while least > 1.0 and (more := last.finer) is not None:
         before, last = last, solve(more)
-        # one difference may be small by chance: the first counts threefold, and of two in a row the
-        # earlier one counts, or a hundredth of it
-        now, part = apart(last, before), 1.0 if bends else 0.01
-        chance = {n: part * earlier[n] if earlier else 3.0 * x for n, x in now.items()}
-        found, earlier = {n: max(x, min(chance[n], 1.0)) for n, x in now.items()}, now
+        # one difference may be small by chance: the first counts threefold
+        now = apart(last, before)
+        chance = {n: earlier * prior[n] if prior else 3.0 * x for n, x in now.items()}
+        found, prior = {n: max(x, min(chance[n], 1.0)) for n, x in now.items()}, now
         # above 1 no digit is known: there more may not be worse
         worst = max(min(found[name], 1.0) / most for name, most in allowed.items())
         if worst < least:
