@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import derivative_matrix, interpolation_rows
-from kinetics.numerics.gauss import gauss_legendre
+from kinetics.numerics.gauss import gauss_legendre, panels_between
 
 FADING = 40.0  # the power of v/top with which what leads beyond the top is faded out
 
@@ -154,8 +154,10 @@ class SpeedAxis:
 
     def averaged(self, density: Callable[[FloatArray], Any], parity: int, kinks: Any) -> Any:
         """These averages over a density of the speed, (size,)."""
-        del kinks  # few nodes are enough between them: polynomials are of the whole axis
-        x, w = gauss_legendre(4 * self.size)
+        place = (np.arcsinh(kinks / self.scale) / self._span) ** (1.0 / self.power)
+        # polynomials turn twice, at most, from one end to the next
+        ends = 0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, self.size // 2 + 2))
+        x, w = panels_between(np.union1d(ends, np.minimum(place, 1.0)), 12)
         v = self._speed(x)
         return (w * self._stretch(x) * density(v)) @ self.interpolation(v, parity)
 

@@ -20,6 +20,7 @@ from kinetics import (
     Monoenergetic,
     ScalingSolution,
     Scene,
+    SpeedTable,
     ToleranceWarning,
     Viscoelastic,
     load,
@@ -163,6 +164,11 @@ def test_one_small_difference_of_two_solutions_is_not_enough():
     )  # fmt: skip
     first, second = (solve(scene, rtol).a2 for rtol in (5e-6, 1e-8))
     assert first == pytest.approx(second, abs=8e-6)  # 1.5e-5
+    start = lambda v: v**0.7 * np.exp(-v) / math.gamma(1.7)  # noqa: E731
+    scene = Scene(0.92, 0.04, initial=start, times=[0.44], outputs=["collisions"], dimension=3,
+                  mass_ratio=0.232, bath_speed=0.474, heating=1.2)  # fmt: skip
+    rough, fine = (solve(scene, rtol).collisions for rtol in (1e-3, 1e-5))
+    assert rough == pytest.approx(fine, rel=1e-3)  # 5.4e-3
 
 
 def test_elastic_tracers_in_a_heavy_bath_heat_up_for_ever():
@@ -184,6 +190,14 @@ def test_the_direction_of_a_start_does_not_matter_to_what_has_none():
     along, turned, every = (solve(scene, rtol=1e-6) for scene in scenes)
     assert [*turned.msd, *every.msd] == pytest.approx([*along.msd, *along.msd], rel=1e-9)
     assert [*turned.a2, *every.a2] == pytest.approx([*along.a2, *along.a2], abs=1e-9)
+
+
+def test_a_table_with_ends_has_the_same_averages_with_its_density():
+    """Its integrals went across the ends: 3 % apart."""
+    start = SpeedTable([0.0, 0.5, 1.0], [0.5, 1.0, 1.5])
+    one, two = (solve(one_l(0.45, bath_speed=0.66, initial=start, times=[2.0], outputs=names), 1e-3)
+                for names in (["msd"], ["msd", "speed_density"]))  # fmt: skip
+    assert one.msd == pytest.approx(two.msd, rel=1e-3)
 
 
 @pytest.mark.parametrize("drive", [{"bath_speed": 0.1}, {"heating": 0.01, "field": 0.1}])
