@@ -184,11 +184,9 @@ class SpeedPanels:
         for (p, part), even in product(enumerate(self.parts), (True, False)):
             nodes, out = self.speeds[part], both[0 if even else 1]
             out[part, part] = self.derivative(p)
-            for neighbour, end, sign in (
-                (p + 1, self.edges[p + 1], 1.0),
-                (p - 1, self.edges[p], -1.0),
-            ):
-                if end == 0.0 or not (even == (sign > 0.0) or (p == last and neighbour > last)):
+            for sign in (1, -1):
+                neighbour, end = p + sign, self.edges[p + (sign > 0)]
+                if end == 0.0 or not (even == (sign > 0) or (p == last and neighbour > last)):
                     continue
                 own = self.rows(p, np.array([end]))[0]
                 jump = sign * own * (end / nodes) ** (dimension - 1) / self.weights[part]
@@ -233,7 +231,6 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
     kept, also of densities that are not smooth. Only what changes in a bounce is summed: no digits
     are lost as bounces become elastic.
     """
-    # polynomials hide what is finer
     kept, gone, lost = bounces(law, _RATE, highest)
     ratio, edges, d = np.exp(-lost), np.array(panels.edges), law.dimension
     out = np.zeros((highest + 1, panels.size, panels.size))

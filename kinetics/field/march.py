@@ -35,6 +35,7 @@ INTEGRALS = {"x": (0, 1.0), "y": (1, 1.0), "collisions": (6, 1.0)}
 INTEGRALS |= {"x^2": (7, 2.0), "y^2": (8, 2.0), "x y": (9, 1.0)}
 """What grows over time -> the average that it grows with, and a factor."""
 ALL = (*AVERAGES, *INTEGRALS)
+_MADE = ((0, 0), (0, len(INTEGRALS)))
 SQUARES = frozenset({"x^2", "y^2", "x y"})
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
 _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
@@ -218,9 +219,8 @@ class March:
             left = radau.roughness(averages)
             left = np.append(left, h * radau.roughness(total)[grows] * factor)
             rough = self._relative(left[None], np.hstack([total, grown])[-1:])
-            lost = np.zeros_like(left)
-            lost[: len(AVERAGES)] = _ROUNDING * equation.averages(np.abs(stages[-1:]))
-            allowed = max(asked, self._relative(lost[None], np.hstack([total, grown])[-1:]))
+            lost = np.pad(_ROUNDING * equation.averages(np.abs(stages[-1:])), _MADE)
+            allowed = max(asked, self._relative(lost, np.hstack([total, grown])[-1:]))
             if rough > allowed and self.tries < self.most_steps and h > _SHORTEST * last:
                 h *= 0.5
                 continue
@@ -311,11 +311,10 @@ class Evolution(March):
         left, tail = self.left, TAIL * self.resolution.rtol
         if left.edges[-2] < self._lasting:
             return equation, f
-        fast, velocities = f.copy(), self.start.velocities
-        fast[..., : left.parts[-1].start] = 0.0
-        missed = np.append(equation.averages(fast[None]), np.zeros(len(INTEGRALS)))
+        fast, velocities = f * (left.speeds > left.edges[-2]), self.start.velocities
+        missed = np.pad(equation.averages(fast[None]), _MADE)
         early = 0.0 if velocities is None else velocities.uncollided(now).sum()
-        if max(self._relative(missed[None], values), early) > tail:
+        if max(self._relative(missed, values), early) > tail:
             return equation, f
         self.left = SpeedPanels(left.edges[:-1], left.counts[:-1])
         return self._equation(), f[..., : self.left.size]

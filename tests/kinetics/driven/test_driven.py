@@ -164,9 +164,9 @@ def test_one_small_difference_of_two_solutions_is_not_enough():
     )  # fmt: skip
     first, second = (solve(scene, rtol).a2 for rtol in (5e-6, 1e-8))
     assert first == pytest.approx(second, abs=8e-6)  # 1.5e-5
-    start = lambda v: v**0.7 * np.exp(-v) / math.gamma(1.7)  # noqa: E731
-    scene = Scene(0.92, 0.04, initial=start, times=[0.44], outputs=["collisions"], dimension=3,
-                  mass_ratio=0.232, bath_speed=0.474, heating=1.2)  # fmt: skip
+    scene = one_l(0.92, 3, times=[0.055], mass_ratio=0.232, bath_speed=0.474, heating=9.6,
+                  initial=lambda v: v**0.7 * np.exp(-v) / math.gamma(1.7),
+                  outputs=["collisions"])  # fmt: skip
     rough, fine = (solve(scene, rtol).collisions for rtol in (1e-3, 1e-5))
     assert rough == pytest.approx(fine, rel=1e-3)  # 5.4e-3
 
