@@ -101,7 +101,7 @@ class FieldScene:
     @cached_property
     def _fastest(self) -> float:
         """Of the start."""
-        return self._start_from(1).highest
+        return self._start_from(1, self.rtol).highest
 
     def _top(self, i: int) -> float:
         """The highest speed up to the i-th time."""
@@ -134,12 +134,12 @@ class FieldScene:
     def _densities_apart(self, one: Any, two: Any) -> float:
         return self._densities(one).difference(self._densities(two))
 
-    def _start_from(self, harmonics: int) -> Start:
+    def _start_from(self, harmonics: int, rtol: float) -> Start:
         unit, d = 1.0 / self._speed, self.law.dimension
-        return Start.of(self.state, 0.1 * self.rtol, unit, harmonics, d)
+        return Start.of(self.state, 0.1 * rtol, unit, harmonics, d)
 
     def _evolution(self, times: FloatArray, resolution: Resolution) -> Evolution:
-        start = self._start_from(resolution.harmonics)
+        start = self._start_from(resolution.harmonics, resolution.rtol)
         # <v^4> of such speeds overflows; flights that change them by less than 1e-12 lose digits
         if start.highest > (1e6 if DENSITIES in self.allowed else 1e40):
             self._refuse()

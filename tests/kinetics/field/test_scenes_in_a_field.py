@@ -59,8 +59,7 @@ def test_from_rest() -> None:
 def test_the_energy_of_elastic_tracers_from_rest(dimension: int) -> None:
     """<v^2> = 2 g <x> where no energy is lost."""
     found = solve(scene([0.2, 1.0, 4.0, 20.0], restitution=1.0, dimension=dimension), rtol=1e-6)
-    gained = 2.0 * 0.01 * found.mean_displacement[:, 0]
-    assert found.thermal_speed**2 == pytest.approx(gained, rel=2e-6)
+    assert found.thermal_speed**2 == pytest.approx(0.02 * found.mean_displacement[:, 0], rel=2e-6)
 
 
 @pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 3), (0.4, 0.4, 2)])
@@ -83,7 +82,7 @@ def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
     """Against the equation without a field, in all outputs."""
     names = {*OUTPUTS, "collisions", "velocity_tensor", "a2"} - {"displacement_tensor"}
     arguments: dict[str, Any] = {"initial": initial, "dimension": dimension, "outputs": names}
-    arguments |= {"restitution": 0.7, "times": [1.0, 10.0, 100.0]}
+    arguments |= {"restitution": 0.7, "times": [1e-7, 10.0, 100.0]}  # first, none has collided
     without = solve(Scene(**arguments), rtol=1e-8)
     found = solve(Scene(field=1e-13, **arguments), rtol=1e-5)
     scales = {"mean_velocity": without.thermal_speed, "mean_displacement": np.sqrt(without.msd)}
@@ -114,6 +113,7 @@ def test_the_displacement_turns_with_the_start() -> None:
         ("rest", 0.01, np.geomspace(0.003, 99.0, 12), 1e-4),
         ("gaussian", 0.08, [0.3, 1.0, 3.0, 10.0], 1e-4),
         ("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4),  # at rest
+        ("gaussian", 1e-4, [2e-4, 5e-4], 1e-2),  # the error of the start counts, 1e-4
         pytest.param(Beam(2.0), 0.08, [0.1, 1.0, 30.0], 1e-3, marks=pytest.mark.slow),
         ("monoenergetic", 3.0, [0.1, 1.0, 30.0], 1e-4),  # slow, of all directions
         # slow tracers of many directions, whose first steps of time were too long
@@ -125,7 +125,8 @@ def test_rtol_is_met(initial: Any, field: float, times: Any, rtol: float) -> Non
     asked = scene(times, field, initial=initial)
     fine, coarse = solve(asked, rtol=0.1 * rtol), solve(asked, rtol=rtol)
     assert coarse.status.name == fine.status.name == "CONVERGED"
-    assert coarse.thermal_speed == pytest.approx(fine.thermal_speed, rel=rtol)
+    estimate = 2.0 * (coarse.error_estimate + fine.error_estimate)
+    assert coarse.thermal_speed == pytest.approx(fine.thermal_speed, rel=min(rtol, estimate))
     moved = np.abs(coarse.mean_velocity - fine.mean_velocity)
     assert np.all(moved <= rtol * fine.thermal_speed[:, None])
     way = np.abs(coarse.mean_displacement - fine.mean_displacement)
@@ -231,8 +232,7 @@ def test_late_densities_are_those_of_the_steady_state() -> None:
 def test_elastic_tracers_reach_the_self_similar_state() -> None:
     """f ~ exp(-8 v^3/(27 t)), up to the drift, which is a small part of the speed late."""
     found = solve(smooth([300.0], restitution=1.0, outputs=("speed_density",)), rtol=1e-3)
-    v = np.array([2.0, 5.0, 8.0, 11.0])
-    a = 8.0 / (27.0 * 300.0)
+    v, a = np.array([2.0, 5.0, 8.0, 11.0]), 8.0 / (27.0 * 300.0)
     expected = 3.0 * a ** (2.0 / 3.0) / math.gamma(2.0 / 3.0) * v * np.exp(-a * v**3)
     density = found.speed_density(v * UNIT)[0] * UNIT
     assert density == pytest.approx(expected, abs=5e-3 * expected.max())
