@@ -18,7 +18,7 @@ from kinetics.moments.averages import collisions, root_mean_square
 from kinetics.moments.by_collision import ByCollision
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, described
-from kinetics.position.directions import element, surface
+from kinetics.position.directions import radial_measure, unit_surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
 from kinetics.scene import Scene
@@ -444,7 +444,8 @@ class Solution(Result):
                 continue
             p, slope = found.collided_in_place(i, np.minimum(x, _BEYOND) * root)
             center, _ = found.collided_in_place(i, np.zeros(1))
-            floor = found.error_estimate / (surface(d) * element(np.maximum(x, 0.1), d) * root**d)
+            measure = unit_surface(d) * radial_measure(np.maximum(x, 0.1), d)
+            floor = found.error_estimate / (measure * root**d)
             with np.errstate(divide="ignore", invalid="ignore"):
                 good = (p > floor) & (x > 0.0)
                 rate[i] = np.where(good, -root * slope / p, np.nan)

@@ -4,6 +4,7 @@
 - `blocks`: equations of many blocks, each of which knows its neighbours
 - `gauss`: Gauss-Legendre quadrature
 - `log_grid`: equidistant nodes in the logarithm of the speed, and Fourier sums on them
+- `refinement`: finer resolutions until two of them agree
 - `recurrence`: solutions of G(z+1) = r(z) G(z)
 """
 

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import j0
 
 from kinetics import Beam, CollisionLaw, Gaussian, Monoenergetic, Scene, ToleranceWarning, solve
-from kinetics.position import scattering
+from kinetics.position import resolution
 from kinetics.position.intermediate_scattering import Scattering
 
 
@@ -45,7 +45,7 @@ def test_a_scattering_function_that_misses_its_tolerance_says_so(
     scene = Scene(1.0, initial=Beam(), times=[150.0], outputs=("intermediate_scattering",))
     solution = solve(scene, rtol=1e-9)
     right = solution.intermediate_scattering([1.5], direction=0.3)
-    monkeypatch.setattr(scattering, "_harmonics", lambda *arguments: 200)
+    monkeypatch.setattr(resolution, "count_harmonics", lambda *arguments: 200)
     with pytest.warns(ToleranceWarning, match=r"F\(k, t\): the error estimate"):
         found = solution.intermediate_scattering([1.5], direction=0.3)
     assert np.abs(found - right).max() > 1e-9
