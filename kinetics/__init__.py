@@ -13,12 +13,15 @@ and files), `errors` and `validation` serve all of them. `paper` (also `sonine`)
 approximations; `crosscheck` compares with particles and algebra.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from kinetics.names import PUBLIC_NAMES, import_named
 
 if TYPE_CHECKING:
     from kinetics import paper as sonine  # noqa: F401
     from kinetics.collision import CollisionLaw as CollisionLaw
+    from kinetics.crosscheck.compare import compare_data as compare  # noqa: F401
+    from kinetics.crosscheck.compare import fit_data as fit  # noqa: F401
     from kinetics.driven.field import FieldState as FieldState
     from kinetics.driven.field import solve_field as solve_field
     from kinetics.driven.steady import DrivenState as DrivenState
@@ -27,7 +30,7 @@ if TYPE_CHECKING:
     from kinetics.errors import SolverStatus as SolverStatus
     from kinetics.errors import ToleranceWarning as ToleranceWarning
     from kinetics.field.restitution import Viscoelastic as Viscoelastic
-    from kinetics.results import load as load
+    from kinetics.loading import load as load
     from kinetics.scaling.closed_form import ScalingSolution as ScalingSolution
     from kinetics.scaling.scaled_vdf import ScaledVDF as ScaledVDF
     from kinetics.scaling.scaled_vdf import solve_scaled as solve_scaled
@@ -45,55 +48,21 @@ if TYPE_CHECKING:
     from kinetics.states.kinds import SpeedTable as SpeedTable
     from kinetics.states.kinds import VelocitySamples as VelocitySamples
 
-_SHOWN = {
-    "collision": "CollisionLaw",
-    "driven.field": "FieldState solve_field",
-    "field.restitution": "Viscoelastic",
-    "driven.steady": "DrivenState solve_steady",
-    "errors": "InputError SolverStatus ToleranceWarning",
-    "results": "load",
-    "scaling.closed_form": "ScalingSolution",
-    "scaling.scaled_vdf": "ScaledVDF solve_scaled",
-    "scene": "Scene",
-    "solution": "Solution solve sweep",
-    "states.kinds": """AngularHarmonics Beam Gaussian Monoenergetic PolarGrid SpeedDensity
-        SpeedSamples SpeedTable VelocitySamples""",
-}
-_HIDDEN = {
-    "collision.bounce": "DiskBounce SampledBounce",
-    "crosscheck": "Comparison",
-    "driven.field": "FieldUnits",
-    "errors": "PlanStep",
-    "field.restitution": "RestitutionFunction TabulatedRestitution",
-    "moments.by_collision": "ByCollision",
-    "states.kinds": "Rest",
-}
-"""Homes of the classes that are not shown: a file may hold any of them."""
-_HOME_OF = {
-    name: (home, name)
-    for homes in (_SHOWN, _HIDDEN)
-    for home, names in homes.items()
-    for name in names.split()
-}
-_HOME_OF |= {name: ("crosscheck", f"{name}_data") for name in ("compare", "fit")}
-
-__all__ = sorted({"__version__", "sonine", *_HOME_OF} - {*" ".join(_HIDDEN.values()).split()})
+__all__ = sorted([*PUBLIC_NAMES, "__version__", "sonine"])
 
 
 def __getattr__(name: str) -> Any:
     value: Any
     if name == "__version__":
-        from importlib import metadata
+        from kinetics.version import package_version
 
-        try:
-            value = metadata.version("inelastic-lorentz")
-        except metadata.PackageNotFoundError:
-            value = "0+unknown"
+        value = package_version()
     elif name == "sonine":
-        value = import_module("kinetics.paper")
-    elif name in _HOME_OF:
-        home, inside = _HOME_OF[name]
-        value = getattr(import_module(f"kinetics.{home}"), inside)
+        from kinetics import paper
+
+        value = paper
+    elif name in PUBLIC_NAMES:
+        value = import_named(name)
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value

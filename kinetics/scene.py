@@ -17,7 +17,8 @@ from kinetics.field.restitution import impact_restitution
 from kinetics.field.system import DRIVES, LEAST, MOST, SIZES, System, checked_drives
 from kinetics.numerics import FloatArray
 from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
-from kinetics.results import Value
+from kinetics.results.record import stored_class
+from kinetics.results.result import Storable
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import (
@@ -30,8 +31,9 @@ from kinetics.validation import (
 )
 
 
-@dataclass(frozen=True)
-class Scene(Value):
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
+class Scene(Storable):
     """One question to the solver: a value, which can be compared, hashed, pickled and saved.
 
     Parameters

@@ -20,7 +20,10 @@ from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, described
 from kinetics.position.directions import radial_measure, unit_surface
 from kinetics.position.intermediate_scattering import scattering_function
-from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
+from kinetics.results.frame import COMPONENTS, dataset, variable
+from kinetics.results.record import stored_class
+from kinetics.results.result import Result
+from kinetics.results.value import frozen
 from kinetics.scene import Scene
 from kinetics.solver import Answer, answer_to
 from kinetics.validation import (
@@ -109,7 +112,8 @@ def sweep(restitutions: ArrayLike, rtol: float | None = None, **scene: Any) -> A
     return found
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution(Result):
     """What :func:`kinetics.solve` found. Time is the first axis of every array.
 

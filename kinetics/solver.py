@@ -36,7 +36,7 @@ from kinetics.outputs import (
 )
 from kinetics.position.density import Displacement
 from kinetics.position.sweep import solve_displacement
-from kinetics.results import Value
+from kinetics.results.value import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
@@ -61,7 +61,7 @@ def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) 
     return Answer(scene, rtol, method, nodes)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Answer(Value):
     """The answer to a scene without a field; each part is solved when it is asked for.
 
@@ -277,7 +277,7 @@ class Answer(Value):
         return stats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Slowed(Answer):
     """The answer to a scene with drag alone: its tracers take the paths of those without drag.
 

@@ -23,10 +23,13 @@ VELOCITY = {"states", "scaling", "moments", "densities"}
 QUESTION = {"outputs", "scene", "solver"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
+    "version": set(),
+    "names": set(),
+    "loading": {"names", "results"},
     "numerics": set(),
     "validation": {"errors"},
-    "results": {"errors"},
-    "collision": {"numerics"} | CHECKS,
+    "results": {"errors", "version"},
+    "collision": {"numerics", "results"} | CHECKS,
     "states": {"numerics", "results"} | CHECKS,
     "scaling": BASE,
     "paper": {"numerics"},

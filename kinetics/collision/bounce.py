@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
+from kinetics.results.record import stored_class
 from kinetics.validation import finite_line, refuse
 
 # Gauss-Legendre points on each panel. They are exact to 1e-14 for s^z cos(m chi) while this varies
@@ -90,6 +91,7 @@ class ImpactQuadrature:
             before, last = last, next_one
 
 
+@stored_class
 @dataclass(frozen=True)
 class DiskBounce:
     """The bounce off a disk (dimension 2) or a sphere (3); e and et from 0 to 1, not both 0.
@@ -215,6 +217,7 @@ class DiskBounce:
         return u, w
 
 
+@stored_class
 @dataclass(frozen=True)
 class SampledBounce:
     """Weighted samples of (speed ratio, cos(chi)), in tuples of one length; weights sum to 1."""

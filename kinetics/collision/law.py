@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision.bounce import Bounce, Collision, DiskBounce, SampledBounce
 from kinetics.collision.medium import Medium
 from kinetics.errors import InputError, short
+from kinetics.results.record import stored_class
 from kinetics.validation import (
     check_mass_ratio,
     check_restitution,
@@ -34,6 +35,7 @@ from kinetics.validation import (
 _LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
 
 
+@stored_class
 @dataclass(frozen=True)
 class CollisionLaw(Collision):
     """The bounce off a fixed disk or sphere, averaged over a uniform impact parameter.

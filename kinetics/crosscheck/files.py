@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.errors import InputError
-from kinetics.results import write_whole
+from kinetics.results.file import write_whole
 from kinetics.validation import refuse
 
 

@@ -24,7 +24,7 @@ from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.results import Value
+from kinetics.results.value import Value
 from kinetics.states.state import LogMeasure, State
 
 # Of the spacing: the first one tried, and the finest; each next one is half of the one before.
@@ -44,7 +44,7 @@ _STEP = 64.0
 _NODES_OF_A_CELL = 16.0  # radians of s^z on one cell, so that losses lie a tenth of it apart
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class NodeMasses(Value):
     """Masses at nodes in ln v: the density of ln v is linear between them.
 

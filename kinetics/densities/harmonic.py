@@ -18,7 +18,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.results import Value
+from kinetics.results.value import Value
 from kinetics.states.state import State
 
 
@@ -48,7 +48,7 @@ def angular_function(m: int, angle: FloatArray, dimension: int) -> NDArray[Any]:
     return np.asarray(np.polynomial.legendre.legval(np.cos(angle), coefficients))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Profile(Value):
     """Harmonic m of the velocity distribution: exp(-i m phi) v f(v, phi) integrated over phi.
 
@@ -79,7 +79,7 @@ class Profile(Value):
         return np.array([self.at(i, v) for i in range(self.count)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ElasticDensity(Value):
     """Speeds are kept: the density of the start times exp(-rate v t), rate in 1/d."""
 

@@ -22,7 +22,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, ROUNDING, ComplexArray, FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
-from kinetics.results import Value
+from kinetics.results.value import Value
 from kinetics.scaling.mellin import extent_of
 from kinetics.states.state import LogMeasure, SpeedFunction
 
@@ -53,7 +53,7 @@ _SMALL_RATIO, _SLOWEST = 0.3, 0.6
 _SPEEDS = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class GridDensity(Value):
     """g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
 

@@ -20,11 +20,13 @@ from kinetics.field.density import SteadyDensity
 from kinetics.field.grid import Resolution
 from kinetics.field.system import System
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.results import Value
+from kinetics.results.record import stored_class
+from kinetics.results.result import Storable
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class FieldState(SteadyState):
     """The steady state in a uniform field, in the limit of low density; made by `solve_field`.
 
@@ -56,7 +58,6 @@ class FieldState(SteadyState):
     }
     _asked = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
     _units = "sqrt(g l)", "(g l)^(-d/2)"
-    __repr__ = SteadyState.__repr__
 
     @cached_property
     def law(self) -> CollisionLaw:
@@ -134,8 +135,9 @@ class FieldState(SteadyState):
         return FieldUnits(path, time, drift, root, self.mean_speed / time, *spread)
 
 
-@dataclass(frozen=True)
-class FieldUnits(Value):
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
+class FieldUnits(Storable):
     """The steady state in one's own units of length and time; made by `FieldState.in_units`."""
 
     mean_free_path: float

@@ -18,11 +18,13 @@ from kinetics.field.harmonics import angular, norms
 from kinetics.field.scene import BEST_DENSITY
 from kinetics.field.system import DRIVES, System
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.results import Result, dataset, variable
+from kinetics.results.frame import dataset, variable
+from kinetics.results.record import stored_class
+from kinetics.results.result import Result
 from kinetics.validation import check_rtol, finite_line, real_number, refuse, speeds, whole_number
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SteadyState(Result):
     """What the answers of `solve_steady` and `kinetics.solve_field` share.
 
@@ -104,7 +106,8 @@ class SteadyState(Result):
         return f"{type(self).__name__}({shown}), unit of length l\n  {figures}\n  {self.message}"
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class DrivenState(SteadyState):
     """The steady state of a driven tracer, in the limit of low density; made by `solve_steady`.
 
@@ -153,7 +156,6 @@ class DrivenState(SteadyState):
     }
     _asked = (*DRIVES, "field", "restitution", "dimension", "mass_ratio")
     _units = "1", "1"
-    __repr__ = SteadyState.__repr__
 
     @property
     def mean_square_speed(self) -> float:

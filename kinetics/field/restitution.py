@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
-from kinetics.results import Value
+from kinetics.results.record import stored_class
+from kinetics.results.result import Storable
 from kinetics.validation import check_positive, finite_line, refuse
 
 # Padé approximant of e(x), x = b v_n^(1/10), of viscoelastic spheres: Müller and Pöschel,
@@ -22,7 +23,7 @@ _PROBES = np.geomspace(1e-9, 1e6, 61)
 _MOST_BREAKS = 40  # of a table: finer ones are integrated over as if they were smooth
 
 
-class ImpactRestitution(Value):
+class ImpactRestitution(Storable):
     """e as a function of the normal impact speed.
 
     breaks : impact speeds at which it is not smooth, rising, shape (n,)
@@ -37,7 +38,8 @@ class ImpactRestitution(Value):
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Viscoelastic(ImpactRestitution):
     """Viscoelastic spheres: e falls from 1 as the impact speed grows.
 
@@ -65,7 +67,8 @@ class Viscoelastic(ImpactRestitution):
         return np.asarray(np.polyval(_ABOVE, x) / np.polyval(_BELOW, x))
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class TabulatedRestitution(ImpactRestitution):
     """e linear between measured impact speeds, constant beyond them.
 
@@ -92,7 +95,8 @@ class TabulatedRestitution(ImpactRestitution):
         return np.interp(np.asarray(impact_speed), self.impact_speed, self.restitution)  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class RestitutionFunction(ImpactRestitution):
     """A Python function of an array of impact speeds; it is taken to be smooth.
 

@@ -22,12 +22,14 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.moments.averages import as_vector, moment_arguments
 from kinetics.numerics import ROUNDING, FloatArray
-from kinetics.results import Value
+from kinetics.results.record import stored_class
+from kinetics.results.result import Storable
 from kinetics.states.state import State
 
 
-@dataclass(frozen=True)
-class ByCollision(Value):
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
+class ByCollision(Storable):
     """What tracers are like right after their N-th collision; N = 0 is the initial state.
 
     Arrays have the collision number as their first axis. Made by ``Solution.by_collision``; law,

@@ -20,14 +20,16 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics import LARGEST_LOG, ROUNDING
 from kinetics.numerics.recurrence import MOST_ORDERS
-from kinetics.results import Result, dataset, variable
+from kinetics.results.frame import dataset, variable
+from kinetics.results.record import stored_class
+from kinetics.results.result import Result
 from kinetics.scaling import mellin
 from kinetics.validation import check_positive, not_negative, real_number, refuse, whole_number
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ScaledState(Result):
     """What the closed form and the solver share: the law that was asked for."""
 
@@ -97,7 +99,8 @@ class ScaledState(Result):
         return {"law": self.law.described} | numbers
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class ScalingSolution(ScaledState):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 

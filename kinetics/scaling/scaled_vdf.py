@@ -17,12 +17,14 @@ from numpy.typing import ArrayLike
 from kinetics.collision import CollisionLaw
 from kinetics.errors import SolverStatus, judged
 from kinetics.numerics import LARGEST_LOG, FloatArray
+from kinetics.results.record import stored_class
 from kinetics.scaling.axis import DEEPEST, FEWEST_NODES, MOST_NODES, SpeedAxis
 from kinetics.scaling.closed_form import ScaledState, from_rest
 from kinetics.validation import check_rtol, not_negative, refuse, whole_number
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class ScaledVDF(ScaledState):
     """The scaled velocity distribution as the discretised solver finds it.
 

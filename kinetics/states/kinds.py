@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
 from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray
+from kinetics.results.record import stored_class
 from kinetics.states import state as rules
 from kinetics.states.state import LogMeasure, Points, SpeedFunction, State
 from kinetics.validation import (
@@ -33,7 +34,8 @@ _LARGEST_RATIO = 1e4  # of two deviations
 _HIGHEST = 2.0 * math.sqrt(LARGEST_LOG)
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Gaussian(State):
     """Independent Gaussian components of the velocity, in general of different deviations.
 
@@ -98,7 +100,8 @@ class Gaussian(State):
         return None if self._factor(m, np.zeros(0)) is None else value
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Rest(State):
     """All tracers start at rest: for scenes with a field."""
 
@@ -128,7 +131,8 @@ class Samples(State):
         return rules.samples_points(np.log(speed), weight * turn, rtol, max(highest, -lowest))
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Monoenergetic(Samples):
     """All speeds equal, all directions."""
 
@@ -139,7 +143,8 @@ class Monoenergetic(Samples):
         self._place(np.array([self.speed]))
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class SpeedSamples(Samples):
     """Speeds of particles in U, above zero, shape (n,), each of the same weight; isotropic."""
 
@@ -154,7 +159,8 @@ class SpeedSamples(Samples):
         self._place(v)
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class VelocitySamples(Samples):
     """Velocities of particles, each of the same weight; directions are kept.
 
@@ -212,7 +218,8 @@ class Table(State):
         return lambda v: np.interp(v, self.kinks, values, left=0.0, right=0.0)
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class SpeedTable(Table):
     """A tabulated speed density: linear between the points, zero outside them; isotropic.
 
@@ -231,7 +238,8 @@ class SpeedTable(Table):
         self._tabulate(v, f[:, None], "density")
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class PolarGrid(Table):
     """f(v, phi), a density in the velocity plane, on a polar grid.
 
@@ -285,7 +293,8 @@ class Functions(State):
         return (lambda v: rules.evaluate(self.terms[m], v)) if m in self.terms else None
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class SpeedDensity(Functions):
     """A speed density given as a function of v/U that maps arrays to arrays; isotropic.
 
@@ -298,7 +307,8 @@ class SpeedDensity(Functions):
         self.store(terms={0: self.function})
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class AngularHarmonics(Functions):
     """f(v, phi) given by its angular harmonics; in space, f(v, theta) by Legendre polynomials.
 
@@ -319,7 +329,8 @@ class AngularHarmonics(Functions):
         self.store(terms=dict(self.terms), highest_harmonic=int(max(orders)))
 
 
-@dataclass(frozen=True)
+@stored_class
+@dataclass(frozen=True, eq=False, repr=False)
 class Beam(State):
     """All velocities in one direction.
 

@@ -1,6 +1,6 @@
 """The contract of an initial state: what a new one must provide.
 
-Write a ``@dataclass(frozen=True)`` class whose fields are what the user gives;
+Write a ``@dataclass(frozen=True, eq=False)`` class whose fields are what the user gives;
 ``Scene(initial=...)`` takes any object of a subclass of :class:`State`. In ``__post_init__`` check
 the arguments, and store arrays with ``self.store(name=array)``, which keeps read-only copies.
 Speeds are in U, densities in 1/U. Write ``harmonic`` (below are rules for Gaussians, tables,
@@ -25,7 +25,8 @@ from kinetics.errors import InputError
 from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
-from kinetics.results import Value
+from kinetics.results.result import Storable
+from kinetics.results.value import Value
 
 # Interpolation by 12 points of spacing h leaves (1 3 5 7 9 11/2^6)^2 h^12/12! times the twelfth
 # derivative of a function, which is p^12 v^p for a power: the widest spacing leaves 2e-19 p^12.
@@ -40,7 +41,7 @@ NO_INTEGRAL = (
 SpeedFunction = Callable[[FloatArray], NDArray[Any]]  # speeds in U, (n,), to values, (n,)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LogMeasure(Value):
     """A distribution of speeds: weight w_k at ln(v/U) = x_k, shape (n_points,) each.
 
@@ -59,7 +60,7 @@ class LogMeasure(Value):
 Points = LogMeasure | None  # of a harmonic; None where it is zero
 
 
-class State(Value):
+class State(Storable):
     """An initial state; see the module's docstring for what a subclass must provide.
 
     Attributes

@@ -33,7 +33,8 @@ from kinetics import (
 )  # fmt: skip
 from kinetics.moments.averages import parts_of
 from kinetics.outputs import OUTPUTS, described
-from kinetics.results import Value, write_whole
+from kinetics.results.file import write_whole
+from kinetics.results.value import Value
 
 AVERAGES = tuple(name for name in OUTPUTS if parts_of(name, 2))
 FUNCTIONS = [name for name in VALUES if name.endswith(("function", "harmonics"))]

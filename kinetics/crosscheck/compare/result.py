@@ -15,7 +15,8 @@ import pandas as pd
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain, rendered
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
-from kinetics.results import Result
+from kinetics.results.record import stored_class
+from kinetics.results.result import Result
 from kinetics.validation import refuse
 
 SCHEMA = "inelastic-lorentz/comparison/1"
@@ -89,6 +90,7 @@ class Explanation(NamedTuple):
     headline: str = ""
 
 
+@stored_class
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Result):
     """A sample compared with the kinetic equation; lengths in d, speeds in U, times in d/U.

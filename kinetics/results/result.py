@@ -1,0 +1,168 @@
+"""Base classes: a `Storable` value can be saved, a `Result` also becomes a dataset or a plot."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Self
+
+from numpy.typing import NDArray
+
+from kinetics.errors import InputError, short
+from kinetics.results.file import write_value
+from kinetics.results.frame import averages_frame, dataset, quantity_frame
+from kinetics.results.plot import draw, draw_all
+from kinetics.results.value import Value
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.axes import Axes
+
+
+class Storable(Value):
+    """A value that can be saved; its class is registered with `record.stored_class`."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write this to a netCDF-4 file, whole or not at all; :func:`kinetics.load` reads it back.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written; or this holds what a file cannot: a Python function, or an
+            object of a class that is not of this package.
+        """
+        write_value(path, self, self._dataset(only=()))
+
+    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
+        """Return what a file shows to other programs beside the record."""
+        return dataset(self, type(self).__name__, self, {}, {})
+
+    def _to_storage(self) -> dict[str, Any]:
+        """Return the parts of which `_from_storage` builds the value again."""
+        arguments = [field.name for field in fields(self) if field.init]  # type: ignore[arg-type]
+        return {name: getattr(self, name) for name in arguments}
+
+    @classmethod
+    def _from_storage(cls, parts: dict[str, Any]) -> Self:
+        """Build the value of the parts that `_to_storage` gave; sequences are tuples there."""
+        return cls(**parts)
+
+
+class Result(Storable):
+    """A value that becomes an `xarray.Dataset`, a data frame or a plot where one asks for it.
+
+    A subclass writes ``_dataset(only, **points)`` with :func:`kinetics.results.frame.dataset`: all
+    of it, or what ``only`` names, and always what depends on the first coordinate alone, and single
+    numbers.
+
+    Attributes
+    ----------
+    _points : the names of points at which functions can be evaluated
+    _on_demand : the names of functions that ``_dataset`` makes only where they are asked for
+    """
+
+    _points: tuple[str, ...] = ()
+    _on_demand: tuple[str, ...] = ()
+
+    def to_xarray(self, **points: Any) -> xarray.Dataset:
+        """Return an xarray Dataset of everything; its attributes say units, status and accuracy.
+
+        Parameters
+        ----------
+        points
+            Where functions are evaluated: for a Solution speeds, angles, radii, scaled_radii,
+            wave_numbers and direction.
+
+        Returns
+        -------
+        xarray.Dataset
+            Complex quantities are split into ``_real`` and ``_imag``, so that ``to_netcdf`` takes
+            them.
+
+        Raises
+        ------
+        InputError
+            Points that this result does not know.
+        """
+        return self._checked_dataset(None, points)
+
+    def to_dataframe(self, name: str | None = None, **points: Any) -> pandas.DataFrame:
+        """Return a pandas DataFrame: one row for each time (or other first coordinate).
+
+        Parameters
+        ----------
+        name
+            A quantity that depends on more, such as "speed_density": then there is one row for
+            each point. By default all averages are columns.
+        points
+            Where functions are evaluated, as of :meth:`to_xarray`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units, and the attributes of the result, are in ``frame.attrs``.
+
+        Raises
+        ------
+        InputError
+            An unknown name.
+        """
+        if name is None:
+            return averages_frame(self._checked_dataset((), points))
+        return quantity_frame(self._quantity(name, points))
+
+    def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
+        """Draw one quantity on ``ax``, or on new axes; without a name, everything.
+
+        Averages are drawn over time, densities at up to eight of the times.
+
+        Parameters
+        ----------
+        name
+            Of the quantity.
+        ax
+            Axes of matplotlib.
+        points
+            Where functions are evaluated, as of :meth:`to_xarray`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Or an array of them, without a name.
+
+        Raises
+        ------
+        InputError
+            An unknown name.
+        """
+        if name is not None:
+            return draw(name, self._quantity(name, points), ax)
+        if ax is not None:
+            raise InputError("ax: got axes without a name; name what to draw on them")
+        return self.plot_all(**points)
+
+    def plot_all(self, **points: Any) -> NDArray[Any]:
+        """Draw each quantity in axes of its own in one new figure; returns an array of axes."""
+        return draw_all(self._checked_dataset(None, points).data_vars.values())
+
+    def _checked_dataset(
+        self, only: Collection[str] | None, points: Mapping[str, Any]
+    ) -> xarray.Dataset:
+        """Return the dataset; InputError for points that this result does not know."""
+        for name in points:
+            if name not in self._points:
+                known = ", ".join(("name", "ax", *self._points))
+                raise InputError(f"{name}: known are {known}")
+        return self._dataset(only=only, **points)
+
+    def _quantity(self, name: str, points: Mapping[str, Any]) -> list[xarray.DataArray]:
+        """Return the quantity of a name, as its real and imaginary part if it is complex."""
+        made = self._checked_dataset((name,), points)
+        labels = (name, f"{name}_real", f"{name}_imag")
+        parts = [made[label] for label in made if label in labels]
+        if not parts:
+            known = ", ".join(dict.fromkeys([*map(str, made), *self._on_demand]))
+            raise InputError(f"name: got {short(name)}; this result has {known}")
+        return parts
