@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from kinetics.scaling.scaled_vdf import solve_scaled as solve_scaled
     from kinetics.scene import Scene as Scene
     from kinetics.solution import Solution as Solution
-    from kinetics.solution import solve as solve
-    from kinetics.solution import sweep as sweep
+    from kinetics.solving import solve as solve
+    from kinetics.solving import sweep as sweep
     from kinetics.states.kinds import AngularHarmonics as AngularHarmonics
     from kinetics.states.kinds import Beam as Beam
     from kinetics.states.kinds import Gaussian as Gaussian

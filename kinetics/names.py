@@ -31,11 +31,11 @@ PUBLIC_NAMES = {
     "compare": "crosscheck:compare_data",
     "fit": "crosscheck:fit_data",
     "load": "loading",
-    "solve": "solution",
+    "solve": "solving",
     "solve_field": "driven.field",
     "solve_scaled": "scaling.scaled_vdf",
     "solve_steady": "driven.steady",
-    "sweep": "solution",
+    "sweep": "solving",
 }
 #: The same for other classes that a file may hold.
 STORED_CLASSES = {

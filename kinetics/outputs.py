@@ -43,6 +43,11 @@ class Output(NamedTuple):
         return (self.name, *(name for name, _, _ in self.also))
 
     @property
+    def is_function(self) -> bool:
+        """Whether it depends on more than the time: it is a method of the Solution."""
+        return any(size in AXES for size in self.shape)
+
+    @property
     def head(self) -> str:
         """Symbol and unit, as the head of a column."""
         return self.symbol if self.unit == "1" else f"{self.symbol} [{self.unit}]"

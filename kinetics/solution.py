@@ -1,115 +1,62 @@
-"""solve(scene), and the Solution that it returns: a value with units and a status."""
+"""Solution: what `solve` returns, a value with units, a status and the distributions on demand."""
 
 from __future__ import annotations
 
 import textwrap
 import warnings
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinetics.answer import Answer, answer_to
 from kinetics.densities.flights import Flights, speed_fronts
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
-from kinetics.moments.averages import collisions, root_mean_square
+from kinetics.moments import averages as averaged
 from kinetics.moments.by_collision import ByCollision
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, described
+from kinetics.position.density import Displacement
 from kinetics.position.directions import radial_measure, unit_surface
 from kinetics.position.intermediate_scattering import scattering_function
-from kinetics.results.frame import COMPONENTS, dataset, variable
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
 from kinetics.results.value import frozen
 from kinetics.scene import Scene
-from kinetics.solver import Answer, answer_to
+from kinetics.solution_dataset import solution_dataset
+from kinetics.undriven import UndrivenAnswer
 from kinetics.validation import (
-    check_rtol,
     finite_line,
     not_negative_line,
-    one_of,
     real_number,
     refuse,
     rising_from_zero,
     speeds,
-    whole_number,
 )
 
-METHODS = ("spectral", "conservative")
-_FLIGHT_NODES = 4000  # of rough starts at 1e-3: shares within .06 % in a tenth of the time
-_BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
-
-
-def solve(
-    scene: Scene, rtol: float | None = None, method: str | None = None, nodes: int | None = None
-) -> Solution:
-    """Solve the inelastic Lorentz equation for what the scene asks.
-
-    Parameters
-    ----------
-    scene : system, initial state, times and outputs
-    rtol : relative accuracy, 1e-14 to 0.1, of every average (of 1 + a2 for a2; of <v^p> for its
-        harmonics; of v_rms(0) v_rms(t), v_rms = sqrt(<v^2>), for velocity_autocorrelation), and of
-        the densities relative to their maximum, for speeds above 1e-2 of the thermal one; below it
-        is the density of ln v that keeps it. The scaled position density G(R) is solved to
-        max(rtol, 1e-8), absolute. By default 1e-10; 1e-8 for driven tracers, 1e-6 with a field, and
-        densities of both are solved to max(rtol, 1e-4)
-    method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
-        positivity exact, second order, for rough ones), or None for the solver's choice
-    nodes : of the speed axis of the densities, 8 to 8192, for convergence studies
-
-    Returns a Solution. Warns (ToleranceWarning) where its status is not CONVERGED. Raises
-    InputError (a ValueError) for an argument out of range, a density that is negative, not
-    normalised or without second moment, or a method that cannot do the scene.
-
-    >>> from kinetics import Scene
-    >>> solution = solve(Scene(restitution=0.7, times=[0.0, 1e3, 1e6]))
-    >>> bool(abs(solution.thermal_speed[0] - 2**0.5) < 1e-10)
-    True
-    """
-    if not isinstance(scene, Scene):
-        refuse("scene", scene, "it must be a Scene")
-    if rtol is None:
-        rtol = 1e-6 if scene.field else 1e-8 if scene.system else 1e-10
-    rtol = check_rtol(rtol)
-    method = None if method is None else one_of("method", method, METHODS)
-    nodes = None if nodes is None else whole_number("nodes", nodes, 8, 8192)
-    answer = answer_to(scene, rtol, method, nodes)
-    values = answer.values  # what overflows is refused before densities are solved
-    status, message = answer.verdict
-    error, work = max(answer.errors.values()), (answer.plan, answer.stats)
-    solution = Solution(scene, rtol, values, status, message, error, *work, method, nodes)
-    vars(solution)["_answer"] = answer
-    if solution.status is not SolverStatus.CONVERGED:
-        warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
-    return solution
-
-
-def sweep(restitutions: ArrayLike, rtol: float | None = None, **scene: Any) -> Any:
-    """Averages over time for several restitutions, as one `xarray.Dataset` with that dimension.
-
-    restitutions : e, shape (n_restitutions,); scene : the other arguments of a Scene, with times
-    and outputs. Variables have the shape (n_restitutions, n_times, ...), with units; "status" and
-    "error_estimate" are (n_restitutions,). Warns and raises as :func:`solve` does.
-
-    >>> found = sweep([0.5, 0.9], times=[0.0, 1e3], outputs="thermal_speed")
-    >>> found.thermal_speed.dims, found.thermal_speed.sel(restitution=0.9).shape
-    (('restitution', 'time'), (2,))
-    """
+if TYPE_CHECKING:
     import xarray
 
-    e = finite_line("restitutions", restitutions, low=0.0)
-    if e.size == 0:
-        refuse("restitutions", restitutions, "there must be one at least")
-    each = [solve(Scene(x, **scene), rtol) for x in e.tolist()]
-    along = xarray.Variable("restitution", e, {"long_name": "coefficient of restitution"})
-    found = xarray.concat([one.to_xarray() for one in each], along, combine_attrs="drop_conflicts")
-    found["status"] = "restitution", [one.status.name.lower() for one in each]
-    found["error_estimate"] = "restitution", [one.error_estimate for one in each]
-    return found
+#: R above which G is zero in double precision; r itself may overflow there.
+MAX_SCALED_RADIUS = 1e6
+#: Below this R, p(R) is compared with its error as at this R, since G has a factor R.
+MIN_RADIUS_OF_ERROR = 0.1
+#: Free flights: least and largest rtol of the speed densities that they are made of.
+MIN_RTOL_OF_FLIGHTS = 1e-6
+MIN_RTOL_OF_FLIGHTS_ROUGH = 1e-4
+MAX_RTOL_OF_FLIGHTS = 1e-3
+#: Nodes of the speed axis for free flights from rough starts at the largest rtol. Measured: shares
+#: within 0.06 % in a tenth of the time that the solver's own choice takes.
+NODES_OF_ROUGH_FLIGHTS = 4000
+#: A warning is given if the number of flights is off by more than so many times their rtol.
+FLIGHTS_SAFETY = 10.0
+#: Accuracy of the initial speeds from which the fronts of a density are read off.
+RTOL_OF_FRONTS = 1e-6
+#: Columns of the repr.
+REPR_WIDTH = 96
 
 
 @stored_class
@@ -123,14 +70,22 @@ class Solution(Result):
 
     Attributes
     ----------
-    scene : the question
-    rtol, method, nodes : as they were given to `kinetics.solve`
-    values : output name -> array whose first axis is time; also as attributes, ``solution.msd``
-    status : SolverStatus; its text says what to change
-    message : which part misses its tolerance, by how much, and what to change
-    error_estimate : largest relative error that the solver saw
-    plan : what was solved and what was skipped, and why
-    stats : numbers about the work (nodes, panels, points of the initial state)
+    scene : Scene
+        The question.
+    rtol, method, nodes
+        As they were given to `kinetics.solve`.
+    values : mapping
+        Output name -> array whose first axis is time; also as attributes, ``solution.msd``.
+    status : SolverStatus
+        Its text says what to change.
+    message : str
+        Which part misses its tolerance, by how much, and what to change.
+    error_estimate : float
+        Largest relative error that the solver saw.
+    plan : tuple of PlanStep
+        What was solved and what was skipped, and why.
+    stats : mapping
+        Numbers about the work (nodes, panels, points of the initial state).
     """
 
     scene: Scene
@@ -143,6 +98,43 @@ class Solution(Result):
     stats: Mapping[str, Any]
     method: str | None = None
     nodes: int | None = None
+    _solved: Answer | None = field(default=None, init=False, compare=False, repr=False)
+
+    @classmethod
+    def of(cls, scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Solution:
+        """Solve a scene; the arguments, of `kinetics.solve`, are checked already."""
+        answer = answer_to(scene, rtol, method, nodes)
+        values = answer.values  # what overflows is refused before densities are solved
+        status, message = answer.verdict
+        solution = cls(
+            scene=scene,
+            rtol=rtol,
+            values=values,
+            status=status,
+            message=message,
+            error_estimate=max(answer.errors.values()),
+            plan=answer.plan,
+            stats=answer.stats,
+            method=method,
+            nodes=nodes,
+        )
+        solution.store(_solved=answer)
+        return solution
+
+    @property
+    def _answer(self) -> Answer:
+        """What was solved; in a solution from a file, or a copy, it is solved again if needed."""
+        if self._solved is None:
+            self.store(_solved=answer_to(self.scene, self.rtol, self.method, self.nodes))
+        answer = self._solved
+        assert answer is not None
+        return answer
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = super().__getstate__()
+        if not isinstance(self._solved, UndrivenAnswer):
+            state["_solved"] = None  # other answers hold what cannot be pickled
+        return state
 
     @property
     def times(self) -> FloatArray:
@@ -161,114 +153,77 @@ class Solution(Result):
 
     def __repr__(self) -> str:
         shapes = {name: str(array.shape) for name, array in self.values.items()}
-        shapes |= {name: f"({', '.join(OUTPUTS[name].shape)})" for name in self._on_demand}
-        units = {name: described(name, self.scene.dimension)[0] for name in shapes}
-        shown = [f"{n} {shapes[n]}" + ("" if u == "1" else f" in {u}") for n, u in units.items()]
-        status = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
-        lines = [f"Solution of {self.scene}", status, f"error estimate {self.error_estimate:.1e}"]
-        return "\n  ".join([*lines, *textwrap.wrap(", ".join(shown), 96)])
+        for name in self._on_demand:
+            shapes[name] = f"({', '.join(OUTPUTS[name].shape)})"
+        outputs = []
+        for name, shape in shapes.items():
+            unit, _, _ = described(name, self.scene.dimension)
+            outputs.append(f"{name} {shape}" if unit == "1" else f"{name} {shape} in {unit}")
+        lines = [
+            f"Solution of {self.scene}",
+            f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}",
+            f"error estimate {self.error_estimate:.1e}",
+            *textwrap.wrap(", ".join(outputs), REPR_WIDTH),
+        ]
+        return "\n  ".join(lines)
 
-    # -- as a dataset -------------------------------------------------------------------------
+    # -- as a dataset -----------------------------------------------------------------------------
 
     _points = (*(axis.points for axis in AXES.values()), "direction")
 
     @property
     def _on_demand(self) -> tuple[str, ...]:  # type: ignore[override]
         """The outputs that are functions of more than the time."""
-        names = (name for name in self.scene.outputs if name in OUTPUTS)
-        return tuple(name for name in names if set(OUTPUTS[name].shape) & set(AXES))
+        known = (name for name in self.scene.outputs if name in OUTPUTS)
+        return tuple(name for name in known if OUTPUTS[name].is_function)
 
-    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
-        """Averages, and functions at the points, by default where the distributions are."""
-        d = self.scene.dimension
-        found = {
-            name: variable(("time", *COMPONENTS[: a.ndim - 1]), a, *described(name, d))
-            for name, a in self.values.items()
-        }
-        axes = {"time": variable(("time",), self.times, "d/U", "time since the start", "t")}
-        axes |= {c: variable((c,), list("xyz"[:d]), "1", "component") for c in COMPONENTS}
-        functions = {name: OUTPUTS[name].shape[1:] for name in self._on_demand}
-        if "position_density" in functions:
-            functions["scaled_position_density"] = ("n_R",)
-        asked = functions if only is None else only
-        for name, shape in functions.items():
-            if name in asked or (name == "speed_density" and "uncollided" in asked):
-                self._add(name, shape, points, found, axes)
-        title = f"Solution of the inelastic Lorentz equation: {self.scene}"
-        return dataset(self, title, self.scene, found, axes)
+    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
+        """Averages, and functions at points, by default where the distributions are."""
+        return solution_dataset(self, self._on_demand, only, points)
 
-    def _add(self, name: str, shape: tuple[str, ...], given: Any, found: Any, axes: Any) -> None:
-        """A function at the points, and the share of tracers that a speed density leaves out."""
-        along = [AXES[n] for n in shape]
-        at = [self._points_on(axis.points, given) for axis in along]
-        if name == "intermediate_scattering" and "direction" in given:
-            at.append(given["direction"])
-        values = getattr(self, name)(*at)
-        unit, words, symbol = described(name, self.scene.dimension)
-        for axis, x in zip(along, at, strict=False):
-            axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
-        dims = ("time", *(axis.name for axis in along))
-        if np.iscomplexobj(values):
-            found[f"{name}_real"] = variable(dims, values.real, unit, words, f"Re {symbol}")
-            found[f"{name}_imag"] = variable(dims, values.imag, unit, words, f"Im {symbol}")
-        else:
-            found[name] = variable(dims, values, unit, words, symbol)
-        if name == "speed_density":
-            words = "share of tracers of a start of one speed that have not collided (or e = 1)"
-            found["uncollided"] = variable(("time",), self.uncollided, "1", words)
+    @property
+    def typical_speed(self) -> FloatArray:
+        """A speed of the order of the thermal one in U, shape (n_times,)."""
+        return self._answer.typical_speed
 
-    def _points_on(self, points: str, given: Mapping[str, Any]) -> FloatArray:
-        """What was given, or else points where the distributions are."""
-        if given.get(points) is not None:
-            return finite_line(points, given[points])
-        if points == "speeds":
-            usual = self._answer.typical_speed
-            moving = usual[usual > 0.0] if usual.any() else np.ones(1)
-            return np.geomspace(1e-2 * moving.min(), 5.0 * moving.max(), 200)
-        if points == "angles":
-            return np.linspace(0.0, 2.0 * np.pi / (self.scene.dimension - 1.0), 73)
-        if points == "scaled_radii":
-            return np.linspace(0.0, 5.0, 101)
-        far = max(float(root_mean_square(self._answer.averages).max()), 1e-12)
-        waves = np.geomspace(1e-2, 10.0, 61) / far
-        return np.linspace(0.0, 5.0 * far, 121) if points == "radii" else waves
+    @property
+    def root_mean_square_displacement(self) -> FloatArray:
+        """sqrt(<r^2>) in d of tracers without field or drive, shape (n_times,)."""
+        return averaged.root_mean_square(self._undriven().averages)
 
-    # -- what was solved: no part of the value, solved again where it is not there ------------
+    # -- what was solved ---------------------------------------------------------------------------
 
-    @cached_property
-    def _answer(self) -> Any:
-        return answer_to(self.scene, self.rtol, self.method, self.nodes)
-
-    def __getstate__(self) -> dict[str, Any]:
-        kept = vars(self).get("_answer")  # a copy need not solve densities again
-        return super().__getstate__() | ({"_answer": kept} if isinstance(kept, Answer) else {})
-
-    def _asked(self, *outputs: str) -> Any:
-        """The answer; InputError unless one of these outputs was asked for."""
+    def _require(self, *outputs: str) -> Answer:
+        """Return the answer; InputError unless one of these outputs was asked for."""
         if not set(outputs) & set(self.scene.outputs):
             raise InputError(f"outputs: {outputs[0]!r} was not asked for; name it in the scene")
         return self._answer
 
-    def _without_field(self) -> Any:
-        """The answer; InputError for a scene with a field or driven tracers: it has the outputs."""
+    def _undriven(self) -> UndrivenAnswer:
+        """Return the answer; InputError for a scene with a field or driven tracers."""
         if self.scene.field:
             raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
-        if self.scene.system is not None:
+        answer = self._answer
+        if not isinstance(answer, UndrivenAnswer):
             raise InputError("outputs: of driven tracers there is no more than what was asked for")
-        return self._answer
+        return answer
 
-    def _moved(self) -> Any:
-        return self._asked("position_density").displacement
+    def _displacement(self) -> Displacement:
+        """Return the distribution of the displacement; InputError unless it was asked for."""
+        self._require("position_density")
+        displacement = self._undriven().displacement
+        assert displacement is not None  # it was asked for
+        return displacement
 
-    # -- moments ------------------------------------------------------------------------------
+    # -- moments ----------------------------------------------------------------------------------
 
     def moment(self, p: float) -> FloatArray:
         """<v^p>(t) in U^p for real p, shape (n_times,), where it exists."""
-        return np.asarray(self._without_field().power(p, 0).real)
+        return np.asarray(self._undriven().power(p, 0).real)
 
     def harmonic(self, p: float, m: int) -> NDArray[Any]:
         """<v^p exp(-i m phi)>(t) in U^p, complex for m > 0, shape (n_times,)."""
-        return np.asarray(self._without_field().power(p, m))
+        return np.asarray(self._undriven().power(p, m))
 
     @property
     def by_collision(self) -> ByCollision:
@@ -279,7 +234,7 @@ class Solution(Result):
         law, path, state, _ = self.scene.problem
         return ByCollision(law, path, state, numbers, self.rtol)
 
-    # -- velocity -----------------------------------------------------------------------------
+    # -- velocity ---------------------------------------------------------------------------------
 
     def speed_density(self, v: ArrayLike) -> FloatArray:
         """Density of the speed at v (in U), shape (n_times, n_v), in 1/U; integral over v is 1.
@@ -290,7 +245,8 @@ class Solution(Result):
         to v, with :attr:`uncollided`, is right to rtol; f itself is not at its steps
         (:attr:`speed_fronts`).
         """
-        return np.asarray(self._asked("speed_density", "velocity_density").speed_density(speeds(v)))
+        answer = self._require("speed_density", "velocity_density")
+        return np.asarray(answer.speed_density(speeds(v)))
 
     @property
     def speed_fronts(self) -> FloatArray:
@@ -300,9 +256,14 @@ class Solution(Result):
         two collisions make of them.
         """
         scene = self.scene
-        sharp = scene.state.profile(0) is None and not scene.field and scene.system is None
-        start = scene.state.harmonic(0, 1e-6) if sharp else None
-        return np.zeros(0) if start is None else speed_fronts(scene.law, start)
+        is_undriven = not scene.field and scene.system is None
+        has_density = scene.state.profile(0) is not None
+        if has_density or not is_undriven:
+            return np.zeros(0)
+        sharp_speeds = scene.state.harmonic(0, RTOL_OF_FRONTS)
+        if sharp_speeds is None:
+            return np.zeros(0)
+        return speed_fronts(scene.law, sharp_speeds)
 
     @property
     def uncollided(self) -> FloatArray:
@@ -310,7 +271,8 @@ class Solution(Result):
 
         All at e = 1. With a field, of any start of sharp velocities (rest, a Beam, samples).
         """
-        return np.asarray(frozen(self._asked("speed_density", "velocity_density").uncollided))
+        answer = self._require("speed_density", "velocity_density")
+        return np.asarray(frozen(answer.uncollided))
 
     @property
     def captured(self) -> FloatArray:
@@ -325,7 +287,7 @@ class Solution(Result):
         With c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The error is 1e-8 of the
         maximum, a percent near steps. Not with a field, nor of driven tracers.
         """
-        answer = self._asked("speed_density", "velocity_density")
+        answer = self._require("speed_density", "velocity_density")
         return np.asarray(answer.component_density(finite_line("v_x", v_x)))
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
@@ -335,10 +297,12 @@ class Solution(Result):
         dphi is 1. In space phi is the angle to the x axis, the density is in 1/U^3, and the
         integral of 2 pi f v^2 sin(phi) dv dphi is 1. Delta peaks are left out; v must be above 0.
         """
-        v_, phi_ = speeds(v, zero_allowed=False), finite_line("phi", phi)
-        return np.asarray(self._asked("velocity_density").velocity_density(v_, phi_))
+        v_checked = speeds(v, zero_allowed=False)
+        phi_checked = finite_line("phi", phi)
+        answer = self._require("velocity_density")
+        return np.asarray(answer.velocity_density(v_checked, phi_checked))
 
-    # -- position -----------------------------------------------------------------------------
+    # -- position ---------------------------------------------------------------------------------
 
     @property
     def ballistic_front(self) -> tuple[FloatArray, FloatArray]:
@@ -346,7 +310,7 @@ class Solution(Result):
 
         Shape (n_times, n_speeds) each: delta peaks, which :meth:`position_density` leaves out.
         """
-        radius, share = self._moved().uncollided.fronts
+        radius, share = self._displacement().uncollided.fronts
         return frozen(radius), frozen(share)
 
     def position_density(self, r: ArrayLike) -> FloatArray:
@@ -355,53 +319,107 @@ class Solution(Result):
         Shape (n_times, n_r). The integral over r is 1, less what :attr:`ballistic_front` holds. Its
         absolute error is max(rtol, 1e-8) over sqrt(<r^2>).
         """
-        found, r_ = self._moved(), not_negative_line("r", r)
-        return np.array([found.density(i, r_) for i in range(self.times.size)])
+        displacement = self._displacement()
+        radii = not_negative_line("r", r)
+        return np.array([displacement.density(time, radii) for time in range(self.times.size)])
 
     def scaled_position_density(self, scaled_radii: ArrayLike) -> FloatArray:
         """G(R) = sqrt(<r^2>) g(r, t) at R = r/sqrt(<r^2>), shape (n_times, n_R); NaN at t = 0.
 
         <r^2> is that of g itself: at a finite density :attr:`msd` knows that returns take time.
         """
-        found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
-        out = np.full((self.times.size, x.size), np.nan)
-        for i, root in enumerate(found.root_mean_square):
-            if root > 0.0:
-                out[i] = root * found.density(i, np.minimum(x, _BEYOND) * root)
-        return out
+        displacement = self._displacement()
+        scaled = not_negative_line("scaled_radii", scaled_radii)
+        density = np.full((self.times.size, scaled.size), np.nan)
+        for time, root_mean_square in enumerate(displacement.root_mean_square):
+            if root_mean_square > 0.0:
+                radii = np.minimum(scaled, MAX_SCALED_RADIUS) * root_mean_square
+                density[time] = root_mean_square * displacement.density(time, radii)
+        return density
 
     def position_fraction(self, edges: ArrayLike) -> FloatArray:
         """Share of all tracers with r between rising edges, in d: (n_times, n_edges - 1).
 
         The ballistic front is in it, in (low, high].
         """
-        found, r = self._moved(), rising_from_zero("edges", edges)
-        return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
+        displacement = self._displacement()
+        radii = rising_from_zero("edges", edges)
+        within = [displacement.within(time, radii) for time in range(self.times.size)]
+        return np.diff(np.array(within), axis=1)
 
-    # -- free flights -------------------------------------------------------------------------
+    def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """How the density p = G(R)/(2 pi R), in space G(R)/(4 pi R^2), falls: exponent and rate.
+
+        Shapes (n_times, n_R), for R > 0. The exponent is d ln(ln(p(0)/p(R)))/d ln R, n where
+        p ~ exp(-(R/b)^n), and the rate -d ln p/dR; without tracers that have not collided, NaN
+        where p is below its error. Not at a finite density.
+        """
+        displacement = self._displacement()
+        scaled = not_negative_line("scaled_radii", scaled_radii)
+        if self.scene.law.returns(0)[0]:
+            refuse("scatterers", self.scene.scatterers, "p(0) is infinite: some come straight back")
+        exponent = np.full((self.times.size, scaled.size), np.nan)
+        rate = np.full((self.times.size, scaled.size), np.nan)
+        dimension = displacement.dimension
+        measure = unit_surface(dimension) * radial_measure(
+            np.maximum(scaled, MIN_RADIUS_OF_ERROR), dimension
+        )
+        for time, root_mean_square in enumerate(displacement.root_mean_square):
+            if root_mean_square == 0.0:
+                continue
+            radii = np.minimum(scaled, MAX_SCALED_RADIUS) * root_mean_square
+            p, slope = displacement.collided_in_place(time, radii)
+            p_at_start, _ = displacement.collided_in_place(time, np.zeros(1))
+            error_of_p = displacement.error_estimate / (measure * root_mean_square**dimension)
+            is_known = (p > error_of_p) & (scaled > 0.0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                rate[time] = np.where(is_known, -root_mean_square * slope / p, np.nan)
+                log_fall = np.log(p_at_start / p)
+                exponent[time] = np.where(is_known, scaled * rate[time] / log_fall, np.nan)
+        return exponent, rate
+
+    def intermediate_scattering(
+        self, wave_numbers: ArrayLike, direction: float | None = None
+    ) -> NDArray[Any]:
+        """F(k, t) = <exp(i k.r)> for k in 1/d, shape (n_times, n_k), to max(rtol, 1e-12) absolute.
+
+        ``direction`` is the angle of k to the x axis, in radians, for directed starts, where F is
+        complex; by default F is the mean over the directions of k, and real.
+        """
+        self._require("intermediate_scattering")
+        k = not_negative_line("wave_numbers", wave_numbers)
+        if direction is not None:
+            direction = real_number("direction", direction, allowed="it must be a finite angle")
+        return scattering_function(self._undriven().averages, k, direction)
+
+    # -- free flights -----------------------------------------------------------------------------
 
     @cached_property
     def _flights(self) -> Flights:
-        answer = self._without_field()
+        """The free flights; warns where the densities give another number of collisions."""
+        answer = self._undriven()
         if self.scene.scatterers != "dilute":
             refuse("scatterers", self.scene.scatterers, "free flights are of dilute ones only")
-        smooth = self.scene.state.smooth
-        rtol = min(max(self.rtol, 1e-6 if smooth else 1e-4), 1e-3)
-        nodes = None if smooth or rtol < 1e-3 else _FLIGHT_NODES
+        is_smooth = self.scene.state.smooth
+        least = MIN_RTOL_OF_FLIGHTS if is_smooth else MIN_RTOL_OF_FLIGHTS_ROUGH
+        rtol = min(max(self.rtol, least), MAX_RTOL_OF_FLIGHTS)
+        nodes = None
+        if not is_smooth and rtol == MAX_RTOL_OF_FLIGHTS:
+            nodes = NODES_OF_ROUGH_FLIGHTS
 
         def solved(times: FloatArray) -> Solution:
             scene = replace(self.scene, times=times, outputs=("speed_density",))
-            with warnings.catch_warnings():  # the number of collisions says how good it is
-                warnings.simplefilter("ignore", ToleranceWarning)
-                return solve(scene, rtol, nodes=nodes)
+            return Solution.of(scene, rtol, None, nodes)
 
-        found = Flights.of(solved, self.times, self.scene.mean_free_path)
-        known = collisions(answer.averages)[-1]
-        off = abs(float(found.longer_in_time(np.zeros(1))[-1, 0]) / max(known, 1e-300) - 1.0)
-        if off > 10.0 * rtol:
-            words = f"free flights: their number is off by {off:.1e}, against {10 * rtol:.1e}"
-            warnings.warn(words, ToleranceWarning, stacklevel=5)
-        return found
+        flights = Flights.of(solved, self.times, self.scene.mean_free_path)
+        expected = averaged.collisions(answer.averages)[-1]
+        number = float(flights.longer_in_time(np.zeros(1))[-1, 0])
+        error = abs(number / max(expected, 1e-300) - 1.0)
+        allowed = FLIGHTS_SAFETY * rtol
+        if error > allowed:
+            text = f"free flights: their number is off by {error:.1e}, against {allowed:.1e}"
+            warnings.warn(text, ToleranceWarning, stacklevel=5)
+        return flights
 
     def free_time_fraction(self, edges: ArrayLike) -> FloatArray:
         """Share of the completed flights whose duration in d/U is between the edges.
@@ -424,48 +442,12 @@ class Solution(Result):
         return self._flight_fraction(edges, "longer_in_length")
 
     def _flight_fraction(self, edges: ArrayLike, kind: str) -> FloatArray:
-        x = rising_from_zero("edges", edges)
+        """Return the share of flights between edges, by their duration or their length."""
+        checked = rising_from_zero("edges", edges)
         if self.times[-1] == 0.0:
-            return np.full((self.times.size, x.size - 1), np.nan)
-        number = getattr(self._flights, kind)(np.append(0.0, x) / self.scene.mean_free_path)
+            return np.full((self.times.size, checked.size - 1), np.nan)
+        count_longer = getattr(self._flights, kind)
+        longer = count_longer(np.append(0.0, checked) / self.scene.mean_free_path)
+        total = longer[:, :1]
         with np.errstate(invalid="ignore"):
-            return np.asarray(-np.diff(number[:, 1:]) / number[:, :1])
-
-    def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """How the density p = G(R)/(2 pi R), in space G(R)/(4 pi R^2), falls: exponent and rate.
-
-        Shapes (n_times, n_R), for R > 0. The exponent is d ln(ln(p(0)/p(R)))/d ln R, n where
-        p ~ exp(-(R/b)^n), and the rate -d ln p/dR; without tracers that have not collided, NaN
-        where p is below its error. Not at a finite density.
-        """
-        found, x = self._moved(), not_negative_line("scaled_radii", scaled_radii)
-        if self.scene.law.returns(0)[0]:
-            refuse("scatterers", self.scene.scatterers, "p(0) is infinite: some come straight back")
-        exponent, rate = np.full((2, self.times.size, x.size), np.nan)
-        d = found.dimension
-        for i, root in enumerate(found.root_mean_square):
-            if root == 0.0:
-                continue
-            p, slope = found.collided_in_place(i, np.minimum(x, _BEYOND) * root)
-            center, _ = found.collided_in_place(i, np.zeros(1))
-            measure = unit_surface(d) * radial_measure(np.maximum(x, 0.1), d)
-            floor = found.error_estimate / (measure * root**d)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                good = (p > floor) & (x > 0.0)
-                rate[i] = np.where(good, -root * slope / p, np.nan)
-                exponent[i] = np.where(good, x * rate[i] / np.log(center / p), np.nan)
-        return exponent, rate
-
-    def intermediate_scattering(
-        self, wave_numbers: ArrayLike, direction: float | None = None
-    ) -> NDArray[Any]:
-        """F(k, t) = <exp(i k.r)> for k in 1/d, shape (n_times, n_k), to max(rtol, 1e-12) absolute.
-
-        ``direction`` is the angle of k to the x axis, in radians, for directed starts, where F is
-        complex; by default F is the mean over the directions of k, and real.
-        """
-        answer = self._asked("intermediate_scattering")
-        k = not_negative_line("wave_numbers", wave_numbers)
-        if direction is not None:
-            direction = real_number("direction", direction, allowed="it must be a finite angle")
-        return scattering_function(answer.averages, k, direction)
+            return np.asarray(-np.diff(longer[:, 1:]) / total)

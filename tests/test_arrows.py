@@ -20,7 +20,7 @@ METHODS = ("kinetics", "particles", "derivations")
 CHECKS = {"errors", "validation"}
 BASE = {"numerics", "collision", "results"} | CHECKS
 VELOCITY = {"states", "scaling", "moments", "densities"}
-QUESTION = {"outputs", "scene", "solver"}
+QUESTION = {"outputs", "scene", "undriven", "answer"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "version": set(),
@@ -40,8 +40,11 @@ ROOMS: dict[str, set[str]] = {
     "driven": BASE | {"states", "field"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs", "field"},
-    "solver": BASE | {"moments", "densities", "position", "field", "driven", "outputs", "scene"},
-    "solution": BASE | VELOCITY | QUESTION | {"position"},
+    "undriven": BASE | {"moments", "densities", "position", "outputs", "scene"},
+    "answer": BASE | {"scene", "undriven", "field", "driven"},
+    "solution_dataset": BASE | {"outputs", "scene"},
+    "solution": BASE | VELOCITY | QUESTION | {"position", "solution_dataset"},
+    "solving": BASE | {"scene", "solution"},
 }
 # Those of the derivations: what is printed and what is derived know nothing of each other.
 DERIVED = {

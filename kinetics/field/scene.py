@@ -241,6 +241,11 @@ class FieldScene:
         """See `VelocityDensity`."""
         return np.concatenate([one.uncollided for one, i in self._at_times if i == 0])
 
+    @property
+    def captured(self) -> FloatArray:
+        """No tracer sticks: zeros, (n_times,)."""
+        return np.zeros(self.times.shape)
+
     def speed_density(self, v: FloatArray) -> FloatArray:
         """In 1/U at all times, shape (n_times, n_v)."""
         v = v / self._speed
