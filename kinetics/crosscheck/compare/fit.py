@@ -86,6 +86,7 @@ class Fit:
 
     def __post_init__(self) -> None:
         measured, sample, theory = self.expectation, self.expectation.sample, self.theory
+        least = np.where(measured.exact(self.point), ROUNDING_OF_EXACT, 1e-9)
         early = np.isin(measured.names, () if self.point.own_start else _AT_ZERO)[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             self.difference = measured.values - theory
@@ -98,10 +99,13 @@ class Fit:
             self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
             self.error = np.sqrt(error**2 + own)
             # as the verdicts have it, whose replicates are steadied
-            wider = errors(self.steady) / errors(measured.stabilised(theory, plain))
-            self.bars = np.sqrt((error * np.where(np.isfinite(wider), wider, 1)) ** 2 + own)
+            scatter = errors(measured.stabilised(theory, plain))
+            wider = errors(self.steady) / scatter
+            # of rounding noise there is no ratio
+            is_scatter = spread_in(scatter, measured.values, theory, least=least)
+            wider = np.where(is_scatter & np.isfinite(wider), wider, 1)
+            self.bars = np.sqrt((error * wider) ** 2 + own)
         self.compared = np.isfinite(self.difference) & (early | (sample.times > 0))
-        least = np.where(measured.exact(self.point), ROUNDING_OF_EXACT, 1e-9)
         self.usable = self.compared & spread_in(error, measured.values, theory, least=least)
         self.effective = effective_groups(self.replicates)
 

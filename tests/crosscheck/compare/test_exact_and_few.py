@@ -57,6 +57,16 @@ def test_a_fit_to_elastic_tracers_of_one_speed_does_not_differ(start: str, media
     assert 1.0 - restitution.value < 3 * restitution.error
 
 
+@pytest.mark.parametrize("times", [(0.0, 20.0, 200.0), (0.0, 5.0, 50.0, 500.0)])
+@pytest.mark.parametrize("media", [10, 20])
+def test_a_restitution_that_is_fitted_to_elastic_tracers_agrees(media: int, times: Any) -> None:
+    data = sharp("monoenergetic", 1.0, media, seed=7, times=times)
+    result = compare(data, number_density=DENSITY, explain=False)
+    assert result.verdict == "agrees"
+    assert max(test.chi_square for test in result.tests) < 30.0
+    assert result.parameters["restitution"].value == pytest.approx(1.0, abs=0.01)
+
+
 @pytest.mark.parametrize("start", ["monoenergetic", "beam"])
 def test_conserved_speed_is_exact_within_rounding(start: str) -> None:
     data = sharp(start, 1.0, 40)
