@@ -15,6 +15,11 @@ from numpy.typing import ArrayLike
 
 AGREES_BELOW = 2.5  # corrected sigmas below which data and theory agree (p > 0.012)
 DIFFERS_ABOVE = 4.0  # corrected sigmas from which on data and theory differ (p < 6.4e-5)
+#: Share of the distribution within a limit ("at 95 %"), by convention.
+LIMIT_SHARE = 0.95
+#: Relative difference that a test must be able to call "differs", or it says "not tested". Chosen:
+#: a theory that is wrong by its own value. At 0.1 the fat tails of 2000 tracers fail as well.
+LEAST_TESTABLE = 1.0
 # relative deviations below which a printed approximation is called close, and rough
 CLOSE_BELOW, ROUGH_BELOW = 0.02, 0.10
 
@@ -37,7 +42,8 @@ MEANING: dict[Verdict, str] = {
     "number of looks; a solver: within the tolerance asked for",
     Verdict.UNCLEAR: f"{AGREES_BELOW} to {DIFFERS_ABOVE:g} of them; more samples would decide",
     Verdict.DIFFERS: f"{DIFFERS_ABOVE:g} standard errors or more; a solver: outside the tolerance",
-    Verdict.NOT_TESTED: "the errors are so large that a difference of 10 % would not be seen",
+    Verdict.NOT_TESTED: "the errors are so large that a difference of 10 % would not be seen; of "
+    "data: the groups are so few that not even a theory wrong by its own value would differ",
     Verdict.CLOSE: f"a formula without an error of its own, off by less than {CLOSE_BELOW:.0%}",
     Verdict.ROUGH: f"off by {CLOSE_BELOW:.0%} to {ROUGH_BELOW:.0%}",
     Verdict.FAR: f"off by {ROUGH_BELOW:.0%} or more",
@@ -65,6 +71,28 @@ def corrected_sigmas(sigmas: float, groups: float, trials: int) -> float:
     freedom = groups - 1
     p = float(betainc(freedom / 2, 0.5, freedom / (freedom + sigmas**2)))
     return gaussian_sigmas(p * trials)
+
+
+def limit_factor(groups: float, share: float = LIMIT_SHARE, numbers: int = 1) -> float:
+    """Return how many standard errors from ``groups`` hold this share of a deviation.
+
+    Of one number it is the two-sided quantile of Student's t with ``groups - 1`` degrees of
+    freedom: 12.7 for two groups and 95 %, 1.96 for many. Of several ``numbers`` p together it is
+    the radius of their ellipsoid, the root of p times the quantile of the F-distribution. Every
+    limit and every decision that counts standard errors takes its factor from here.
+    """
+    from scipy.special import fdtri
+
+    freedom = groups - 1
+    if freedom <= 0:
+        return math.inf
+    return math.sqrt(numbers * float(fdtri(numbers, freedom, share)))
+
+
+def can_differ(relative_error: float, groups: float, trials: int) -> bool:
+    """Whether a deviation of `LEAST_TESTABLE` would differ, as the worst of ``trials``."""
+    p_value = math.erfc(DIFFERS_ABOVE / math.sqrt(2)) / max(trials, 1)
+    return relative_error * limit_factor(groups, 1 - p_value) < LEAST_TESTABLE
 
 
 def gaussian_sigmas(p_value: float) -> float:

@@ -60,8 +60,12 @@ def _seen(found: Fit) -> tuple[bool, Any, Any, Verdict]:
     histograms = list(histograms_of(found))
     rows, tests = tuple(rows_of(found, histograms)), tuple(tests_of(found, histograms))
     # Rows without spread no test can hold.
-    words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-    return bool(histograms), rows, tests, worst_of(words)
+    without_scatter = [r.verdict for r in rows if r.sigmas is None]
+    tested = [test.verdict for test in tests]
+    verdict = worst_of([*tested, *without_scatter])
+    if verdict is Verdict.AGREES and tested and Verdict.AGREES not in tested:
+        verdict = Verdict.NOT_TESTED  # what is exact, or the start, agrees: no test of the rest
+    return bool(histograms), rows, tests, verdict
 
 
 def _likeliest(fits: Sequence[Fit], seen: Callable[[str], Any]) -> Fit:
@@ -214,13 +218,17 @@ def _summary(
     """What was fitted, the verdict, what was compared, the medium and the clearest difference."""
     within = [
         f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
-        f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
+        f"{OBSERVABLES[t.observable].short}"
+        for t in tests
+        if t.within is not None and t.verdict is Verdict.AGREES
     ]  # fmt: skip
     cause = f"; {best.headline} explains it" if best else ""
     answer = {
         Verdict.AGREES: f"No difference seen, better than {', '.join(within) or 'no average'}.",
         Verdict.UNCLEAR: f"A difference is possible, more samples would show it{cause}.",
         Verdict.DIFFERS: f"They differ{cause}.",
+        Verdict.NOT_TESTED: f"Not tested: {found.expectation.sample.groups} independent groups are "
+        "too few for errors this large.",
     }.get(verdict, "Nothing could be tested.")
     fitted = " and ".join(
         f"{symbol} = {number(one.value, one.error)}"
@@ -247,7 +255,7 @@ def _summary(
         answer += f" The medium taken: {point.scatterers} {left.pop(point.scatterers)}"
         answer += " (chi-square/degrees of freedom; "
         answer += f"{', '.join(f'{name} {one}' for name, one in left.items())})."
-    odd = [test for test in tests if test.verdict is not Verdict.AGREES]
+    odd = [t for t in tests if t.verdict not in (Verdict.AGREES, Verdict.NOT_TESTED)]
     if odd:
         t = min(odd, key=lambda test: test.p_value)
         at = "" if t.time is None else f" at t = {numeral(t.time, '.4g')}"

@@ -141,7 +141,7 @@ def _sources(data: Any) -> list[Any] | None:
     if isinstance(data, str | PathLike):
         return [Path(data)]
     if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
-        data = {name: data[name].to_numpy() for name in data.columns}
+        data = {name: data[name] for name in data.columns}
     return [data] if isinstance(data, Mapping) else None
 
 

@@ -16,7 +16,7 @@ from kinetics.crosscheck.compare.fit import LIMITS, ChiSquare, Fit, choose, fit,
 from kinetics.crosscheck.compare.result import Explanation
 from kinetics.crosscheck.compare.theory import BEAM, Expectation, Point, SampledStart
 from kinetics.crosscheck.data.sample import VX, X2, X
-from kinetics.crosscheck.words import Verdict, number, numeral
+from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
 NEAR_BEST = 6.0  # -2 ln likelihood from the best up to which a cause explains as well
 
@@ -134,17 +134,19 @@ def _starts(cause: Cause, told: Fit, point: Point) -> list[float]:
 
 def _judged(
     told: Fit, cause: Cause, found: Fit, before: ChiSquare,
-    least_gain: float = 16.0, clearly: float = 3.0,
+    least_gain: float = 16.0, clearly: float = 0.9973,
 ) -> Explanation:  # fmt: skip
     """What a cause comes to, from the chi-square that it leaves; in part if T^2 falls by least_gain
-    (4 sigma of one parameter) and a tenth. clearly : errors from what was told to a fitted value
+    (4 sigma of one parameter) and a tenth. clearly : share of the errors of a fitted value that
+    must lie nearer to it than what was told (3 sigma of a Gaussian)
     """
     after, outcome, clear = found.chi_square, "does not", True
     assert after is not None
     if cause.free:
         value, before_it = (getattr(one.point, cause.free) for one in (found, told))
         away = value - before_it if cause.free in LIMITS else math.log(value / before_it)
-        clear = abs(away) > clearly * math.sqrt(found.covariance[0, 0])
+        factor = limit_factor(told.expectation.sample.groups, clearly)
+        clear = abs(away) > factor * math.sqrt(found.covariance[0, 0])
         clear &= 0 <= found.point.at_rest < 0.85
     if after.verdict is Verdict.AGREES:
         # Averages that agreed already need no explaining.

@@ -35,6 +35,9 @@ LIMITS = {
     "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
     "velocity_noise": (0.0, 1e3), "position_noise": (0.0, 1e6),
 }  # fmt: skip
+#: Standard error over value up to which the scatter of an exactly known average (|v| of elastic
+#: tracers) is rounding, of data in single precision or in seven digits. Above what these have.
+ROUNDING_OF_EXACT = 1e-6
 _AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
 
 
@@ -83,6 +86,7 @@ class Fit:
 
     def __post_init__(self) -> None:
         measured, sample, theory = self.expectation, self.expectation.sample, self.theory
+        least = np.where(measured.exact(self.point), ROUNDING_OF_EXACT, 1e-9)
         early = np.isin(measured.names, () if self.point.own_start else _AT_ZERO)[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             self.difference = measured.values - theory
@@ -95,10 +99,14 @@ class Fit:
             self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
             self.error = np.sqrt(error**2 + own)
             # as the verdicts have it, whose replicates are steadied
-            wider = errors(self.steady) / errors(measured.stabilised(theory, plain))
-            self.bars = np.sqrt((error * np.where(np.isfinite(wider), wider, 1)) ** 2 + own)
+            scatter = errors(measured.stabilised(theory, plain))
+            wider = errors(self.steady) / scatter
+            # of rounding noise there is no ratio
+            is_scatter = spread_in(scatter, measured.values, theory, least=least)
+            wider = np.where(is_scatter & np.isfinite(wider), wider, 1)
+            self.bars = np.sqrt((error * wider) ** 2 + own)
         self.compared = np.isfinite(self.difference) & (early | (sample.times > 0))
-        self.usable = self.compared & spread_in(error, measured.values, theory)
+        self.usable = self.compared & spread_in(error, measured.values, theory, least=least)
         self.effective = effective_groups(self.replicates)
 
     def _moved(self, replicates: Array) -> Array:
@@ -194,12 +202,16 @@ def fit(
         slope = _slopes(lambda p: theory_of(point(p)).ravel(), best, low, high)
         size = theory.ravel()[chosen]
         steep: Any = white @ (slope[chosen] / size[:, None])
-        influence = np.linalg.pinv(steep) @ white / size
+        # A parameter that is held at a limit does not follow the data.
+        inside = (best > low) & (best < high)
+        influence = np.linalg.pinv(steep * inside) @ white / size
         # weights from a covariance that is estimated make errors larger
         rest = min(len(white) - best.size, groups - 3)
         spread = np.linalg.pinv(steep.T @ steep)
         spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
     made = Fit(expectation, at, theory, known, tuple(free), best, spread, slope, influence, chosen)
+    # What a fit follows exactly has only rounding left: no covariance to test it by.
+    tested = tested[made.usable.ravel()[tested]]
     shaped, left_of, own = made.flat(tested)
     widening = 0.0  # ln(det(C + M)/det C) of the chi-square, M the theory's own covariance
     if known is not None and own is not None:
@@ -295,7 +307,7 @@ def spread_out(count: int, most: int) -> list[int]:
     return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
 
 
-def spread_in(error: Array, *values: Array, least: float = 1e-9) -> NDArray[np.bool_]:
+def spread_in(error: Array, *values: Array, least: float | Array = 1e-9) -> NDArray[np.bool_]:
     """Where standard errors are more than rounding: over the value at least `least`."""
     with np.errstate(invalid="ignore"):
         size = np.max(np.abs(values), axis=0)
@@ -310,7 +322,7 @@ def whitening(matrix: Array, least: float = 1e-9) -> Array:
     scale = np.sqrt(np.diagonal(matrix))
     scale = np.where(scale > 0, scale, np.inf)
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    kept = values > least * max(float(values[-1]), 1e-300)
+    kept = values > least * values.max(initial=1e-300)
     return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
 
 

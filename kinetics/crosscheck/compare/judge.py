@@ -13,7 +13,14 @@ from kinetics.crosscheck.compare.fit import ChiSquare, Fit, hotelling, most_free
 from kinetics.crosscheck.compare.result import ComparisonTest, Row
 from kinetics.crosscheck.compare.theory import BEAM, DISPLACEMENT, SPEED
 from kinetics.crosscheck.data.sample import EDGES, effective_groups
-from kinetics.crosscheck.words import Verdict, corrected_sigmas, gaussian_sigmas, judge_sigmas
+from kinetics.crosscheck.words import (
+    Verdict,
+    can_differ,
+    corrected_sigmas,
+    gaussian_sigmas,
+    judge_sigmas,
+    limit_factor,
+)
 from kinetics.numerics.gauss import panels_between
 
 Array = NDArray[np.float64]
@@ -134,9 +141,10 @@ def _merged(
 def rows_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Row]:
     """One row per observable and time, and per bin of a density; see `Comparison.rows`."""
     measured, sample = found.expectation, found.expectation.sample
-    law = sample.law
+    exact = measured.exact(found.point)
     for i, name in enumerate(measured.names):
         looks = int(found.usable[i].sum())
+        sizes = _sizes(found, i)
         for k in np.flatnonzero(found.compared[i]).tolist():
             parts = (sample.times, measured.values[i], found.bars[i], found.theory[i])
             time, value, error, theory = (float(part[k]) for part in parts)
@@ -146,23 +154,76 @@ def rows_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Row]:
                 shaped, groups = float(found.sigmas[i, k]), float(found.effective[i, k])
                 corrected = corrected_sigmas(shaped, groups, looks)
                 verdict = judge_sigmas(corrected)
-            elif sample.groups < 3 or ((law.field or law.is_driven) and time > 0):
-                # One tracer is always like itself, and falls before its first collision as others.
-                verdict, error = Verdict.UNDEFINED, 0.0
-            else:  # within ten times the tolerance that the solver is given
-                same = math.isclose(value, theory, rel_tol=10 * law.rtol)
-                verdict, error = Verdict.AGREES if same else Verdict.DIFFERS, 0.0
+                relative = error / float(sizes[k])
+                if verdict is Verdict.AGREES and not can_differ(relative, groups, looks):
+                    verdict = Verdict.NOT_TESTED
+            else:
+                error = 0.0
+                verdict = _without_scatter(found, value, theory, float(sizes[k]), exact[i, k], k)
             yield Row(name, time, value, error, theory, sigmas, verdict, corrected, count)
     for h in histograms:
         looks = sum(other.share.size for other in histograms if other.name == h.name)
         wide = np.where(np.isfinite(h.edges[1:]), np.diff(h.edges), 1.0)
-        sigma = (h.share - h.theory) / h.error
+        sigma, testable = (h.share - h.theory) / h.error, _has_testable_bin(h, looks)
         columns = h.share / wide, h.error / wide, h.theory / wide, sigma, h.edges[:-1], h.edges[1:]
         for value, error, theory, z, low, high in np.transpose(columns).tolist():
             corrected = corrected_sigmas(z, h.groups, looks)
             end, verdict = high if np.isfinite(high) else None, judge_sigmas(corrected)
+            if verdict is Verdict.AGREES and not testable:
+                verdict = Verdict.NOT_TESTED
             yield Row(h.name, h.time, value, error, theory, z, verdict, corrected, h.samples, low,
                       end)  # fmt: skip
+
+
+def _sizes(found: Fit, i: int) -> Array:
+    """What differences of an average are relative to, (n_times,): |theory|, and 1 + a2 for a2."""
+    name = found.expectation.names[i]
+    size = np.abs(found.theory[i] + (name == "a2"))
+    if "drift" in found.expectation.names:  # signed, or from rest
+        usable = found.usable[i]
+        size = np.full_like(size, size[usable].max() if np.any(usable) else size.max())
+    return np.asarray(np.where(size > 0, size, np.inf))
+
+
+def _without_scatter(
+    found: Fit, value: float, theory: float, size: float, exact: bool, k: int
+) -> Verdict:
+    """Verdict on an average that is the same in every group, at the time of the index ``k``.
+
+    The solver is given a tolerance, and data are rounded: ten of these are no difference. What is
+    exact in theory must be as near. Else the theory has some tracers that have collided where the
+    data have none: a share p of N tracers is missed with the probability exp(-N p), and one
+    collision changes an average at most to its double.
+    """
+    sample = found.expectation.sample
+    if math.isclose(value, theory, rel_tol=10 * sample.law.rtol, abs_tol=1e-15):
+        verdict = Verdict.AGREES
+    elif exact or sample.times[k] == 0:
+        return Verdict.DIFFERS
+    else:
+        missed_share = abs(value - theory) / size / 2
+        verdict = judge_sigmas(gaussian_sigmas(math.exp(-sample.samples[k] * missed_share)))
+    if exact:
+        return verdict
+    if sample.groups < 3:  # one tracer is always like itself
+        return Verdict.NOT_TESTED
+    if (sample.law.field or sample.law.is_driven) and sample.times[k] > 0:
+        return Verdict.UNDEFINED  # a tracer falls before its first collision as others do
+    return verdict
+
+
+def _has_testable_bin(h: Histogram, looks: int) -> bool:
+    """Whether in some bin a density that is wrong by its own value would be seen."""
+    errors = h.error / np.maximum(h.theory, 1e-300)
+    return can_differ(float(errors.min()), h.groups, looks)
+
+
+def _has_testable_time(found: Fit, i: int, looks: int) -> bool:
+    """Whether at some time an average that is wrong by its own value would be seen."""
+    at = found.usable[i]
+    relative = (found.error[i] / _sizes(found, i))[at].tolist()
+    pairs = zip(relative, found.effective[i, at].tolist(), strict=True)
+    return any(can_differ(error, groups, looks) for error, groups in pairs)
 
 
 def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[ComparisonTest]:
@@ -179,13 +240,19 @@ def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Comparison
             at = found.usable[i]
             each = zip(found.sigmas[i, at].tolist(), found.effective[i, at].tolist(), strict=True)
             verdicts += [judge_sigmas(corrected_sigmas(z, groups, looks)) for z, groups in each]
-            # what the data exclude at every time, at 95 %: |d| + 2 sigma
-            size = np.abs(found.theory[i, at] + (name == "a2"))
-            size = size.max() if "drift" in names else size  # signed, or from rest
-            seen = np.abs(found.difference[i, at]) + 2 * found.error[i, at]
-            within = float(np.max(seen / size))
+            # what the data exclude at every time, at 95 %
+            factors = np.array([limit_factor(groups) for groups in found.effective[i, at]])
+            seen = np.abs(found.difference[i, at]) + factors * found.error[i, at]
+            within = float(np.max(seen / _sizes(found, i)[at]))
+            testable = _has_testable_time(found, i, looks)
+        else:
+            density = next(h for h in histograms if (h.name, h.time) == (name, time))
+            testable = c.groups is None or _has_testable_bin(density, len(known))
+        verdict = worst_of(verdicts)
+        if verdict is Verdict.AGREES and not testable:
+            verdict = Verdict.NOT_TESTED
         yield ComparisonTest(
-            name, time, c.value, c.freedom, c.p_value, c.groups, sigmas, worst_of(verdicts), within
+            name, time, c.value, c.freedom, c.p_value, c.groups, sigmas, verdict, within
         )
 
 
@@ -205,6 +272,7 @@ def _over_times(found: Fit, i: int) -> ChiSquare | None:
 
 
 def worst_of(verdicts: Iterable[Verdict]) -> Verdict:
-    """The worst of some verdicts; undefined without any."""
-    order, found = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES), {*verdicts}
+    """The worst of some verdicts; not tested only where nothing was, undefined without any."""
+    order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES, Verdict.NOT_TESTED)
+    found = {*verdicts}
     return next((verdict for verdict in order if verdict in found), Verdict.UNDEFINED)

@@ -14,11 +14,12 @@ import pandas as pd
 
 from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain, rendered
-from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
+from kinetics.crosscheck.words import LIMIT_SHARE, MEANING, Verdict, limit_factor, number, numeral
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
 from kinetics.validation import refuse
 
+_STATISTICAL = (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS, Verdict.NOT_TESTED)
 SCHEMA = "inelastic-lorentz/comparison/1"
 # what an explanation comes to, in words; in the order in which they are shown
 OUTCOMES = {
@@ -272,7 +273,7 @@ def render(result: Any, json_name: str) -> str:
     told, tests, rows = cells_of(result)
     return rendered(
         "comparison.html.j2", result=result, outcomes=OUTCOMES, scene=told, tests=tests, rows=rows,
-        meanings={v: MEANING[v] for v in (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS)},
+        meanings={v: MEANING[v] for v in _STATISTICAL},
         svg=Markup(svg[svg.find("<svg") :]), json_name=json_name,
     )  # fmt: skip
 
@@ -291,9 +292,11 @@ def draw(result: Any, figure: str, ax: Any) -> None:
         e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
         angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
         away = root @ np.stack([np.cos(angle), np.sin(angle)])
-        # radii that hold so much of a Gaussian of two numbers
-        for share, radius in (("68 %", 1.515), ("95 %", 2.448)):
-            ax.plot(e + radius * away[0], path * np.exp(radius * away[1]), label=share)
+        for share in (0.6827, LIMIT_SHARE):
+            radius = limit_factor(result.groups, share, numbers=2)
+            x_of_ellipse = e + radius * away[0]
+            y_of_ellipse = path * np.exp(radius * away[1])
+            ax.plot(x_of_ellipse, y_of_ellipse, label=f"{100 * share:.0f} %")
         ax.plot(e, path, "ko", ms=4, label="fitted")
     elif OBSERVABLES[name].measured is None:
         seen = OBSERVABLES[name]

@@ -194,6 +194,20 @@ class Expectation:
             ]), solution  # fmt: skip
         return self._solved[key]
 
+    def exact(self, point: Point) -> NDArray[np.bool_]:
+        """Where an average has no scatter in theory: of elastic tracers that have one speed."""
+        if isinstance(point.start, SampledStart):
+            has_one_speed = point.start.bins.squares.size == 1
+        else:
+            has_one_speed = point.start in ("monoenergetic", BEAM)
+        law = self.sample.law
+        conserves_speed = point.restitution == 1.0 and law.tangential_restitution == 1.0
+        conserves_speed &= not law.field and not law.is_driven
+        unchanged = point.at_rest == 0.0 and point.velocity_noise == 0.0
+        of_speed = np.isin(self.names, ("thermal_speed", "a2"))[:, None]
+        shape = (len(self.names), self.sample.times.size)
+        return np.broadcast_to(of_speed & has_one_speed & conserves_speed & unchanged, shape)
+
     def spread_of_a2(self, point: Point) -> Array | None:
         """N times the variance (n_times,) of a2 of N independent tracers; None where unknown."""
         law = self.sample.law

@@ -141,7 +141,7 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Any:
         if _own(file, "h5md") and (particles := _own(file, "particles")):
             return _h5md(where, particles, asked)
         chosen = _chosen(where, [name for name in file if _own(file, name, "Dataset")], asked)
-        return _arrays(where, {k: _dataset(where, file, k)[()] for k in chosen}, asked)
+        return _arrays(where, {k: _values(_dataset(where, file, k)) for k in chosen}, asked)
 
 
 def _own(parent: Any, name: str, kind: str = "Group") -> Any:
@@ -163,6 +163,18 @@ def _dataset(where: str, parent: Any, name: str) -> Any:
     return found
 
 
+def _values(dataset: Any) -> Any:
+    """Return the numbers of a dataset, masked where netCDF says that they are missing."""
+    values = dataset[()]
+    missing = np.zeros(values.shape, bool)
+    for name in ("_FillValue", "missing_value"):
+        for marker in np.ravel(dataset.attrs.get(name, ())):
+            missing |= values == marker
+    if dataset.fillvalue:  # that of HDF5 itself is 0, and netCDF's own is 1e37
+        missing |= values == dataset.fillvalue
+    return np.ma.array(values, mask=missing) if np.any(missing) else values
+
+
 def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
     """The only group of particles with positions, unwrapped by `image` where it stands, and
     velocities (nongnu.org/h5md); this package also writes `medium`, each tracer's configuration.
@@ -182,7 +194,8 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
     )  # fmt: skip
     if not np.array_equal(times, others):
         bad(where, "positions and velocities at different times", "at the same times")
-    r, box, side = np.asarray(place, float), _own(group, "box"), np.zeros(1)
+    r = tracks.without_mask(_values(place)).astype(float)
+    box, side = _own(group, "box"), np.zeros(1)
     if box and "edges" in box:  # rectangular, and always the same
         edges = np.atleast_2d(np.asarray(_dataset(where, box, "edges"), float))
         side = edges[0] if edges.size and np.all(edges == edges[0]) else side
@@ -194,8 +207,8 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Rows:
     elif box and "periodic" in str(box.attrs.get("boundary", "")):
         bad(f"{where}: positions", "those in a periodic box", "unwrapped, or with image")
     ours = {"id": "tracer", "medium": "medium", "species": "type"}
-    labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
-    return tracks.rows_of_arrays(where, asked, times, r, np.asarray(velocity, float), **labels)
+    labels = {ours[name]: _values(_dataset(where, group, name)) for name in ours if name in group}
+    return tracks.rows_of_arrays(where, asked, times, r, _values(velocity), **labels)
 
 
 # -- frames of text --------------------------------------------------------------------------------

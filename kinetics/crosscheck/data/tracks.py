@@ -131,6 +131,47 @@ def require_memory(where: str, declared: float, stored: float | None = None) -> 
         bad(where, f"data of {declared:.2g} bytes", f"at most a sixth of the memory, {total:.2g}")
 
 
+def without_mask(values: Any) -> Any:
+    """Return values as an array in which what is masked or missing is NaN (None where texts).
+
+    Masked arrays, alone or in lists, and the missing values of pandas' nullable types are missing
+    values as NaN is. What has none keeps its type.
+    """
+    if _holds_masked(values) and isinstance(values, list | tuple):
+        return np.array([without_mask(part) for part in values])
+    if isinstance(values, pd.Series | pd.Index):
+        values = values.array
+    if isinstance(values, pd.api.extensions.ExtensionArray):
+        return _of_nullable(values)
+    if not np.ma.isMaskedArray(values):
+        return np.asarray(values)
+    mask = np.ma.getmaskarray(values)
+    if not np.any(mask):
+        return np.asarray(values.data)
+    if values.dtype.kind in "iuf":
+        return np.where(mask, np.nan, values.data)
+    texts = values.data.astype(object)
+    texts[mask] = None
+    return texts
+
+
+def _holds_masked(values: Any) -> bool:
+    """Whether values are a masked array or a masked number, or a list that holds some."""
+    if isinstance(values, list | tuple):
+        return any(_holds_masked(part) for part in values)
+    return np.ma.isMaskedArray(values)
+
+
+def _of_nullable(values: Any) -> Any:
+    """Return an array of pandas as one of numpy."""
+    is_number = pd.api.types.is_numeric_dtype(values.dtype)
+    if not is_number or pd.api.types.is_bool_dtype(values.dtype):
+        return np.asarray(values)
+    if np.any(values.isna()):
+        return values.to_numpy(dtype=float, na_value=np.nan)
+    return values.to_numpy(dtype=getattr(values.dtype, "numpy_dtype", None))
+
+
 def find_columns(where: str, names: Iterable[Any], asked: Asked) -> dict[str, Any]:
     """The name of each known column by ours; InputError where one is missing or stands twice."""
     names = list(names)
@@ -158,7 +199,7 @@ def find_columns(where: str, names: Iterable[Any], asked: Asked) -> dict[str, An
 def rows_of(where: str, columns: Mapping[Any, Any], asked: Asked) -> Rows:
     """The rows of columns (n,) by the names of a file, checked; or InputError."""
     found = find_columns(where, columns, asked)
-    c = {ours: np.asarray(columns[name]) for ours, name in found.items()}
+    c = {ours: without_mask(columns[name]) for ours, name in found.items()}
     if len(shapes := {one.shape for one in c.values()}) > 1 or c["time"].ndim != 1:
         bad(where, f"columns that differ in length or shape, {shapes}", "one length (n,)")
     if not c["time"].size:
@@ -167,6 +208,8 @@ def rows_of(where: str, columns: Mapping[Any, Any], asked: Asked) -> Rows:
         in_words = name in LABELS and values.dtype.kind in "OUST"
         if not in_words and (values.dtype.kind not in "iuf" or values.dtype.itemsize > 8):
             bad(f"{where}: column {name!r}", f"type {values.dtype}", "numbers")
+        if values.dtype.kind == "O" and np.any(missing := pd.isna(values)):
+            bad(f"{where}: row {int(np.argmax(missing))}", f"no {name}", "there, in every row")
         c[name] = values.astype(str) if in_words else values
         if name not in LABELS:
             c[name] = values.astype(float, copy=False)
@@ -210,9 +253,9 @@ def rows_of_arrays(
 
     Without `tracer` the k-th of each frame is the same tracer.
     """
-    times, place, velocity = (np.asarray(one) for one in (times, place, velocity))
+    times, place, velocity = (without_mask(one) for one in (times, place, velocity))
     shape = (*place.shape, 0, 0)[:2]
-    labels = {"tracer": np.arange(shape[1])} | {k: np.asarray(a) for k, a in labels.items()}
+    labels = {"tracer": np.arange(shape[1])} | {k: without_mask(a) for k, a in labels.items()}
     shapes = [times.shape, place.shape, velocity.shape, *(a.shape for a in labels.values())]
     right = times.shape == shape[:1] and velocity.shape[:2] == shape
     right &= all(found in (shape, shape[1:]) for found in shapes[3:])

@@ -115,8 +115,8 @@ def estimated(
     k, sigmas, looks = found
     corrected = words.corrected_sigmas(sigmas, groups, looks)
     usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
-    # 1.96 standard errors: a Gaussian's two-sided 95 %
-    seen = (np.abs(value - expected) + 1.96 * error) / scale_of(observable, expected)
+    limit = np.abs(value - expected) + words.limit_factor(groups) * error
+    seen = limit / scale_of(observable, expected)
     within, verdict = float(np.max(seen[usable])), words.judge_sigmas(corrected)
     if verdict is Verdict.AGREES and within > 0.1:  # a tenth would not have been seen
         verdict = Verdict.NOT_TESTED

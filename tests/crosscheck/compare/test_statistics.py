@@ -91,6 +91,7 @@ class AllAre:
         self.own_covariance = lambda *_: own
         self.stabilised = lambda theory, difference: difference
         self.spread_of_a2 = lambda point: None
+        self.exact = lambda point: np.zeros((2, 3), bool)
 
     def theory(self, point: Point) -> Any:
         return np.full((2, 3), point.path)

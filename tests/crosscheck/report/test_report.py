@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from pages import Page, check_alone, check_in_browser
+from scipy.stats import t
 
 from kinetics.crosscheck.report import figures, page, rows
 from kinetics.crosscheck.report.runs import Measured, scaled_density
@@ -81,7 +82,13 @@ def test_what_could_not_have_been_seen_is_not_tested(
     measured = Measured(np.append(value, np.ones(looks - 1)), np.full(looks, error))
     (row,) = rows.estimated("msd", ("a", "b"), measured, 1.0, groups=100)
     assert row["verdict"] == verdict
-    assert row["within"] == pytest.approx(abs(value - 1) + 1.96 * error)
+    assert row["within"] == pytest.approx(abs(value - 1) + t.ppf(0.975, 99) * error)
+
+
+def test_two_media_that_differ_from_a_theory_by_less_than_students_limit_are_not_tested() -> None:
+    (row,) = rows.estimated("msd", ("a", "b"), Measured([1.0], [0.02]), 1.0, groups=2)
+    assert row["verdict"] == "not tested"
+    assert row["within"] == pytest.approx(12.706 * 0.02, rel=1e-3)
 
 
 def test_the_page_is_whole_by_itself(each: Any) -> None:

@@ -1,0 +1,137 @@
+"""Values that are masked or missing are refused as NaN is, in whatever form data come."""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from made_data import TIMES, TRACERS, Run, columns_of
+
+from kinetics import compare, fit
+from kinetics.errors import InputError
+
+MASKED_ROW = 2 * TRACERS + 7  # tracer 7 at the third time, 20
+
+
+def column_with_one_masked(column: Any) -> Any:
+    """Masked where the value is 1e6, as a detector writes what it has not seen."""
+    values = np.array(column, float)
+    values[MASKED_ROW] = 1e6
+    return np.ma.masked_greater(values, 1e5)
+
+
+def as_list_of_numbers(column: Any) -> list[Any]:
+    numbers = list(np.array(column, float))
+    numbers[MASKED_ROW] = np.ma.masked
+    return numbers
+
+
+def as_nullable(column: Any) -> Any:
+    series = pd.Series(np.array(column, float)).astype("Float64")
+    series[MASKED_ROW] = pd.NA
+    return series
+
+
+FORMS = {
+    "masked array": column_with_one_masked,
+    "list with a masked number": as_list_of_numbers,
+    "nullable series": as_nullable,
+    "nullable array": lambda column: as_nullable(column).array,
+    "arrow series": lambda column: as_nullable(column).astype("float64[pyarrow]"),
+}
+
+
+@pytest.mark.parametrize("name", ["x", "vy"])
+@pytest.mark.parametrize("form", list(FORMS))
+def test_a_missing_number_in_a_column_is_refused(run: Run, form: str, name: str) -> None:
+    data = columns_of(run)
+    data[name] = FORMS[form](data[name])
+    with pytest.raises(InputError, match=f"tracer 7 at time 20: got {name} = nan"):
+        compare(data, 0.75, 0.04)
+    with pytest.raises(InputError, match=f"tracer 7 at time 20: got {name} = nan"):
+        fit(data)
+
+
+@pytest.mark.parametrize("kind", ["Float64", "float64[pyarrow]"])
+def test_a_missing_number_in_a_data_frame_is_refused(run: Run, kind: str) -> None:
+    frame = pd.DataFrame(columns_of(run)).astype({"x": kind})
+    frame.loc[MASKED_ROW, "x"] = pd.NA
+    with pytest.raises(InputError, match="tracer 7 at time 20: got x = nan"):
+        compare(frame, 0.75, 0.04)
+
+
+def test_nullable_columns_without_missing_values_are_read_as_plain_ones(run: Run) -> None:
+    data = columns_of(run)
+    frame = pd.DataFrame(data)
+    kinds = dict.fromkeys(("t", "x", "y", "vx", "vy"), "Float64")
+    nullable = frame.astype(kinds | dict.fromkeys(("id", "medium"), "Int64"))
+    assert compare(nullable, 0.75, 0.04) == compare(frame, 0.75, 0.04)
+    masked = {name: np.ma.array(values) for name, values in data.items()}
+    assert compare(masked, 0.75, 0.04) == compare(frame, 0.75, 0.04)
+
+
+@pytest.mark.parametrize("label", ["medium", "id", "t"])
+def test_a_missing_label_or_time_is_refused(run: Run, label: str) -> None:
+    data = columns_of(run)
+    mask = np.arange(data[label].size) == MASKED_ROW
+    data[label] = np.ma.array(data[label], mask=mask)
+    with pytest.raises(InputError, match="nan"):
+        compare(data, 0.75, 0.04)
+
+
+@pytest.mark.parametrize("missing", [None, pd.NA, np.ma.masked])
+def test_a_missing_label_among_texts_is_refused(run: Run, missing: Any) -> None:
+    data = columns_of(run)
+    names = np.array([f"run {k}" for k in data["medium"]], dtype=object)
+    if missing is np.ma.masked:
+        names = np.ma.array(names, mask=np.arange(names.size) == MASKED_ROW)
+    else:
+        names[MASKED_ROW] = missing
+    with pytest.raises(InputError, match=f"row {MASKED_ROW}: got no medium"):
+        compare(data | {"medium": names}, 0.75, 0.04)
+
+
+@pytest.mark.parametrize("in_lists", [False, True])
+def test_a_masked_number_in_arrays_of_frames_is_refused(run: Run, in_lists: bool) -> None:
+    positions = np.ma.array(run[0], copy=True)
+    positions[2, 7, 0] = 1e6
+    positions = np.ma.masked_greater(positions, 1e5)
+    data = {"times": TIMES, "positions": positions, "velocities": run[1]}
+    if in_lists:
+        data["positions"] = list(positions)
+    with pytest.raises(InputError, match="tracer 7 at time 20: got x = nan"):
+        compare(data, 0.75, 0.04)
+
+
+def test_a_tracer_that_is_masked_from_a_time_on_has_ended_as_one_that_is_nan(run: Run) -> None:
+    ended = np.zeros(run[0].shape, bool)
+    ended[3, :100] = True
+    masked: dict[str, Any] = {"times": TIMES, "positions": np.ma.array(run[0], mask=ended)}
+    masked["velocities"] = np.ma.array(run[1], mask=ended)
+    filled = {name: np.ma.filled(values, np.nan) for name, values in masked.items()}
+    result = compare(masked, 0.75, 0.04)
+    assert result == compare(filled, 0.75, 0.04)
+    assert min(result.rows["samples"]) == TRACERS - 100
+
+
+@pytest.mark.parametrize("attribute", ["_FillValue", "missing_value"])
+def test_a_fill_value_of_netcdf_is_missing(tmp_path: Path, run: Run, attribute: str) -> None:
+    data = columns_of(run)
+    data["x"] = data["x"].copy()
+    data["x"][MASKED_ROW] = 1e6
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, values in data.items():
+            file[name] = values
+        file["x"].attrs[attribute] = np.array([1e6])
+    with pytest.raises(InputError, match="tracer 7 at time 20: got x = nan"):
+        compare(tmp_path / "a.h5", 0.75, 0.04)
+
+
+def test_a_null_of_parquet_is_missing(tmp_path: Path, run: Run) -> None:
+    frame = pd.DataFrame(columns_of(run)).astype({"x": "Float64"})
+    frame.loc[MASKED_ROW, "x"] = pd.NA
+    frame.to_parquet(tmp_path / "a.parquet")
+    with pytest.raises(InputError, match="tracer 7 at time 20: got x = nan"):
+        compare(tmp_path / "a.parquet", 0.75, 0.04)
