@@ -20,16 +20,16 @@ from kinetics.names import PUBLIC_NAMES, import_named
 if TYPE_CHECKING:
     from kinetics import paper as sonine  # noqa: F401
     from kinetics.collision import CollisionLaw as CollisionLaw
+    from kinetics.collision.impact import Viscoelastic as Viscoelastic
     from kinetics.crosscheck.compare import compare_data as compare  # noqa: F401
     from kinetics.crosscheck.compare import fit_data as fit  # noqa: F401
-    from kinetics.driven.field import FieldState as FieldState
-    from kinetics.driven.field import solve_field as solve_field
-    from kinetics.driven.steady import DrivenState as DrivenState
-    from kinetics.driven.steady import solve_steady as solve_steady
+    from kinetics.driven.driven_state import DrivenState as DrivenState
+    from kinetics.driven.driven_state import solve_steady as solve_steady
+    from kinetics.driven.field_state import FieldState as FieldState
+    from kinetics.driven.field_state import solve_field as solve_field
     from kinetics.errors import InputError as InputError
     from kinetics.errors import SolverStatus as SolverStatus
     from kinetics.errors import ToleranceWarning as ToleranceWarning
-    from kinetics.field.restitution import Viscoelastic as Viscoelastic
     from kinetics.loading import load as load
     from kinetics.scaling.closed_form import ScalingSolution as ScalingSolution
     from kinetics.scaling.scaled_vdf import ScaledVDF as ScaledVDF

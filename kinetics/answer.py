@@ -5,9 +5,9 @@ are four:
 
 - tracers that only collide: :class:`kinetics.undriven.UndrivenAnswer`
 - drag, and collisions that scale with the speed: :class:`kinetics.undriven.SlowedAnswer`
-- a uniform field alone: :class:`kinetics.field.scene.FieldScene`
+- a uniform field alone: :class:`kinetics.driven.field_answer.FieldScene`
 - everything else (baths, noise, laws of the impact speed, sticking, and what combines these):
-  :class:`kinetics.driven.scene.DrivenScene`
+  :class:`kinetics.driven.driven_answer.DrivenScene`
 """
 
 from __future__ import annotations
@@ -84,16 +84,16 @@ def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) 
 
     Solvers of driven tracers are imported at first use.
     """
-    system = scene.system
-    if system is None and not scene.field:
+    drive = scene.drive
+    if drive.only_collides:
         return UndrivenAnswer(scene, rtol, method, nodes)
-    if system is None:
-        from kinetics.field.scene import FieldScene
+    if drive.only_falls:
+        from kinetics.driven.field_answer import FieldScene
 
         return FieldScene(*scene.problem, scene.field, scene.outputs, rtol)
-    if system.only_slows and "displacement_tensor" not in scene.outputs:
+    if drive.only_slows and "displacement_tensor" not in scene.outputs:
         return SlowedAnswer.of(scene, rtol, method, nodes)
-    from kinetics.driven.scene import DrivenScene
+    from kinetics.driven.driven_answer import DrivenScene
 
-    in_paths = system.scaled(scene.mean_free_path)
-    return DrivenScene(*scene.problem, scene.field, scene.outputs, rtol, in_paths)
+    drive_per_path = drive.per_path(scene.mean_free_path)
+    return DrivenScene(*scene.problem, scene.field, scene.outputs, rtol, drive_per_path)

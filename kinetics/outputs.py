@@ -105,7 +105,7 @@ DRIVEN_OUTPUTS = {name: row for name, row in _TABLE.items() if name not in _FREE
 """Name -> row for scenes with driven tracers, which `kinetics.driven` solves."""
 
 FIELD_OUTPUTS = {n: row for n, row in DRIVEN_OUTPUTS.items() if n != "diffusion_coefficient"}
-"""Name -> row for scenes with a field, which `kinetics.field` solves."""
+"""Name -> row for scenes with a field, which `kinetics.driven` solves."""
 
 
 class Axis(NamedTuple):

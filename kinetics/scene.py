@@ -1,4 +1,4 @@
-"""What is asked: the system, its initial state, the times and the outputs. No numerics."""
+"""Scene: the system, its initial state, the times and the outputs. No numerics."""
 
 from __future__ import annotations
 
@@ -13,10 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
-from kinetics.field.restitution import impact_restitution
-from kinetics.field.system import DRIVES, LEAST, MOST, SIZES, System, checked_drives
+from kinetics.collision.impact import impact_restitution
+from kinetics.drive import (
+    DRIVES,
+    MAX_STRENGTH,
+    MIN_STRENGTH,
+    STRENGTHS_ALLOWED,
+    Drive,
+    check_strengths,
+)
 from kinetics.numerics import FloatArray
-from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
+from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, Output
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
 from kinetics.states.kinds import Rest, as_state
@@ -29,6 +36,9 @@ from kinetics.validation import (
     refuse,
     whole_number,
 )
+
+#: Larger whole numbers are not exact in double precision.
+MAX_COLLISION_NUMBER = 2.0**53
 
 
 @stored_class
@@ -99,53 +109,36 @@ class Scene(Storable):
     state: State = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        law, system = self._any_law, self.system
-        rho = check_positive("number_density", self.number_density)
+        law = self._law
+        drive = self.drive
+        number_density = check_positive("number_density", self.number_density)
         diameter = check_positive("diameter", self.diameter)
-        path = law.mean_free_path(rho, diameter)
-        if not 0.0 < path < math.inf:
-            allowed = f"at diameter {diameter:g} the mean free path must be a finite number above 0"
-            refuse("number_density", self.number_density, allowed)
-        allowed = "it must be a finite number, 0 or more: the field is along +x"
-        field = real_number("field", self.field, 0.0, allowed=allowed)
-        allowed = "collision numbers must be whole, not negative, up to 2^53"
-        numbers = finite_line("collision_numbers", self.collision_numbers, allowed, 0.0)
-        if np.any((numbers > 2.0**53) | (numbers != np.floor(numbers))):
-            refuse("collision_numbers", self.collision_numbers, allowed)
-        allowed = "times must be real, finite, not negative and not falling, at least one"
-        only_collisions = numbers.size > 0 and np.size(self.times) == 0
-        times = finite_line("times", [0.0] if only_collisions else self.times, allowed, 0.0)
-        if times.size == 0 or np.any(times[1:] < times[:-1]):
-            refuse("times", self.times, allowed)
-        at_a_density = law.medium is not None
-        if field and at_a_density:
-            refuse("field", field, "it is available for scatterers='dilute' only")
-        if numbers.size and (field or at_a_density or system):
-            allowed = "they are available without field or drive and for scatterers='dilute' only"
-            refuse("collision_numbers", numbers, allowed)
+        _check_mean_free_path(law, number_density, diameter)
+        collision_numbers = _check_collision_numbers(self.collision_numbers)
+        needs_no_times = collision_numbers.size > 0 and np.size(self.times) == 0
+        times = _check_times([0.0] if needs_no_times else self.times)
+        self._check_combinations(law, drive, collision_numbers)
         arguments = law.arguments
-        if system is not None:
-            if at_a_density or law.tangential_restitution != 1.0:
-                name = "scatterers" if at_a_density else "tangential_restitution"
-                allowed = "driven tracers are solved among smooth dilute scatterers only"
-                refuse(name, getattr(self, name), allowed)
-            system.scaled(path)
-            if np.any((times > 0.0) & ((times < LEAST * path) | (times > MOST * path))):
-                refuse("times", self.times, SIZES)
-            arguments |= {name: getattr(system, name) for name in ("restitution", *DRIVES)}
-        table = DRIVEN_OUTPUTS if system else FIELD_OUTPUTS if field else OUTPUTS
-        gains = field > 0.0 or (system is not None and system.is_driven)
+        if self._is_driven:
+            self._check_driven(law, drive, times)
+            strengths = {name: getattr(drive, name) for name in DRIVES}
+            arguments |= {"restitution": drive.restitution, **strengths}
         self.store(
-            **arguments, number_density=rho, diameter=diameter, field=field,
-            state=_start(self.initial, law.dimension, gains), collision_numbers=numbers,
-            times=times, outputs=_check_outputs(self.outputs, table),
+            **arguments,
+            number_density=number_density,
+            diameter=diameter,
+            field=drive.field,
+            state=_start(self.initial, law.dimension, drive.is_driven),
+            collision_numbers=collision_numbers,
+            times=times,
+            outputs=_check_outputs(self.outputs, self._known_outputs),
             harmonics=whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS),
-        )  # fmt: skip
+        )
 
     @property
     def mean_free_path(self) -> float:
         """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; or that at this density."""
-        return self._any_law.mean_free_path(self.number_density, self.diameter)
+        return self._law.mean_free_path(self.number_density, self.diameter)
 
     @property
     def law(self) -> CollisionLaw:
@@ -153,60 +146,140 @@ class Scene(Storable):
 
         Raises InputError where the restitution depends on the impact speed: there is none.
         """
-        if self._varies:
+        if self._depends_on_impact_speed:
             refuse("restitution", self.restitution, "a CollisionLaw needs a number")
-        return self._any_law
+        return self._law
 
     @property
-    def _varies(self) -> bool:
-        """Whether the restitution depends on the impact speed."""
+    def _depends_on_impact_speed(self) -> bool:
+        """Whether the restitution is a function of the impact speed."""
         return impact_restitution(self.restitution) is not None
 
     @cached_property
-    def system(self) -> System | None:
-        """What drives the tracer, or makes its restitution vary, in U and d; None for neither."""
-        drives = checked_drives(**{name: getattr(self, name) for name in (*DRIVES, "field")})
-        if not self._varies and not any(drives[name] for name in DRIVES):
-            return None
-        return System.checked(self.restitution, self.dimension, self.mass_ratio, **drives)
+    def drive(self) -> Drive:
+        """The collisions of the tracer, and what acts on it, in U and d."""
+        strengths = check_strengths(**{name: getattr(self, name) for name in DRIVES})
+        allowed = "it must be a finite number, 0 or more: the field is along +x"
+        field = real_number("field", self.field, 0.0, allowed=allowed)
+        if not self._depends_on_impact_speed and not any(strengths.values()):
+            law = self._law
+            return Drive(
+                restitution=law, dimension=law.dimension, mass_ratio=law.mass_ratio, field=field
+            )
+        return Drive.checked(
+            restitution=self.restitution,
+            dimension=self.dimension,
+            mass_ratio=self.mass_ratio,
+            field=field,
+            **strengths,
+        )
+
+    @property
+    def _is_driven(self) -> bool:
+        """Whether there is more than collisions that scale with the speed, and a field."""
+        return not (self.drive.only_collides or self.drive.only_falls)
 
     @cached_property
-    def _any_law(self) -> CollisionLaw:
-        """The law; where the restitution depends on the impact speed one of the same geometry."""
-        e = 1.0 if self._varies else self.restitution
+    def _law(self) -> CollisionLaw:
+        """The law; where the restitution depends on the impact speed, one of the same geometry."""
+        e = 1.0 if self._depends_on_impact_speed else self.restitution
         law = law_of(e, self.tangential_restitution, self.dimension, self.mass_ratio)
-        medium = self.scatterers, self.number_density, self.diameter, self.density_order
-        return law_in_medium(law, *medium)
+        return law_in_medium(
+            law, self.scatterers, self.number_density, self.diameter, self.density_order
+        )
 
     @property
     def problem(self) -> tuple[CollisionLaw, float, State, FloatArray]:
         """What every solver needs: law, mean free path in d, initial state, times in d/U."""
-        return self._any_law, self.mean_free_path, self.state, np.asarray(self.times)
+        return self._law, self.mean_free_path, self.state, np.asarray(self.times)
+
+    @property
+    def _known_outputs(self) -> Mapping[str, Output]:
+        """The outputs that a solver has for these drives."""
+        if self._is_driven:
+            return DRIVEN_OUTPUTS
+        if self.drive.field:
+            return FIELD_OUTPUTS
+        return OUTPUTS
+
+    def _check_combinations(
+        self, law: CollisionLaw, drive: Drive, collision_numbers: FloatArray
+    ) -> None:
+        """Raise InputError for what only dilute scatterers, or undriven tracers, have."""
+        is_dilute = law.medium is None
+        if drive.field and not is_dilute:
+            refuse("field", drive.field, "it is available for scatterers='dilute' only")
+        is_plain = drive.only_collides and is_dilute
+        if collision_numbers.size and not is_plain:
+            allowed = "they are available without field or drive and for scatterers='dilute' only"
+            refuse("collision_numbers", collision_numbers, allowed)
+
+    def _check_driven(self, law: CollisionLaw, drive: Drive, times: FloatArray) -> None:
+        """Raise InputError for what solvers of driven tracers do not do."""
+        allowed = "driven tracers are solved among smooth dilute scatterers only"
+        if law.medium is not None:
+            refuse("scatterers", self.scatterers, allowed)
+        if law.tangential_restitution != 1.0:
+            refuse("tangential_restitution", self.tangential_restitution, allowed)
+        path = self.mean_free_path
+        drive.per_path(path)
+        is_too_short = times < MIN_STRENGTH * path
+        is_too_long = times > MAX_STRENGTH * path
+        if np.any((times > 0.0) & (is_too_short | is_too_long)):
+            refuse("times", self.times, STRENGTHS_ALLOWED)
 
 
-def _start(initial: Any, dimension: int, with_field: bool) -> State:
-    """The initial state in this dimension."""
+def _check_mean_free_path(law: CollisionLaw, number_density: float, diameter: float) -> None:
+    """Raise InputError where the mean free path is out of the range of numbers."""
+    path = law.mean_free_path(number_density, diameter)
+    if not 0.0 < path < math.inf:
+        allowed = f"at diameter {diameter:g} the mean free path must be a finite number above 0"
+        refuse("number_density", number_density, allowed)
+
+
+def _check_collision_numbers(collision_numbers: ArrayLike) -> FloatArray:
+    """Return N, shape (n,); InputError unless they are whole and not negative."""
+    allowed = "collision numbers must be whole, not negative, up to 2^53"
+    numbers = finite_line("collision_numbers", collision_numbers, allowed, 0.0)
+    is_whole = (numbers <= MAX_COLLISION_NUMBER) & (numbers == np.floor(numbers))
+    if not np.all(is_whole):
+        refuse("collision_numbers", collision_numbers, allowed)
+    return numbers
+
+
+def _check_times(times: ArrayLike) -> FloatArray:
+    """Return the times, shape (n_times,); InputError if there are none, or they fall."""
+    allowed = "times must be real, finite, not negative and not falling, at least one"
+    checked = finite_line("times", times, allowed, 0.0)
+    if checked.size == 0 or np.any(np.diff(checked) < 0.0):
+        refuse("times", times, allowed)
+    return checked
+
+
+def _start(initial: Any, dimension: int, is_driven: bool) -> State:
+    """Return the initial state in this dimension."""
     state = as_state(initial)
-    if isinstance(state, Rest) and not with_field:
+    if isinstance(state, Rest) and not is_driven:
         allowed = "tracers at rest stay there: give a field, bath_speed or heating as well"
         refuse("initial", initial, allowed)
-    found = state if dimension == 2 else state.in_space()
-    if found is None:
+    if dimension == 2:
+        return state
+    in_space = state.in_space()
+    if in_space is None:
         allowed = "with dimension 3 it must be isotropic, a Beam along x, or AngularHarmonics"
         refuse("initial", initial, allowed)
-    return found
+    return in_space
 
 
-def _check_outputs(outputs: Any, table: Mapping[str, Any]) -> tuple[str, ...]:
-    """The names without repetitions; InputError for an unknown one."""
-    several = isinstance(outputs, Iterable) and not isinstance(outputs, str)
-    several &= getattr(outputs, "ndim", 1) > 0  # an array of none only seems to be iterable
-    names = list(outputs) if several else [outputs]
-    known = ", ".join(table)
+def _check_outputs(outputs: Any, known: Mapping[str, Output]) -> tuple[str, ...]:
+    """Return the names without repetitions; InputError for an unknown one."""
+    is_scalar_array = getattr(outputs, "ndim", 1) == 0  # which only seems to be iterable
+    is_several = isinstance(outputs, Iterable) and not isinstance(outputs, str | bytes)
+    names = list(outputs) if is_several and not is_scalar_array else [outputs]
     if not names:
-        refuse("outputs", outputs, f"name at least one of {known}")
+        refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
     for name in names:
-        if not isinstance(name, str) or name not in table:
-            kind = "without a field or drive" if table is OUTPUTS else "with a field or a drive"
-            refuse("outputs", name, f"known {kind} are {known}")
+        if not isinstance(name, str) or name not in known:
+            kind = "without a field or drive" if known is OUTPUTS else "with a field or a drive"
+            refuse("outputs", name, f"known {kind} are {', '.join(known)}")
     return tuple(dict.fromkeys(names))

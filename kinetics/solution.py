@@ -256,9 +256,8 @@ class Solution(Result):
         two collisions make of them.
         """
         scene = self.scene
-        is_undriven = not scene.field and scene.system is None
         has_density = scene.state.profile(0) is not None
-        if has_density or not is_undriven:
+        if has_density or not scene.drive.only_collides:
             return np.zeros(0)
         sharp_speeds = scene.state.harmonic(0, RTOL_OF_FRONTS)
         if sharp_speeds is None:

@@ -86,11 +86,11 @@ def solve(
 
 def _default_rtol(scene: Scene) -> float:
     """Return the relative accuracy that is asked for by default: what takes a second or so."""
+    if scene.drive.only_collides:
+        return DEFAULT_RTOL
     if scene.field:
         return DEFAULT_RTOL_IN_FIELD
-    if scene.system is not None:
-        return DEFAULT_RTOL_OF_DRIVEN
-    return DEFAULT_RTOL
+    return DEFAULT_RTOL_OF_DRIVEN
 
 
 def sweep(restitutions: ArrayLike, rtol: float | None = None, **scene: Any) -> xarray.Dataset:

@@ -23,11 +23,12 @@ from typing import Any
 import numpy as np
 
 from kinetics.collision import CollisionLaw
+from kinetics.drive import Drive
 from kinetics.driven.axis import SpeedAxis
-from kinetics.field.grid import bounces
-from kinetics.field.harmonics import Chain, across, along
-from kinetics.field.march import refined
-from kinetics.field.system import System
+from kinetics.driven.harmonics import Chain, across, along
+from kinetics.driven.march import refined
+from kinetics.driven.panels import bounces
+from kinetics.driven.speed_range import top_speed
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
@@ -60,29 +61,29 @@ class Resolution:
     rtol: float
 
     @classmethod
-    def first(cls, system: System, rtol: float, span: float, harmonics: int = 1) -> Resolution:
+    def first(cls, drive: Drive, rtol: float, span: float, harmonics: int = 1) -> Resolution:
         """One that is often enough; span : asinh of the highest speed over the axis' scale."""
         digits = -math.log10(max(rtol, 1e-12))
         most = 4 * _MOST_HARMONICS // 5 - 2  # so that one finer solution is left; of nodes too
-        if system.only_falls:
-            assert system.law is not None
-            lossy = 1.0 + 0.4 * system.law.mean_log_loss  # then directions vary faster
+        if drive.only_falls:
+            assert drive.law is not None
+            lossy = 1.0 + 0.4 * drive.law.mean_log_loss  # then directions vary faster
             turns = min(math.ceil((4.0 + 0.25 * digits**2) * lossy), most)
             return cls(math.ceil((6.0 + 2.5 * digits) * lossy**0.4), 0, turns, 10.0**-digits)
-        if not system.is_driven:
+        if not drive.is_driven:
             nodes = 20.0 + 5.0 * digits
-        elif system.bath_speed:
-            nodes = 6.0 + (0.1 * digits**2 if system.field else 0.45 * digits) * max(span, 2.5)
+        elif drive.bath_speed:
+            nodes = 6.0 + (0.1 * digits**2 if drive.field else 0.45 * digits) * max(span, 2.5)
         else:
             nodes = 8.0 + 0.8 * digits * max(span, 3.0)
-        if system.field_rules:
+        if drive.is_field_dominated:
             coupled = 4.0 + 0.25 * digits**2
-        elif system.field:
-            coupled = 2.0 + (0.6 + 0.4 * math.sqrt(system.field) / system.scale) * digits
+        elif drive.field:
+            coupled = 2.0 + (0.6 + 0.4 * math.sqrt(drive.field) / drive.scale) * digits
         else:
             coupled = 0.0
         nodes, coupled = min(nodes, 0.8 * _MOST_NODES - 4.0), min(coupled, most)
-        points = math.ceil(14.0 + 0.26 * digits**2 if system.field else 6.0 + 2.4 * digits)
+        points = math.ceil(14.0 + 0.26 * digits**2 if drive.field else 6.0 + 2.4 * digits)
         return cls(math.ceil(nodes), points, max(harmonics, math.ceil(coupled)), 10.0**-digits)
 
     @property
@@ -96,49 +97,51 @@ class Resolution:
 
 
 class Generator:
-    """The matrices of one system, in units of l, on one axis of speeds."""
+    """The matrices of one drive, in units of l, on one axis of speeds."""
 
-    def __init__(self, system: System, axis: SpeedAxis, resolution: Resolution) -> None:
-        self.system, self.axis = system, axis
+    def __init__(self, drive: Drive, axis: SpeedAxis, resolution: Resolution) -> None:
+        self.drive, self.axis = drive, axis
         self.harmonics, self._points, self.impacts = resolution.harmonics, resolution.points, 0
-        v, d = axis.speeds, system.dimension
+        v, d = axis.speeds, drive.dimension
         self._collide()
         summed = self.impacts * (axis.size + self.harmonics)
         self.finer = resolution.finer if summed < _MOST_SUMMED else None
         slopes, inverse = [axis.derivative(0), axis.derivative(1)], np.diag(1.0 / v)
-        noise = system.heating * axis.faded[:, None]
+        noise = drive.heating * axis.faded[:, None]
         for m, matrix in enumerate(self.matrices):
             slope, second = slopes[m % 2], slopes[1 - m % 2] @ slopes[m % 2]
             spread = second + (d - 1.0) * inverse @ slope - m * (m + d - 2.0) * inverse**2
-            matrix += noise * spread - system.drag * v[:, None] * slope
+            matrix += noise * spread - drive.drag * v[:, None] * slope
         # distributions, as averages of the polynomials, obey the transposed matrices
         inverse = axis.faded / v
         pull = [-(axis.faded[:, None] * one).T - np.diag((d - 1.0) * inverse) for one in slopes]
         lost = -self.matrices.swapaxes(1, 2)
-        self.chain = Chain(d, lost, (pull[1], pull[0]), inverse, system.field, system.field_rules)
+        self.chain = Chain(
+            d, lost, (pull[1], pull[0]), inverse, drive.field, drive.is_field_dominated
+        )
 
     def _impacts(self, v: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosine of the normal to the velocity, q, and the rate of each quadrature point."""
-        system, w = self.system, self.system.bath_speed
+        drive, w = self.drive, self.drive.bath_speed
         reach = _REACH * w / v  # cosines below which the scatterer's own velocity may decide
         if w:
             edges = np.unique(np.clip([-reach, reach, 1.0], -1.0, 1.0))
         else:
-            breaks = system.breaks / v
+            breaks = drive.breaks / v
             edges = np.unique(np.concatenate([[0.0], breaks[breaks < 1.0], [1.0]]))
         count = max(10, self._points // max(1, edges.size - 2))
         x, weight = gauss_legendre(count) if w else self._gathered(count)
-        at = np.arcsin(edges) if system.dimension == 2 else edges
+        at = np.arcsin(edges) if drive.dimension == 2 else edges
         place = (at[:-1, None] + np.diff(at)[:, None] * x).ravel()
         weight = (np.diff(at)[:, None] * weight).ravel()
-        cosine = np.sin(place) if system.dimension == 2 else place
-        weight = weight if system.dimension == 2 else 2.0 * weight
+        cosine = np.sin(place) if drive.dimension == 2 else place
+        weight = weight if drive.dimension == 2 else 2.0 * weight
         if not w:
             return cosine, v * cosine, weight * v * cosine
         low = np.maximum(0.0, v * cosine - _REACH * w)
         high = v * cosine + _REACH * w
         cosine, low, high, weight = (a[high > 0.0] for a in (cosine, low, high, weight))
-        cuts = np.clip(system.breaks, low[:, None], high[:, None])
+        cuts = np.clip(drive.breaks, low[:, None], high[:, None])
         cuts = np.concatenate([low[:, None], cuts, high[:, None]], axis=1)
         x, share = self._gathered(self._points)
         width = np.diff(cuts, axis=1)[:, :, None]
@@ -152,28 +155,28 @@ class Generator:
     def _gathered(self, count: int) -> tuple[FloatArray, FloatArray]:
         """Nodes and weights on [0, 1], close to 0 where slow impacts need it."""
         x, weight = gauss_legendre(count)
-        if not self.system.is_singular:
+        if not self.drive.is_singular:
             return x, weight
         power = 4.0  # as e varies as v_n^(1/5)
         return x**power, weight * power * x ** (power - 1.0)
 
     def _collide(self) -> None:
         """Matrices of collisions for each harmonic, and the rate at each speed."""
-        n, d = self.axis.size, self.system.dimension
-        if self.system.law is not None:
+        n, d = self.axis.size, self.drive.dimension
+        if self.drive.law is not None:
             self.rate = self.axis.speeds
-            self.matrices = self._scaled(self.system.law)
+            self.matrices = self._scaled(self.drive.law)
             return
         self.matrices = np.zeros((self.harmonics + 1, n, n))
         self.rate = np.zeros(n)
         for i, v in enumerate(self.axis.speeds):
             cosine, q, rate = self._impacts(v)
-            lost = self.system.impulse(q) * q
+            lost = self.drive.impulse(q) * q
             along, square = v - lost * cosine, (lost * cosine) ** 2
             after = np.sqrt(along**2 + (lost**2 - square))
             turned = np.divide(along, after, out=np.ones_like(after), where=after > 0.0)
             turned = np.clip(turned, -1.0, 1.0)
-            gained = np.where(q < self.system.capture_speed, 0.0, rate)
+            gained = np.where(q < self.drive.capture_speed, 0.0, rate)
             tables = self.axis.polynomials(after)
             if d == 2:
                 angular = np.polynomial.chebyshev.chebvander(turned, self.harmonics)
@@ -202,18 +205,18 @@ class Generator:
 class Steady:
     """The steady state at one resolution; with sticking, that of the tracers that still move."""
 
-    def __init__(self, system: System, resolution: Resolution) -> None:
-        alone, fading = system.only_falls, not system.field or system.capture_speed > 0.0
-        top = system.top((1e-5 if alone else 0.01) * resolution.rtol)
-        scale, power = (0.2 * top, 2.0) if alone else (system.scale, 1.0)
-        smooth = system.bath_speed > 0.0
+    def __init__(self, drive: Drive, resolution: Resolution) -> None:
+        alone, fading = drive.only_falls, not drive.field or drive.capture_speed > 0.0
+        top = top_speed(drive, (1e-5 if alone else 0.01) * resolution.rtol)
+        scale, power = (0.2 * top, 2.0) if alone else (drive.scale, 1.0)
+        smooth = drive.bath_speed > 0.0
         self.axis = axis = SpeedAxis(top, scale, resolution.nodes, power, smooth, fading)
-        self.generator = one = Generator(system, axis, resolution)
-        v, self.system, self.resolution = axis.speeds, system, resolution
+        self.generator = one = Generator(drive, axis, resolution)
+        v, self.drive, self.resolution = axis.speeds, drive, resolution
         self.finer = one.finer
         nothing = np.zeros((resolution.harmonics + 1, v.size))
         self.decay = 0.0
-        if system.capture_speed:
+        if drive.capture_speed:
             solver = one.chain.elimination()
             start = nothing.copy()
             start[0] = v * np.exp(-v / v[v.size // 2])
@@ -231,7 +234,7 @@ class Steady:
         if p >= 0.0:
             return float(v**p @ sums)
         x, w = gauss_legendre(max(200, 4 * v.size))
-        top, d, power = self.axis.highest, self.system.dimension, 12
+        top, d, power = self.axis.highest, self.drive.dimension, 12
         speed, weight = top * x**power, w * power * x ** (power - 1.0) * top
         f = self.axis.density(self.sums[: m + 1], speed, d)[m]
         return float((weight * speed ** (p + d - 1.0)) @ f)
@@ -239,17 +242,17 @@ class Steady:
     @cached_property
     def figures(self) -> FloatArray:
         """The figures of `steady.DrivenState`, (8,)."""
-        one, v, d = self.generator, self.axis.speeds, self.system.dimension
+        one, v, d = self.generator, self.axis.speeds, self.drive.dimension
         drift, second, fourth = (np.float64(self.average(p, int(p == 1))) for p in (1, 2, 4))
         cosine = self.average(2, 2) if one.harmonics > 1 else 0.0
         rate = float(one.rate @ self.sums[0])
         spread = [math.nan] * 3
-        if not self.system.capture_speed:
+        if not self.drive.capture_speed:
             moved = v * along(self.sums, 0, d) - drift * self.sums
             turned = one.chain.elimination(1).solve((v * across(self.sums, 0, d))[1:])
             spread = [float(v @ self.solver.solve(moved)[1]), float(v @ turned[0])]
-            if self.system.only_falls:  # speeds are in proportion to sqrt(g)
-                spread += [0.5 * drift / self.system.field]
+            if self.drive.only_falls:  # speeds are in proportion to sqrt(g)
+                spread += [0.5 * drift / self.drive.field]
             else:
                 spread += [float(v @ self.solver.solve(one.chain.pulled(self.sums))[1])]
         excess = d * fourth / ((d + 2.0) * second**2) - 1.0
@@ -259,12 +262,12 @@ class Steady:
     @cached_property
     def depth(self) -> float:
         """Z, with which the share of tracers that get further down a field falls, exp(-x/Z)."""
-        v, d = self.axis.speeds, self.system.dimension
+        v, d = self.axis.speeds, self.drive.dimension
         return _slowest(self.solver, self.sums, lambda f: v * along(f, 0, d))[1]
 
     @property
     def _slowly(self) -> float:
-        return SLOWLY if self.system.heating or self.system.sticks_sharply else 1.0
+        return SLOWLY if self.drive.heating or self.drive.sticks_sharply else 1.0
 
     def apart(self, coarse: Steady) -> dict[str, float]:
         """The largest difference of the figures from a coarser solution's, relative to each.
@@ -273,19 +276,19 @@ class Steady:
         """
         scale = np.abs(self.figures)
         scale[1] = 1.0
-        if not self.system.only_falls:
+        if not self.drive.only_falls:
             scale[2] = self.figures[0]
         apart = np.abs(self.figures - coarse.figures) / scale
-        if self.system.capture_speed:
+        if self.drive.capture_speed:
             apart = np.append(apart[:5], abs(coarse.decay / self.decay - 1.0))
-            if self.system.field:
+            if self.drive.field:
                 apart = np.append(apart, abs(coarse.depth / self.depth - 1.0))
         worst = float(np.max(apart)) * self._slowly
         return {"averages": max(worst, _FLOOR) if math.isfinite(worst) else math.inf}
 
     def densities_apart(self, coarse: Steady) -> dict[str, float]:
         """The largest difference of the mean density over directions, over its maximum."""
-        d, v = self.system.dimension, TRIED * math.sqrt(self.average(2.0, 0))
+        d, v = self.drive.dimension, TRIED * math.sqrt(self.average(2.0, 0))
         f, other = (one.axis.density(one.sums[:1], v, d) for one in (self, coarse))
         least = np.abs(f).max() / self._slowly
         return {"averages": float(np.abs(f - other).max() / least)}
@@ -306,9 +309,9 @@ def _slowest(
     return f, math.nan
 
 
-def solved(system: System, rtol: float, apart: Any = Steady.apart) -> tuple[Steady, float]:
+def solved(drive: Drive, rtol: float, apart: Any = Steady.apart) -> tuple[Steady, float]:
     """The first that differs from a coarser one by less than rtol, or the best; and its error."""
-    first = Resolution.first(system, rtol, math.asinh(system.top(rtol) / system.scale))
-    solve, earlier = partial(Steady, system), 1.0 if system.sticks_sharply else 0.01
+    first = Resolution.first(drive, rtol, math.asinh(top_speed(drive, rtol) / drive.scale))
+    solve, earlier = partial(Steady, drive), 1.0 if drive.sticks_sharply else 0.01
     fine, errors = refined(solve, first, apart, {"averages": rtol}, earlier=earlier)
     return fine, errors["averages"]

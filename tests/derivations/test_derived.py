@@ -20,9 +20,9 @@ from derivations.symbols import R, e, eta, p
 from kinetics import CollisionLaw, ScalingSolution
 from kinetics import sonine as printed_numbers
 from kinetics.collision import law_in_medium
+from kinetics.drive import Drive
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
-from kinetics.field.system import System
 from kinetics.moments.backward import Observable, quartic_displacement
 
 RANDOM = np.random.default_rng(20240607)
@@ -351,7 +351,11 @@ def test_constants_of_the_nearly_elastic_limit() -> None:
 def test_what_a_bath_does_is_what_the_generator_of_the_solver_does(dimension: int) -> None:
     e_star, w = 0.3, 0.8
     axis = SpeedAxis(16.0, w, 30, 1.0, True)  # far above the speeds at which it is tested
-    one = Generator(System(e_star, dimension, bath_speed=w), axis, Resolution(30, 40, 1, 1e-12))
+    one = Generator(
+        Drive(restitution=e_star, dimension=dimension, bath_speed=w),
+        axis,
+        Resolution(30, 40, 1, 1e-12),
+    )
     # rate and pull by quadrature over g = v - V: its length, and its cosine to v
     g, weight = (part[:, None] for part in np.polynomial.legendre.leggauss(80))
     g = 6.0 * (g + 1.0)

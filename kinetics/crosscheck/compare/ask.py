@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetics.collision.impact import impact_restitution
 from kinetics.crosscheck.compare.answer import answered
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling, media_of, spread_in
 from kinetics.crosscheck.compare.result import Comparison
@@ -20,7 +21,6 @@ from kinetics.crosscheck.data.sample import VX, X2, Law, Sample, errors, from_en
 from kinetics.crosscheck.data.tracks import LARGEST
 from kinetics.crosscheck.words import numeral
 from kinetics.errors import InputError
-from kinetics.field.restitution import impact_restitution
 from kinetics.validation import check_positive, check_restitution, one_of, refuse
 
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)

@@ -16,11 +16,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from kinetics.collision.impact import Viscoelastic, impact_restitution
 from kinetics.crosscheck.data import formats
 from kinetics.crosscheck.data.tracks import Asked, Rows, Tracks, bad, dense, name_of
 from kinetics.crosscheck.words import numeral
-from kinetics.field.restitution import Viscoelastic, impact_restitution
-from kinetics.field.system import DRIVES, System
+from kinetics.drive import DRIVES
 from kinetics.validation import refuse
 
 Array = NDArray[np.float64]
@@ -44,10 +44,17 @@ class StartBins(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Law(System):
+class Law:
     """What the system has, as a Scene has it, in U and d."""
 
     restitution: Any = None  # only one that depends on the impact speed: a number is no part of it
+    dimension: int = 2
+    bath_speed: float = 0.0
+    mass_ratio: float = math.inf
+    heating: float = 0.0
+    drag: float = 0.0
+    field: float = 0.0
+    capture_speed: float = 0.0
     tangential_restitution: float = 1.0
 
     @property

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple, Self
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.field.restitution import Viscoelastic
+from kinetics.collision.impact import Viscoelastic
 from kinetics.validation import check_positive, check_restitution, check_rtol, refuse, whole_number
 
 SCATTERERS = {2: "disks", 3: "spheres"}

@@ -11,12 +11,13 @@ from typing import Any, NoReturn
 import numpy as np
 
 from kinetics.collision import CollisionLaw
+from kinetics.drive import Drive
+from kinetics.driven.last_flights import VelocityDensity, is_sharp
+from kinetics.driven.march import ALL, SHORTEST_TIME, Evolution, refined
+from kinetics.driven.panels import Resolution
+from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
+from kinetics.driven.starts import Start
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
-from kinetics.field.density import VelocityDensity, is_sharp
-from kinetics.field.grid import Resolution
-from kinetics.field.march import ALL, SHORTEST_TIME, Evolution, refined
-from kinetics.field.starts import Start
-from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
@@ -106,8 +107,8 @@ class FieldScene:
     def _top(self, i: int) -> float:
         """The highest speed up to the i-th time."""
         time = max(float(self._scaled[i]), SHORTEST_TIME)
-        system = System(self.law, self.law.dimension, field=1.0)
-        return system.top(TAIL * self.rtol, time, self._fastest)
+        drive = Drive(restitution=self.law, dimension=self.law.dimension, field=1.0)
+        return top_speed(drive, TAIL_OVER_TOLERANCE * self.rtol, time, self._fastest)
 
     def _refined(self, times: FloatArray) -> tuple[Any, dict[str, float]]:
         """The best solution up to some times, and its errors."""

@@ -23,12 +23,13 @@ from numpy.polynomial.legendre import legder, legval
 from scipy.special import roots_jacobi
 
 from kinetics.collision import CollisionLaw
-from kinetics.field import radau
-from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices
-from kinetics.field.harmonics import Chain, angular, norms
-from kinetics.field.march import ALL, Evolution
-from kinetics.field.starts import FEW, TOGETHER, Velocities, free_way
-from kinetics.field.system import TAIL, System
+from kinetics.drive import Drive
+from kinetics.driven import radau
+from kinetics.driven.harmonics import Chain, angular, norms
+from kinetics.driven.march import ALL, Evolution
+from kinetics.driven.panels import Resolution, SpeedPanels, loss_matrices
+from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
+from kinetics.driven.starts import FEW, TOGETHER, Velocities, free_way
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.kinds import Beam
@@ -238,7 +239,10 @@ class SteadyDensity:
 
     def __init__(self, law: CollisionLaw, one: Resolution) -> None:
         self.law = law
-        highest = System(law, law.dimension, field=1.0).top(TAIL * one.rtol)
+        highest = top_speed(
+            Drive(restitution=law, dimension=law.dimension, field=1.0),
+            TAIL_OVER_TOLERANCE * one.rtol,
+        )
         least = law.least_ratio  # below it f varies as (v/least)^2 ln v
         lowest = one.lowest * (min(1.0, max(3.0 * least, 0.03)) if least else 1.0)
         self.panels = SpeedPanels.rising(highest, lowest, one.nodes, tail=True)

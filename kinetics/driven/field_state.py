@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
+from kinetics.drive import Drive
+from kinetics.driven.driven_state import SteadyState
 from kinetics.driven.generator import solved
-from kinetics.driven.steady import SteadyState
+from kinetics.driven.last_flights import SteadyDensity
+from kinetics.driven.panels import Resolution
 from kinetics.errors import ToleranceWarning
-from kinetics.field.density import SteadyDensity
-from kinetics.field.grid import Resolution
-from kinetics.field.system import System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
@@ -108,9 +108,9 @@ class FieldState(SteadyState):
         return found.reshape(v_.size, phi.size)
 
     @property
-    def system(self) -> System:
+    def drive(self) -> Drive:
         """What drives the tracer."""
-        return System(self.law, self.dimension, field=1.0)
+        return Drive(restitution=self.law, dimension=self.dimension, field=1.0)
 
     @cached_property
     def _densities(self) -> tuple[SteadyDensity, SteadyDensity]:
@@ -181,6 +181,6 @@ def solve_field(
     if law.is_elastic:
         allowed = "it must be below 1: elastic tracers keep their energy, and reach no steady state"
         refuse("restitution", restitution, allowed)
-    fine, error = solved(System(law, law.dimension, field=1.0), rtol)
+    fine, error = solved(Drive(restitution=law, dimension=law.dimension, field=1.0), rtol)
     figures = np.insert(fine.figures[2:7], 1, fine.average(2.0, 0)).tolist()
     return FieldState._of(fine, error, rtol, figures, **law.arguments)

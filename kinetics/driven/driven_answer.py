@@ -10,24 +10,25 @@ from typing import Any
 import numpy as np
 from scipy.special import logsumexp
 
+from kinetics.drive import Drive
+from kinetics.driven import radau
 from kinetics.driven.axis import FADING, SpeedAxis
+from kinetics.driven.driven_state import angular_sum
+from kinetics.driven.field_answer import DENSITIES, FieldScene
 from kinetics.driven.generator import SLOWLY, TRIED, Generator, Resolution
-from kinetics.driven.steady import angular_sum
+from kinetics.driven.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
+from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, collision_rate, top_speed
+from kinetics.driven.starts import Start
 from kinetics.errors import InputError
-from kinetics.field import radau
-from kinetics.field.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
-from kinetics.field.scene import DENSITIES, FieldScene
-from kinetics.field.starts import Start
-from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray
 from kinetics.states.state import State
 
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
 
 
-def _scale(system: System, time: float, top: float) -> float:
+def _scale(drive: Drive, time: float, top: float) -> float:
     """The scale of the axis up to a time: below 1/t no tracer has collided."""
-    return min(max(system.scale, math.sqrt(system.field), 0.5 / time), top)
+    return min(max(drive.scale, math.sqrt(drive.field), 0.5 / time), top)
 
 
 class _Evolution(March):
@@ -36,7 +37,7 @@ class _Evolution(March):
     most_steps = 2000
 
     def __init__(
-        self, system: System, state: State, times: FloatArray, asked: frozenset[str],
+        self, drive: Drive, state: State, times: FloatArray, asked: frozenset[str],
         densities: bool, isotropic: bool, resolution: Resolution,
     ) -> None:  # fmt: skip
         """isotropic : only the speeds of the start count."""
@@ -50,17 +51,21 @@ class _Evolution(March):
         if not start.is_symmetric:
             text = "in a field, and for outputs with a direction, it must be symmetric"
             raise InputError(f"initial: of a driven tracer, {text} about the x axis")
-        driven, tail, fastest = system.is_driven, TAIL * resolution.rtol, start.highest
+        driven, tail, fastest = (
+            drive.is_driven,
+            TAIL_OVER_TOLERANCE * resolution.rtol,
+            start.highest,
+        )
         speeds: Any = measures[0]  # never None
         if driven:
             # what fades towards the top changes averages of the start by less than the tail does
             share = logsumexp(FADING * speeds.x, b=abs(speeds.weight)) - math.log(tail)
             fastest = max(fastest, math.exp(share / FADING))
-        top = system.top(tail, last, fastest)
-        power, scale = (1.0, _scale(system, last, top)) if driven else (10.0, 8.0 * top)
-        axis = SpeedAxis(top, scale, resolution.nodes, power, system.bath_speed > 0.0)
+        top = top_speed(drive, tail, last, fastest)
+        power, scale = (1.0, _scale(drive, last, top)) if driven else (10.0, 8.0 * top)
+        axis = SpeedAxis(top, scale, resolution.nodes, power, drive.bath_speed > 0.0)
         self.axis = axis
-        one, fields = Generator(system, axis, resolution), [("f", 0), ("x", 0), ("y", 1)]
+        one, fields = Generator(drive, axis, resolution), [("f", 0), ("x", 0), ("y", 1)]
         self._finer = one.finer
         if isotropic:  # y f is as x f
             fields = fields[:2]
@@ -72,7 +77,7 @@ class _Evolution(March):
         if times[-1] > 0.0:
             self._run(equation, begin, fastest)
         # the rate of the start, which bends at rest, is known; what it is off lasts a collision
-        rate = float(speeds.weight.real @ system.collision_rate(np.exp(speeds.x)))
+        rate = float(speeds.weight.real @ collision_rate(drive, np.exp(speeds.x)))
         off = abs(begin[0, 0] @ one.rate - rate) * np.minimum(times, 1.0 / max(rate, 1e-300))
         counted = self.values[:, ALL.index("collisions")]
         there = (times > 0.0) & (counted > 0.0) & ("collisions" in asked)
@@ -100,39 +105,44 @@ class _Evolution(March):
 class DrivenScene(FieldScene):
     """What a scene with driven tracers asks, and its answer; system : in units of l."""
 
-    system: System = field(default_factory=lambda: System(1.0))
+    drive: Drive = field(default_factory=lambda: Drive(restitution=1.0))
 
     def _units(self) -> tuple[float, FloatArray]:
         return 1.0, self.times / self.path
 
     def _top(self, i: int) -> float:
-        return self.system.top(TAIL * self.rtol, max(float(self._scaled[i]), SHORTEST_TIME), 6.0)
+        return top_speed(
+            self.drive,
+            TAIL_OVER_TOLERANCE * self.rtol,
+            max(float(self._scaled[i]), SHORTEST_TIME),
+            6.0,
+        )
 
     def _refined(self, times: FloatArray) -> tuple[_Evolution, dict[str, float]]:
         """The best solution up to some times, and its errors."""
         last = max(float(times[-1]), SHORTEST_TIME)
-        top = self.system.top(TAIL * self.rtol, last, 6.0)
-        span = math.asinh(top / _scale(self.system, last, math.inf))
+        top = top_speed(self.drive, TAIL_OVER_TOLERANCE * self.rtol, last, 6.0)
+        span = math.asinh(top / _scale(self.drive, last, math.inf))
         there = self.state.highest_harmonic
-        first = Resolution.first(self.system, self.rtol, span, max(2, there or 0))
+        first = Resolution.first(self.drive, self.rtol, span, max(2, there or 0))
         # without a field what has no direction forgets those of the start
         directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
-        alike = not self.system.field and (there == 0 or not directed)
-        names = self._asked | ({"1"} if self.system.capture_speed else set())
+        alike = not self.drive.field and (there == 0 or not directed)
+        names = self._asked | ({"1"} if self.drive.capture_speed else set())
         asked = names, DENSITIES in self.allowed, alike
 
         def solve(one: Resolution) -> _Evolution:
             # in the end two lengths of steps in turn: ever shorter ones would be lost in rounding
             rtol = one.rtol * (25.0 if one.rtol < 0.005 * first.rtol else 1.0)
-            return _Evolution(self.system, self.state, times, *asked, replace(one, rtol=rtol))
+            return _Evolution(self.drive, self.state, times, *asked, replace(one, rtol=rtol))
 
-        earlier = 1.0 if self.system.sticks_sharply else 0.3  # of starts that bend at rest
+        earlier = 1.0 if self.drive.sticks_sharply else 0.3  # of starts that bend at rest
         return refined(solve, first, self._apart, self.allowed, earlier=earlier)
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:
         """Two solutions; their errors fall more slowly where averages bend."""
         errors = super()._apart(one, two)
-        apart = errors["averages"] * (SLOWLY if self.system.sticks_sharply else 1.0)
+        apart = errors["averages"] * (SLOWLY if self.drive.sticks_sharply else 1.0)
         return errors | {"averages": max(apart, one.missed)}
 
     def _densities_apart(self, one: Any, two: Any) -> float:
@@ -148,7 +158,7 @@ class DrivenScene(FieldScene):
     @cached_property
     def _of(self) -> dict[str, FloatArray]:
         """If some stick: of the velocity over those that move, of the place over all."""
-        found, kept = super()._of, {"1", *INTEGRALS} if self.system.capture_speed else set(ALL)
+        found, kept = super()._of, {"1", *INTEGRALS} if self.drive.capture_speed else set(ALL)
         left = np.where(found["1"] > 0.0, found["1"], np.nan)  # none may be left
         return {name: x if name in kept else x / left for name, x in found.items()}
 

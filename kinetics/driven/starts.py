@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.field.grid import SpeedPanels
-from kinetics.field.harmonics import angular
+from kinetics.driven.harmonics import angular
+from kinetics.driven.panels import SpeedPanels
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.states.kinds import Beam, Rest, VelocitySamples

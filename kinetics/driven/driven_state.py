@@ -11,12 +11,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinetics.drive import DRIVES, Drive
+from kinetics.driven.field_answer import BEST_DENSITY
 from kinetics.driven.generator import Resolution, Steady, solved
+from kinetics.driven.harmonics import angular, norms
 from kinetics.driven.heated import Line, density, log_moment
+from kinetics.driven.speed_range import takes_energy
 from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
-from kinetics.field.harmonics import angular, norms
-from kinetics.field.scene import BEST_DENSITY
-from kinetics.field.system import DRIVES, System
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results.frame import dataset, variable
 from kinetics.results.record import stored_class
@@ -74,7 +75,7 @@ class SteadyState(Result):
     @cached_property
     def _fine(self: Any) -> Steady:
         """Where it was not kept, as in a loaded or pickled state, it is solved again."""
-        return Steady(self.system, Resolution(*self._resolution))
+        return Steady(self.drive, Resolution(*self._resolution))
 
     def _order(self, p: float, m: int, below: float = 0.0) -> tuple[float, int]:
         """The arguments of `moment`, checked; below : how far below -d p may be where m > 0."""
@@ -87,7 +88,7 @@ class SteadyState(Result):
         """Points: speeds, and angles to the field in radians."""
         scale = math.sqrt(self.mean_square_speed)
         v = finite_line("speeds", points.get("speeds", np.linspace(0.025, 4.0, 160) * scale))
-        some = np.array([0.0, 0.5, 1.0]) * np.pi if self.system.field else 0.0
+        some = np.array([0.0, 0.5, 1.0]) * np.pi if self.drive.field else 0.0
         phi = finite_line("angles", points.get("angles", some))
         shown = {n: variable((), getattr(self, n), *about) for n, about in self._about.items()}
         if only is None or "vdf" in only:
@@ -169,9 +170,9 @@ class DrivenState(SteadyState):
         return (self.diffusion_parallel + (d - 1.0) * self.diffusion_perpendicular) / d
 
     @property
-    def system(self) -> System:
+    def drive(self) -> Drive:
         """What drives the tracer."""
-        return System.checked(**{name: getattr(self, name) for name in self._asked})
+        return Drive.checked(**{name: getattr(self, name) for name in self._asked})
 
     def moment(self, p: float, m: int = 0) -> float:
         """<v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
@@ -181,8 +182,8 @@ class DrivenState(SteadyState):
         InputError for p or m out of range.
         """
         p, m = self._order(p, m)
-        law = self.system.law
-        if m == 0 and law is not None and self.system.only_heats:
+        law = self.drive.law
+        if m == 0 and law is not None and self.drive.only_heats:
             unit = self.heating ** (1.0 / 3.0)
             return float(unit**p * np.exp(log_moment(law, np.array([p]))[0].real))
         return (self._fine if p >= 0.0 else self._with_density("moment")).average(p, m)
@@ -196,8 +197,8 @@ class DrivenState(SteadyState):
         of the thermal speed, and without noise or bath more in the direction of the field.
         """
         v_, phi = speeds(v), finite_line("angle", angle)
-        law, d = self.system.law, self.dimension
-        if law is not None and self.system.only_heats:
+        law, d = self.drive.law, self.dimension
+        if law is not None and self.drive.only_heats:
             unit = self.heating ** (1.0 / 3.0)
             f = density(law, v_ / unit, self._lines) / unit**d
             return np.repeat(f[:, None], phi.size, axis=1)
@@ -214,7 +215,7 @@ class DrivenState(SteadyState):
     @cached_property
     def _dense(self) -> tuple[Steady, float]:
         most = max(self.rtol, BEST_DENSITY)
-        one, error = solved(self.system, most, Steady.densities_apart)
+        one, error = solved(self.drive, most, Steady.densities_apart)
         return max(self._fine, one, key=lambda each: each.resolution.nodes), error
 
     @cached_property
@@ -300,23 +301,29 @@ def solve_steady(
     (3.0, 'CONVERGED')
     """
     rtol = check_rtol(rtol)
-    system = System.checked(
-        restitution, dimension, mass_ratio, bath_speed=bath_speed, heating=heating, drag=drag,
-        field=field, capture_speed=capture_speed,
-    ).scaled(1.0)  # fmt: skip
-    if not system.is_driven:
+    drive = Drive.checked(
+        restitution=restitution,
+        dimension=dimension,
+        mass_ratio=mass_ratio,
+        bath_speed=bath_speed,
+        heating=heating,
+        drag=drag,
+        field=field,
+        capture_speed=capture_speed,
+    ).per_path(1.0)
+    if not drive.is_driven:
         raise InputError(
             "bath_speed: got 0; without bath_speed, heating or field tracers cool for ever, and "
             "reach no steady state: see solve_scaled"
         )
-    if not system.takes_energy:
+    if not takes_energy(drive):
         allowed = "collisions take no energy, and drag is 0: no steady state is reached"
         refuse("restitution", restitution, allowed)
-    fine, error = solved(system, rtol)
-    sticks = bool(system.capture_speed)
+    fine, error = solved(drive, rtol)
+    sticks = bool(drive.capture_speed)
     return DrivenState._of(
         fine, error, rtol, fine.figures.tolist(),
-        **{name: getattr(system, name) for name in DrivenState._asked},
+        **{name: getattr(drive, name) for name in DrivenState._asked},
         capture_time=1.0 / fine.decay if sticks else math.inf,
         capture_depth=fine.depth if sticks and field else math.inf,
     )  # fmt: skip

@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.field import radau
-from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices
-from kinetics.field.harmonics import Chain, across, along, norms
-from kinetics.field.starts import Start
-from kinetics.field.system import TAIL, System
+from kinetics.drive import Drive
+from kinetics.driven import radau
+from kinetics.driven.harmonics import Chain, across, along, norms
+from kinetics.driven.panels import Resolution, SpeedPanels, loss_matrices
+from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
+from kinetics.driven.starts import Start
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.states.state import State
@@ -278,9 +279,12 @@ class Evolution(March):
 
     def __post_init__(self) -> None:
         one, (first, last), d = self.resolution, self._ends, self.law.dimension
-        system, tail = System(self.law, d, field=1.0), TAIL * one.rtol
-        highest = system.top(tail, last, self.start.highest)
-        self._lasting = system.top(tail, last)
+        drive, tail = (
+            Drive(restitution=self.law, dimension=d, field=1.0),
+            TAIL_OVER_TOLERANCE * one.rtol,
+        )
+        highest = top_speed(drive, tail, last, self.start.highest)
+        self._lasting = top_speed(drive, tail, last)
         if self.state is None:
             # below 1/t no tracer has collided by the time t, but most may be slower; from rest,
             # before the square root of rtol fewer than that have
@@ -308,7 +312,7 @@ class Evolution(March):
 
     def _slowed(self, equation: Equation, f: Any, now: float, values: Any) -> tuple[Equation, Any]:
         """Without the highest panel once fewer tracers are there than above the top at the end."""
-        left, tail = self.left, TAIL * self.resolution.rtol
+        left, tail = self.left, TAIL_OVER_TOLERANCE * self.resolution.rtol
         if left.edges[-2] < self._lasting:
             return equation, f
         fast, velocities = f * (left.speeds > left.edges[-2]), self.start.velocities
