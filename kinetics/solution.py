@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.densities.flights import Flights, speed_fronts
+from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
 from kinetics.moments.averages import collisions, root_mean_square
 from kinetics.moments.by_collision import ByCollision
@@ -381,23 +382,24 @@ class Solution(Result):
         answer = self._without_field()
         if self.scene.scatterers != "dilute":
             refuse("scatterers", self.scene.scatterers, "free flights are of dilute ones only")
-        smooth = self.scene.state.smooth
+        law, path, state, _ = self.scene.problem
+        smooth = state.smooth
         rtol = min(max(self.rtol, 1e-6 if smooth else 1e-4), 1e-3)
         nodes = None if smooth or rtol < 1e-3 else _FLIGHT_NODES
 
-        def solved(times: FloatArray) -> Solution:
+        def speed_profile(times: FloatArray) -> Profile:
+            # whether it converges does not matter: the number of collisions says how good it is
             scene = replace(self.scene, times=times, outputs=("speed_density",))
-            with warnings.catch_warnings():  # the number of collisions says how good it is
-                warnings.simplefilter("ignore", ToleranceWarning)
-                return solve(scene, rtol, nodes=nodes)
+            return Answer(scene, rtol, None, nodes).profiles[0]
 
-        found = Flights.of(solved, self.times, self.scene.mean_free_path)
-        known = collisions(answer.averages)[-1]
-        off = abs(float(found.longer_in_time(np.zeros(1))[-1, 0]) / max(known, 1e-300) - 1.0)
+        flights = Flights.of(speed_profile, law, state, self.times, path)
+        expected = collisions(answer.averages)[-1]
+        number = float(flights.longer_in_time(np.zeros(1))[-1, 0])
+        off = abs(number / max(expected, 1e-300) - 1.0)
         if off > 10.0 * rtol:
             words = f"free flights: their number is off by {off:.1e}, against {10 * rtol:.1e}"
             warnings.warn(words, ToleranceWarning, stacklevel=5)
-        return found
+        return flights
 
     def free_time_fraction(self, edges: ArrayLike) -> FloatArray:
         """Share of the completed flights whose duration in d/U is between the edges.
