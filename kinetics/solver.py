@@ -40,6 +40,7 @@ from kinetics.results import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
+START = "initial state"  # its name in errors and in the plan
 _LEFT = 1e-13  # relative: what sums over the initial state and up the panels may leave
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _MOST_NODES = 48  # of a panel: still more only add rounding
@@ -128,7 +129,7 @@ class Answer(Value):
         needed = [(Part(1.0, speed_power(p, m), m),)]
         averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
         averages = _with_enough_nodes(averages, needed)
-        error = _error_of(averages, needed)
+        error = max(_error_of(averages, needed), averages.start_error({0, m}))
         if error > self.rtol:
             warn_missed(f"<v^{p:g}>", error, self.rtol)
         with np.errstate(under="ignore", over="ignore", invalid="ignore"):
@@ -212,7 +213,8 @@ class Answer(Value):
     @cached_property
     def errors(self) -> dict[str, float]:
         """Part of the result -> its error estimate."""
-        found = {"averages": _error_of(self.averages, self._parts.values())}
+        averages = _error_of(self.averages, self._parts.values())
+        found = {"averages": averages, START: self._start_error}
         if self.profiles:
             found[DENSITIES] = max(one.error_estimate for one in self.profiles.values())
         if self.displacement is not None:
@@ -220,9 +222,15 @@ class Answer(Value):
         return found
 
     @property
+    def _start_error(self) -> float:
+        """Of the harmonics of the start that the outputs need."""
+        harmonics = {part.start for parts in self._parts.values() for part in parts}
+        return self.averages.start_error({0, *harmonics, *self.profiles})
+
+    @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status and the message, which also says where the theory is not to be trusted."""
-        allowed = dict.fromkeys(("averages", DENSITIES), self.rtol)
+        allowed = dict.fromkeys(("averages", START, DENSITIES), self.rtol)
         allowed[POSITION] = max(self.rtol, _BEST_DENSITY)
         status, message = judged(self.errors, allowed, self.nodes if self.profiles else None)
         if (medium := self.averages.law.medium) is not None:
@@ -243,7 +251,7 @@ class Answer(Value):
         kept = "elastic: speeds are kept, harmonics relax at their own rates"
         reasons = {
             VELOCITY: kept if averages.law.is_elastic else f"backward equation for {moments}",
-            "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
+            START: f"{averages.speeds.x.size} weighted speeds represent it",
             COLLISIONS: "asked for",
             DISPLACEMENT: f"{len(chain)} scalar equations and what drives them",
             POSITION: f"{flights.wave_numbers if flights else 0} wave numbers",
@@ -251,7 +259,7 @@ class Answer(Value):
             "angular harmonics": f"m = {harmonics}: {enough}",
             DENSITIES: f"{len(profiles)} harmonics, {', '.join(methods)}",
         }
-        asked = self._steps | {"initial state"} | ({"angular harmonics"} if harmonics else set())
+        asked = self._steps | {START} | ({"angular harmonics"} if harmonics else set())
         steps = [
             PlanStep(part, part in asked and why != kept, why if part in asked else "not asked for")
             for part, why in reasons.items()
