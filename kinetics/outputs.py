@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+AVERAGES = "averages"
+INITIAL_STATE = "initial state"
 VELOCITY = "moments of the velocity"
 COLLISIONS = "collision number"
 DISPLACEMENT = "displacement"

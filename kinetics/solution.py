@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.answer import Answer, answer_to
 from kinetics.densities.flights import Flights, speed_fronts
+from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
 from kinetics.moments import averages as averaged
 from kinetics.moments.by_collision import ByCollision
@@ -399,18 +400,19 @@ class Solution(Result):
         answer = self._undriven()
         if self.scene.scatterers != "dilute":
             refuse("scatterers", self.scene.scatterers, "free flights are of dilute ones only")
-        is_smooth = self.scene.state.smooth
-        least = MIN_RTOL_OF_FLIGHTS if is_smooth else MIN_RTOL_OF_FLIGHTS_ROUGH
+        law, path, state, _ = self.scene.problem
+        least = MIN_RTOL_OF_FLIGHTS if state.smooth else MIN_RTOL_OF_FLIGHTS_ROUGH
         rtol = min(max(self.rtol, least), MAX_RTOL_OF_FLIGHTS)
         nodes = None
-        if not is_smooth and rtol == MAX_RTOL_OF_FLIGHTS:
+        if not state.smooth and rtol == MAX_RTOL_OF_FLIGHTS:
             nodes = NODES_OF_ROUGH_FLIGHTS
 
-        def solved(times: FloatArray) -> Solution:
+        def speed_profile(times: FloatArray) -> Profile:
+            # whether it converges does not matter: the number of collisions says how good it is
             scene = replace(self.scene, times=times, outputs=("speed_density",))
-            return Solution.of(scene, rtol, None, nodes)
+            return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
 
-        flights = Flights.of(solved, self.times, self.scene.mean_free_path)
+        flights = Flights.of(speed_profile, law, state, self.times, path)
         expected = averaged.collisions(answer.averages)[-1]
         number = float(flights.longer_in_time(np.zeros(1))[-1, 0])
         error = abs(number / max(expected, 1e-300) - 1.0)

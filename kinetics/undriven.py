@@ -25,9 +25,11 @@ from kinetics.moments.averages import Averages, Part
 from kinetics.moments.backward import Observable, speed_power
 from kinetics.numerics import FloatArray
 from kinetics.outputs import (
+    AVERAGES,
     COLLISIONS,
     DENSITIES,
     DISPLACEMENT,
+    INITIAL_STATE,
     OUTPUTS,
     POSITION,
     SCATTERING,
@@ -40,8 +42,6 @@ from kinetics.results.value import Value
 from kinetics.scene import Scene
 from kinetics.validation import refuse
 
-#: Name of all averages together in error estimates.
-AVERAGES = "averages"
 #: Least relative error that is stated of averages: sums over the initial state, and from panel to
 #: panel, leave rounding of this size. Its origin is not recorded.
 ROUNDING_OF_AVERAGES = 1e-13
@@ -137,7 +137,7 @@ class UndrivenAnswer(Value):
         parts = [(Part(1.0, speed_power(p, m), m),)]
         averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
         averages = _with_enough_nodes(averages, parts)
-        error = _error_of(averages, parts)
+        error = max(_error_of(averages, parts), averages.start_error({0, m}))
         name = f"<v^{p:g}>"
         if error > self.rtol:
             warn_missed(name, error, self.rtol)
@@ -245,7 +245,10 @@ class UndrivenAnswer(Value):
     @cached_property
     def errors(self) -> dict[str, float]:
         """Error estimates, by part of the result."""
-        errors = {AVERAGES: _error_of(self.averages, self._parts.values())}
+        errors = {
+            AVERAGES: _error_of(self.averages, self._parts.values()),
+            INITIAL_STATE: self._start_error,
+        }
         if self.profiles:
             errors[DENSITIES] = max(profile.error_estimate for profile in self.profiles.values())
         if self.displacement is not None:
@@ -253,10 +256,19 @@ class UndrivenAnswer(Value):
         return errors
 
     @property
+    def _start_error(self) -> float:
+        """The relative error of the harmonics of the initial state that the outputs need."""
+        harmonics = {0, *self.profiles}
+        for parts in self._parts.values():
+            harmonics.update(part.start for part in parts)
+        return self.averages.start_error(harmonics)
+
+    @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status and the message, which also says where the theory is not to be trusted."""
         tolerance = {
             AVERAGES: self.rtol,
+            INITIAL_STATE: self.rtol,
             DENSITIES: self.rtol,
             POSITION: max(self.rtol, MIN_ERROR_OF_POSITION_DENSITY),
         }
@@ -270,7 +282,7 @@ class UndrivenAnswer(Value):
     @property
     def plan(self) -> tuple[PlanStep, ...]:
         """What was solved, what was skipped, and why."""
-        needed = self._steps | {"initial state"}
+        needed = self._steps | {INITIAL_STATE}
         if self._harmonics_solved:
             needed.add("angular harmonics")
         steps = []
@@ -303,7 +315,7 @@ class UndrivenAnswer(Value):
         n_wave_numbers = self.displacement.wave_numbers if self.displacement else 0
         return {
             VELOCITY: velocity,
-            "initial state": f"{averages.speeds.x.size} weighted speeds represent it",
+            INITIAL_STATE: f"{averages.speeds.x.size} weighted speeds represent it",
             COLLISIONS: "asked for",
             DISPLACEMENT: f"{n_equations} scalar equations and what drives them",
             POSITION: f"{n_wave_numbers} wave numbers",

@@ -51,11 +51,14 @@ class NodeMasses(Value):
     x : ln v at the nodes, equidistant, shape (n_nodes,)
     spacing : of the nodes
     mass : shape (n_times, n_nodes)
+    sharp : share of ``mass`` that tracers of sharp speeds have which have not collided, the same
+        shape; None without sharp speeds
     """
 
     x: FloatArray
     spacing: float
     mass: NDArray[Any]
+    sharp: NDArray[Any] | None = None
 
     def at(self, i: int, v: FloatArray) -> NDArray[Any]:
         """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
@@ -243,7 +246,11 @@ def _solve(
         if axis.positive:
             out[:, -2] = np.maximum(out[:, -2], 0.0)  # what is below is rounding
     out.flags.writeable = False
-    return NodeMasses(x, spacing, out)
+    sharp = None
+    if start.x.size > 1 and asked.state.profile(0) is None:
+        with np.errstate(under="ignore"):
+            sharp = mass * np.exp(-np.outer(paths, np.exp(x)))
+    return NodeMasses(x, spacing, out, sharp)
 
 
 def _apart(coarse: NodeMasses, fine: NodeMasses) -> FloatArray:

@@ -22,6 +22,7 @@ from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
 DENSITIES = "densities"
+START = "initial state"
 BEST_DENSITY = 1e-4
 _RANGE = 6.0  # of the highest speeds at times solved together: slow ones need finer panels
 _MADE_OF = {
@@ -68,6 +69,14 @@ class FieldScene:
         made_of = [_MADE_OF.get(name, set()) for name in self.outputs]
         self._asked = frozenset({"v^2"}.union(*made_of))
         self._parts, self.errors = self._solved()
+        self.allowed[START] = self.rtol
+        self.errors[START] = self._start_error()
+
+    def _start_error(self) -> float:
+        """Relative error of averages over the start, of a density that is not resolved."""
+        highest = self.state.highest_harmonic or 0
+        measures = [self.state.harmonic(m, 0.1 * self.rtol, 0.0, 4.0) for m in range(highest + 1)]
+        return max((measure.error for measure in measures if measure is not None), default=0.0)
 
     def _units(self) -> tuple[float, FloatArray]:
         """The unit of speed of the solution in U, and the times in the mean free path over it."""

@@ -7,6 +7,7 @@ Those of the displacement come from the equation with its free-streaming term (p
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any, NamedTuple
@@ -98,6 +99,11 @@ class Averages:
         found = self.measure(0)
         assert found is not None
         return found
+
+    def start_error(self, harmonics: Collection[int]) -> float:
+        """Relative error estimate of what is not resolved of these harmonics of the start."""
+        measures = [self.measure(m) for m in harmonics]
+        return max((measure.error for measure in measures if measure is not None), default=0.0)
 
     @cached_property
     def log_stretch(self) -> FloatArray:

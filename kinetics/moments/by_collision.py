@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError
+from kinetics.errors import InputError, warn_missed
 from kinetics.moments.averages import as_vector, moment_arguments
 from kinetics.numerics import ROUNDING, FloatArray
 from kinetics.results.record import stored_class
@@ -96,7 +96,11 @@ class ByCollision(Storable):
     def _start(self, p: float, m: int) -> Any:
         """<v^p exp(-i m phi)> at N = 0."""
         measure = self.state.harmonic(m, self.rtol, min(p, 0.0), max(p, 2.0))
-        return 0.0j if measure is None else complex(measure.weight @ np.exp(p * measure.x))
+        if measure is None:
+            return 0.0j
+        if measure.error > self.rtol:
+            warn_missed(f"<v^{p:g}> of the start", measure.error, self.rtol)
+        return complex(measure.weight @ np.exp(p * measure.x))
 
     @staticmethod
     def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:

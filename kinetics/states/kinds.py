@@ -286,7 +286,7 @@ class Functions(State):
         if np.iscomplexobj(found.weight):
             raise InputError("initial: the speed density is complex; it must be real")
         norm = normalised(found.weight, float(found.weight.sum()))
-        return LogMeasure(found.x, found.weight / norm)
+        return LogMeasure(found.x, found.weight / norm, found.error)
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
@@ -347,8 +347,8 @@ class Beam(State):
         if speeds.highest_harmonic != 0:
             refuse("speeds", self.speeds, "it must be an isotropic state")
         direction = real_number("direction", self.direction, allowed="it must be a finite angle")
-        taken = ("smooth", "lowest_moment", "peaks", "kinks")
-        self.store(speeds=speeds, direction=direction, **{n: getattr(speeds, n) for n in taken})
+        self.store(speeds=speeds, direction=direction, smooth=speeds.smooth)
+        self.store(lowest_moment=speeds.lowest_moment, peaks=speeds.peaks, kinks=speeds.kinks)
 
     def in_space(self) -> State | None:
         """The same along the x axis, the only axis that a scene in space has."""
@@ -358,7 +358,7 @@ class Beam(State):
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
         """The points of the speeds, with their weights times exp(-i m phi_0)."""
         found: LogMeasure = self.speeds.harmonic(0, rtol, lowest, highest)
-        return LogMeasure(found.x, found.weight * self._turn(m))
+        return LogMeasure(found.x, found.weight * self._turn(m), found.error)
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The speed density times exp(-i m phi_0)."""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import Scene, solve
+from kinetics import Beam, Monoenergetic, Scene, SpeedSamples, VelocitySamples, solve
 from particles import BoltzmannGrad, simulate
 
 EDGES = np.geomspace(0.1, 50.0, 40)
@@ -53,3 +53,58 @@ def test_particles_have_the_same_flights(e: float, dimension: int, initial: str)
         off = abs(seen.probability.value[0] - expected)[busy] / seen.probability.error[0, busy]
         assert busy.sum() > 60
         assert off.max() < 4.5  # of about 100 bins, errors from 60 configurations
+
+
+BINS = [0.0, 0.05, 0.1, 0.2, 0.5]
+
+
+def particle_flights(
+    speeds: list[float], e: float, last: float, tracers: int = 200_000
+) -> tuple[Any, Any, int]:
+    """Shares of free paths and of free times in BINS by Monte Carlo in the plane, for l = 1."""
+    rng = np.random.default_rng(1)
+    v = rng.choice(speeds, tracers)
+    t = np.zeros(tracers)
+    lengths, durations = [], []
+    while v.size:
+        length = rng.exponential(size=v.size)
+        t = t + length / v
+        is_completed = t < last
+        lengths.append(length[is_completed])
+        durations.append((length / v)[is_completed])
+        v, t = v[is_completed], t[is_completed]
+        squared_cosine = 1.0 - rng.uniform(size=v.size) ** 2  # of the impact parameter
+        v = v * np.sqrt(1.0 - (1.0 - e * e) * squared_cosine)
+    paths, times = np.concatenate(lengths), np.concatenate(durations)
+    shares = [np.histogram(x, BINS)[0] / x.size for x in (paths, times)]
+    return shares[0], shares[1], paths.size
+
+
+@pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")
+@pytest.mark.parametrize("e", [0.6, 1.0])
+@pytest.mark.parametrize("rtol", [0.1, 1e-4])
+@pytest.mark.parametrize(
+    ("initial", "sharp_speeds", "last"),
+    [
+        (Beam(0.0, Monoenergetic(1.3)), [1.3], 0.2),
+        (SpeedSamples([1.0]), [1.0], 0.2),
+        (SpeedSamples([0.5, 1.0, 2.2]), [0.5, 1.0, 2.2], 3.0),
+        (Beam(0.3, SpeedSamples([0.5, 1.0, 1.0])), [0.5, 1.0, 1.0], 3.0),
+        (VelocitySamples([[0.3, 0.4], [0.0, 2.2]]), [0.5, 2.2], 3.0),
+    ],
+    ids=["beam", "sample", "samples", "beam of samples", "velocities"],
+)
+def test_flights_of_sharp_speeds_are_those_of_particles(
+    initial: Any, sharp_speeds: list[float], last: float, rtol: float, e: float
+) -> None:
+    """However tight the tolerance; the speed of a beam was taken to be 1."""
+    scene = Scene(e, number_density=0.5, times=[last], outputs="collisions", initial=initial)
+    solution = solve(scene, rtol=rtol)
+    paths, times, count = particle_flights(sharp_speeds, e, last)
+    for shares, expected in (
+        (solution.free_path_fraction(BINS)[0], paths),
+        (solution.free_time_fraction(BINS)[0], times),
+    ):
+        # flights of one tracer belong together: twice the binomial error, and five of these
+        error = 2.0 * np.sqrt(np.maximum(expected, 1e-5) / count)
+        assert np.all(abs(shares - expected) < 5.0 * error)
