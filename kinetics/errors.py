@@ -8,7 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-_LARGEST_RTOL = 0.1  # that can be asked for
+#: Largest rtol that can be requested.
+MAX_RTOL = 0.1
+#: The rtol that is advised is so many times the error estimate.
+ADVISED_RTOL_OVER_ERROR = 1.1
+#: Characters of a bad value that a message shows.
+MAX_CHARACTERS = 60
 
 
 class InputError(ValueError):
@@ -25,7 +30,7 @@ def warn_missed(what: str, error: float, rtol: float) -> None:
     warnings.warn(text, ToleranceWarning, stacklevel=4)
 
 
-def short(value: Any, limit: int = 60) -> str:
+def short(value: Any, limit: int = MAX_CHARACTERS) -> str:
     """The repr of a bad value, cut so that a message stays on one line."""
     if isinstance(value, str | bytes | list | tuple) and len(value) > limit:
         value = value[:limit]  # each part takes a character at least: what follows is cut anyway
@@ -55,23 +60,29 @@ class SolverStatus(enum.Enum):
     )
 
 
-def judged(
-    errors: Mapping[str, float], allowed: Mapping[str, float], nodes: int | None = None
+def judge_errors(
+    errors: Mapping[str, float], tolerance: Mapping[str, float], nodes: int | None = None
 ) -> tuple[SolverStatus, str]:
-    """The status, and a sentence: which parts miss their tolerance, and what to change.
+    """Return the status, and a sentence: which parts miss their tolerance, and what to change.
 
-    errors : part of the result -> its error estimate
-    allowed : part of the result -> the largest error estimate that counts as converged
+    Parameters
+    ----------
+    errors : error estimates, by part of the result; one that is not a number has not converged
+    tolerance : the largest error estimate that counts as converged, by part
     nodes : the number of nodes that the user gave; None where the solver chose it
     """
-    missed = [part for part, error in errors.items() if not error <= allowed[part]]
+    missed = [name for name, error in errors.items() if not error <= tolerance[name]]
     if not missed:
         return SolverStatus.CONVERGED, SolverStatus.CONVERGED.value
-    found = ", ".join(f"{part}: {errors[part]:.1e} against {allowed[part]:.1e}" for part in missed)
-    needed = 1.1 * max(errors[part] for part in missed)
-    advice = [f"raise rtol to {needed:.1e}"] if needed <= _LARGEST_RTOL else []
+    figures = ", ".join(
+        f"{name}: {errors[name]:.1e} against {tolerance[name]:.1e}" for name in missed
+    )
+    advice = []
+    advised_rtol = ADVISED_RTOL_OVER_ERROR * max(errors[name] for name in missed)
+    if advised_rtol <= MAX_RTOL:
+        advice.append(f"raise rtol to {advised_rtol:.1e}")
     if nodes is not None:
         advice.append(f"give more nodes than {nodes}, or leave nodes out")
     what_to_do = ", or ".join(advice) or "ask for other times or outputs"
-    message = f"the error estimate exceeds what was asked for ({found}): {what_to_do}"
+    message = f"the error estimate exceeds what was asked for ({figures}): {what_to_do}"
     return SolverStatus.TOLERANCE_NOT_REACHED, message

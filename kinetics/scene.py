@@ -29,7 +29,7 @@ from kinetics.results.result import Storable
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import (
-    MOST_HARMONICS,
+    MAX_HARMONICS,
     check_positive,
     finite_line,
     real_number,
@@ -132,7 +132,7 @@ class Scene(Storable):
             collision_numbers=collision_numbers,
             times=times,
             outputs=_check_outputs(self.outputs, self._known_outputs),
-            harmonics=whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS),
+            harmonics=whole_number("harmonics", self.harmonics, 0, MAX_HARMONICS),
         )
 
     @property

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from kinetics.densities import harmonic
 from kinetics.densities.harmonic import HarmonicProblem, Profile
-from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
+from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
 from kinetics.moments import averages as averaged
 from kinetics.moments.averages import Averages, Part
 from kinetics.moments.backward import Observable, speed_power
@@ -273,7 +273,7 @@ class UndrivenAnswer(Value):
             POSITION: max(self.rtol, MIN_ERROR_OF_POSITION_DENSITY),
         }
         nodes = self.nodes if self.profiles else None
-        status, message = judged(self.errors, tolerance, nodes)
+        status, message = judge_errors(self.errors, tolerance, nodes)
         medium = self.averages.law.medium
         if medium is not None:
             message += medium.limits(bool(self.profiles), self.displacement is not None)

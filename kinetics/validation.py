@@ -19,8 +19,12 @@ from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
 
-MOST_HARMONICS = 256  # angular ones that can be asked for
-LEAST_MASS_RATIO = 1e-6  # of scatterer over tracer: lighter ones hardly change its velocity
+#: Most angular harmonics that can be requested. Chosen: each takes about 10 MB and 0.1 s.
+MAX_HARMONICS = 256
+#: Least mass of a scatterer over that of the tracer: lighter ones hardly change its velocity.
+MIN_MASS_RATIO = 1e-6
+#: Relative error of the integral of a density over the velocities; it must be 1.
+NORM_TOLERANCE = 1e-6
 _LARGEST = sys.float_info.max
 _LINE = "it must be a finite, 1-dimensional array of numbers"
 
@@ -54,8 +58,8 @@ def check_mass_ratio(value: Any) -> float:
     """The mass of a scatterer over that of the tracer: a number, or inf."""
     if isinstance(value, float | np.floating) and value == math.inf:
         return math.inf
-    allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
-    return real_number("mass_ratio", value, LEAST_MASS_RATIO, math.inf, allowed)
+    allowed = f"it must be a number, {MIN_MASS_RATIO:g} or more, or inf (fixed scatterers)"
+    return real_number("mass_ratio", value, MIN_MASS_RATIO, math.inf, allowed)
 
 
 def check_positive(name: str, value: Any) -> float:
@@ -78,9 +82,9 @@ def whole_number(name: str, value: Any, low: int, high: int) -> int:
 
 def one_of(name: str, value: Any, names: Iterable[str]) -> str:
     """One of these names."""
-    known = list(names)
-    if not isinstance(value, str) or value not in known:
-        refuse(name, value, f"it must be one of {', '.join(known)}")
+    allowed = list(names)
+    if not isinstance(value, str) or value not in allowed:
+        refuse(name, value, f"it must be one of {', '.join(allowed)}")
     return value
 
 
@@ -96,9 +100,12 @@ def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArr
 
 
 def finite_array(
-    name: str, value: ArrayLike, allowed: str = _LINE, low: float = -_LARGEST,
+    name: str,
+    value: ArrayLike,
+    allowed: str = _LINE,
+    low: float = -_LARGEST,
     dimensions: tuple[int, ...] | None = (1,),
-) -> Array:  # fmt: skip
+) -> Array:
     """Finite real numbers, none below ``low``, in an array of so many dimensions; None for any."""
     array = number_array(name, value, "biufO", allowed)
     fits = dimensions is None or array.ndim in dimensions
@@ -128,8 +135,9 @@ def not_negative_line(name: str, value: ArrayLike) -> Array:
 
 def speeds(value: ArrayLike, *, zero_allowed: bool = True) -> Array:
     """Speeds v in U, none negative, shape (n,)."""
-    low, words = (0.0, "not negative") if zero_allowed else (math.ulp(0.0), "above 0 here")
-    return finite_line("v", value, f"speeds must be finite, and {words}", low)
+    if zero_allowed:
+        return finite_line("v", value, "speeds must be finite, and not negative", 0.0)
+    return finite_line("v", value, "speeds must be finite, and above 0 here", math.ulp(0.0))
 
 
 def rising_from_zero(name: str, value: ArrayLike) -> Array:
@@ -145,8 +153,9 @@ def normalised(density: NDArray[Any], total: float, name: str = "density") -> fl
     """The integral of a density over the velocities, if it is 1 to 1e-6 and none is negative."""
     if density.size and float(density.min()) < 0.0:
         raise InputError(f"{name}: got a value of {density.min():.3g}; it must not be negative")
-    if not abs(total - 1.0) < 1e-6:
-        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 1.0 else ""
-        what = f"its integral over the velocities is {total:.6g}; it must be 1{narrow}"
+    if not abs(total - 1.0) < NORM_TOLERANCE:
+        what = f"its integral over the velocities is {total:.6g}; it must be 1"
+        if total < 1.0:
+            what += "; a peak narrower than a percent needs a SpeedTable"
         raise InputError(f"{name}: {what}")
     return total

@@ -17,7 +17,7 @@ from kinetics.driven.generator import Resolution, Steady, solved
 from kinetics.driven.harmonics import angular, norms
 from kinetics.driven.heated import Line, density, log_moment
 from kinetics.driven.speed_range import takes_energy
-from kinetics.errors import InputError, PlanStep, SolverStatus, judged, warn_missed
+from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results.frame import dataset, variable
 from kinetics.results.record import stored_class
@@ -57,7 +57,7 @@ class SteadyState(Result):
     @classmethod
     def _of(cls: Any, fine: Steady, error: float, rtol: float, figures: Any, **asked: Any) -> Any:
         """From a solution and its error."""
-        status, message = judged({"averages": error}, {"averages": rtol})
+        status, message = judge_errors({"averages": error}, {"averages": rtol})
         one, top = fine.resolution, fine.axis.highest
         plan = (
             PlanStep("angular harmonics", True, f"0 to {one.harmonics}"),

@@ -17,7 +17,7 @@ from kinetics.driven.march import ALL, SHORTEST_TIME, Evolution, refined
 from kinetics.driven.panels import Resolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
 from kinetics.driven.starts import Start
-from kinetics.errors import InputError, PlanStep, SolverStatus, judged, short
+from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, short
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.states.state import State
 
@@ -164,7 +164,7 @@ class FieldScene:
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status, and the message."""
-        return judged(self.errors, self.allowed)
+        return judge_errors(self.errors, self.allowed)
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:

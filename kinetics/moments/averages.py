@@ -33,7 +33,7 @@ from kinetics.moments.delayed import DelayedReturns
 from kinetics.numerics import LARGEST_LOG, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, panel_rule
 from kinetics.states.state import LogMeasure, State
-from kinetics.validation import MOST_HARMONICS, real_number, whole_number
+from kinetics.validation import MAX_HARMONICS, real_number, whole_number
 
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 
@@ -269,7 +269,7 @@ def parts_of(output: str, dimension: int) -> tuple[Part, ...]:
 def moment_arguments(law: CollisionLaw, state: State, p: Any, m: Any) -> tuple[float, int]:
     """p and m of <v^p exp(-i m phi)>; InputError out of range, or where it does not exist."""
     p = real_number("p", p, -40.0, 40.0)
-    m = whole_number("m", m, 0, MOST_HARMONICS)
+    m = whole_number("m", m, 0, MAX_HARMONICS)
     lowest = max(state.lowest_moment, law.lowest_power)
     if p <= lowest:
         raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import SolverStatus, judged
+from kinetics.errors import SolverStatus, judge_errors
 from kinetics.numerics import LARGEST_LOG, FloatArray
 from kinetics.results.record import stored_class
 from kinetics.scaling.axis import DEEPEST, FEWEST_NODES, MOST_NODES, SpeedAxis
@@ -113,7 +113,9 @@ class ScaledVDF(ScaledState):
 
     @property
     def _verdict(self) -> tuple[SolverStatus, str]:
-        return judged({"F(c)": self.error_estimate}, {"F(c)": self.rtol}, self.requested_nodes)
+        return judge_errors(
+            {"F(c)": self.error_estimate}, {"F(c)": self.rtol}, self.requested_nodes
+        )
 
     def __repr__(self) -> str:
         return (
