@@ -263,7 +263,8 @@ class Evolution(March):
     Of a start that is a few velocities, those that have not collided are in closed form (`starts`),
     and are the source of the others: so averages over smooth functions are right, however rough the
     density is.
-    state : of which the start is made, if its density is asked for point by point
+    state : of which the start is made
+    keeps_density : whether the density is asked for point by point
     made : beginning, length, and v times what collisions make at the points, of each step; if the
         density is asked for
     """
@@ -273,7 +274,8 @@ class Evolution(March):
     times: FloatArray
     resolution: Resolution
     asked: frozenset[str]
-    state: State | None = None
+    state: State
+    keeps_density: bool = False
     made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
@@ -281,7 +283,7 @@ class Evolution(March):
         system, tail = System(self.law, d, field=1.0), TAIL * one.rtol
         highest = system.top(tail, last, self.start.highest)
         self._lasting = system.top(tail, last)
-        if self.state is None:
+        if not self.keeps_density:
             # below 1/t no tracer has collided by the time t, but most may be slower; from rest,
             # before the square root of rtol fewer than that have
             slow = min(max(1.0, 1.0 / last), max(self.start.mean_speed, first, math.sqrt(one.rtol)))
@@ -296,8 +298,9 @@ class Evolution(March):
         equation = self._equation()
         f = np.zeros((len(self._fields), one.harmonics + 1, self.axis.size))
         if self.start.velocities is None:
-            count, state = one.harmonics + 1, self.state
-            f[: self.families] = self.start.projected(self.axis, count, self.families, state)
+            f[: self.families] = self.start.projected(
+                self.axis, one.harmonics + 1, self.families, self.state, one.rtol
+            )
         self._run(equation, f, self.start.highest, math.ceil(1.0 / one.step))
 
     def _equation(self) -> Equation:
@@ -341,7 +344,7 @@ class Evolution(March):
         return early, self._gained(early[1:])
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
-        if self.state is not None:
+        if self.keeps_density:
             families, of = self.families, norms(stages.shape[2], self.law.dimension)
             volume = of[:families] * self.left.volumes(self.law.dimension)
             made = self._gained(stages[:, :families]) / volume
