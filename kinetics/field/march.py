@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
@@ -19,9 +20,15 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.field import radau
-from kinetics.field.grid import Resolution, SpeedPanels, loss_matrices
+from kinetics.field.grid import (
+    FASTEST_POWER,
+    Resolution,
+    SpeedPanels,
+    bounces,
+    loss_matrices,
+)
 from kinetics.field.harmonics import Chain, across, along, norms
-from kinetics.field.starts import Start
+from kinetics.field.starts import FEW, Start
 from kinetics.field.system import TAIL, System
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
@@ -38,7 +45,8 @@ ALL = (*AVERAGES, *INTEGRALS)
 _MADE = ((0, 0), (0, len(INTEGRALS)))
 SQUARES = frozenset({"x^2", "y^2", "x y"})
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
-_STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
+#: Rough steps miss less at their ends, by more than this factor. Origin not recorded.
+_STEPS_MISS = 30.0
 _SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
 SHORTEST_TIME = 1e-12
 _ROUNDING = 1e-14  # of averages, term by term: shorter steps do not mend it
@@ -220,7 +228,11 @@ class March:
             left = np.append(left, h * radau.roughness(total)[grows] * factor)
             rough = self._relative(left[None], np.hstack([total, grown])[-1:])
             lost = np.pad(_ROUNDING * equation.averages(np.abs(stages[-1:])), _MADE)
-            allowed = max(asked, self._relative(lost, np.hstack([total, grown])[-1:]))
+            # inside a step averages miss all of it, not only what its end misses
+            end = (now + h) * (1.0 - SHORTEST_TIME)
+            is_interpolated = bool(np.any((self.times > now) & (self.times < end)))
+            step_tolerance = self.resolution.rtol if is_interpolated else asked
+            allowed = max(step_tolerance, self._relative(lost, np.hstack([total, grown])[-1:]))
             if rough > allowed and self.tries < self.most_steps and h > _SHORTEST * last:
                 h *= 0.5
                 continue
@@ -338,10 +350,21 @@ class Evolution(March):
         velocities = self.start.velocities
         if velocities is None:
             return None
-        count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
-        sums = velocities.projected(fine, self.left, count, self._fields)
+        count = self.resolution.harmonics + 1
+        fine_times = now + h * radau.FINE
+        sums = velocities.projected(fine_times, self.left, count, self._fields)
         early = radau.projected(sums)
-        return early, self._gained(early[1:])
+        if velocities.along.size > FEW:
+            return early, self._gained(early[1:])
+        kept, ratio = self._bounces
+        made = velocities.collided(fine_times, self.left, count, self._fields, kept, ratio)
+        return early, radau.projected(made)[1:]
+
+    @cached_property
+    def _bounces(self) -> tuple[FloatArray, FloatArray]:
+        """What each bounce keeps of the harmonics, and the ratio of the speeds."""
+        kept, _, log_loss = bounces(self.law, FASTEST_POWER, self.resolution.harmonics)
+        return kept, np.exp(-log_loss)
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
         if self.keeps_density:

@@ -117,6 +117,43 @@ class Velocities:
                 out[:, k] += weighed @ rows.reshape(*a.shape, panels.size)
         return out
 
+    def collided(
+        self,
+        times: FloatArray,
+        panels: SpeedPanels,
+        count: int,
+        fields: list[tuple[str, int]],
+        kept: FloatArray,
+        ratio: FloatArray,
+    ) -> FloatArray:
+        """What first collisions make per unit time, as `projected` has it.
+
+        Each bounce is followed, so that a velocity is never interpolated: what bounces make of it
+        is spread over the speeds, and polynomials on panels have its averages to more digits.
+
+        Parameters
+        ----------
+        kept : the share of each harmonic that a bounce keeps, times its weight, (count, n_bounces)
+        ratio : of the speeds after and before it, (n_bounces,)
+        """
+        sums = np.zeros((times.size, len(fields), count, panels.size))
+        for along, across, weight in zip(self.along, self.across, self.weight, strict=True):
+            u = along + times
+            q = np.full(times.size, across)
+            v = np.maximum(np.hypot(u, q), 1e-300)
+            harmonics = angular(u / v, q / v, count, self.dimension)
+            after = np.minimum(v, panels.highest)[:, None] * ratio
+            rows = panels.interpolation(after.ravel()).reshape(*after.shape, panels.size)
+            scattered = np.matmul(kept, rows)
+            rate = weight * v * np.exp(-free_way(np.full(times.size, along), q, times))
+            moved_across = q * times / (self.dimension - 1.0)  # the mean over turns
+            moved = {"f": np.ones(times.size), "x": (along + 0.5 * times) * times}
+            moved["y"] = moved_across
+            for k, (name, family) in enumerate(fields):
+                factor = harmonics[family].T * (rate * moved[name])[:, None]
+                sums[:, k] += factor[:, :, None] * scattered
+        return sums
+
 
 @dataclass(frozen=True)
 class Start:
