@@ -161,6 +161,36 @@ class SpeedAxis:
         v = self._speed(x)
         return (w * self._stretch(x) * density(v)) @ self.interpolation(v, parity)
 
+    def power_average(
+        self, sums: FloatArray, p: float, parity: int, dimension: int, width: float
+    ) -> float:
+        """The average of v^p of a harmonic of these sums (size,), also where v^p bends at rest.
+
+        Even or odd polynomials converge slowly to a power of the other parity. Here v^p is
+        projected on those of half the degree, with the weight W = v^(d-1) exp(-v^2/(4 width^2)).
+        What the projection leaves out is orthogonal to them: of a density f it takes only what f/W
+        has beyond half the degree, which is small where f is smooth.
+
+        Parameters
+        ----------
+        sums : averages of the polynomials that are 1 at one point
+        p : above -d
+        parity : of the harmonic
+        dimension : d
+        width : of the density, sqrt(<v^2>/d)
+        """
+        half_degree = self.size // 2
+        # x^2 for x: nodes are dense near rest, where v^p bends
+        node, node_weight = gauss_legendre(8 * self.size)
+        x = node**2
+        v = self._speed(x)
+        volume = 2.0 * node * node_weight * self._stretch(x) * v ** (dimension - 1.0)
+        root = np.sqrt(volume * np.exp(-0.25 * (v / width) ** 2))
+        at_nodes = self._polynomials(x)[parity][:, :half_degree]
+        at_points = self._polynomials(self._place)[parity][:, :half_degree]
+        projection = np.linalg.lstsq(root[:, None] * at_nodes, root * v**p, rcond=None)[0]
+        return float(sums @ (at_points @ projection))
+
     def density(self, sums: FloatArray, v: FloatArray, dimension: int) -> FloatArray:
         """f at speeds v (n,), where f_m v^(d-1) has these averages (M + 1, size): (M + 1, n).
 

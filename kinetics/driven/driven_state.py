@@ -16,6 +16,7 @@ from kinetics.driven.field_answer import BEST_DENSITY
 from kinetics.driven.generator import Resolution, Steady, solved
 from kinetics.driven.harmonics import angular, norms
 from kinetics.driven.heated import Line, density, log_moment
+from kinetics.driven.march import refined
 from kinetics.driven.speed_range import takes_energy
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
 from kinetics.numerics import FloatArray, one_blas_thread
@@ -178,15 +179,44 @@ class DrivenState(SteadyState):
         """<v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
 
         p is real, above -d and up to 20. The error is about ``error_estimate`` for whole p from 0
-        to 4, up to 1e-4 for others of 0 or more, and below 0 as that of the density. Raises
-        InputError for p or m out of range.
+        to 4, up to 1e-4 for others of 0 or more, and below 0 as that of the density. In a bath
+        powers that bend at rest (an odd p for m = 0) are refined until two solutions agree within
+        ``rtol``, or a ToleranceWarning says that they do not. Raises InputError for p or m out of
+        range.
         """
         p, m = self._order(p, m)
         law = self.drive.law
         if m == 0 and law is not None and self.drive.only_heats:
             unit = self.heating ** (1.0 / 3.0)
             return float(unit**p * np.exp(log_moment(law, np.array([p]))[0].real))
-        return (self._fine if p >= 0.0 else self._with_density("moment")).average(p, m)
+        if p < 0.0:
+            return self._with_density("moment").average(p, m)
+        if self._fine.is_resolved(p, m):
+            return self._fine.average(p, m)
+        return self._refined_moment(p, m)
+
+    def _refined_moment(self, p: float, m: int) -> float:
+        """A moment of a power that bends at rest, from as fine a solution as it needs."""
+
+        def solve(resolution: Resolution) -> Steady:
+            if resolution not in self._finer:
+                self._finer[resolution] = Steady(self.drive, resolution)
+            return self._finer[resolution]
+
+        def difference(fine: Steady, coarse: Steady) -> dict[str, float]:
+            return {"moment": fine.moment_difference(coarse, p, m)}
+
+        first = self._fine.resolution
+        tolerance = max(self.rtol, self.error_estimate)
+        solution, errors = refined(solve, first, difference, {"moment": tolerance}, earlier=0.01)
+        if errors["moment"] > tolerance:
+            warn_missed("moment", errors["moment"], tolerance)
+        return solution.average(p, m)
+
+    @cached_property
+    def _finer(self) -> dict[Resolution, Steady]:
+        """Solutions by their resolution, for moments that need a finer one."""
+        return {self._fine.resolution: self._fine}
 
     def vdf(self, v: ArrayLike, angle: ArrayLike = 0.0) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle); its integral is 1.

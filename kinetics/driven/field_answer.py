@@ -158,8 +158,8 @@ class FieldScene:
         small = math.sqrt(self.rtol) if isotropic else self.rtol
         if start.highest < 0.1 * small * min(1.0, float(times[0])):
             start = Start.rest(self.law.dimension)
-        state = self.state if DENSITIES in self.allowed else None
-        return Evolution(self.law, start, times, resolution, self._asked, state)
+        keeps_density = DENSITIES in self.allowed
+        return Evolution(self.law, start, times, resolution, self._asked, self.state, keeps_density)
 
     @property
     def verdict(self) -> tuple[SolverStatus, str]:

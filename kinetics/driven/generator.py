@@ -28,7 +28,7 @@ from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.harmonics import Chain, across, along
 from kinetics.driven.march import refined
 from kinetics.driven.panels import bounces
-from kinetics.driven.speed_range import top_speed
+from kinetics.driven.speed_range import collision_rate, top_speed
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
@@ -228,16 +228,49 @@ class Steady:
             self.sums = solver.solve(nothing, 1.0)
         self.solver = solver
 
+    def is_resolved(self, p: float, m: int) -> bool:
+        """Whether v^p Y_m is a function as the axis has them, so that its average is a sum.
+
+        In a bath these are polynomials in the components of the velocity; other powers bend at
+        rest.
+        """
+        if p < 0.0:
+            return False
+        return not self.axis.smooth or (p >= m and (p - m) % 2.0 == 0.0)
+
     def average(self, p: float, m: int) -> float:
         """<v^p Y_m>; p may be any number above -d."""
-        sums, v = self.sums[m], self.axis.speeds
-        if p >= 0.0:
+        sums = self.sums[m]
+        v = self.axis.speeds
+        d = self.drive.dimension
+        if self.is_resolved(p, m):
             return float(v**p @ sums)
+        if p >= 0.0:
+            width = math.sqrt(self.average(2.0, 0) / d)
+            return self.axis.power_average(sums, p, m % 2, d, width)
         x, w = gauss_legendre(max(200, 4 * v.size))
-        top, d, power = self.axis.highest, self.drive.dimension, 12
-        speed, weight = top * x**power, w * power * x ** (power - 1.0) * top
+        top = self.axis.highest
+        power = 12
+        speed = top * x**power
+        weight = w * power * x ** (power - 1.0) * top
         f = self.axis.density(self.sums[: m + 1], speed, d)[m]
         return float((weight * speed ** (p + d - 1.0)) @ f)
+
+    def moment_difference(self, coarse: Steady, p: float, m: int) -> float:
+        """The error of <v^p Y_m>, over <v^p>, as its difference from a coarser solution's says.
+
+        Drag gathers tracers at rest against the collisions there, at the rate nu(0): the density
+        is as v^(nu(0)/drag - d), and the error falls as the number n of speeds to the power
+        -(p + nu(0)/drag). So of the difference 1/((n/n_coarse)^(p + nu(0)/drag) - 1) is left.
+        """
+        scale = abs(self.average(p, 0))
+        difference = abs(self.average(p, m) - coarse.average(p, m)) / scale
+        if self.drive.drag:
+            collisions_at_rest = float(collision_rate(self.drive, np.zeros(1))[0])
+            order = p + collisions_at_rest / self.drive.drag
+            growth = (self.axis.size / coarse.axis.size) ** order
+            difference *= max(1.0, 1.0 / (growth - 1.0))
+        return max(difference, _FLOOR) if math.isfinite(difference) else math.inf
 
     @cached_property
     def figures(self) -> FloatArray:

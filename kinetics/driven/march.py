@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
@@ -21,9 +22,9 @@ from kinetics.collision import CollisionLaw
 from kinetics.drive import Drive
 from kinetics.driven import radau
 from kinetics.driven.harmonics import Chain, across, along, norms
-from kinetics.driven.panels import Resolution, SpeedPanels, loss_matrices
+from kinetics.driven.panels import FASTEST_POWER, Resolution, SpeedPanels, bounces, loss_matrices
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
-from kinetics.driven.starts import Start
+from kinetics.driven.starts import FEW, Start
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.states.state import State
@@ -39,7 +40,8 @@ ALL = (*AVERAGES, *INTEGRALS)
 _MADE = ((0, 0), (0, len(INTEGRALS)))
 SQUARES = frozenset({"x^2", "y^2", "x y"})
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
-_STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
+#: Rough steps miss less at their ends, by more than this factor. Origin not recorded.
+_STEPS_MISS = 30.0
 _SHORTEST = 1e-10  # step, of the last time: below it nothing becomes smoother
 SHORTEST_TIME = 1e-12
 _ROUNDING = 1e-14  # of averages, term by term: shorter steps do not mend it
@@ -221,7 +223,11 @@ class March:
             left = np.append(left, h * radau.roughness(total)[grows] * factor)
             rough = self._relative(left[None], np.hstack([total, grown])[-1:])
             lost = np.pad(_ROUNDING * equation.averages(np.abs(stages[-1:])), _MADE)
-            allowed = max(asked, self._relative(lost, np.hstack([total, grown])[-1:]))
+            # inside a step averages miss all of it, not only what its end misses
+            end = (now + h) * (1.0 - SHORTEST_TIME)
+            is_interpolated = bool(np.any((self.times > now) & (self.times < end)))
+            step_tolerance = self.resolution.rtol if is_interpolated else asked
+            allowed = max(step_tolerance, self._relative(lost, np.hstack([total, grown])[-1:]))
             if rough > allowed and self.tries < self.most_steps and h > _SHORTEST * last:
                 h *= 0.5
                 continue
@@ -264,7 +270,8 @@ class Evolution(March):
     Of a start that is a few velocities, those that have not collided are in closed form (`starts`),
     and are the source of the others: so averages over smooth functions are right, however rough the
     density is.
-    state : of which the start is made, if its density is asked for point by point
+    state : of which the start is made
+    keeps_density : whether the density is asked for point by point
     made : beginning, length, and v times what collisions make at the points, of each step; if the
         density is asked for
     """
@@ -274,7 +281,8 @@ class Evolution(March):
     times: FloatArray
     resolution: Resolution
     asked: frozenset[str]
-    state: State | None = None
+    state: State
+    keeps_density: bool = False
     made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
@@ -285,7 +293,7 @@ class Evolution(March):
         )
         highest = top_speed(drive, tail, last, self.start.highest)
         self._lasting = top_speed(drive, tail, last)
-        if self.state is None:
+        if not self.keeps_density:
             # below 1/t no tracer has collided by the time t, but most may be slower; from rest,
             # before the square root of rtol fewer than that have
             slow = min(max(1.0, 1.0 / last), max(self.start.mean_speed, first, math.sqrt(one.rtol)))
@@ -300,8 +308,9 @@ class Evolution(March):
         equation = self._equation()
         f = np.zeros((len(self._fields), one.harmonics + 1, self.axis.size))
         if self.start.velocities is None:
-            count, state = one.harmonics + 1, self.state
-            f[: self.families] = self.start.projected(self.axis, count, self.families, state)
+            f[: self.families] = self.start.projected(
+                self.axis, one.harmonics + 1, self.families, self.state, one.rtol
+            )
         self._run(equation, f, self.start.highest, math.ceil(1.0 / one.step))
 
     def _equation(self) -> Equation:
@@ -339,13 +348,24 @@ class Evolution(March):
         velocities = self.start.velocities
         if velocities is None:
             return None
-        count, fine = self.resolution.harmonics + 1, now + h * radau.FINE
-        sums = velocities.projected(fine, self.left, count, self._fields)
+        count = self.resolution.harmonics + 1
+        fine_times = now + h * radau.FINE
+        sums = velocities.projected(fine_times, self.left, count, self._fields)
         early = radau.projected(sums)
-        return early, self._gained(early[1:])
+        if velocities.along.size > FEW:
+            return early, self._gained(early[1:])
+        kept, ratio = self._bounces
+        made = velocities.collided(fine_times, self.left, count, self._fields, kept, ratio)
+        return early, radau.projected(made)[1:]
+
+    @cached_property
+    def _bounces(self) -> tuple[FloatArray, FloatArray]:
+        """What each bounce keeps of the harmonics, and the ratio of the speeds."""
+        kept, _, log_loss = bounces(self.law, FASTEST_POWER, self.resolution.harmonics)
+        return kept, np.exp(-log_loss)
 
     def _keep(self, now: float, h: float, stages: FloatArray) -> None:
-        if self.state is not None:
+        if self.keeps_density:
             families, of = self.families, norms(stages.shape[2], self.law.dimension)
             volume = of[:families] * self.left.volumes(self.law.dimension)
             made = self._gained(stages[:, :families]) / volume

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.driven.harmonics import angular
 from kinetics.driven.panels import SpeedPanels
@@ -19,6 +20,9 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.states.kinds import Beam, Rest, VelocitySamples
 from kinetics.states.state import LogMeasure, State
+
+if TYPE_CHECKING:
+    from kinetics.driven.axis import SpeedAxis
 
 TOGETHER = 1000  # velocities, so few that what belongs to them stays in the cache
 FEW = 64  # so many samples, or directions, are followed each
@@ -113,6 +117,43 @@ class Velocities:
                 out[:, k] += weighed @ rows.reshape(*a.shape, panels.size)
         return out
 
+    def collided(
+        self,
+        times: FloatArray,
+        panels: SpeedPanels,
+        count: int,
+        fields: list[tuple[str, int]],
+        kept: FloatArray,
+        ratio: FloatArray,
+    ) -> FloatArray:
+        """What first collisions make per unit time, as `projected` has it.
+
+        Each bounce is followed, so that a velocity is never interpolated: what bounces make of it
+        is spread over the speeds, and polynomials on panels have its averages to more digits.
+
+        Parameters
+        ----------
+        kept : the share of each harmonic that a bounce keeps, times its weight, (count, n_bounces)
+        ratio : of the speeds after and before it, (n_bounces,)
+        """
+        sums = np.zeros((times.size, len(fields), count, panels.size))
+        for along, across, weight in zip(self.along, self.across, self.weight, strict=True):
+            u = along + times
+            q = np.full(times.size, across)
+            v = np.maximum(np.hypot(u, q), 1e-300)
+            harmonics = angular(u / v, q / v, count, self.dimension)
+            after = np.minimum(v, panels.highest)[:, None] * ratio
+            rows = panels.interpolation(after.ravel()).reshape(*after.shape, panels.size)
+            scattered = np.matmul(kept, rows)
+            rate = weight * v * np.exp(-free_way(np.full(times.size, along), q, times))
+            moved_across = q * times / (self.dimension - 1.0)  # the mean over turns
+            moved = {"f": np.ones(times.size), "x": (along + 0.5 * times) * times}
+            moved["y"] = moved_across
+            for k, (name, family) in enumerate(fields):
+                factor = harmonics[family].T * (rate * moved[name])[:, None]
+                sums[:, k] += factor[:, :, None] * scattered
+        return sums
+
 
 @dataclass(frozen=True)
 class Start:
@@ -174,22 +215,77 @@ class Start:
         found = self.measures[0] if self.measures else None
         return self.speed * float(found.weight.real @ np.exp(found.x)) if found else 0.0
 
-    def projected(self, axis: Any, count: int, families: int, state: State | None) -> FloatArray:
+    def projected(
+        self,
+        axis: SpeedPanels | SpeedAxis,
+        count: int,
+        families: int,
+        state: State | None,
+        tolerance: float = math.inf,
+    ) -> FloatArray:
         """Sums over the start of harmonics and polynomials of an axis, (families, count, size).
 
-        state : whose profiles, where it has them, are integrated: right point by point as well
+        A few points of a measure give averages of smooth functions, but a polynomial on a panel is
+        smooth on its panel only: where the state has a profile, that is integrated instead.
+
+        Parameters
+        ----------
+        axis : the axis of speeds
+        count, families : of the harmonics
+        state : whose profiles are integrated; None to take the points of the measures
+        tolerance : by so much integrals of v^0 ... v^4 over a profile may differ from those over
+            the measure, relative to those of harmonic 0; beyond, the quadrature has missed
+            something, such as a narrow peak, and the points of the measure are taken
         """
-        out, unit = np.zeros((families, count, axis.size)), self.speed
+        sums = np.zeros((families, count, axis.size))
         for m, measure in enumerate(self.measures[:count]):
-            profile = None if state is None or measure is None else state.profile(m)
-            found: Any = np.zeros(axis.size)
-            if state is not None and profile is not None:
-                kinks = unit * np.asarray(state.kinks)
-                found = axis.averaged(lambda v, f=profile: f(v / unit) / unit, m % 2, kinks)
-            elif measure is not None:
-                v = unit * np.exp(measure.x)
-                for part in np.array_split(np.arange(v.size), 1 + v.size // TOGETHER):
-                    found = found + measure.weight[part] @ axis.interpolation(v[part], m % 2)
+            if measure is None:
+                continue
+            averages = None if state is None else self._profile_averages(axis, m, state)
+            if averages is None or not self._has_same_moments(axis, m, averages, tolerance):
+                averages = self._point_averages(axis, m, measure)
             # the weights have the factor exp(-i m phi)
-            out[:, m] = np.stack([np.real(found), -np.imag(found)])[:families]
-        return out
+            sums[:, m] = np.stack([np.real(averages), -np.imag(averages)])[:families]
+        return sums
+
+    def _profile_averages(
+        self, axis: SpeedPanels | SpeedAxis, m: int, state: State
+    ) -> NDArray[Any] | None:
+        """Averages of the polynomials of an axis over the profile of harmonic m, if it has one."""
+        profile = state.profile(m)
+        if profile is None:
+            return None
+
+        def density(v: FloatArray) -> NDArray[Any]:
+            return np.asarray(profile(v / self.speed) / self.speed)
+
+        kinks = self.speed * np.asarray(state.kinks)
+        return np.asarray(axis.averaged(density, m % 2, kinks))
+
+    def _point_averages(
+        self, axis: SpeedPanels | SpeedAxis, m: int, measure: LogMeasure
+    ) -> NDArray[Any]:
+        """Averages of the polynomials of an axis over the points of a measure, (size,)."""
+        v = self.speed * np.exp(measure.x)
+        averages = np.zeros(axis.size, dtype=measure.weight.dtype)
+        for batch in np.array_split(np.arange(v.size), 1 + v.size // TOGETHER):
+            averages += measure.weight[batch] @ axis.interpolation(v[batch], m % 2)
+        return averages
+
+    def _has_same_moments(
+        self, axis: SpeedPanels | SpeedAxis, m: int, averages: NDArray[Any], tolerance: float
+    ) -> bool:
+        """Whether v^0 ... v^4 have the averages that the measure of harmonic m gives them."""
+        if math.isinf(tolerance):
+            return True
+        measure = self.measures[m]
+        speeds = self.measures[0]
+        assert measure is not None
+        assert speeds is not None
+        for power in range(5):
+            moment = axis.speeds**power @ averages
+            expected = measure.weight @ (self.speed * np.exp(measure.x)) ** power
+            scale = speeds.weight.real @ (self.speed * np.exp(speeds.x)) ** power
+            if not abs(moment - expected) <= tolerance * scale:
+                return False
+        return True
