@@ -89,9 +89,9 @@ def limit_factor(groups: float, share: float = LIMIT_SHARE, numbers: int = 1) ->
     return math.sqrt(numbers * float(fdtri(numbers, freedom, share)))
 
 
-def can_differ(relative_error: float, groups: float, trials: int) -> bool:
-    """Whether a deviation of `LEAST_TESTABLE` would differ, as the worst of ``trials``."""
-    p_value = math.erfc(DIFFERS_ABOVE / math.sqrt(2)) / max(trials, 1)
+def can_differ(relative_error: float, groups: float) -> bool:
+    """Return whether a relative deviation of `LEAST_TESTABLE` would be called different."""
+    p_value = math.erfc(DIFFERS_ABOVE / math.sqrt(2))
     return relative_error * limit_factor(groups, 1 - p_value) < LEAST_TESTABLE
 
 

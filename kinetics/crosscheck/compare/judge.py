@@ -155,7 +155,7 @@ def rows_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Row]:
                 corrected = corrected_sigmas(shaped, groups, looks)
                 verdict = judge_sigmas(corrected)
                 relative = error / float(sizes[k])
-                if verdict is Verdict.AGREES and not can_differ(relative, groups, looks):
+                if verdict is Verdict.AGREES and not can_differ(relative, groups):
                     verdict = Verdict.NOT_TESTED
             else:
                 error = 0.0
@@ -164,7 +164,7 @@ def rows_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Row]:
     for h in histograms:
         looks = sum(other.share.size for other in histograms if other.name == h.name)
         wide = np.where(np.isfinite(h.edges[1:]), np.diff(h.edges), 1.0)
-        sigma, testable = (h.share - h.theory) / h.error, _has_testable_bin(h, looks)
+        sigma, testable = (h.share - h.theory) / h.error, _has_testable_bin(h)
         columns = h.share / wide, h.error / wide, h.theory / wide, sigma, h.edges[:-1], h.edges[1:]
         for value, error, theory, z, low, high in np.transpose(columns).tolist():
             corrected = corrected_sigmas(z, h.groups, looks)
@@ -212,18 +212,18 @@ def _without_scatter(
     return verdict
 
 
-def _has_testable_bin(h: Histogram, looks: int) -> bool:
+def _has_testable_bin(h: Histogram) -> bool:
     """Whether in some bin a density that is wrong by its own value would be seen."""
     errors = h.error / np.maximum(h.theory, 1e-300)
-    return can_differ(float(errors.min()), h.groups, looks)
+    return can_differ(float(errors.min()), h.groups)
 
 
-def _has_testable_time(found: Fit, i: int, looks: int) -> bool:
+def _has_testable_time(found: Fit, i: int) -> bool:
     """Whether at some time an average that is wrong by its own value would be seen."""
     at = found.usable[i]
     relative = (found.error[i] / _sizes(found, i))[at].tolist()
     pairs = zip(relative, found.effective[i, at].tolist(), strict=True)
-    return any(can_differ(error, groups, looks) for error, groups in pairs)
+    return any(can_differ(error, groups) for error, groups in pairs)
 
 
 def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[ComparisonTest]:
@@ -244,7 +244,7 @@ def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Comparison
             factors = np.array([limit_factor(groups) for groups in found.effective[i, at]])
             seen = np.abs(found.difference[i, at]) + factors * found.error[i, at]
             within = float(np.max(seen / _sizes(found, i)[at]))
-            testable = _has_testable_time(found, i, looks)
+            testable = _has_testable_time(found, i)
         else:
             density = next(h for h in histograms if (h.name, h.time) == (name, time))
             testable = c.groups is None or _has_testable_bin(density, len(known))
