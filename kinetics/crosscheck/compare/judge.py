@@ -247,7 +247,7 @@ def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Comparison
             testable = _has_testable_time(found, i)
         else:
             density = next(h for h in histograms if (h.name, h.time) == (name, time))
-            testable = c.groups is None or _has_testable_bin(density, len(known))
+            testable = c.groups is None or _has_testable_bin(density)
         verdict = worst_of(verdicts)
         if verdict is Verdict.AGREES and not testable:
             verdict = Verdict.NOT_TESTED
