@@ -9,74 +9,97 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Iterator
 from importlib import import_module
-from threading import Timer
-from typing import Any
 
 import click
+from click.shell_completion import shell_complete
 
 from kinetics.crosscheck.cli.options import UNITS
+from kinetics.interruption import EXIT_STATUS, ends_at_a_signal
 
 BAD_INPUT = click.UsageError.exit_code
-ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
-"""Signals that end a command -> its exit status."""
-GRACE = 1.0  # seconds that it then has to remove what is half written and say what is saved
-COMMANDS = (
-    "report", "solve", "simulate", "merge", "compare", "fit", "explore", "derive", "bench",
-    "stress",
-)  # fmt: skip
+#: The commands, in the order of the help, and the module of each in `kinetics.crosscheck.cli`.
+COMMANDS = {
+    "report": "report",
+    "solve": "solve",
+    "simulate": "simulate",
+    "merge": "simulate",
+    "compare": "compare",
+    "fit": "compare",
+    "explore": "explore",
+    "derive": "derive",
+    "bench": "bench",
+    "stress": "bench",
+}
+#: Packages of this distribution.
+PACKAGES = ("kinetics", "particles", "derivations")
+DISTRIBUTION = "inelastic-lorentz"
+#: Characters of a message that are shown: what is wrong stands first, what is allowed last.
+MESSAGE_BEGIN = 240
+MESSAGE_END = 135
+#: The environment variable with which a shell asks for completions, as click names it.
+COMPLETION_VARIABLE = "_LORENTZ_COMPLETE"
 
 
 class _Commands(click.Group):
-    """Commands that are imported when they are asked for, from the rooms of the cross-check."""
+    """Commands that are imported when they are named."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(dict.fromkeys((*COMMANDS, *self.commands)))
+        return list(dict.fromkeys([*COMMANDS, *self.commands]))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in COMMANDS and cmd_name not in self.commands:
-            homes = {"stress": "bench", "fit": "compare", "merge": "simulate"}
-            home = homes.get(cmd_name, cmd_name)
-            module = import_module(f"kinetics.crosscheck.cli.{home}")
+            module = import_module(f"kinetics.crosscheck.cli.{COMMANDS[cmd_name]}")
             self.add_command(getattr(module, cmd_name))
         return self.commands.get(cmd_name)
 
 
-def _print_version(context: click.Context, option: click.Parameter, asked: bool) -> None:
-    if asked:
-        from kinetics import __version__
+def _print_version(context: click.Context, option: click.Parameter, is_requested: bool) -> None:
+    if not is_requested:
+        return
+    from kinetics import __version__
 
-        click.echo(f"lorentz, version {__version__}")
-        if line := other_owners():
-            _say(line)
-        context.exit()
+    click.echo(f"lorentz, version {__version__}")
+    conflict = other_owners()
+    if conflict:
+        _say(conflict)
+    context.exit()
 
 
 def other_owners() -> str:
-    """One line if other distributions have packages of our names, which pip does not notice."""
+    """Return one line if another distribution has a package of our names; else an empty one.
+
+    pip does not notice it, and imports would mix both.
+    """
     from importlib.metadata import packages_distributions
 
-    owners = packages_distributions()
-    names = ("kinetics", "particles", "derivations")
-    for name, others in ((name, {*owners.get(name, ())} - {"inelastic-lorentz"}) for name in names):
+    distributions = packages_distributions()
+    for package in PACKAGES:
+        others = set(distributions.get(package, ())) - {DISTRIBUTION}
         if others:
-            whose = ", ".join(sorted(others))
-            return f"the package {name!r} is also of {whose}; use a fresh environment"
+            owners = ", ".join(sorted(others))
+            return f"the package {package!r} is also of {owners}; use a fresh environment"
     return ""
 
 
 @click.group(
     cls=_Commands,
-    context_settings={"help_option_names": ["-h", "--help"], "show_default": True,
-                      "max_content_width": 100},
+    context_settings={
+        "help_option_names": ["-h", "--help"],
+        "show_default": True,
+        "max_content_width": 100,
+    },
     invoke_without_command=True,
     epilog=UNITS,
-)  # fmt: skip
+)
 @click.option(
-    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version,
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
     help="Show the version and exit.",
-)  # fmt: skip
+)
 @click.pass_context
 def cli(context: click.Context) -> None:
     """The inelastic Lorentz gas: a kinetic solver, an event-driven simulator, sympy derivations,
@@ -87,32 +110,43 @@ def cli(context: click.Context) -> None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command and return its exit status, see above.
+    """Run the command and return its exit status (see the module).
 
     Without arguments it is the command line of this process, which ends at once after a signal.
     """
-    own_process = arguments is None
+    is_own_process = arguments is None
+    if is_own_process and COMPLETION_VARIABLE in os.environ:
+        instruction = os.environ[COMPLETION_VARIABLE]
+        return shell_complete(cli, {}, "lorentz", COMPLETION_VARIABLE, instruction)
     if sys.stdout is None:  # closed by the shell: the next file would take its place
         return _complain("standard output is closed; send it to a file, or to /dev/null")
     if hasattr(sys.stdout, "reconfigure"):  # a terminal that lacks a sign shows ? for it
         sys.stdout.reconfigure(errors="replace")
-    with _ends_at_a_signal(), warnings.catch_warnings():
+    with ends_at_a_signal(), warnings.catch_warnings():
         warnings.showwarning = lambda message, *_, **__: _say(f"warning: {message}")
-        if own_process and not sys.warnoptions:
+        if is_own_process and not sys.warnoptions:
             warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, of single operations
         status = _run(sys.argv[1:] if arguments is None else arguments)
-    if own_process and status in ENDED.values():
-        os._exit(status)
-    for stream in filter(None, (sys.stdout, sys.stderr)) if own_process else ():
-        try:
-            stream.flush()
-        except OSError:  # what it does not take would fail again as Python ends
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    if is_own_process:
+        if status in EXIT_STATUS.values():
+            os._exit(status)
+        _flush_outputs()
     return status
 
 
+def _flush_outputs() -> None:
+    """Flush the standard streams; one that takes nothing would fail again as Python ends."""
+    for stream in (sys.stdout, sys.stderr):
+        if stream is None:
+            continue
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
 def _run(arguments: list[str]) -> int:
-    """Run the command and turn whatever may stop it into an exit status."""
+    """Run the command, and return an exit status for whatever may stop it."""
     try:
         with cli.make_context("lorentz", list(arguments)) as context:
             status = cli.invoke(context)
@@ -125,9 +159,9 @@ def _run(arguments: list[str]) -> int:
     except MemoryError as error:
         return _complain(f"not enough memory: {error}")
     except (KeyboardInterrupt, click.Abort):
-        return ENDED[signal.SIGINT]
+        return EXIT_STATUS[signal.SIGINT]
     except SystemExit as error:
-        if error.code not in ENDED.values():
+        if error.code not in EXIT_STATUS.values():
             raise
         return int(error.code or 0)
     except BrokenPipeError:
@@ -138,58 +172,25 @@ def _run(arguments: list[str]) -> int:
     except ValueError as error:
         return _complain(str(error))
     except (ImportError, AttributeError):
-        if line := other_owners():
-            return _complain(line)
+        conflict = other_owners()
+        if conflict:
+            return _complain(conflict)
         raise
 
 
 def _complain(message: str) -> int:
+    """Say what is wrong in one line, and return the status of bad input."""
     line = " ".join(message.split())
-    # what is wrong stands first, and what is allowed last
-    _say(line if len(line) <= 390 else f"{line[:240]} ... {line[-135:]}")
+    if len(line) > MESSAGE_BEGIN + MESSAGE_END:
+        line = f"{line[:MESSAGE_BEGIN]} ... {line[-MESSAGE_END:]}"
+    _say(line)
     return BAD_INPUT
 
 
 def _say(message: str) -> None:
-    """One line on standard error, if that takes it: what a command ends with is its status."""
+    """Write one line to standard error, if that takes it: the status tells how a command ended."""
     with contextlib.suppress(OSError, ValueError, AttributeError):  # click 8.1.0: none is there
         click.echo(f"lorentz: {' '.join(message.split())}", err=True)
-
-
-@contextlib.contextmanager
-def _ends_at_a_signal() -> Iterator[None]:
-    """Meanwhile the first signal raises an exception here, and ends the process in time."""
-    before = {number: signal.getsignal(number) for number in ENDED}
-    for number, handler in before.items():
-        if handler is not signal.SIG_IGN:
-            signal.signal(number, _raise)
-    try:
-        yield
-    finally:
-        while _LATE:
-            _LATE.pop().cancel()
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-_LATE: list[Timer] = []  # what ends the process if the exception does not
-
-
-def _raise(number: int, frame: Any) -> None:
-    """Raise, but not in an import, half of which may crash, nor in a finaliser, which loses it."""
-    while frame is not None and hasattr(signal, "setitimer"):
-        file, name = frame.f_code.co_filename, frame.f_code.co_name
-        if file.startswith("<frozen importlib") or name in ("__del__", "remove", "_remove"):
-            signal.signal(signal.SIGALRM, lambda _, later: _raise(number, later))
-            signal.setitimer(signal.ITIMER_REAL, 0.02)
-            return
-        frame = frame.f_back
-    _LATE.append(Timer(GRACE, os._exit, [ENDED[number]]))
-    _LATE[-1].daemon = True
-    _LATE[-1].start()
-    for one in ENDED:  # no second signal interrupts what the first has begun to clean up
-        signal.signal(one, signal.SIG_IGN)
-    raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(ENDED[number])
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ QUESTION = {"outputs", "scene", "undriven", "answer"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "version": set(),
+    "interruption": set(),
     "names": set(),
     "loading": {"names", "results"},
     "numerics": set(),

@@ -116,6 +116,20 @@ def test_help_loads_nothing_heavy() -> None:
     assert all(f"\n  {name} " in done.stdout for name in cli.COMMANDS)
 
 
+def test_a_shell_completes_commands_and_options() -> None:
+    def complete(words: str, position: int) -> list[str]:
+        asked = {"COMP_WORDS": words, "COMP_CWORD": str(position)}
+        done = subprocess.run(
+            [sys.executable, "-c", "import sys; from kinetics.cli import main; sys.exit(main())"],
+            env=os.environ | asked | {"_LORENTZ_COMPLETE": "bash_complete"},
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        return [line.partition(",")[2] for line in done.stdout.splitlines()]
+
+    assert complete("lorentz s", 1) == ["solve", "simulate", "stress"]
+    assert complete("lorentz solve --rest", 2) == ["--restitution"]
+
+
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_every_option_has_help_which_ends_with_an_example_of_known_ones(
     lorentz: Any, name: str
