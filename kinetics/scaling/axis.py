@@ -25,7 +25,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import FOLDS, LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, barycentric_weights, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.scaling.mellin import small_deviation
+from kinetics.scaling.log_moments import small_deviation
 
 DEEPEST = 100.0 * math.log(10.0)  # in ln F: below 1e-100 of its bulk F is not given
 FEWEST_NODES, MOST_NODES = 8, 256  # of a panel

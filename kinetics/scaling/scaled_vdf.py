@@ -19,7 +19,7 @@ from kinetics.errors import SolverStatus, judged
 from kinetics.numerics import LARGEST_LOG, FloatArray
 from kinetics.results.record import stored_class
 from kinetics.scaling.axis import DEEPEST, FEWEST_NODES, MOST_NODES, SpeedAxis
-from kinetics.scaling.closed_form import ScaledState, from_rest
+from kinetics.scaling.scaled_state import ScaledState
 from kinetics.validation import check_rtol, not_negative, refuse, whole_number
 
 
@@ -56,8 +56,10 @@ class ScaledVDF(ScaledState):
 
     def moment(self, p: float) -> float:
         """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow."""
-        number = self._power(p)
-        return self._exp(p, self._axis.log_moment(number) - 0.5 * number * self._log_second)
+        number = self._checked_power(p)
+        return self._moment_from_log(
+            p, self._axis.log_moment(number) - 0.5 * number * self._log_second
+        )
 
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), same shape as c, accurate relative to F(c) itself in both tails.
@@ -76,7 +78,7 @@ class ScaledVDF(ScaledState):
 
     def reached_vdf(self, c: FloatArray) -> FloatArray:
         """The same for speeds that are known to be good; 0 where the solver does not reach."""
-        flat, out = from_rest(self.law, c.ravel())
+        flat, out = self._speeds_from_rest(c.ravel())
         inside = flat > 0.0
         log_c = np.log(flat[inside])
         log_g = self._axis.log_density(log_c + 0.5 * self._log_second)
@@ -85,6 +87,9 @@ class ScaledVDF(ScaledState):
             # more than the largest number only if nodes that were given are far too few
             out[inside] = np.exp(np.minimum(log_f, LARGEST_LOG)) / self.law.unit_surface
         return out.reshape(c.shape)
+
+    def _tabulated_vdf(self, c: FloatArray) -> FloatArray:
+        return self.reached_vdf(c)
 
     @property
     def nodes(self) -> int:
