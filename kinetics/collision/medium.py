@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision.bounce import ImpactQuadrature
+from kinetics.collision.quadrature import ImpactQuadrature
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.validation import check_positive, one_of, refuse

@@ -56,7 +56,7 @@ class ScalingSolution(ScaledState):
     Examples
     --------
     >>> exact = ScalingSolution(0.0)
-    >>> bool(abs(exact.cooling_rate - 2**0.5) < 1e-15), bool(abs(exact.a2 - 2) < 1e-14)
+    >>> bool(abs(exact.cooling_rate - 2**0.5) < 1e-14), bool(abs(exact.a2 - 2) < 1e-14)
     (True, True)
     """
 
