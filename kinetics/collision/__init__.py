@@ -5,7 +5,7 @@
 - `weighted_bounces`: the averages of one collision, a weighted sum of bounces
 - `bounce`: the bounce off a disk or a sphere, or one given by weighted samples
 - `quadrature`: the weighted sums made of it
-- `medium`: the theory of a finite density
+- `medium`: the theory of a finite density, with its constants in `return_constants`
 
 May import `kinetics.numerics` and the checks. Begin with `law.py`.
 """
