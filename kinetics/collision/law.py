@@ -16,11 +16,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kinetics.collision.bounce import Bounce, DiskBounce, SampledBounce
 from kinetics.collision.medium import Medium
-from kinetics.collision.quadrature import Numbers
+from kinetics.collision.quadrature import NumberArray, Numbers
 from kinetics.collision.weighted_bounces import WeightedBounces
 from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
@@ -211,8 +211,9 @@ class CollisionLaw(WeightedBounces):
     @property
     def arguments(self) -> dict[str, Any]:
         """What :func:`law_of` makes this law of; ``restitution`` is the law itself without one."""
+        restitution = self.restitution
         return {
-            "restitution": self if self._mixed is not None else self.restitution,
+            "restitution": self if restitution is None else restitution,
             "tangential_restitution": self.tangential_restitution,
             "dimension": self.dimension,
             "mass_ratio": self.mass_ratio,
@@ -268,8 +269,12 @@ class CollisionLaw(WeightedBounces):
         if self.dimension == 3:
             cross_section = math.pi * diameter * diameter
         rate = cross_section * number_density
-        ratio = 1.0 if self.medium is None else self.medium.path_ratio
-        return ratio / rate if ratio < rate * sys.float_info.max else math.inf
+        ratio = 1.0
+        if self.medium is not None:
+            ratio = self.medium.path_ratio
+        if ratio < rate * sys.float_info.max:
+            return ratio / rate
+        return math.inf
 
     # -- averages ---------------------------------------------------------------------------------
 
@@ -319,8 +324,8 @@ class CollisionLaw(WeightedBounces):
         return self.met_again(z, self.lost(z, m), m)
 
     def decay_rates(
-        self, z: Numbers, offsets: NDArray[Any], orders: int
-    ) -> tuple[NDArray[Any], list[NDArray[Any]]]:
+        self, z: Numbers, offsets: NumberArray, orders: int
+    ) -> tuple[NumberArray, list[NumberArray]]:
         """Return lambda(z + d) for many offsets d at once, and its Taylor series at the last d.
 
         Parameters
@@ -367,7 +372,9 @@ class CollisionLaw(WeightedBounces):
 
     def returns(self, m: int) -> tuple[float, float]:
         """Return eps (-1)^m and x = -ln e of the bounces straight back; 0 where none comes."""
-        return (0.0, 0.0) if self.medium is None else self.medium.returns(m)
+        if self.medium is None:
+            return 0.0, 0.0
+        return self.medium.returns(m)
 
     def met_again(self, z: Numbers, rate: Numbers, m: int) -> Numbers:
         """Return lambda_m at z with returns to the scatterer before, from that without."""
@@ -376,10 +383,12 @@ class CollisionLaw(WeightedBounces):
 
     def taylor_met_again(self, z: Numbers, rate: list[Numbers], m: int) -> list[Numbers]:
         """Return Taylor coefficients of lambda_m with returns from those without, at z."""
-        return rate if self.medium is None else self.medium.met_again(z, rate, m)
+        if self.medium is None:
+            return rate
+        return self.medium.met_again(z, rate, m)
 
 
-def _check_tangential_restitution(value: Any, e: float) -> float:
+def _check_tangential_restitution(value: object, e: float) -> float:
     """Return et; InputError if it is out of range, or every bounce would stop the tracer."""
     allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
     et = real_number("tangential_restitution", value, 0.0, 1.0, allowed)
@@ -397,7 +406,7 @@ def _of_fixed_scatterer(restitution: float, mass_ratio: float) -> float:
 
 
 def law_of(
-    restitution: Any,
+    restitution: float | CollisionLaw,
     tangential_restitution: float | None = 1.0,
     dimension: int = 2,
     mass_ratio: float = math.inf,
@@ -435,7 +444,11 @@ def _check_agrees(law: CollisionLaw, name: str, value: object) -> None:
 
 
 def law_in_medium(
-    law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any = "second"
+    law: CollisionLaw,
+    scatterers: str,
+    number_density: float | None,
+    diameter: float,
+    order: str = "second",
 ) -> CollisionLaw:
     """Return the law among these scatterers, itself where they are dilute.
 

@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Protocol
 
 import numpy as np
 
@@ -34,9 +34,6 @@ from kinetics.collision.quadrature import ImpactQuadrature, Numbers
 from kinetics.collision.return_constants import OF_SPEED as OF_SPEED
 from kinetics.collision.return_constants import ReturnConstants, constants_at
 from kinetics.validation import check_positive, one_of, refuse
-
-if TYPE_CHECKING:
-    from kinetics.collision.law import CollisionLaw
 
 SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
@@ -81,6 +78,26 @@ WAY_AT_REST = 1.07
 WAY_FALL = 0.45
 
 
+class BounceArguments(Protocol):
+    """The arguments of a collision law by which it is decided whether a medium is derived."""
+
+    @property
+    def restitution(self) -> float | None:
+        """e; None for samples and mixtures."""
+
+    @property
+    def tangential_restitution(self) -> float | None:
+        """et; None for samples and mixtures."""
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+
+    @property
+    def mass_ratio(self) -> float:
+        """The mass of a scatterer over that of the tracer."""
+
+
 @dataclass(frozen=True)
 class Medium:
     """Fixed smooth disks at a finite density.
@@ -100,7 +117,12 @@ class Medium:
 
     @classmethod
     def checked(
-        cls, law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any
+        cls,
+        law: BounceArguments,
+        scatterers: object,
+        number_density: object,
+        diameter: object,
+        order: object,
     ) -> Medium | None:
         """Return what a law finds among these scatterers; None where they are dilute.
 

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from kinetics.numerics import ComplexArray, FloatArray
 
+#: Real or complex numbers, where it does not matter which.
+NumberArray = NDArray[Any]
 #: Arrays of real or of complex powers, and what has their type.
-Numbers = TypeVar("Numbers", FloatArray, ComplexArray, NDArray[Any])
+Numbers = TypeVar("Numbers", FloatArray, ComplexArray, NumberArray)
 
 
 @dataclass(frozen=True, eq=False)
