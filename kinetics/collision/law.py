@@ -138,7 +138,7 @@ class CollisionLaw(WeightedBounces):
         Examples
         --------
         >>> half = CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.0, 0.0])
-        >>> float(half.mean_speed_ratio_power(2.0))
+        >>> round(float(half.mean_speed_ratio_power(2.0)), 12)
         0.485
         """
         dimension = whole_number("dimension", dimension, 2, 3)
