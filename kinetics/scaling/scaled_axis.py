@@ -29,7 +29,8 @@ MAX_DEPTH = 100.0 * math.log(10.0)
 MIN_NODES = 8
 #: Most nodes of a panel. The origin is not recorded.
 MAX_NODES = 256
-#: Nodes of a panel beyond one for each digit of rtol. The origin is not recorded.
+#: Nodes of a panel beyond one for each digit of rtol. The origin is not recorded; at half and at
+#: twice the error of F stays below 0.3 rtol, and at twice the time is a quarter longer.
 NODES_BEYOND_DIGITS = 6
 
 #: Error of F over the last coefficients of ln w, at most. Measured against the closed form for 6 to
@@ -44,7 +45,7 @@ ROUNDING_FLOOR = 64 * ROUNDING
 #: Largest |ln| of an integrand that is trusted: beyond, too few nodes have gone wild. Chosen.
 MAX_LOG_INTEGRAND = 1e6
 #: Step, in deviations, of the differences that give the steepness of ln g. The origin is not
-#: recorded.
+#: recorded; at half and at twice nothing changes.
 STEEPNESS_STEP = 0.1
 
 
