@@ -262,7 +262,8 @@ class DensityMarch:
     def _flux_from_above(self, losses: PanelLosses, log_w: FloatArray) -> FloatArray:
         """Return what flux brings from the panels above, over w, at the nodes, (n_nodes - 1,)."""
         flux = np.zeros(log_w.size)
-        for upper, of_panel in zip(reversed(self.log_w), losses.above, strict=False):
+        from_above = losses.from_above(len(self.log_w))
+        for upper, of_panel in zip(reversed(self.log_w), from_above, strict=False):
             w_ratio = np.exp(of_panel.rows @ upper - log_w[of_panel.node])
             flux += np.bincount(of_panel.node, of_panel.flux * w_ratio, log_w.size)
         return flux

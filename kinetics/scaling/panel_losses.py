@@ -50,7 +50,6 @@ class PanelLosses:
     rows : their interpolation from the nodes of the panel without the node itself, so that they
         act on differences, shape (n_nodes - 1, n_points, n_nodes)
     flux_beyond_panel : what is left of the mean loss kappa, shape (n_nodes - 1,)
-    above : the points on the panel m panels further up, m = 1, 2, ...
     """
 
     def __init__(
@@ -69,13 +68,25 @@ class PanelLosses:
         self.flux = flux_on_panel[:, :n_on_panel]
         self.rows = _rows_on_panel(rule, loss[:n_on_panel] / width, is_on_panel[:, :n_on_panel])
         self.flux_beyond_panel = law.mean_log_loss - flux_on_panel.sum(axis=1)
-        panels_up = np.maximum(np.ceil(place).astype(int) - 1, 0)
-        above = []
-        for m in range(1, int(panels_up.max(initial=0)) + 1):
-            node, point = np.nonzero(panels_up == m)
-            rows = rule.rows(place[node, point] - m)
-            above.append(LossesFromAbove(node, flux[point], rows))
-        self.above = tuple(above)
+        self._rule = rule
+        self._place = place
+        self._all_flux = flux
+        self._panels_up = np.maximum(np.ceil(place).astype(int) - 1, 0)
+        self._furthest = int(self._panels_up.max(initial=0))
+        self._above: list[LossesFromAbove] = []
+
+    def from_above(self, n_panels: int) -> list[LossesFromAbove]:
+        """Return the points on the next panels further up, nearest first; they are kept.
+
+        Parameters
+        ----------
+        n_panels : how many panels there are; fewer are returned if losses do not lead so far
+        """
+        for m in range(len(self._above) + 1, min(n_panels, self._furthest) + 1):
+            node, point = np.nonzero(self._panels_up == m)
+            rows = self._rule.rows(self._place[node, point] - m)
+            self._above.append(LossesFromAbove(node, self._all_flux[point], rows))
+        return self._above[:n_panels]
 
 
 def _rows_on_panel(rule: Chebyshev, loss: FloatArray, is_on_panel: NDArray[np.bool_]) -> FloatArray:
