@@ -7,7 +7,7 @@ these curves with the kinetic equation. Also known as `kinetics.sonine`.
 Lengths in d, speeds in U, times in d/U, number densities in d^-2, diffusion coefficients in d U.
 Arguments are numbers or arrays that broadcast. They are not checked: outside its range a formula is
 NaN. In the random walk h(e) is the paper's fit 1.45 (1 - e) unless ``cooling_rate`` says otherwise,
-l its 13.5 d, v0(0) its sqrt(2) U. At e = 1 every function is its own limit.
+l its 13.5 d, v0(0) its sqrt(2) U. At e = 1 every function is its own limit. Begin with :func:`a2`.
 """
 
 from __future__ import annotations
@@ -21,137 +21,171 @@ from kinetics.numerics import LARGEST_LOG, FloatArray
 
 # -- the scaled state in the first Sonine approximation, and its cooling (Appendix B) --------------
 
+#: v0(0) of the paper's Gaussian start, in U (eq. v0defi).
 THERMAL_SPEED_START = math.sqrt(2.0)
-"""v0(0) of the paper's Gaussian start, in U (eq. v0defi)."""
 
+#: Smallest restitution at which the printed a2 is real (eq. compare1).
 THRESHOLD_RESTITUTION = math.sqrt(-23 / 50 + 16 * math.sqrt(14) / 75)
-"""Smallest restitution at which the printed a2 is real (eq. compare1)."""
 
+#: h(e) = 1.45 (1 - e), fitted by the paper to its particle data (eq. hsimu).
 FITTED_COOLING_FACTOR = 1.45
-"""h(e) = 1.45 (1 - e), fitted by the paper to its particle data (eq. hsimu)."""
+
+#: Sign of the square root in a2 (eqs. sonine11, sonine12).
+SIGN_OF_ROOT = {"stable": -1.0, "unstable": 1.0}
 
 
 def numbers(value: ArrayLike) -> FloatArray:
-    """The argument of a formula as an array of doubles."""
+    """Return the argument of a formula as an array of doubles."""
     return np.asarray(value, dtype=float)
 
 
 def _discriminant_root(e2: FloatArray) -> FloatArray:
-    """sqrt(-383 + 828 e^2 + 900 e^4), NaN where the radicand is negative."""
+    """Return sqrt(-383 + 828 e^2 + 900 e^4), NaN where the radicand is negative."""
     radicand = -383 + 828 * e2 + 900 * e2**2
     return np.sqrt(np.where(radicand >= 0, radicand, np.nan))
 
 
 def a2(restitution: ArrayLike, root: str = "stable") -> FloatArray:
-    """Second Sonine coefficient (eq. sonine11); the minus sign is the stable root (eq. sonine12).
+    """Return the second Sonine coefficient (eq. sonine11).
 
-    NaN below `THRESHOLD_RESTITUTION`, where the printed formula is complex. root: "stable" or
-    "unstable".
+    Parameters
+    ----------
+    restitution : e
+    root : "stable" (the minus sign, eq. sonine12) or "unstable"
+
+    Returns
+    -------
+    NaN below `THRESHOLD_RESTITUTION`, where the printed formula is complex
     """
     e2 = numbers(restitution) ** 2
-    sign = {"stable": -1.0, "unstable": 1.0}[root]
+    sign = SIGN_OF_ROOT[root]
     return (1 + 30 * e2 + sign * _discriminant_root(e2)) / 24
 
 
 def m2(restitution: ArrayLike, a2: ArrayLike) -> FloatArray:
-    """Second moment of the collision integral for given a2 (eq. sonine9)."""
+    """Return the second moment of the collision integral for given a2 (eq. sonine9)."""
     return math.sqrt(math.pi) * (1 - numbers(restitution) ** 2) * (1 + 3 / 8 * numbers(a2))
 
 
 def m4(restitution: ArrayLike, a2: ArrayLike) -> FloatArray:
-    """Fourth moment of the collision integral for given a2 (eq. sonine10)."""
+    """Return the fourth moment of the collision integral for given a2 (eq. sonine10)."""
     e2 = numbers(restitution) ** 2
     return math.sqrt(math.pi) * (1 - e2) * (3 + 2 * e2) * (1 + 15 / 8 * numbers(a2))
 
 
 def cooling_rate(restitution: ArrayLike) -> FloatArray:
-    """h(e) = M2/2 (eq. compare2) with M2 in closed form (eq. compare3); NaN below the threshold."""
+    """Return h(e) = M2/2 (eq. compare2) with M2 in closed form (eq. compare3).
+
+    NaN below `THRESHOLD_RESTITUTION`.
+    """
     e2 = numbers(restitution) ** 2
     bracket = 65 / 64 + 15 / 32 * e2 - _discriminant_root(e2) / 64
     return math.sqrt(math.pi) * (1 - e2) * bracket / 2
 
 
 def cooling_rate_fitted(restitution: ArrayLike) -> FloatArray:
-    """h(e) = 1.45 (1 - e) (eq. hsimu)."""
+    """Return h(e) = 1.45 (1 - e) (eq. hsimu)."""
     return FITTED_COOLING_FACTOR * (1 - numbers(restitution))
 
 
 def stability(restitution: ArrayLike, root: str = "stable") -> FloatArray:
-    """H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable."""
+    """Return H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable."""
     return 3 * a2(restitution, root) - (15 / 4 * numbers(restitution) ** 2 + 1 / 8)
 
 
 def vdf(c: ArrayLike, a2: ArrayLike) -> FloatArray:
-    """Scaled VDF phi(c) (1 + a2 S2(c^2)) (eqs. sonine1, sonine2), a density in the plane.
+    """Return the scaled VDF phi(c) (1 + a2 S2(c^2)) (eqs. sonine1, sonine2).
+
+    It is a density in the plane: its integral over d^2c is 1, and c is in units of v0.
 
     With a2 = 0 it is the Maxwell-Boltzmann distribution of the paper's Fig. scalev.
     """
     x = numbers(c) ** 2
+    second_sonine_polynomial = x**2 / 2 - 2 * x + 1
     with np.errstate(under="ignore"):
-        return np.exp(-x) / math.pi * (1 + numbers(a2) * (x**2 / 2 - 2 * x + 1))
+        gaussian = np.exp(-x) / math.pi
+        return gaussian * (1 + numbers(a2) * second_sonine_polynomial)
 
 
 def thermal_speed(
-    time: ArrayLike, cooling_rate: ArrayLike, number_density: float = 0.04, diameter: float = 1.0,
+    time: ArrayLike,
+    cooling_rate: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
     start: float = THERMAL_SPEED_START,
-) -> FloatArray:  # fmt: skip
-    """v0(t) = 1/(1/v0(0) + d rho0 h t) (eq. veq), in U."""
-    return 1 / (1 / start + diameter * number_density * numbers(cooling_rate) * numbers(time))
+) -> FloatArray:
+    """Return v0(t) = 1/(1/v0(0) + d rho0 h t) (eq. veq), in U."""
+    slowing = diameter * number_density * numbers(cooling_rate) * numbers(time)
+    return 1 / (1 / start + slowing)
 
 
 # -- the random walk (Section 3.2) -----------------------------------------------------------------
 
+#: Mean free path in d that the paper puts into eq. msd in place of 1/(2 d rho0) = 12.5 d.
 FITTED_FREE_PATH = 13.5
-"""Mean free path in d that the paper puts into eq. msd in place of 1/(2 d rho0) = 12.5 d."""
 
 
 def alpha(start: ArrayLike = THERMAL_SPEED_START) -> FloatArray:
-    """The slowness alpha = 1/v0(0) (eq. ab), in 1/U."""
+    """Return the slowness alpha = 1/v0(0) (eq. ab), in 1/U."""
     return 1 / numbers(start)
 
 
 def beta(
-    restitution: ArrayLike, number_density: float = 0.04, diameter: float = 1.0,
+    restitution: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
     cooling_rate: ArrayLike | None = None,
-) -> FloatArray:  # fmt: skip
-    """The rate beta = d rho0 h(e) (eq. ab), in 1/d; h(e) by eq. hsimu unless it is given."""
-    h = cooling_rate_fitted(restitution) if cooling_rate is None else numbers(cooling_rate)
-    return diameter * number_density * h
+) -> FloatArray:
+    """Return the rate beta = d rho0 h(e) (eq. ab), in 1/d; h(e) by eq. hsimu unless specified."""
+    if cooling_rate is None:
+        return diameter * number_density * cooling_rate_fitted(restitution)
+    return diameter * number_density * numbers(cooling_rate)
 
 
 def msd_random_walk(
-    time: ArrayLike, restitution: ArrayLike, number_density: float = 0.04, diameter: float = 1.0,
-    free_path: float = FITTED_FREE_PATH, start: float = THERMAL_SPEED_START,
+    time: ArrayLike,
+    restitution: ArrayLike,
+    number_density: float = 0.04,
+    diameter: float = 1.0,
+    free_path: float = FITTED_FREE_PATH,
+    start: float = THERMAL_SPEED_START,
     cooling_rate: ArrayLike | None = None,
-) -> FloatArray:  # fmt: skip
-    """Mean square displacement l^2 N of the random walk (eq. msd), in d^2.
+) -> FloatArray:
+    """Return the mean square displacement l^2 N of the random walk (eq. msd), in d^2.
 
     N = ln(1 + beta t/alpha)/ln(1 + l beta) (eq. N); t/(alpha l) for beta = 0.
     """
     rate = beta(restitution, number_density, diameter, cooling_rate)
     scaled = numbers(time) / alpha(start)
     with np.errstate(divide="ignore", invalid="ignore"):
-        number = np.log1p(rate * scaled) / np.log1p(free_path * rate)
-    return free_path**2 * np.where(rate > 0, number, scaled / free_path)
+        steps = np.log1p(rate * scaled) / np.log1p(free_path * rate)
+    steps_at_constant_speed = scaled / free_path
+    return free_path**2 * np.where(rate > 0, steps, steps_at_constant_speed)
 
 
 # -- Chapman-Enskog, first Sonine approximation ----------------------------------------------------
 
 
 def diffusion_rate(
-    thermal_speed: ArrayLike, restitution: ArrayLike, a2: ArrayLike, number_density: float = 0.04,
+    thermal_speed: ArrayLike,
+    restitution: ArrayLike,
+    a2: ArrayLike,
+    number_density: float = 0.04,
     diameter: float = 1.0,
-) -> FloatArray:  # fmt: skip
-    """nu_D of the first Sonine approximation (eq. ad6), with 2 T/m = v0^2, in U/d."""
+) -> FloatArray:
+    """Return nu_D of the first Sonine approximation (eq. ad6), with 2 T/m = v0^2, in U/d."""
     factor = diameter * number_density * (1 + numbers(restitution)) / 2
     return factor * math.sqrt(math.pi) * numbers(thermal_speed) * (2 + 3 / 4 * numbers(a2))
 
 
 def diffusion_coefficient(
-    thermal_speed: ArrayLike, restitution: ArrayLike, a2: ArrayLike, number_density: float = 0.04,
+    thermal_speed: ArrayLike,
+    restitution: ArrayLike,
+    a2: ArrayLike,
+    number_density: float = 0.04,
     diameter: float = 1.0,
-) -> FloatArray:  # fmt: skip
-    """D_e(t) of the first Sonine approximation (eq. ad7), with 2 T/m = v0^2, in d U."""
+) -> FloatArray:
+    """Return D_e(t) of the first Sonine approximation (eq. ad7), with 2 T/m = v0^2, in d U."""
     slowing = (numbers(restitution) + 1) ** 2 * (1 + 3 / 8 * numbers(a2))
     return numbers(thermal_speed) / math.sqrt(math.pi) / (diameter * number_density) / slowing
 
@@ -159,47 +193,51 @@ def diffusion_coefficient(
 def msd_sonine(
     time: ArrayLike, restitution: ArrayLike, number_density: float = 0.04, diameter: float = 1.0
 ) -> FloatArray:
-    """Mean square displacement of the first Sonine approximation (eq. ad8), in d^2.
+    """Return the mean square displacement of the first Sonine approximation (eq. ad8), in d^2.
 
     The label ad8 stands twice in the paper; this is the second one, with the stable a2. NaN below
     `THRESHOLD_RESTITUTION`.
     """
-    e, rho = numbers(restitution), diameter * number_density
+    e = numbers(restitution)
+    rho = diameter * number_density
     correction = 1 + 3 / 8 * a2(e)
-    slow = math.sqrt(math.pi / 2) * rho * numbers(time)
-    argument = slow * (1 - e**2) * correction
+    scaled_time = math.sqrt(math.pi / 2) * rho * numbers(time)
+    x = scaled_time * (1 - e**2) * correction
     # ln(1 + x)/x, so that the elastic limit, linear in time, is there too
-    growth = np.where(argument == 0, 1.0, np.log1p(argument) / np.where(argument == 0, 1, argument))
-    return 8 / (math.pi * rho**2) * slow * growth / ((1 + e) ** 2 * correction)
+    is_linear = x == 0
+    growth = np.where(is_linear, 1.0, np.log1p(x) / np.where(is_linear, 1, x))
+    return 8 / (math.pi * rho**2) * scaled_time * growth / ((1 + e) ** 2 * correction)
 
 
 # -- the position distribution (Section 3.3) -------------------------------------------------------
 # R = r/sqrt(<r^2>); the integrals of the exact G and R^2 G over R >= 0 are both 1. eta and gamma
 # are the paper's fit parameters. At large R every form is 0, and none overflows.
 
+#: eta of the paper's fit to the tail of G(R) (eq. gammatailg).
 TAIL_ETA = 0.25
-"""eta of the paper's fit to the tail of G(R) (eq. gammatailg)."""
 
+#: gamma of the same fit; the integral itself gives 2.
 TAIL_GAMMA = 7.39
-"""gamma of the same fit; the integral itself gives 2  ."""
 
+#: eta of the paper's fit to the peak of G(R) (eq. peakg).
 PEAK_ETA = 0.75
-"""eta of the paper's fit to the peak of G(R) (eq. peakg)."""
 
+#: Most probable scaled speed of the Gaussian, the V of eq. peakg.
 PEAK_SPEED = 1 / math.sqrt(2)
-"""Most probable scaled speed of the Gaussian, the V of eq. peakg."""
 
-_FAR = math.exp(0.25 * LARGEST_LOG)  # every curve is 0 in double precision long before
+#: Largest z = R/sqrt(eta) that is computed with: every curve is 0 in double precision long before.
+#: Derived: its square does not overflow.
+MAX_SCALED_RADIUS = math.exp(0.25 * LARGEST_LOG)
 
 
 def _scaled(r: ArrayLike, eta: ArrayLike) -> FloatArray:
-    """z = R/sqrt(eta), no further than _FAR: its square does not overflow."""
+    """Return z = R/sqrt(eta), no further than `MAX_SCALED_RADIUS`."""
     with np.errstate(over="ignore", under="ignore"):
-        return np.minimum(numbers(r) / np.sqrt(numbers(eta)), _FAR)
+        return np.minimum(numbers(r) / np.sqrt(numbers(eta)), MAX_SCALED_RADIUS)
 
 
 def position_given_speed(r: ArrayLike, eta: ArrayLike, speed: ArrayLike) -> FloatArray:
-    """G(R, V) of one hopping speed V (eqs. posivel, peakg), normalised over R."""
+    """Return G(R, V) of one hopping speed V (eqs. posivel, peakg), normalised over R."""
     width = numbers(eta) * numbers(speed) ** 2
     z = _scaled(r, width)
     with np.errstate(under="ignore"):
@@ -209,12 +247,12 @@ def position_given_speed(r: ArrayLike, eta: ArrayLike, speed: ArrayLike) -> Floa
 def position_peak(
     r: ArrayLike, eta: ArrayLike = PEAK_ETA, speed: ArrayLike = PEAK_SPEED
 ) -> FloatArray:
-    """G(R) near its peak (eq. peakg), by default with the paper's eta and V = 1/sqrt(2)."""
+    """Return G(R) near its peak (eq. peakg), by default with the paper's eta and V = 1/sqrt(2)."""
     return position_given_speed(r, eta, speed)
 
 
 def position_integral(r: ArrayLike, eta: ArrayLike = 0.5) -> FloatArray:
-    """G(R) of eq. gdefi, the integral over V done: (2R/eta) K0(R sqrt(2/eta)).
+    """Return G(R) of eq. gdefi, the integral over V done: (2R/eta) K0(R sqrt(2/eta)).
 
     Normalised over R for every eta; <R^2> = 2 eta, so that eta = 1/2 leaves nothing to fit.
     """
@@ -230,7 +268,7 @@ def position_integral(r: ArrayLike, eta: ArrayLike = 0.5) -> FloatArray:
 def position_tail(
     r: ArrayLike, eta: ArrayLike = TAIL_ETA, gamma: ArrayLike = TAIL_GAMMA
 ) -> FloatArray:
-    """G(R) by steepest descent (eqs. pdefi, csolu, tailg) times the fitted gamma (eq. gammatailg).
+    """Return G(R) by steepest descent (eqs. pdefi, csolu, tailg) times gamma (eq. gammatailg).
 
     gamma = 1 gives eq. tailg. The defaults are the paper's fit.
     """
@@ -238,14 +276,15 @@ def position_tail(
     factor = 2 * numbers(gamma) / np.sqrt(numbers(eta))
     # On the saddle R^2 = eta (w + 2 w^2), so that R^2 p = ln(w)/2 + 2 w + 1/2 and
     # R^2 p'' = 8 + 2/w: the square root of w goes with that of p''. w = (sqrt(1 + 8 z^2) - 1)/4
-    wide = math.sqrt(8) * z
+    root_8_z = math.sqrt(8) * z
     with np.errstate(under="ignore"):
-        w = wide / 4 * (wide / (1 + np.hypot(1, wide)))
-        return factor * z * np.sqrt(math.pi / (4 + 16 * w)) * np.exp(-2 * w - 0.5)
+        w = root_8_z / 4 * (root_8_z / (1 + np.hypot(1, root_8_z)))
+        gaussian_width = np.sqrt(math.pi / (4 + 16 * w))
+        return factor * z * gaussian_width * np.exp(-2 * w - 0.5)
 
 
 def position_far_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> FloatArray:
-    """G(R) in the limit of large R (eq. semig), as printed; half of what the integral tends to."""
+    """Return G(R) at large R (eq. semig), as printed; half of what the integral tends to."""
     z = _scaled(r, eta)
     with np.errstate(under="ignore"):
         prefactor = np.sqrt(math.pi * z / (2 * math.sqrt(2))) / np.sqrt(numbers(eta))

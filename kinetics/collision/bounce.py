@@ -7,88 +7,65 @@ by -e, the tangential one, y, by et. In units of its speed before the bounce (pa
 
     s^2 = e^2 (1 - y^2) + et^2 y^2,   s cos(chi) = et y^2 - e (1 - y^2)
 
-A collision is a weighted sum of such bounces, or of samples, which have the same methods.
+Begin with :class:`DiskBounce`; :class:`SampledBounce` has the same methods.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kinetics.collision.quadrature import ImpactQuadrature, Numbers
 from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
 from kinetics.results.record import stored_class
 from kinetics.validation import finite_line, refuse
 
-# Gauss-Legendre points on each panel. They are exact to 1e-14 for s^z cos(m chi) while this varies
-# by less than 1.5 radians a point on it, and for exponentials that fall by one e-fold a point:
-# tests/kinetics/collision/test_law.py has the largest powers.
-_POINTS = 20
-_LEVELS_KEPT = 6  # quadratures of up to 60,000 points are kept for the next question
-_MOST_POINTS = 7e6  # about a gigabyte of exponentials
-_MOST_SAMPLES = 20_000  # samples: each costs some kilobytes on every panel
+#: Gauss-Legendre points on each panel. Measured (tests/kinetics/collision/test_law.py has the
+#: largest powers): they are exact to 1e-14 for s^z cos(m chi) while this varies by less than
+#: `RADIANS_PER_POINT` on it, and for exponentials that fall by one e-fold a point.
+POINTS_ON_PANEL = 20
+#: Change of the phase of s^z cos(m chi) from point to point that a panel resolves.
+RADIANS_PER_POINT = 1.5
+#: Most points of a quadrature. Chosen: about a gigabyte of exponentials.
+MAX_POINTS = 7e6
+#: Depth in -ln y to which panels reach where s = et y may be 0; more than is used. Chosen.
+DEPTH_OF_FULL_STOP = 70.0
+#: Smallest length of the panels, where s is constant: any will do. Chosen.
+MIN_PANEL_LENGTH = 1e-3
+#: How much deeper than `FOLDS` the survival of low speeds is known, in -ln s. Chosen: low speeds
+#: see the bulk of the scaling state, some e-folds wide, from the deepest loss.
+SURVIVAL_BEYOND_FOLDS = 8.0
+#: Most samples of a law. Chosen: each costs some kilobytes on every panel.
+MAX_SAMPLES = 20_000
+#: Largest difference from 1 of the sum of weights that a user gives. The origin is not recorded.
+MAX_ERROR_OF_WEIGHTS = 1e-9
+#: Largest excess over 1 of a cosine that counts as rounding. The origin is not recorded.
+ROUNDING_OF_COSINE = 1e-12
 
 
-@dataclass(frozen=True)
-class ImpactQuadrature:
-    """Averages over one collision: E[f] = sum_k weight_k f_k; arrays of shape ``(n_nodes,)``.
+@dataclass(frozen=True, eq=False)
+class ImpactNodes:
+    """Nodes of a quadrature over y uniform on [0, 1]; arrays of shape (n_nodes,).
 
-    weight : positive, sums to 1
-    log_loss : -ln s, s the speed ratio of the bounce; accurate relative to itself
-    deflection : chi, from 0 to pi, in which small deflections keep their digits
+    Parameters
+    ----------
+    y : the impact parameter, the tangential share of the velocity
+    normal : the normal one, sqrt(1 - y^2), which keeps its digits
+    weight : sums to 1
+    log_loss : -ln s, which keeps its digits
     """
 
+    y: FloatArray
+    normal: FloatArray
     weight: FloatArray
     log_loss: FloatArray
-    deflection: FloatArray
-    dimension: int = 2
-
-    @property
-    def ratio(self) -> FloatArray:
-        """s, shape (n_nodes,)."""
-        return np.exp(-self.log_loss)
-
-    @property
-    def cosine(self) -> FloatArray:
-        """cos(chi), shape (n_nodes,)."""
-        return np.cos(self.deflection)
-
-    def losses(self, z: NDArray[Any]) -> NDArray[Any]:
-        """1 - s^z, of the shape of z and (n_nodes,), accurate where it is small."""
-        if not np.iscomplexobj(z):
-            return np.asarray(-np.expm1(-np.multiply.outer(z, self.log_loss)))
-        fall, half = (np.multiply.outer(x, self.log_loss) for x in (z.real, 0.5 * z.imag))
-        sine, left = np.sin(half), 2.0 * np.exp(-fall)  # quicker than a complex expm1
-        left *= sine
-        return np.asarray(left * sine - np.expm1(-fall) + 1j * (left * np.cos(half)))
-
-    def harmonic_loss(self, m: int) -> FloatArray:
-        """1 - cos(m chi) in the plane, 1 - P_m(cos chi) in space, accurate where it is small."""
-        if self.dimension == 2:
-            return np.asarray(2.0 * np.sin(0.5 * m * self.deflection) ** 2)
-        *_, last = self.harmonic_losses(abs(m))
-        return last
-
-    def harmonic_losses(self, top: int) -> Iterator[FloatArray]:
-        """harmonic_loss(m) for m up to ``top``, one after another: there may be many nodes."""
-        if self.dimension == 2:
-            yield from (self.harmonic_loss(m) for m in range(top + 1))
-            return
-        # q_m = (1 - P_m(x))/(1 - x), from (n+1) P_(n+1) = (2n+1) x P_n - n P_(n-1)
-        x, turned = self.cosine, 2.0 * np.sin(0.5 * self.deflection) ** 2
-        before, last = np.zeros_like(x), np.zeros_like(x)
-        for n in range(top + 1):
-            yield turned * last
-            next_one = ((2 * n + 1) * (1.0 + x * last) - n * before) / (n + 1)
-            before, last = last, next_one
 
 
 @stored_class
@@ -104,17 +81,37 @@ class DiskBounce:
     tangential_restitution: float = 1.0
     dimension: int = 2
 
+    # -- what kind of bounce it is ----------------------------------------------------------------
+
     @cached_property
-    def _ends(self) -> tuple[float, float, float]:
-        """The least and the largest speed ratio, and the difference of their squares."""
-        least, most = sorted((abs(self.restitution), self.tangential_restitution))
-        return least, most, (most - least) * (most + least)
+    def least_ratio(self) -> float:
+        """The smallest speed ratio s."""
+        return min(abs(self.restitution), self.tangential_restitution)
+
+    @cached_property
+    def largest_ratio(self) -> float:
+        """The largest speed ratio s."""
+        return max(abs(self.restitution), self.tangential_restitution)
+
+    @cached_property
+    def _spread(self) -> float:
+        """The difference of the squares of the largest and the least speed ratio."""
+        least = self.least_ratio
+        largest = self.largest_ratio
+        return (largest - least) * (largest + least)
+
+    @property
+    def is_faster_at_grazing(self) -> bool:
+        """Whether s rises with y, from e head-on to et, or is constant."""
+        return self.restitution <= self.tangential_restitution
 
     @property
     def losses(self) -> tuple[float, float]:
         """The least and the largest -ln s."""
-        least, most, _ = self._ends
-        return 0.0 - math.log(most), -math.log(least) if least > 0.0 else math.inf
+        least_loss = 0.0 - math.log(self.largest_ratio)
+        if self.least_ratio == 0.0:
+            return least_loss, math.inf
+        return least_loss, -math.log(self.least_ratio)
 
     @property
     def lowest_power(self) -> float:
@@ -126,95 +123,165 @@ class DiskBounce:
     @property
     def tail_exponent(self) -> float:
         """b where E[s^p] tends to b/p; NaN (not known) at rough scatterers with e = 1."""
-        e, et = self.restitution, self.tangential_restitution
-        if et == 1.0 and e < 1.0:
+        e = self.restitution
+        is_smooth = self.tangential_restitution == 1.0
+        if e == 1.0:
+            return math.inf if is_smooth else math.nan
+        if is_smooth:
             return (self.dimension - 1.0) / ((1.0 - e) * (1.0 + e))
-        return 0.0 if e < 1.0 else math.inf if et == 1.0 else math.nan
+        return 0.0
 
     @property
     def has_atoms(self) -> bool:
         """Whether s takes one value only."""
         return self.restitution == self.tangential_restitution
 
+    # -- averages ---------------------------------------------------------------------------------
+
     @cached_property
-    def _top(self) -> float:
+    def _map_length(self) -> float:
         """U of :meth:`_nodes`: s has its branch points at the distance pi/2 of u = 0 then."""
-        least, most, square = self._ends
-        if least == 0.0:
-            return 70.0  # more than the depth that is used
-        # asinh(sqrt(square)/least), which does not overflow; any U > 0 will do for s = const
-        return max(math.log(most + math.sqrt(square)) - math.log(least), 1e-3)
+        if self.least_ratio == 0.0:
+            return DEPTH_OF_FULL_STOP
+        # asinh(sqrt(spread)/least), which does not overflow
+        length = math.log(self.largest_ratio + math.sqrt(self._spread)) - math.log(self.least_ratio)
+        return max(length, MIN_PANEL_LENGTH)
 
     def level(self, rate: float, m: int) -> int:
-        """How often panels are halved for functions as fast as s^z cos(m chi), |z| up to rate."""
-        both_ends = 1.0 if self.restitution <= self.tangential_restitution else 2.0
-        turn = both_ends * rate * min(1.0, self._top * math.tanh(self._top)) + 3.0 * m
-        finer = max(1.0, turn / (1.5 * _POINTS))
-        length = FOLDS if self._ends[0] == 0.0 else self._top
-        if not finer * _POINTS * max(1.0, length) <= _MOST_POINTS:
+        """Return how often panels are halved for functions as fast as s^z cos(m chi).
+
+        Parameters
+        ----------
+        rate : |z| at most
+        m : the harmonic, not negative
+
+        Raises
+        ------
+        InputError
+            The quadrature would need too many points.
+        """
+        length = self._map_length
+        steepness = rate * min(1.0, length * math.tanh(length))
+        if not self.is_faster_at_grazing:
+            steepness *= 2.0  # in the sine of the map, both ends of s are steep
+        radians = steepness + 3.0 * m
+        finer = max(1.0, radians / (RADIANS_PER_POINT * POINTS_ON_PANEL))
+        used_length = FOLDS if self.least_ratio == 0.0 else length
+        if not finer * POINTS_ON_PANEL * max(1.0, used_length) <= MAX_POINTS:
             raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
         return math.ceil(math.log2(finer))
 
-    def _nodes(self, level: int, deepest: float = FOLDS) -> tuple[FloatArray, ...]:
-        """y, sqrt(1 - y^2), weights of a uniform y, -ln s, (n_nodes,); panels are 2^-level long."""
-        e, et, top = self.restitution, self.tangential_restitution, self._top
-        least, most, square = self._ends
-        length = deepest if least == 0.0 else top
-        u, w = equal_panels(length, _POINTS, min(1.0, top) * 2.0**-level)
-        rest, u = u[::-1], top - length + u  # U - u without cancellation: nodes are symmetric
-        scale, small = -math.expm1(-2.0 * top), np.exp(-2.0 * u)
-        low = np.exp(-rest) * -np.expm1(-2.0 * u) / scale
-        left = -np.expm1(-rest) * (1.0 + np.exp(-top - u)) / scale  # 1 - low
-        w = w * np.exp(-rest) * (1.0 + small) / scale
-        high = np.sqrt(left * (1.0 + low))
-        if e > et:
-            high, low = np.sin(0.5 * math.pi * left), np.sin(0.5 * math.pi * low)
-            w = 0.5 * math.pi * w * low
-        lost = (1.0 - most) * (1.0 + most) + square * high**2  # 1 - s^2: keeps digits near s = 1
-        near = lost < 0.5
-        xi = -np.log(np.hypot(least * high, most * low))
-        xi = np.where(near, -0.5 * np.log1p(-np.where(near, lost, 0.0)), xi)
-        return (low, high, w, xi) if e <= et else (high, low, w, xi)
+    def _nodes(self, level: int, deepest: float = FOLDS) -> ImpactNodes:
+        """Return Gauss points on panels in u, 2^-level long, with t = sinh(u)/sinh(U).
+
+        Where s rises with y, y is t; elsewhere sqrt(1 - y^2) is sin(pi t/2).
+
+        Parameters
+        ----------
+        level : how often panels are halved
+        deepest : U - u to which they reach where s may be 0
+        """
+        top = self._map_length
+        length = deepest if self.least_ratio == 0.0 else top
+        points, step = equal_panels(length, POINTS_ON_PANEL, min(1.0, top) * 2.0**-level)
+        below_top = points[::-1]  # U - u without cancellation: nodes are symmetric
+        u = top - length + points
+        scale = -math.expm1(-2.0 * top)
+        small = np.exp(-2.0 * u)
+        t = np.exp(-below_top) * -np.expm1(-2.0 * u) / scale
+        one_minus_t = -np.expm1(-below_top) * (1.0 + np.exp(-top - u)) / scale
+        weight = step * np.exp(-below_top) * (1.0 + small) / scale  # cosh(u)/sinh(U) du
+        if self.is_faster_at_grazing:
+            y = t
+            normal = np.sqrt(one_minus_t * (1.0 + t))
+            log_loss = self._log_loss(faster=y, slower=normal)
+        else:
+            y = np.sin(0.5 * math.pi * one_minus_t)
+            normal = np.sin(0.5 * math.pi * t)
+            weight = 0.5 * math.pi * weight * normal
+            log_loss = self._log_loss(faster=normal, slower=y)
+        return ImpactNodes(y, normal, weight, log_loss)
+
+    def _log_loss(self, faster: FloatArray, slower: FloatArray) -> FloatArray:
+        """Return -ln s from the components with the larger and the smaller restitution."""
+        largest = self.largest_ratio
+        log_loss = -np.log(np.hypot(self.least_ratio * slower, largest * faster))
+        # 1 - s^2: keeps digits near s = 1
+        energy_loss = (1.0 - largest) * (1.0 + largest) + self._spread * slower**2
+        is_small = energy_loss < 0.5
+        small_loss = -0.5 * np.log1p(-np.where(is_small, energy_loss, 0.0))
+        return np.where(is_small, small_loss, log_loss)
 
     def quadrature(self, level: int) -> ImpactQuadrature:
-        """The average, with panels 2^level times shorter than for slow functions."""
-        e, et = self.restitution, self.tangential_restitution
-        y, missed, w, xi = self._nodes(level)
-        chi = np.arctan2((et + e) * y * missed, et * y**2 - e * missed**2)
-        return ImpactQuadrature(w if self.dimension == 2 else 2.0 * y * w, xi, chi, self.dimension)
+        """Return the average, with panels 2^level times shorter than for slow functions."""
+        e = self.restitution
+        et = self.tangential_restitution
+        nodes = self._nodes(level)
+        sine = (et + e) * nodes.y * nodes.normal
+        cosine = et * nodes.y**2 - e * nodes.normal**2
+        weight = nodes.weight
+        if self.dimension == 3:
+            weight = 2.0 * nodes.y * weight
+        chi = np.arctan2(sine, cosine)  # of s sin(chi) and s cos(chi)
+        return ImpactQuadrature(weight, nodes.log_loss, chi, self.dimension)
 
-    def beyond(self, p: NDArray[Any], lost: bool = False) -> NDArray[Any] | float:
-        """What bounces that lose more than any node add to E[s^p], or to 1 - E[s^p] (``lost``).
+    def ratio_power_beyond(self, p: Numbers) -> Numbers:
+        """Return what bounces that lose more than any node add to E[s^p]; 0 if s is never 0."""
+        if self.least_ratio > 0.0:
+            return np.zeros_like(p)
+        power = -self.lowest_power
+        exponent = p * self._log_ratio_at_end + power * self._log_end
+        return (self.dimension - 1.0) * np.exp(exponent) / (p + power)
 
-        0 but where s reaches 0; what is lost is accurate relative to itself, at small p too.
-        """
-        if self._ends[0] > 0.0:
-            return 0.0
-        near, power = -FOLDS, -self.lowest_power  # y = e^near where e = 0
-        if self.restitution > 0.0:
-            near += math.log(0.5 * math.pi)  # sqrt(1 - y^2), and y dy = -that times its change
-        above, fall = self.dimension - 1.0, p * (math.log(self._ends[1]) + near)
-        if lost:
-            gone = (p - power * np.expm1(fall)) / (p + power)
-            return above / power * math.exp(power * near) * gone
-        return above * np.exp(fall + power * near) / (p + power)
+    def loss_beyond(self, p: Numbers) -> Numbers:
+        """Return what they add to 1 - E[s^p], accurate relative to itself, at small p too."""
+        if self.least_ratio > 0.0:
+            return np.zeros_like(p)
+        power = -self.lowest_power
+        share = (self.dimension - 1.0) / power * math.exp(power * self._log_end)
+        return share * ((p - power * np.expm1(p * self._log_ratio_at_end)) / (p + power))
+
+    @property
+    def _log_end(self) -> float:
+        """ln y at the end of all nodes where e = 0; where et = 0, ln sqrt(1 - y^2)."""
+        if self.restitution == 0.0:
+            return -FOLDS
+        return -FOLDS + math.log(0.5 * math.pi)
+
+    @property
+    def _log_ratio_at_end(self) -> float:
+        """ln s there."""
+        return math.log(self.largest_ratio) + self._log_end
 
     def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
-        """P(-ln s > u) is y^(d-1) where e < et, 1 - y^(d-1) where et < e, 1 up to the least loss.
+        """Return points u, and weights w, of int_0^inf P(-ln s > u) f(u) du = sum w f(u).
 
+        Parameters
+        ----------
+        level : how often panels are halved, by :meth:`level`
+        rate : f is as fast as e^(rate u)
+
+        Notes
+        -----
+        P(-ln s > u) is y^(d-1) where e < et, 1 - y^(d-1) where et < e, 1 up to the least loss; and
         du = |et^2 - e^2| y dy/s^2.
         """
-        # low speeds see the bulk of the scaling state, some e-folds wide, from the deepest loss
-        y, missed, w, u = self._nodes(level, FOLDS + 8.0)
-        if self.restitution <= self.tangential_restitution:
-            chance = y ** (self.dimension - 1)
+        nodes = self._nodes(level, FOLDS + SURVIVAL_BEYOND_FOLDS)
+        if self.is_faster_at_grazing:
+            probability = nodes.y ** (self.dimension - 1)
+        elif self.dimension == 3:
+            probability = nodes.normal**2
         else:
-            chance = missed**2 if self.dimension == 3 else missed**2 / (1.0 + y)
-        w = w * y * chance * self._ends[2] * np.exp(2.0 * u)
-        if self.losses[0] > 0.0:
-            first, whole = equal_panels(self.losses[0], _POINTS, _POINTS / max(rate, _POINTS))
-            u, w = np.concatenate([first, u]), np.concatenate([whole, w])
-        return u, w
+            probability = nodes.normal**2 / (1.0 + nodes.y)
+        u = nodes.log_loss
+        weight = nodes.weight * nodes.y * probability * self._spread * np.exp(2.0 * u)
+        least_loss, _ = self.losses
+        if least_loss > 0.0:
+            longest = POINTS_ON_PANEL / max(rate, POINTS_ON_PANEL)
+            u_of_all, weight_of_all = equal_panels(least_loss, POINTS_ON_PANEL, longest)
+            u = np.concatenate([u_of_all, u])
+            weight = np.concatenate([weight_of_all, weight])
+        return u, weight
 
 
 @stored_class
@@ -233,19 +300,29 @@ class SampledBounce:
     def checked(
         cls, weight: ArrayLike, ratio: ArrayLike, cosine: ArrayLike, dimension: int
     ) -> SampledBounce:
-        """With weights that sum to 1 to rounding; InputError for anything that is no law."""
-        w, s = finite_line("weight", weight), finite_line("ratio", ratio)
+        """Return the samples of non-zero weight, with weights that sum to 1 to rounding.
+
+        Raises
+        ------
+        InputError
+            They are no law.
+        """
+        w = finite_line("weight", weight)
+        s = finite_line("ratio", ratio)
         c = finite_line("cosine", cosine)
         total = float(w.sum())
-        if not 1 <= w.size <= _MOST_SAMPLES or np.any(w < 0.0) or not abs(total - 1.0) <= 1e-9:
-            refuse("weight", w, f"give 1 to {_MOST_SAMPLES} numbers, none negative, whose sum is 1")
+        is_normalised = abs(total - 1.0) <= MAX_ERROR_OF_WEIGHTS
+        if not 1 <= w.size <= MAX_SAMPLES or np.any(w < 0.0) or not is_normalised:
+            refuse("weight", w, f"give 1 to {MAX_SAMPLES} numbers, none negative, whose sum is 1")
         if s.size != w.size or np.any(s <= 0.0):
             refuse("ratio", s, f"it must be {w.size} numbers above 0, one for each weight")
-        if c.size != w.size or np.any(np.abs(c) > 1.0 + 1e-12):
+        if c.size != w.size or np.any(np.abs(c) > 1.0 + ROUNDING_OF_COSINE):
             refuse("cosine", c, f"it must be {w.size} numbers from -1 to 1, one for each weight")
-        kept = w > 0.0
-        w, c = w[kept] / total, np.clip(c[kept], -1.0, 1.0)
-        return cls(tuple(w.tolist()), tuple(s[kept].tolist()), tuple(c.tolist()), dimension)
+        is_counted = w > 0.0
+        w = w[is_counted] / total
+        s = s[is_counted]
+        c = np.clip(c[is_counted], -1.0, 1.0)
+        return cls(tuple(w.tolist()), tuple(s.tolist()), tuple(c.tolist()), dimension)
 
     @property
     def losses(self) -> tuple[float, float]:
@@ -255,156 +332,67 @@ class SampledBounce:
     @property
     def tail_exponent(self) -> float:
         """0 where every bounce loses energy; infinite where a share of them loses none."""
-        return 0.0 if self.losses[0] > 0.0 else math.inf
+        least_loss, _ = self.losses
+        return 0.0 if least_loss > 0.0 else math.inf
 
     def level(self, rate: float, m: int) -> int:
-        """Samples are summed as they are."""
+        """Return 0: samples are summed as they are."""
         return 0
 
     def quadrature(self, level: int) -> ImpactQuadrature:
-        """The samples."""
-        loss, chi = 0.0 - np.log(self.ratio), np.arccos(self.cosine)
-        return ImpactQuadrature(np.array(self.weight), loss, chi, self.dimension)
+        """Return the samples."""
+        log_loss = 0.0 - np.log(self.ratio)
+        chi = np.arccos(self.cosine)
+        return ImpactQuadrature(np.array(self.weight), log_loss, chi, self.dimension)
 
-    def beyond(self, p: NDArray[Any], lost: bool = False) -> NDArray[Any] | float:
-        """Nothing is left out."""
-        return 0.0
+    def ratio_power_beyond(self, p: Numbers) -> Numbers:
+        """Return 0: nothing is left out of E[s^p]."""
+        return np.zeros_like(p)
+
+    def loss_beyond(self, p: Numbers) -> Numbers:
+        """Return 0: nothing is left out of 1 - E[s^p]."""
+        return np.zeros_like(p)
 
     def survival(self, level: int, rate: float) -> tuple[FloatArray, FloatArray]:
-        """Gauss points on equal cells, exact for polynomials: the chance falls in steps."""
+        """Return Gauss points on equal cells, exact for polynomials: P(-ln s > u) falls in steps.
+
+        Parameters and results are as of :meth:`DiskBounce.survival`.
+        """
         q = self.quadrature(0)
+        _, largest_loss = self.losses
         # the weights are interpolatory, of half the order of Gauss weights
-        largest = self.losses[1]
-        count = math.ceil(4.0 * largest * max(rate / _POINTS, 1.0))
-        width = largest / count
-        cell = np.minimum((q.log_loss / width).astype(int), count - 1)
-        node, weight = gauss_legendre(_POINTS)
-        # integrals of Lagrange's polynomials up to each sample, by Legendre's
-        legendre = legvander(2.0 * q.log_loss / width - 2.0 * cell - 1.0, _POINTS)
-        legendre[:, 1:] -= np.insert(legendre[:, :-2], 0, -1.0, axis=1)
-        share = 0.5 * legendre[:, 1:] @ legvander(2.0 * node - 1.0, _POINTS - 1).T * weight
-        ends = np.zeros((count, _POINTS))
-        np.add.at(ends, cell, q.weight[:, None] * share)
-        chance = np.bincount(cell, q.weight, count)
-        beyond = chance.sum() - np.cumsum(chance)
-        u = (np.arange(count)[:, None] + node) * width
-        return u.ravel(), (width * (ends + beyond[:, None] * weight)).ravel()
+        n_cells = math.ceil(4.0 * largest_loss * max(rate / POINTS_ON_PANEL, 1.0))
+        width = largest_loss / n_cells
+        cell = np.minimum((q.log_loss / width).astype(int), n_cells - 1)
+        node, weight = gauss_legendre(POINTS_ON_PANEL)
+        # a sample survives in its own cell up to its place there, from -1 to 1
+        place = 2.0 * q.log_loss / width - 2.0 * cell - 1.0
+        share = _integrals_of_lagrange(place, node, weight)
+        in_own_cell = np.zeros((n_cells, POINTS_ON_PANEL))
+        np.add.at(in_own_cell, cell, q.weight[:, None] * share)
+        probability = np.bincount(cell, q.weight, n_cells)
+        in_later_cells = probability.sum() - np.cumsum(probability)
+        u = (np.arange(n_cells)[:, None] + node) * width
+        survival = width * (in_own_cell + in_later_cells[:, None] * weight)
+        return u.ravel(), survival.ravel()
+
+
+def _integrals_of_lagrange(place: FloatArray, node: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return integrals of Lagrange's polynomials, over [0, 1], up to each place.
+
+    Parameters
+    ----------
+    place : the upper ends, mapped to [-1, 1], shape (n,)
+    node, weight : of the Gauss points on [0, 1], to which the polynomials belong
+
+    Returns
+    -------
+    Shape (n, n_nodes); they are sums of integrals of Legendre's polynomials.
+    """
+    legendre = legvander(place, POINTS_ON_PANEL)
+    legendre[:, 1:] -= np.insert(legendre[:, :-2], 0, -1.0, axis=1)
+    at_nodes = legvander(2.0 * node - 1.0, POINTS_ON_PANEL - 1)
+    return np.asarray(0.5 * legendre[:, 1:] @ at_nodes.T * weight)
 
 
 Bounce = DiskBounce | SampledBounce
-
-
-class Collision:
-    """A weighted sum of bounces, ``bounces`` with the chance of each, which sum to 1; no medium."""
-
-    bounces: tuple[tuple[float, Bounce], ...]
-
-    @cached_property
-    def loss_ends(self) -> tuple[float, ...]:
-        """The least and the largest -ln s of each part of the law: its density steps there."""
-        return tuple(loss for _, part in self.bounces for loss in part.losses)
-
-    @cached_property
-    def is_elastic(self) -> bool:
-        """Whether every bounce keeps the speed."""
-        return not any(self.loss_ends)
-
-    @property
-    def least_loss(self) -> float:
-        """The smallest -ln s that occurs: 0 for smooth scatterers, below 0 if energy is gained."""
-        return min(self.loss_ends)
-
-    @property
-    def largest_loss(self) -> float:
-        """The largest -ln s that occurs: -ln |e| for smooth scatterers, infinite at e = 0."""
-        return max(self.loss_ends)
-
-    @property
-    def least_ratio(self) -> float:
-        """The smallest speed ratio s: |e| for smooth scatterers; 0 where s comes close to 0."""
-        return math.exp(-self.largest_loss)
-
-    @property
-    def has_atoms(self) -> bool:
-        """Whether s takes single values, each with a chance of its own: samples, or et = e."""
-        return any(part.has_atoms for _, part in self.bounces)
-
-    @property
-    def disk_restitutions(self) -> tuple[float, ...]:
-        """The effective restitutions of the disks or spheres of which the law is made."""
-        return tuple(p.restitution for _, p in self.bounces if isinstance(p, DiskBounce))
-
-    @property
-    def throws_back(self) -> bool:
-        """Whether samples throw some of the tracers straight back."""
-        samples = [part for _, part in self.bounces if isinstance(part, SampledBounce)]
-        return any(min(part.cosine) < -1.0 + 1e-9 for part in samples)
-
-    @property
-    def reaches_rest(self) -> bool:
-        """Whether bounces leave as little of the speed as one likes."""
-        return math.isinf(self.largest_loss)
-
-    @property
-    def tail_exponent(self) -> float:
-        """b where E[s^p] tends to b/p at large p: (d-1)/(1-e^2) for smooth disks and spheres.
-
-        0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
-        """
-        return sum(share * part.tail_exponent for share, part in self.bounces)
-
-    # -- averages of one collision ----------------------------------------------------------------
-
-    @cached_property
-    def quadrature(self) -> ImpactQuadrature:
-        """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
-        return self.quadrature_for(0.0)
-
-    def quadrature_for(self, z: ArrayLike, m: int = 0) -> ImpactQuadrature:
-        """The same for functions that vary as fast as s^z cos(m chi), for any z of such a size."""
-        rate = float(np.abs(z).max(initial=0.0))
-        level = max(part.level(rate, m) for _, part in self.bounces)
-        make = _quadrature if level <= _LEVELS_KEPT else _quadrature.__wrapped__
-        return make(self.bounces, level)
-
-    def _beyond(self, p: NDArray[Any], lost: bool = False) -> NDArray[Any]:
-        """What the nodes leave out of E[s^p], or of 1 - E[s^p]."""
-        return np.asarray(sum(share * part.beyond(p, lost) for share, part in self.bounces))
-
-    def survival_for(self, rate: float) -> tuple[FloatArray, FloatArray]:
-        """u and w, (n,) each: int_0^inf P(-ln s > u) f(u) du = sum w f, f as fast as e^(rate u)."""
-        level = max(part.level(rate, 0) for _, part in self.bounces)
-        found = [(share, *part.survival(level, rate)) for share, part in self.bounces]
-        weight = [share * each for share, _, each in found]
-        return np.concatenate([u for _, u, _ in found]), np.concatenate(weight)
-
-    def lost(self, z: NDArray[Any], m: int = 0) -> NDArray[Any]:
-        """1 - E[s^z cos(m chi)] of one collision, shape of z."""
-        q = self.quadrature_for(z, abs(m))
-        lost = q.losses(z)
-        if m == 0:
-            return np.asarray(lost @ q.weight + self._beyond(z, lost=True))
-        # 1 - s^z cos = (1 - s^z) + s^z (1 - cos): no cancellation
-        gone = q.harmonic_loss(m)
-        rate = (lost + (1.0 - lost) * gone) @ q.weight
-        # bounces beyond the nodes deflect by pi/2, as the first node does
-        return np.asarray(rate if m % 2 else rate - self._beyond(z) * (1.0 - gone[0]))
-
-    @cached_property
-    def mean_log_loss(self) -> float:
-        """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
-        return float(self.quadrature.weight @ self.quadrature.log_loss)
-
-    @cached_property
-    def mean_cosine(self) -> float:
-        """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
-        return float(self.quadrature.weight @ self.quadrature.cosine)
-
-
-@lru_cache(maxsize=64)
-def _quadrature(bounces: tuple[tuple[float, Bounce], ...], level: int) -> ImpactQuadrature:
-    """The weighted sum of the averages over these bounces."""
-    found = [(share, bounce.quadrature(level)) for share, bounce in bounces]
-    rows = [(share * q.weight, q.log_loss, q.deflection) for share, q in found]
-    weight, loss, chi = (np.concatenate(row) for row in zip(*rows, strict=True))
-    return ImpactQuadrature(weight, loss, chi, found[0][1].dimension)

@@ -14,48 +14,101 @@ examples/docs/validation.md. Orders of the theory ("density_order"):
 "leading" : the above, without any number that is fitted or integrated
 "first" : the order n too. eps = (2 e/(1 + e)) n ln(1/(C n)) with a constant C(e; m) of each
     harmonic m = 0, 1, 2 (above, the leading order), and collisions 1 + d(e) n times as often. C and
-    d are integrals over two scatterers and over loops, in returns.json
+    d are integrals over two scatterers and over loops (`kinetics.collision.return_constants`)
 "second" : with terms of the next order in the path and in the harmonic m = 1, fitted to
     simulations. The default, because it is the nearest
+
+Begin with :meth:`Medium.returns`.
 """
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
-from functools import cache, cached_property
-from importlib.resources import files
-from typing import Any
+from functools import cached_property
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinetics.collision.bounce import ImpactQuadrature
-from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
+from kinetics.collision.quadrature import ImpactQuadrature, Numbers
+from kinetics.collision.return_constants import OF_SPEED as OF_SPEED
+from kinetics.collision.return_constants import ReturnConstants, constants_at
 from kinetics.validation import check_positive, one_of, refuse
 
 SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
-HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
-TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
-# Simulations over n: the share of tracers slower than v, less 1 - e, and of those nearer than r
-_SLOW, _NEAR = 1.15, 0.2
-# Constants of powers of the speed: of what comes back at once, and of loops of the size of l
-OF_SPEED = ("at once", "ratio at once", "loops", "ratio of loops", "path of loops")
-CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4)) averaged
-LEAST_RESTITUTION = 0.2  # of the constants of the first order: below they are held
-# Fitted (tests/kinetics/measurements/density.py): of the order (n ln n)^2 J_1(0) is less by
-# (a + b n) e^2 and by (f + g n) sqrt(1 - e^2); paths are longer by 4 e (1 - e) n^2 ln(1/n), and
-# J_1(0), near 1.07 - .45 e, loses twice that, because <r^2> is not longer
-_SECOND = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
-_LOSSY, _LONGER, _J1 = (0.2, 3.2), 4.0, (1.07, 0.45)
+
+#: Largest n = rho d^2 that is allowed. The origin is not recorded.
+HIGHEST_DENSITY = 0.3
+#: Smallest one: below, n^2 underflows. The origin of the number is not recorded.
+LEAST_DENSITY = 1e-300
+#: Largest n at which the theory was compared with simulations.
+TESTED_DENSITY = 0.1
+#: Smallest e of the constants of the first order: below they are held. It is where the table ends.
+LEAST_RESTITUTION = 0.2
+#: How fast near loops are cut off, per l: exp(-R (1 + |delta|/4)) averaged. The origin of the
+#: number is not recorded.
+CORRIDOR = 0.6
+#: Largest eps. Chosen: returns of returns must add up, eps |lambda| < 1, and lambda is 2 at most.
+#: It is reached above the tested densities only.
+MAX_RETURNS = 0.45
+
+#: Error over n of the share of tracers slower than v, at e = 0; it is smaller by e. Measured on
+#: simulations; which is not recorded.
+SLOW_SHARE_ERROR = 1.15
+#: Error over n of the share of tracers nearer than r. Measured on simulations; which is not
+#: recorded.
+NEAR_SHARE_ERROR = 0.2
+
+# Fitted (tests/kinetics/measurements/density.py). In the order (n ln n)^2 J_1(0), the way of a
+# tracer, is less by (a + b n) e^2 + (f + g n) sqrt(1 - e^2).
+
+#: a and b of (a + b n) e^2, by the scatterers.
+SHORTER_WAY = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
+#: f of (f + g n) sqrt(1 - e^2). Fitted, as above.
+SHORTER_WAY_LOSSY = 0.2
+#: g of the same.
+SHORTER_WAY_LOSSY_PER_DENSITY = 3.2
+#: Paths are longer by this times e (1 - e) n^2 ln(1/n). Fitted, as above.
+LONGER_PATH = 4.0
+#: J_1(0), near 1.07 - 0.45 e, loses twice what paths are longer by, because <r^2> is not longer.
+#: The origin of both numbers is not recorded.
+WAY_AT_REST = 1.07
+#: By how much J_1(0) is less at e = 1 than at e = 0.
+WAY_FALL = 0.45
+
+
+class BounceArguments(Protocol):
+    """The arguments of a collision law by which it is decided whether a medium is derived."""
+
+    @property
+    def restitution(self) -> float | None:
+        """e; None for samples and mixtures."""
+
+    @property
+    def tangential_restitution(self) -> float | None:
+        """et; None for samples and mixtures."""
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+
+    @property
+    def mass_ratio(self) -> float:
+        """The mass of a scatterer over that of the tracer."""
 
 
 @dataclass(frozen=True)
 class Medium:
-    """Fixed smooth disks at a finite density, of restitution e: density is n = rho d^2."""
+    """Fixed smooth disks at a finite density.
+
+    Parameters
+    ----------
+    scatterers : "overlapping" or "hard disks"
+    density : n = rho d^2
+    restitution : e
+    order : of the theory, one of `ORDERS`
+    """
 
     scatterers: str
     density: float
@@ -64,27 +117,45 @@ class Medium:
 
     @classmethod
     def checked(
-        cls, law: Any, scatterers: Any, number_density: Any, diameter: Any, order: Any
+        cls,
+        law: BounceArguments,
+        scatterers: object,
+        number_density: object,
+        diameter: object,
+        order: object,
     ) -> Medium | None:
-        """What a CollisionLaw finds among these scatterers; None where they are dilute.
+        """Return what a law finds among these scatterers; None where they are dilute.
 
-        Raises InputError for arguments out of range, and where the theory is not derived: rough or
-        moving scatterers, spheres, samples, mixtures.
+        Raises
+        ------
+        InputError
+            An argument is out of range, or the theory is not derived there: rough or moving
+            scatterers, spheres, samples, mixtures.
         """
         scatterers = one_of("scatterers", scatterers, SCATTERERS)
         order = one_of("density_order", order, ORDERS)
         if scatterers == "dilute":
             return None
-        given = f"with scatterers={scatterers!r} it must be"
+        must = f"with scatterers={scatterers!r} it must be"
         if law.mass_ratio < math.inf:
-            refuse("mass_ratio", law.mass_ratio, f"{given} inf: fixed")
+            refuse("mass_ratio", law.mass_ratio, f"{must} inf: fixed")
         if law.restitution is None or law.dimension == 3 or law.tangential_restitution != 1.0:
             refuse("scatterers", scatterers, "a finite density is derived for smooth disks only")
         rho = check_positive("number_density", number_density)
         d = check_positive("diameter", diameter)
-        if not 1e-300 < rho * d * d <= HIGHEST_DENSITY:
-            refuse("number_density", number_density, f"{given} at most {HIGHEST_DENSITY:g} d^-2")
-        return cls(scatterers, rho * d * d, law.restitution, order)
+        density = rho * d * d
+        if not LEAST_DENSITY < density <= HIGHEST_DENSITY:
+            refuse("number_density", number_density, f"{must} at most {HIGHEST_DENSITY:g} d^-2")
+        return cls(scatterers, density, law.restitution, order)
+
+    @cached_property
+    def constants(self) -> ReturnConstants:
+        """The constants of this restitution; at the leading order there are none."""
+        if self.order == "leading":
+            return ReturnConstants()
+        return constants_at(self.restitution)
+
+    # -- the path ---------------------------------------------------------------------------------
 
     @cached_property
     def path_ratio(self) -> float:
@@ -97,131 +168,144 @@ class Medium:
         if self.scatterers == "hard disks":
             eta = 0.25 * math.pi * self.density
             ratio = (1.0 - eta) ** 2 / (1.0 - 7.0 * eta / 16.0)
-        return ratio * (1.0 + self._longer) / (1.0 + self.constants["d"] * self.density)
+        collisions = 1.0 + self.constants.more_collisions * self.density
+        return ratio * (1.0 + self._longer_path) / collisions
 
     @property
-    def _longer(self) -> float:
+    def _longer_path(self) -> float:
         """By how much paths are longer than to the order n."""
-        e, n = self.restitution, self.density
-        return -_LONGER * e * (1.0 - e) * n * n * math.log(n) if self.order == "second" else 0.0
+        if self.order != "second":
+            return 0.0
+        e = self.restitution
+        n = self.density
+        return -LONGER_PATH * e * (1.0 - e) * n * n * math.log(n)
+
+    # -- returns to the scatterer before ----------------------------------------------------------
+
+    @property
+    def _straight_back(self) -> float:
+        """What eps has before its logarithm: n times collisions that go straight back, by angle."""
+        return 2.0 * self.restitution / (1.0 + self.restitution) * self.density
 
     def returns(self, m: int) -> tuple[float, float]:
-        """eps (-1)^m and -ln e of the bounces straight back; both are 0 where none comes.
+        """Return eps (-1)^m and -ln e of the bounces straight back; both are 0 where none comes.
 
         eps is the chance per collision to be thrown back to the scatterer before.
         """
-        e, n = self.restitution, self.density
-        if e == 0.0:
+        if self.restitution == 0.0:
             return 0.0, 0.0
-        log_n = math.log(n)
-        log = log_n + self.constants.get(f"ln C {m}", 0.0)
-        eps = -self._straight * log
+        log_c = self.constants.log_c[m] if 0 <= m <= 2 else 0.0
+        eps = -self._straight_back * (math.log(self.density) + log_c)
         if m == 1 and self.order == "second":
-            (a, b), (f, g) = _SECOND[self.scatterers], _LOSSY
-            more = (a + b * n) * e * e + (f + g * n) * math.sqrt(1.0 - e * e)
-            eps += more * (n * log_n) ** 2 + 2.0 * self._longer * (_J1[0] - _J1[1] * e)
-        # returns of returns must add up, eps |lambda| < 1: above the tested densities only
-        return (-1.0) ** m * min(eps, 0.45), -math.log(e)
+            eps += self._second_order_of_way()
+        return (-1.0) ** m * min(eps, MAX_RETURNS), -math.log(self.restitution)
+
+    def _second_order_of_way(self) -> float:
+        """Return what the order after the first adds to eps of the harmonic m = 1."""
+        e = self.restitution
+        n = self.density
+        constant, per_density = SHORTER_WAY[self.scatterers]
+        shorter = (constant + per_density * n) * e * e
+        shorter += (SHORTER_WAY_LOSSY + SHORTER_WAY_LOSSY_PER_DENSITY * n) * math.sqrt(1.0 - e * e)
+        way = WAY_AT_REST - WAY_FALL * e
+        return shorter * (n * math.log(n)) ** 2 + 2.0 * self._longer_path * way
 
     @property
     def of_speed(self) -> tuple[float, float]:
         """What brings powers of the speed back at once, as `returns`; no loops are in it."""
-        share, ratio = (self.constants.get(name, 0.0) for name in OF_SPEED[:2])
-        return self._straight * share, -math.log(ratio or 1.0)
+        constants = self.constants
+        return self._straight_back * constants.at_once, -math.log(constants.ratio_at_once)
 
     @property
     def far_loops(self) -> tuple[float, float, float]:
         """Loops of the size of l, of powers of the speed: speed ratio, path b/l, and their eps."""
-        share, ratio, path = (self.constants[name] for name in OF_SPEED[2:])
-        return ratio, path, self._straight * share
+        constants = self.constants
+        eps = self._straight_back * constants.loops
+        return constants.ratio_of_loops, constants.path_of_loops, eps
 
-    @property
-    def _straight(self) -> float:
-        """What eps has before its logarithm: n times collisions that go straight back, by angle."""
-        return 2.0 * self.restitution / (1.0 + self.restitution) * self.density
+    def met_again(self, z: Numbers, rate: list[Numbers], m: int) -> list[Numbers]:
+        """Return the Taylor coefficients of lambda_m with returns: lambda/(1 + b lambda).
 
-    def met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
-        """Taylor coefficients of lambda_m at z from those without returns, each of the shape of z.
-
-        Of lambda/(1 + b lambda), b = eps (-1)^m e^z.
+        Parameters
+        ----------
+        z : powers of the speed
+        rate : Taylor coefficients of lambda_m at z without returns, each of the shape of z
+        m : the harmonic, of b = eps (-1)^m e^z
         """
         eps, loss = self.returns(m)
-        orders = range(len(rate))
-        back = [eps * np.exp(-loss * z) * (-loss) ** n / math.factorial(n) for n in orders]
-        below = [sum(back[i] * rate[n - i] for i in range(n + 1)) for n in orders]
-        out: list[NDArray[Any]] = []
-        for n in orders:
-            known = sum((below[i] * out[n - i] for i in range(1, n + 1)), np.zeros_like(z))
-            out.append(np.asarray((rate[n] - known) / (1.0 + below[0])))
-        return out
+        b = [eps * np.exp(-loss * z) * (-loss) ** n / math.factorial(n) for n in range(len(rate))]
+        product = []  # b lambda
+        with_returns: list[Numbers] = []
+        for n in range(len(rate)):
+            coefficient = np.zeros_like(z)
+            for i in range(n + 1):
+                coefficient = coefficient + b[i] * rate[n - i]
+            product.append(coefficient)
+            of_lower_orders = np.zeros_like(z)
+            for i in range(1, n + 1):
+                of_lower_orders = of_lower_orders + product[i] * with_returns[n - i]
+            with_returns.append(np.asarray((rate[n] - of_lower_orders) / (1.0 + product[0])))
+        return with_returns
 
     def lowest_power(self, q: ImpactQuadrature) -> float:
-        """p where eps e^p (1 + E[s^p]) = 1, q the average over a collision; -inf if nowhere."""
+        """Return p where eps e^p (1 + E[s^p]) = 1; -inf if nowhere.
+
+        Parameters
+        ----------
+        q : the average over a collision
+        """
         from scipy.optimize import brentq
 
-        largest = max(abs(self.returns(m)[0]) for m in range(3))
-        if self.restitution in (0.0, 1.0) or largest == 0.0:
+        largest_eps = max(abs(self.returns(m)[0]) for m in range(3))
+        if self.restitution in (0.0, 1.0) or largest_eps == 0.0:
             return -math.inf
         loss = -math.log(self.restitution)
         with np.errstate(divide="ignore"):
             log_weight = np.log(q.weight)
 
-        def log_size(p: float) -> float:  # it falls with p, and is negative at p = 0
+        def log_size(p: float) -> float:
+            """Return the ln of the left side, which falls with p, and is negative at p = 0."""
             # for e near 0 s^p alone would overflow, and its weight underflow
-            mean = float(np.logaddexp.reduce(log_weight - p * q.log_loss))
-            return math.log(largest) - p * loss + float(np.logaddexp(0.0, mean))
+            log_mean = float(np.logaddexp.reduce(log_weight - p * q.log_loss))
+            return math.log(largest_eps) - p * loss + float(np.logaddexp(0.0, log_mean))
 
         low = -1.0
         while log_size(low) < 0.0:
             low *= 2.0
         return float(brentq(log_size, low, 0.0, rtol=1e-12))
 
-    @cached_property
-    def constants(self) -> dict[str, float]:
-        """Those of the file by their names there; at the leading order d = 0 and no other."""
-        if self.order == "leading":
-            return {"d": 0.0}
-        found: dict[str, float] = {}
-        for at, columns in _constants():
-            x = min(max(self.restitution, at[0]), at[-1])  # beyond the table they are held
-            near = np.argsort(np.abs(at - x))[:4]  # the cubic through these
-            rows = interpolation_rows(x - at[near], barycentric_weights(at[near]))
-            found |= {name: float(rows @ values[near]) for name, values in columns.items()}
-        return found
+    # -- in words ---------------------------------------------------------------------------------
 
     @property
     def level(self) -> str:
         """The level of the theory in words."""
-        what = {
+        descriptions = {
             "leading": "order n ln n, no fitted number",
             "first": "order n, no fitted number",
             "second": "order n, and (n ln n)^2 fitted to simulations",
-        }[self.order]
+        }
+        text = f"{self.scatterers} at n = {self.density:g}: {descriptions[self.order]}"
         if self.order != "leading" and self.restitution < LEAST_RESTITUTION:
-            what += f", with the constants of e = {LEAST_RESTITUTION:g}"
-        return f"{self.scatterers} at n = {self.density:g}: {what}"
-
-    def limits(self, of_speeds: bool, of_displacements: bool) -> str:
-        """What averages and these distributions lack, to follow a sentence; perhaps empty."""
-        text = ""
-        if self.density > TESTED_DENSITY:
-            tested = f"was tested (up to {TESTED_DENSITY:g})"
-            text = f"; n = {self.density:g} is outside the range where the correction {tested}"
-        if of_speeds:
-            share = f"by up to {(_SLOW - self.restitution) * self.density:.2g}, by slow ones"
-            text += f"; the share of tracers slower than v is off {share}, of which the density "
-            text += "may be negative"
-        if of_displacements:
-            near = f"{_NEAR * self.density:.2g}"
-            text += f"; the share of tracers nearer than r is off by up to {near}"
+            text += f", with the constants of e = {LEAST_RESTITUTION:g}"
         return text
 
+    def limits(self, of_speeds: bool, of_displacements: bool) -> str:
+        """Return what averages and distributions lack, to follow a sentence; perhaps empty.
 
-@cache
-def _constants() -> list[tuple[FloatArray, dict[str, FloatArray]]]:
-    """Restitutions and constants of the file; those of speeds end before 1, where none is lost."""
-    text = files("kinetics.collision").joinpath("returns.json").read_text("utf-8")
-    table = {name: np.array(values) for name, values in json.loads(text).items()}
-    e, wanted = table["restitution"], ("d", "ln C 0", "ln C 1", "ln C 2", *OF_SPEED)
-    sizes = sorted({table[name].size for name in wanted})
-    return [(e[:n], {name: table[name] for name in wanted if table[name].size == n}) for n in sizes]
+        Parameters
+        ----------
+        of_speeds, of_displacements : whether these distributions were asked for
+        """
+        n = self.density
+        text = ""
+        if n > TESTED_DENSITY:
+            text += f"; n = {n:g} is outside the range where the correction "
+            text += f"was tested (up to {TESTED_DENSITY:g})"
+        if of_speeds:
+            error = (SLOW_SHARE_ERROR - self.restitution) * n
+            text += f"; the share of tracers slower than v is off by up to {error:.2g}, "
+            text += "by slow ones, of which the density may be negative"
+        if of_displacements:
+            error = NEAR_SHARE_ERROR * n
+            text += f"; the share of tracers nearer than r is off by up to {error:.2g}"
+        return text

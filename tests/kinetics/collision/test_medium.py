@@ -43,8 +43,8 @@ def test_the_leading_order_is_what_it_is_defined_to_be(scatterers: str) -> None:
 
 def test_longer_paths_of_the_second_order_do_not_lengthen_the_way(monkeypatch: Any) -> None:
     late_squares = []
-    for longer in (medium._LONGER, 0.0):
-        monkeypatch.setattr(medium, "_LONGER", longer)
+    for longer in (medium.LONGER_PATH, 0.0):
+        monkeypatch.setattr(medium, "LONGER_PATH", longer)
         one = medium.Medium("hard disks", 0.04, 0.7, "second")
         way = 1 / CollisionLaw(0.7).harmonic_decay_rate(0.0, 1) + one.returns(1)[0]
         late_squares.append(one.path_ratio**2 * way)

@@ -102,6 +102,6 @@ def test_low_speeds_do_not_depend_on_where_the_lines_are(monkeypatch: pytest.Mon
     """A line next to a whole exponent lost the value at its middle: 1e-5 of F among hard disks."""
     given, c = {"scatterers": "hard disks", "number_density": 0.05}, np.linspace(0.6, 0.8, 21)
     f = ScalingSolution(0.99, **given).vdf(c)
-    for apart in (0.8, 1.25, 2.0):
-        monkeypatch.setattr(mellin, "_SERVES_MORE", apart)
+    for reach in (0.8, 1.25, 2.0):
+        monkeypatch.setattr(mellin, "REACH_NEAR_GAUSSIAN", reach)
         np.testing.assert_allclose(ScalingSolution(0.99, **given).vdf(c), f, rtol=1e-11)
