@@ -49,12 +49,14 @@ ROUNDING_OF_AVERAGES = 1e-13
 MIN_ERROR_OF_POSITION_DENSITY = 1e-8
 #: The fraction of the tolerance of G(R) that F(k, t) may use; the rest is for its transform.
 SCATTERING_SHARE_OF_TOLERANCE = 0.4
+#: Averages are prepared for angular harmonics up to this one at least, that of the tensors.
+LEAST_HARMONIC = 2
 #: Most Chebyshev nodes of a panel of the backward equation: more only add rounding.
 MAX_NODES = 48
-#: So often, at most, averages are solved again with more nodes. One time is usual.
+#: Most re-solves of averages with more nodes; one is usual.
 MAX_REFINEMENTS = 4
-#: The power of the speed unit in each unit of an output.
-POWER_OF_SPEED = {"U": 1, "d U": 1, "U^2": 2, "m U^2": 2}
+#: With how many powers of the speed at that time outputs with drag go, by their unit.
+POWER_OF_SPEED = {"1": 0, "d": 0, "d^2": 0, "U": 1, "d U": 1, "U^2": 2, "m U^2": 2}
 #: Why the plan calls moments of the velocity skipped if e = 1.
 KEPT_SPEEDS = "elastic: speeds are kept, harmonics relax at their own rates"
 
@@ -105,7 +107,7 @@ class UndrivenAnswer(Value):
     def averages(self) -> Averages:
         """The averages over the tracers, with enough nodes for the outputs."""
         powers = [observable.degree for observable in self._observables(VELOCITY)]
-        averages = Averages(*self.scene.problem, self.rtol, max([2.0, *powers]))
+        averages = Averages(*self.scene.problem, self.rtol, degree=max([2.0, *powers]))
         return _with_enough_nodes(averages, self._parts.values())
 
     @property
@@ -135,7 +137,9 @@ class UndrivenAnswer(Value):
         """
         p, m = averaged.moment_arguments(self.scene.law, self.scene.state, p, m)
         parts = [(Part(1.0, speed_power(p, m), m),)]
-        averages = Averages(*self.scene.problem, self.rtol, p, p, harmonic=max(m, 2))
+        averages = Averages(
+            *self.scene.problem, self.rtol, degree=p, lowest=p, harmonic=max(m, LEAST_HARMONIC)
+        )
         averages = _with_enough_nodes(averages, parts)
         error = max(_error_of(averages, parts), averages.start_error({0, m}))
         name = f"<v^{p:g}>"
@@ -232,7 +236,7 @@ class UndrivenAnswer(Value):
         if POSITION not in self._steps:
             return None
         tolerance = max(self.rtol, MIN_ERROR_OF_POSITION_DENSITY)
-        # wave numbers follow from <r^2>, which is the same for every rtol and every nodes
+        # wave numbers follow from <r^2>: the same for all rtol above, and whatever nodes are given
         averages_rtol = min(self.rtol, MIN_ERROR_OF_POSITION_DENSITY)
         averages = replace(self.averages, rtol=averages_rtol, nodes=None)
         root_mean_square = _in_range("msd", averaged.root_mean_square(averages))
@@ -390,7 +394,7 @@ class SlowedAnswer:
         values = self.undragged.values
         for name, array in values.items():
             unit, _, _ = described(name, scene.dimension)
-            factor = self._slowing ** POWER_OF_SPEED.get(unit, 0)
+            factor = self._slowing ** POWER_OF_SPEED[unit]
             values[name] = (array.T * factor).T
         if "msd_slope" in values:
             # d/d ln t from d/d ln t', t' the time without drag; both are t at t = 0
@@ -464,7 +468,7 @@ class SlowedAnswer:
 
 
 def _error_of(averages: Averages, outputs: Collection[tuple[Part, ...]]) -> float:
-    """Return the largest relative error estimate of outputs that are made of these parts."""
+    """Return the largest relative error of outputs that are made of these parts; inf for NaN."""
     largest = ROUNDING_OF_AVERAGES
     for parts in outputs:
         error = 0.0
@@ -472,6 +476,8 @@ def _error_of(averages: Averages, outputs: Collection[tuple[Part, ...]]) -> floa
             # a part that the initial state makes zero has no error
             if averages.measure(part.start) is not None:
                 error += part.factor * averages.error_estimate(part.observable)
+        if math.isnan(error):
+            return math.inf
         largest = max(largest, error)
     return largest
 
@@ -484,6 +490,8 @@ def _with_enough_nodes(averages: Averages, outputs: Collection[tuple[Part, ...]]
             break
         missing_digits = math.ceil(math.log10(excess))
         nodes = averages.equation.nodes + 1 + missing_digits  # a node is about a digit
+        if averages.equation.nodes >= MAX_NODES:
+            break
         averages = averages.with_nodes(min(nodes, MAX_NODES))
     return averages
 

@@ -13,14 +13,15 @@ from kinetics.numerics.gauss import gauss_legendre
 
 #: The share of tracers above the highest speed, over the tolerance. Its origin is not recorded.
 TAIL_OVER_TOLERANCE = 1e-3
-#: Least highest speed: a system that stays below is at rest. Chosen: far below any resolved speed.
+#: Least highest speed in the unit of speed: tracers that stay below are at rest. Chosen: far below
+#: any speed that is resolved.
 MIN_TOP_SPEED = 1e-12
-#: e-folds of the density beyond those of the tolerance, for what is in front of the exponential.
+#: e-folds of the density beyond those of the tolerance, for the prefactor of the exponential.
 #: The origin is not recorded.
 FOLDS_BEYOND = 8.0
 #: Speeds over the driven one at which drift and diffusion of the speed are tabulated.
 SPEED_RATIOS = np.geomspace(1e-6, 1e6, 2401)
-#: A speed over the driven one at which what collisions take outweighs what drives.
+#: A speed, over `Drive.scale`, at which what collisions take outweighs what drives.
 FAST = 1e3
 #: Points of averages over the impact parameter.
 IMPACT_POINTS = 24
@@ -29,7 +30,7 @@ FIXED_POINT_STEPS = 9
 
 
 def collision_rate(drive: Drive, v: FloatArray) -> FloatArray:
-    """Return the rate of collisions at speeds v (n,), in 1/l: the mean relative speed."""
+    """Return the rate of collisions at speeds v (n,), the mean relative speed over l."""
     from scipy.special import hyp1f1, poch  # averages alone load no scipy
 
     if not drive.bath_speed:
@@ -46,15 +47,16 @@ class Losses:
 
     Parameters
     ----------
-    energy : E[1 - s^2], s the speed after over that before
-    along : E[1 - s cos chi], chi the angle of deflection
-    kick : E[(1 + e*)^2 n^2], n the cosine of the normal to the velocity of the scatterer; 0 where
-        collisions scale with the speed
+    energy : <1 - s^2>, s the speed after over that before
+    along : <1 - s cos chi>, chi the angle of deflection
+    kick_variance : <k^2 cos^2 theta>, k = 1 + e* (`Drive.impulse`), theta the angle between the
+        normal and the velocity of the tracer: the variance of its change of speed over that of a
+        component of the velocity of the scatterer; 0 where collisions scale with the speed
     """
 
     energy: FloatArray
     along: FloatArray
-    kick: FloatArray
+    kick_variance: FloatArray
 
 
 def mean_losses(drive: Drive, v: FloatArray) -> Losses:
@@ -75,7 +77,7 @@ def mean_losses(drive: Drive, v: FloatArray) -> Losses:
     return Losses(
         energy=((2.0 - k) * k * cosine * cosine) @ weight,
         along=(k * cosine * cosine) @ weight,
-        kick=(k * k * cosine * cosine) @ weight,
+        kick_variance=(k * k * cosine * cosine) @ weight,
     )
 
 
@@ -90,9 +92,9 @@ def top_speed(
 ) -> float:
     """Return a speed that at most a share ``tolerance`` of the tracers exceeds up to a time.
 
-    The density of the speed falls as exp(-E(v)). In the steady state dE/dv = A/D with the drift A
+    The density of the speed falls as exp(-S(v)). In the steady state dS/dv = A/D with the drift A
     and the diffusion D of the speed, or less where a tracer gains its speed in one flight; before,
-    E = (integral of dv/sqrt(D))^2/(4 t).
+    S = (integral of dv/sqrt(D))^2/(4 t).
 
     Parameters
     ----------
@@ -109,6 +111,7 @@ def top_speed(
     rising = change.exponent_at(time)
     needed = math.log(1.0 / tolerance) + FOLDS_BEYOND
     reached = float(np.interp(needed, np.maximum(steady, rising), v))
+    # energies add; what noise adds to a speed at once is in the margin of `fastest_start`
     top = math.hypot(reached, fastest_start)
     if drive.only_falls:
         without_collision = fastest_start + drive.field * time
@@ -139,7 +142,7 @@ class _SpeedChange:
     def of(cls, drive: Drive, v: FloatArray) -> _SpeedChange:
         """Return the change of the speed at speeds v."""
         losses = mean_losses(drive, v)
-        bath_diffusion = 0.5 * drive.bath_speed**2 * losses.kick * v
+        bath_diffusion = 0.5 * drive.bath_speed**2 * losses.kick_variance * v
         with np.errstate(divide="ignore"):
             field_diffusion = drive.field * drive.field / (drive.dimension * losses.along * v)
         return cls(
@@ -151,7 +154,7 @@ class _SpeedChange:
         )
 
     def steady_slope(self) -> FloatArray:
-        """Return dE/dv in the steady state."""
+        """Return dS/dv in the steady state."""
         drift = self.drive.drag * self.v + self.collisional_drift
         with np.errstate(divide="ignore"):
             slope = np.minimum(drift / self.diffusion, self._slope_in_one_flight())
@@ -160,32 +163,39 @@ class _SpeedChange:
         return slope
 
     def _slope_in_one_flight(self) -> FloatArray:
-        """Return dE/dv of tracers that gain their speed in one free flight."""
+        """Return dS/dv of tracers that gain their speed in one free flight.
+
+        Without a collision, D_v S'^2 + (g - gamma v) S' = v with noise D_v, field g and drag gamma.
+        At most the slope of field and noise is taken, and more where drag opposes them.
+        """
         drive = self.drive
-        slope = np.full(self.v.shape, np.inf)
-        if drive.field or drive.heating:
-            slope = 1.0 / (np.sqrt(drive.heating / self.v) + drive.field / self.v)
-        if drive.heating:
-            slope = slope + drive.drag * self.v / drive.heating
-        return slope
+        if not (drive.field or drive.heating):
+            return np.full(self.v.shape, np.inf)
+        undragged = 1.0 / (np.sqrt(drive.heating / self.v) + drive.field / self.v)
+        if not drive.heating:
+            return undragged
+        half_drag = 0.5 * drive.drag * self.v / drive.heating
+        return np.asarray(half_drag + np.hypot(half_drag, undragged))
 
     def _slope_of_few_kicks(self, drift: FloatArray) -> FloatArray:
-        """Return dE/dv where drag leaves no time for diffusion: a few kicks of a bath count.
+        """Return dS/dv where drag leaves no time for diffusion: a few kicks of a bath count.
 
-        Kicks of size k are at the rate v: the slope is that of collisions, and of as many kicks as
-        make up for the drag.
+        Kicks are Gaussian of deviation K and come at the rate v, so that S' obeys
+        drag v S' = v (exp(K^2 S'^2/2 - K^2 S' S'_c) - 1), S'_c half the slope of collisions alone.
         """
-        drive, v = self.drive, self.v
-        kick = drive.bath_speed * drive.impulse(v).max()
-        mild = 0.5 * self.collisional_drift / self.bath_diffusion
+        drive = self.drive
+        v = self.v
+        largest_kick = drive.bath_speed * drive.impulse(v).max()
+        half_collisional_slope = 0.5 * self.collisional_drift / self.bath_diffusion
         drag_per_kick = drive.drag * v / np.maximum(v, drive.bath_speed)
         slope = drift / self.diffusion
         for _ in range(FIXED_POINT_STEPS):
-            slope = mild + np.sqrt(mild**2 + 2.0 * np.log1p(drag_per_kick * slope) / kick**2)
+            kicks_needed = 2.0 * np.log1p(drag_per_kick * slope) / largest_kick**2
+            slope = half_collisional_slope + np.sqrt(half_collisional_slope**2 + kicks_needed)
         return np.asarray(slope)
 
     def exponent_at(self, time: float) -> FloatArray:
-        """Return E(v) at a time before the steady state."""
+        """Return S(v) at a time before the steady state."""
         step = np.gradient(self.v)
         exponent = np.cumsum(step / np.sqrt(self.diffusion)) ** 2 / (4.0 * max(time, 1e-300))
         if self.drive.bath_speed:  # one collision gives more than diffusion does
