@@ -49,6 +49,9 @@ otherwise. Several files are several runs of the same system. Data are only read
 @option("--diameter", "--length-unit", "diameter", type=float, default=1.0, help="d in theirs.")
 @option("--time-unit", type=float, help="d/U in theirs. [default: --length-unit over --speed-unit]")
 @option("--timestep", type=float, help="Time of one step, where a file gives steps (dumps).")
+@option("--frame-interval", type=float, help="Time between frames, where a file numbers these.")
+@option("--fps", type=float, help="The same as frames in a unit of time.")
+@option("--decimal", type=Choice([".", ","]), default=".", help="Decimal sign in text files.")
 @option("--columns", default="", metavar="NAME=THEIRS,...",
         help="Names of columns in the files, as in time=t_sim,tracer=id.")
 @option("--type", help="Particles of this type (species) alone, where a file has several.")
@@ -95,13 +98,17 @@ fit = click.Command(
 
 def _done(
     work: Any, data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...],
-    as_json: bool, **told: Any,
+    as_json: bool, fps: float | None = None, **told: Any,
 ) -> Any:  # fmt: skip
     """Compare, write what is asked for, and print."""
     from kinetics.crosscheck.compare.result import drawn, render, tables
     from kinetics.crosscheck.files import require_file, write_together
     from kinetics.errors import InputError
 
+    if fps is not None:
+        if told["frame_interval"] is not None or not fps > 0.0:
+            raise InputError(f"fps: got {fps}; it must be above 0, and without --frame-interval")
+        told["frame_interval"] = 1.0 / fps
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
     for path in () if output is None else (output, output.with_suffix(".json")):

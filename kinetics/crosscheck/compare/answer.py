@@ -165,7 +165,7 @@ def _noted(told: Fit) -> Iterator[Explanation]:
         agree = told.chi_square is None or told.chi_square.verdict is Verdict.AGREES
         outcome = "found" if agree else "noted"
         yield Explanation("traps", outcome, f"{said}.", value=rest / most, headline=said)
-    complete = samples == most
+    complete = sample.is_complete
     if np.all(complete):
         return
     whole, part = (

@@ -17,8 +17,10 @@ from kinetics.crosscheck.compare.answer import answered
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling, media_of, spread_in
 from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.theory import BEAM, Expectation, Point, SampledStart, averages_of
-from kinetics.crosscheck.data.sample import VX, X2, Law, Sample, errors, from_ensemble, read_sample
-from kinetics.crosscheck.data.tracks import LARGEST
+from kinetics.crosscheck.data.ensembles import sample_of_ensemble
+from kinetics.crosscheck.data.reading import read_sample
+from kinetics.crosscheck.data.sample import VX, X2, Law, Sample, errors
+from kinetics.crosscheck.data.tracks import MAX_SIZE
 from kinetics.crosscheck.words import numeral
 from kinetics.errors import InputError
 from kinetics.validation import check_positive, check_restitution, one_of, refuse
@@ -36,6 +38,7 @@ def compare_data(
     field: float = 0.0, type: str | int | None = None, scatterers: str = "auto",
     fitted: bool = False, bath_speed: float = 0.0, heating: float = 0.0, drag: float = 0.0,
     capture_speed: float = 0.0, mass_ratio: float = math.inf,
+    frame_interval: float | None = None, decimal: str = ".",
 ) -> Comparison:  # fmt: skip
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
@@ -50,8 +53,8 @@ def compare_data(
     initial : "gaussian", "monoenergetic", "beam" (all with the velocity U along x), "data" (the
         speeds at time 0), or "auto": the first of these that the velocities at time 0 allow; a
         Gaussian, where there are none. In a field "rest"
-    positions, speed_unit, diameter, time_unit, columns, timestep, dimension, type : of files and
-        of columns in memory, as the options of that command
+    positions, speed_unit, diameter, time_unit, columns, timestep, frame_interval, dimension, type,
+        decimal : of files and of columns in memory, as the options of that command
     tangential_restitution : None: as a run says, or 1. With another, and in space, averages are
         compared and densities are not
     explain : test what may explain a difference; False is quicker
@@ -68,13 +71,14 @@ def compare_data(
         sample = read_sample(
             sources, positions=positions, speed_unit=speed_unit, diameter=diameter,
             time_unit=time_unit, columns=columns, timestep=timestep, dimension=dimension,
-            with_axes=field != 0 or initial == "beam", type=type,
+            with_axes=field != 0 or initial == "beam", type=type, frame_interval=frame_interval,
+            decimal=decimal, check_motion=not (field or bath_speed or heating),
         )  # fmt: skip
     else:
-        sample = data if isinstance(data, Sample) else from_ensemble(data)
+        sample = data if isinstance(data, Sample) else sample_of_ensemble(data)
     told, path = sample.told, None
-    if sample.times.size and sample.times[-1] > LARGEST:  # v^4 would underflow
-        refuse("times", float(sample.times[-1]), f"they must be below {LARGEST:g} d/U")
+    if sample.times.size and sample.times[-1] > MAX_SIZE:  # v^4 would underflow
+        refuse("times", float(sample.times[-1]), f"they must be below {MAX_SIZE:g} d/U")
     restitution = told.get("restitution") if restitution is None else restitution
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
@@ -187,7 +191,7 @@ def _fits(
     measured = Expectation(sample, averages_of(sample.law, start))
     # not time 0: the start does not depend on what is looked for
     usable = spread_in(errors(measured.replicates), measured.values) & (sample.times > 0)
-    complete = sample.samples == sample.samples.max()
+    complete = sample.is_complete
     if not sample.law.capture_speed and np.count_nonzero(complete & (sample.times > 0)) >= 3:
         usable &= complete  # the tracers that are left may be no fair sample
     starts: list[list[float]] = [[]]

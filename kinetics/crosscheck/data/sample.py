@@ -1,39 +1,58 @@
-"""A sample of tracers, reduced to sums over groups of them: all that a comparison looks at.
+"""A sample: tracks reduced to sums over independent groups, all that a comparison looks at.
 
-It is from files and tables (`read_sample`: which units, how positions are meant, what makes a
-group), or from a run of the package's simulator. Tracers among the same scatterers are not
-independent, configurations are. So a group is one (or several), or, where they are unknown, a
-number of tracers; every error is the spread over groups.
+Tracers among the same scatterers are not independent, configurations are. So a group is one (or
+several), or, where they are unknown, a number of tracers; every error is the spread over groups.
+Begin with `Sample`; `reduce_tracks` makes it of tracks.
 """
 
+from __future__ import annotations
+
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from kinetics.collision.impact import Viscoelastic, impact_restitution
-from kinetics.crosscheck.data import formats
-from kinetics.crosscheck.data.tracks import Asked, Rows, Tracks, bad, dense, name_of
-from kinetics.crosscheck.words import numeral
+from kinetics.crosscheck.data.tracks import Tracks
 from kinetics.drive import DRIVES
-from kinetics.validation import refuse
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-# columns of the sums: samples, powers of speed and displacement; in a field and from a beam v_x, x,
-# x^2 too, and the same of the other axes
-N, V2, V4, R2, R4, VX, X, X2 = range(8)
-# groups at most: primes, so that labels with a regular pattern spread over all of them; an error
-# from G groups has the relative error 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins
-MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-# bins of speeds and displacements, 12 in an octave, from a thousandth of their scale to 64 times it
-EDGES = 2.0 ** (np.arange(-120, 73) / 12)
+# Columns of the sums: samples, powers of speed and displacement; in a field, and from a beam, v_x,
+# x and x^2 too, and the same of the other axes.
+N, V2, V4, R2, R4, VX, X, X2 = range(8)  # columns
+#: Groups at most: a prime, so that labels with a regular pattern spread over all of them. An error
+#: from G groups has the relative error 1/sqrt(2 G), 4.5 % here.
+MOST_GROUPS = 251
+#: The same for counts in bins, 8 %.
+HISTOGRAM_GROUPS = 83
+#: A file's labels are shifted by this times its number, so that small runs do not fall together.
+FILE_SHIFT = 97
+#: Bins of speeds and displacements in an octave.
+BINS_PER_OCTAVE = 12
+#: Octaves of the bins below and above their scale.
+OCTAVES_BELOW = 10
+OCTAVES_ABOVE = 6
+#: Edges of the bins, over their scale.
+EDGES = 2.0 ** (
+    np.arange(-BINS_PER_OCTAVE * OCTAVES_BELOW, BINS_PER_OCTAVE * OCTAVES_ABOVE + 1)
+    / BINS_PER_OCTAVE
+)
+#: Bins of the speeds at time 0 in an octave.
+START_BINS_PER_OCTAVE = 64
+#: Velocities at time 0 that differ by less, in U, are one velocity: a beam.
+SAME_VELOCITY = 1e-9
+#: Flights whose r/(v t) differ by less than this fraction are taken for straight ones: those that
+#: have collided put some 0.5 % into such a width.
+STRAIGHT_WITHIN = 0.002
+#: Straight flights that are needed, and their least share.
+MIN_STRAIGHT_FLIGHTS = 20
+MIN_STRAIGHT_SHARE = 0.05
+#: Relative accuracy of averages of the solver: far below any standard error.
+AVERAGES_RTOL = 1e-7
+DRIVEN_RTOL = 1e-5
 
 
 class StartBins(NamedTuple):
@@ -43,11 +62,16 @@ class StartBins(NamedTuple):
     counts: Counts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Law:
-    """What the system has, as a Scene has it, in U and d."""
+    """What the system has, as a Scene has it, in U and d.
 
-    restitution: Any = None  # only one that depends on the impact speed: a number is no part of it
+    Parameters
+    ----------
+    restitution : only one that depends on the impact speed; None for a number, which is no part
+    """
+
+    restitution: Any = None
     dimension: int = 2
     bath_speed: float = 0.0
     mass_ratio: float = math.inf
@@ -59,13 +83,13 @@ class Law:
 
     @property
     def is_driven(self) -> bool:
-        """Whether `kinetics.driven` solves it: no causes of a difference are looked for."""
+        """Whether there is more than a field: then no causes of a difference are looked for."""
         return self.restitution is not None or any(getattr(self, name) for name in DRIVES)
 
     @property
     def rtol(self) -> float:
-        """Asked of the solver for averages: far below any standard error."""
-        return 1e-5 if self.field or self.is_driven else 1e-7
+        """The relative accuracy that is asked of the solver for averages."""
+        return DRIVEN_RTOL if self.field or self.is_driven else AVERAGES_RTOL
 
     @property
     def smooth_disks(self) -> bool:
@@ -79,24 +103,34 @@ class Law:
 
     def free_path(self, density: float) -> float:
         """Mean free path in d at a number density in d^-2 (d^-3 in space); and the other way."""
-        return 1 / ((2.0 if self.dimension == 2 else math.pi) * density)
+        cross_section = 2.0 if self.dimension == 2 else math.pi
+        return 1 / (cross_section * density)
 
 
 @dataclass(frozen=True, eq=False)
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times (n_times,) in d/U, rising.
 
-    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4; in a field, or if all start with one
-        velocity, v_x, x, x^2, v_y, ... too
-    at_rest : (n_times,), how many have speed zero
+    Parameters
+    ----------
+    names : where the data came from
+    times : see above
+    sums : of 1, v^2, v^4, r^2, r^4, and in a field, or if all start with one velocity, of v_x, x,
+        x^2, v_y, ... too, shape (n_groups, n_times, n_sums)
+    at_rest : how many have speed zero, shape (n_times,)
     grouping : what a group is made of: "medium", "tracer" or "row"
     speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
         outside, of groups that are not those of the sums, (n, n_times, n_bins + 2)
+    start : speeds at time 0; None where there are none
     flights : (time, |r|/(|v| t)) of tracers that have flown straight, at the time when most have:
         1 where units belong together, whatever the scatterers, or where few have
+    law : what the system has
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
+    warnings : what the reader should know
     told : "restitution", "number_density" (in d^-2), "initial", "scatterers", as the data say
     units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
+    ended : tracers that are not there at a time nor later, shape (n_times,); None for a run that
+        keeps sums alone
     """
 
     names: tuple[str, ...]
@@ -113,6 +147,14 @@ class Sample:
     warnings: tuple[str, ...] = ()
     told: dict[str, Any] = field(default_factory=dict)
     units: dict[str, float] = field(default_factory=dict)
+    ended: Counts | None = None
+
+    @property
+    def is_complete(self) -> NDArray[np.bool_]:
+        """Whether no tracer has ended at a time; those with a gap come back. Shape (n_times,)."""
+        if self.ended is None:
+            return self.samples == self.samples.max()
+        return self.ended == 0
 
     @property
     def groups(self) -> int:
@@ -125,233 +167,176 @@ class Sample:
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
 
 
-def reduced(
-    tracks: Tracks, label: Any, names: tuple[str, ...], grouping: str, with_axes: bool = False
+def reduce_tracks(
+    tracks: Tracks,
+    label: NDArray[Any],
+    names: tuple[str, ...],
+    grouping: str,
+    with_axes: bool = False,
 ) -> Sample:
-    """The sums over groups of tracers; label (n,): whole numbers that say what belongs together."""
-    # Another file's labels begin elsewhere, so that small runs do not fall on each other.
-    group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
-    count, bins = tracks.times.size, EDGES.size + 1
-    first = tracks.velocity[0] - np.nanmean(tracks.velocity[0], axis=0)
-    with_axes |= tracks.times[0] == 0 and np.nanmax(np.abs(first)) < 1e-9
-    axes = tracks.place.shape[2] if with_axes else 0
-    sums = np.zeros((MOST_GROUPS, count, VX + 3 * axes))
-    scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
-    counts = np.zeros((2, HISTOGRAM_GROUPS, count, bins), np.int32)
-    start, flights = None, [(0.0, 1.0, 0.0)]
-    for k, time in enumerate(tracks.times):
-        there = np.isfinite(tracks.velocity[k, :, 0])
-        place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
-        v, r = size_of(velocity), size_of(place)
-        flights.append((*straight_flights(float(time), r, v), float(time)))
-        powers = [None, v**2, (v**2) ** 2, r**2, (r**2) ** 2]
-        for axis in range(axes):
-            powers += [velocity[:, axis], place[:, axis], place[:, axis] ** 2]
-        sums[:, k] = np.transpose([np.bincount(mine, power, MOST_GROUPS) for power in powers])
-        at_rest[k] = np.count_nonzero(v == 0)
-        for i, size in enumerate((v, r)):
-            with np.errstate(divide="ignore"):
-                logs, mean = np.log2(size), np.log2(np.sum(size**2) / max(size.size, 1))
-            # the root mean square as a power of 2 hardly depends on single tracers
-            octave = max(np.round(mean / 2), -1000.0)
-            scales[i, k] = 2.0**octave
-            bin_of = np.clip(np.floor(12 * (logs - octave + 10)), -1, bins - 2).astype(np.int64) + 1
-            cells = mine % HISTOGRAM_GROUPS * bins + bin_of
-            counted = np.bincount(cells, minlength=HISTOGRAM_GROUPS * bins)
-            counts[i, :, k] = counted.reshape(-1, bins)
-        if time == 0:
-            v = v[v > 0]
-            fine = np.floor(64 * np.log2(v))
-            _, code, filled = np.unique(fine, return_inverse=True, return_counts=True)
-            start = StartBins(np.bincount(code, v * v) / filled, filled)
-    speeds, displacements = (
-        (scale, one[one.any(axis=(1, 2))]) for scale, one in zip(scales, counts, strict=True)
-    )
-    used = sums[..., N].sum(axis=1) > 0
-    _, ratio, time = max(flights)
-    return Sample(
-        names, tracks.times, sums[used], at_rest, grouping, speeds, displacements, start,
-        (time, ratio),
-    )  # fmt: skip
+    """Return the sums over groups of tracers.
 
-
-def straight_flights(time: float, distance: Any, speed: Any) -> tuple[float, float]:
-    """The share of tracers (n,) that have the same |r|/(|v| t) within .2 %, and that; 0 if too few.
-
-    Twenty at least, and 5 %: those that have collided put some 0.5 % into such a width.
+    Parameters
+    ----------
+    tracks : displacements and velocities
+    label : whole numbers that say what belongs together, shape (n,)
+    names, grouping : see :class:`Sample`
+    with_axes : whether sums along each axis are needed
     """
-    moving = (distance > 0) & (speed > 0) & (time > 0)
-    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time or 1.0))
-    alike = np.searchsorted(ratio, ratio + 0.002) - np.arange(ratio.size)
-    count = int(alike.max(initial=0))
-    if count < max(20, 0.05 * distance.size):
-        return 0.0, 1.0
-    first = int(np.argmax(alike))
-    return count / distance.size, float(np.exp(np.median(ratio[first : first + count])))
+    velocity = tracks.velocity
+    assert velocity is not None
+    group = (label % MOST_GROUPS + FILE_SHIFT * tracks.file) % MOST_GROUPS
+    needs_axes = with_axes or _is_beam(tracks.times, velocity)
+    n_axes = tracks.place.shape[2] if needs_axes else 0
+    sums = np.zeros((MOST_GROUPS, tracks.times.size, VX + 3 * n_axes))
+    at_rest = np.zeros(tracks.times.size, np.int64)
+    speed_bins = _Bins.empty(tracks.times.size)
+    displacement_bins = _Bins.empty(tracks.times.size)
+    start = None
+    straightest = StraightFlights(0.0, 1.0, 0.0)
+    for index, time in enumerate(tracks.times.tolist()):
+        is_there = np.isfinite(velocity[index, :, 0])
+        r = tracks.place[index, is_there]
+        v = velocity[index, is_there]
+        groups_there = group[is_there]
+        speed = size_of(v)
+        distance = size_of(r)
+        flights = StraightFlights.of(time, distance, speed)
+        straightest = max(straightest, flights, key=lambda each: each.share)
+        sums[:, index] = _sums_by_group(groups_there, speed, distance, v, r, n_axes)
+        at_rest[index] = np.count_nonzero(speed == 0)
+        speed_bins.count(index, speed, groups_there)
+        displacement_bins.count(index, distance, groups_there)
+        if time == 0:
+            start = _start_bins(speed)
+    is_used = sums[..., N].sum(axis=1) > 0
+    return Sample(
+        names=names,
+        times=tracks.times,
+        sums=sums[is_used],
+        at_rest=at_rest,
+        grouping=grouping,
+        speeds=speed_bins.of_used_groups(),
+        displacements=displacement_bins.of_used_groups(),
+        start=start,
+        flights=(straightest.time, straightest.ratio),
+        ended=_count_ended(np.isfinite(velocity[:, :, 0])),
+    )
 
 
-def size_of(vectors: Any) -> Any:
-    """The length of vectors (n, d), also of 1e200."""
-    plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `reduce` takes longer
-    return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
+def _count_ended(is_there: NDArray[np.bool_]) -> Counts:
+    """Return how many tracers are gone for good at each time; is_there : (n_times, n)."""
+    is_there_or_later = np.maximum.accumulate(is_there[::-1], axis=0)[::-1]
+    return np.count_nonzero(~is_there_or_later, axis=1)
+
+
+def _is_beam(times: Array, velocity: Array) -> bool:
+    """Return whether all tracers start with one velocity."""
+    deviation = velocity[0] - np.nanmean(velocity[0], axis=0)
+    return bool(times[0] == 0 and np.nanmax(np.abs(deviation)) < SAME_VELOCITY)
+
+
+def _sums_by_group(
+    group: NDArray[Any], speed: Array, distance: Array, v: Array, r: Array, n_axes: int
+) -> Array:
+    """Return the sums of one time, shape (MOST_GROUPS, n_sums)."""
+    powers: list[Array | None] = [None, speed**2, (speed**2) ** 2, distance**2, (distance**2) ** 2]
+    for axis in range(n_axes):
+        powers += [v[:, axis], r[:, axis], r[:, axis] ** 2]
+    return np.transpose([np.bincount(group, power, MOST_GROUPS) for power in powers])
+
+
+@dataclass
+class _Bins:
+    """Counts of speeds, or displacements, in bins over a scale that follows them.
+
+    Attributes
+    ----------
+    scales : shape (n_times,)
+    counts : below, in and above the bins, shape (HISTOGRAM_GROUPS, n_times, n_bins + 2)
+    """
+
+    scales: Array
+    counts: NDArray[np.int32]
+
+    @classmethod
+    def empty(cls, n_times: int) -> _Bins:
+        """Return bins without counts."""
+        shape = (HISTOGRAM_GROUPS, n_times, EDGES.size + 1)
+        return cls(np.ones(n_times), np.zeros(shape, np.int32))
+
+    def count(self, index: int, size: Array, group: NDArray[Any]) -> None:
+        """Count the sizes of one time."""
+        n_bins = EDGES.size + 1
+        with np.errstate(divide="ignore"):
+            logs = np.log2(size)
+            log_mean_square = np.log2(np.sum(size**2) / max(size.size, 1))
+        # the root mean square as a power of 2 hardly depends on single tracers
+        octave = max(np.round(log_mean_square / 2), -1000.0)
+        self.scales[index] = 2.0**octave
+        level = np.floor(BINS_PER_OCTAVE * (logs - octave + OCTAVES_BELOW))
+        bin_of = np.clip(level, -1, n_bins - 2).astype(np.int64) + 1
+        cells = group % HISTOGRAM_GROUPS * n_bins + bin_of
+        counted = np.bincount(cells, minlength=HISTOGRAM_GROUPS * n_bins)
+        self.counts[:, index] = counted.reshape(-1, n_bins)
+
+    def of_used_groups(self) -> tuple[Array, Any]:
+        """Return the scales, and the counts of the groups that have some."""
+        is_used = self.counts.any(axis=(1, 2))
+        return self.scales, self.counts[is_used]
+
+
+def _start_bins(speed: Array) -> StartBins:
+    """Return the speeds at time 0 in fine bins."""
+    moving = speed[speed > 0]
+    level = np.floor(START_BINS_PER_OCTAVE * np.log2(moving))
+    _, code, counts = np.unique(level, return_inverse=True, return_counts=True)
+    return StartBins(np.bincount(code, moving * moving) / counts, counts)
+
+
+class StraightFlights(NamedTuple):
+    """Tracers that have the same r/(v t), as before a collision: their share, it, and the time."""
+
+    share: float
+    ratio: float
+    time: float
+
+    @classmethod
+    def of(cls, time: float, distance: Array, speed: Array) -> StraightFlights:
+        """Find those among tracers (n,) at a time; a share of 0 where there are too few."""
+        is_moving = (distance > 0) & (speed > 0) & (time > 0)
+        log_time = math.log(time or 1.0)
+        log_ratio = np.sort(np.log(distance[is_moving]) - np.log(speed[is_moving]) - log_time)
+        end = np.searchsorted(log_ratio, log_ratio + STRAIGHT_WITHIN)
+        alike = end - np.arange(log_ratio.size)
+        count = int(alike.max(initial=0))
+        if count < max(MIN_STRAIGHT_FLIGHTS, MIN_STRAIGHT_SHARE * distance.size):
+            return cls(0.0, 1.0, time)
+        first = int(np.argmax(alike))
+        ratio = float(np.exp(np.median(log_ratio[first : first + count])))
+        return cls(count / distance.size, ratio, time)
+
+
+def size_of(vectors: Array) -> Array:
+    """Return the length of vectors (n, d), also of 1e200."""
+    in_plane = np.hypot(vectors[:, 0], vectors[:, 1])  # `np.hypot.reduce` takes longer
+    if vectors.shape[1] == 2:
+        return in_plane
+    return np.hypot(in_plane, vectors[:, 2])
 
 
 def errors(replicates: Array) -> Array:
-    """Standard errors from delete-one replicates (G, ...)."""
+    """Return standard errors from delete-one replicates (G, ...)."""
     return np.asarray(replicates.std(axis=0) * np.sqrt(len(replicates) - 1))
 
 
 def effective_groups(replicates: Array) -> Array:
-    """Groups that a variance from delete-one replicates (G, ...) is as good as, G at most."""
-    # the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule)
+    """Return the groups that a variance from delete-one replicates (G, ...) is as good as.
+
+    The relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule): G at most.
+    """
     deviation = replicates - replicates.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         excess = np.mean(deviation**4, axis=0) / np.mean(deviation**2, axis=0) ** 2 - 3
     excess = np.where(np.isfinite(excess), np.maximum(excess, 0.0), 0.0)
     return np.asarray(1 + 2 * (len(replicates) - 1) / (2 + excess))
-
-
-# -- files, and tables in memory -------------------------------------------------------------------
-def read_sample(sources: Sequence[Path | Mapping[str, Any]], **told: Any) -> Sample:
-    """One sample from files or columns in memory (see `formats`), or from one file of an Ensemble.
-
-    told : arguments of `tracks.Asked`. Several files are independent runs. With one configuration,
-    or without the column `medium`, errors are by tracer, and the sample's warnings say so.
-    """
-    asked, names = Asked(**told), [name_of(source) for source in sources]
-    paths = [source for source in sources if isinstance(source, Path)]
-    if not names or len({*paths}) < len(paths):
-        got = f"a file twice in {', '.join(names)}" if names else "no file"
-        bad("data", got, "one file at least, of independent tracers")
-    parts: list[Rows] = []
-    for source, name in zip(sources, names, strict=True):
-        part = formats.read(source, asked)
-        if not isinstance(part, dict):
-            if len(sources) > 1:
-                bad(name, "an Ensemble of several", "the only file")
-            return from_ensemble(part, name.rsplit("/", 1)[-1])
-        parts.append(part)
-    names = [name.rsplit("/", 1)[-1] for name in names]
-    where = ", ".join(names)
-    tracks, place = _displacements(dense(parts, names, asked), where, asked)
-    sample, groups = _grouped(tracks, tuple(names), asked)
-    law, told = Law(dimension=asked.dimension or 2), asked.units
-    units = {} if {*told.values()} == {1.0} else told
-    return replace(sample, law=law, units=units, warnings=(*place, *groups))
-
-
-def _displacements(tracks: Tracks, where: str, asked: Asked) -> tuple[Tracks, list[str]]:
-    """The tracers relative to their places at time 0, and what is to be said of it."""
-    place, first = tracks.place, tracks.times[0]
-    size = [float(np.nanmean(size_of(at) ** 2)) for at in place]
-    moved = first == 0 and size[0] > 1e-18 * max(size)
-    if asked.positions == "displacement" or (asked.positions == "auto" and not moved):
-        return tracks, []
-    if tracks.tracer is None or first != 0:
-        bad(f"{where}: positions", "absolute", "with a column tracer and rows at time 0")
-    for tracer in tracks.tracer[np.isnan(place[0, :, 0])]:
-        bad(f"{where}: tracer {tracer}", "no row at time 0", "there, for absolute positions")
-    tracks = replace(tracks, place=place - place[0])
-    # wrapped where none leaves the region of time 0, and twenty would, if not wrapped
-    low, high = place[0].min(axis=0), place[0].max(axis=0)
-    n, least = place.shape[1], float((high - low).min())
-    far = math.sqrt(max(float(np.nanmean(size_of(at) ** 2)) for at in tracks.place))
-    # the farthest tracer is not quite at the edge of the region that they come from
-    away = np.nanmax(np.abs(place - (low + high) / 2), axis=(0, 1))
-    if np.all(away <= (high - low) * (0.5 + 10 / n)) and n * far >= 20 * least > 0:
-        got = f"some that look wrapped in a box, within {low} to {high} d, for moves of {far:.4g} d"
-        bad(f"{where}: positions", got, "unwrapped")
-    said = "Each tracer's own place at time 0, not the origin, was subtracted from its positions."
-    return tracks, [said] if asked.positions == "auto" else []
-
-
-def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Sample, list[str]]:
-    """The sums over configurations where there are several, else over tracers."""
-    n, warnings = tracks.place.shape[1], list[str]()
-    labels, by = np.arange(n), "row"
-    if tracks.tracer is not None:
-        labels, by = pd.factorize(tracks.tracer, sort=True)[0], "tracer"
-    if tracks.medium is not None:
-        codes, different = pd.factorize(tracks.medium, sort=True)
-        if different.size > 1 or np.max(tracks.file) > 0:  # one alone shows no spread between them
-            labels, by = codes, "medium"
-    if by != "medium":
-        known = "There is one configuration" if tracks.medium is not None else "No column medium"
-        warnings.append(
-            f"{known}: errors are by tracer. Tracers that share scatterers are not independent: "
-            "their errors are larger than these."
-        )
-    sample = reduced(tracks, labels, names, by, asked.with_axes)
-    if sample.groups < 2:
-        bad(", ".join(names), "one tracer" if n else "no tracer", "two tracers at least")
-    if by == "row":
-        warnings.append(
-            "No column tracer: the k-th row of each time is taken for the same tracer. If it is "
-            "not, p-values over several times are wrong."
-        )
-    most, last = int(sample.samples.max()), int(np.argmin(sample.samples))
-    if sample.samples[last] < most:
-        warnings.append(
-            f"At t = {numeral(sample.times[last], '.4g')} d/U, {most - sample.samples[last]} of "
-            f"{most} tracers are missing. If the reason depends on their speed (a cap on "
-            "collisions, a box that fast ones leave), those that survive are not a fair sample."
-        )
-    return sample, warnings
-
-
-# -- runs of the package's simulator --------------------------------------------------------------
-def from_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
-    """The sums of a run, lengths in d; counts in bins too, where velocities and positions are kept.
-
-    InputError for what is no run, or one without output times or with fewer than two groups.
-    """
-    from particles import BoltzmannGrad, Ensemble
-    from particles.outputs import CAUGHT
-
-    if not isinstance(ensemble, Ensemble):
-        refuse("data", ensemble, "it must be a file, several files, columns or a run of simulate")
-    medium, plan, d = ensemble.medium, ensemble.plan, ensemble.medium.diameter
-    times = np.asarray(ensemble.times) / d
-    if times.size == 0 or ensemble.moments.size == 0:
-        bad(name, "a run without output times", "made by simulate(..., times=...)")
-    sticks = ensemble.capture_speed > 0.0
-    # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
-    free, stored = isinstance(medium, BoltzmannGrad), ensemble.arrays
-    if "raw/velocities" in stored and "raw/positions" in stored:
-        place, velocity = np.asarray(ensemble.positions) / d, np.asarray(ensemble.velocities)
-        if sticks:  # averages are over those that move
-            velocity = np.where(velocity.any(axis=2, keepdims=True), velocity, np.nan)
-        label = np.arange(place.shape[1]) // (1 if free else ensemble.tracers)
-        tracks, by = Tracks(times, place, velocity), "tracer" if free else "medium"
-        found = reduced(tracks, label, (name,), by, bool(ensemble.field))
-    else:  # from the sums that every run keeps: the averages alone
-        unit = 1.0 / plan.scales()
-        sums = ensemble.moments[:, :, : R4 + 1] * np.stack([unit**p for p in (0, 2, 4, 0, 0)], -1)
-        if ensemble.field:  # of v, v_i v_j (i <= j), r, and r_i r_j
-            more, axes = stored["field_sums"], medium.dimension
-            half, squares = more.shape[2] // 2, [0, axes, 2 * axes - 1]
-            order = [at for k in range(axes) for at in (k, half + k, half + axes + squares[k])]
-            sums = np.concatenate([sums, more[:, :, order]], axis=2)
-        if sticks:
-            sums[:, :, N] -= ensemble.moments[:, :, CAUGHT]
-        found = Sample((name,), times, sums, np.asarray(ensemble.trapped), "medium")
-    if found.groups < 2:
-        bad(name, "one configuration", "two at least, for standard errors")
-    restitution: Any = ensemble.restitution  # the solver's, for the particles' own
-    if hasattr(restitution, "b"):
-        restitution = Viscoelastic(restitution.b)
-    elif not isinstance(restitution, float):
-        restitution = impact_restitution((restitution.speeds, restitution.values))
-    density = ensemble.number_density * d**medium.dimension
-    told = {"restitution": restitution, "number_density": density, "scatterers": medium.scatterers}
-    if plan.rest or plan.velocities is None:
-        named = "monoenergetic" if plan.monoenergetic else "gaussian"
-        told["initial"] = "rest" if plan.rest else named
-    law = Law(
-        impact_restitution(restitution), medium.dimension, ensemble.bath_speed,
-        ensemble.mass_ratio, ensemble.heating * d, ensemble.drag * d, ensemble.field * d,
-        ensemble.capture_speed, ensemble.tangential_restitution,
-    )  # fmt: skip
-    if law.is_driven and not free:
-        bad(name, "a driven run among scatterers that have places", "one of BoltzmannGrad")
-    return replace(found, free=free, told=told, law=law)

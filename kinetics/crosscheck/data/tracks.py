@@ -1,323 +1,337 @@
-"""Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
+"""Tracks: tracers at common times, from the tables of one file or several.
 
-A format (`formats`) gives `Rows`, columns with one row for each tracer at each time, which are
-checked here; `dense` makes `Tracks` of those of all files.
+Several files are several runs of the same system, unless each holds one time of the same tracers.
 """
 
-import os
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Any, NoReturn
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from kinetics.errors import InputError, short
-from kinetics.validation import one_of, real_number, refuse
+from kinetics.crosscheck.data.columns import AXES, LABELS, SPEEDS
+from kinetics.crosscheck.data.memory import require_memory
+from kinetics.crosscheck.data.options import DataOptions, refuse_data
+from kinetics.crosscheck.data.table import Table
 
-Rows = dict[str, Any]  # columns by our names, one row for each tracer at each time
-AXES, SPEEDS = ("x", "y", "z"), ("vx", "vy", "vz")
-LABELS = ("tracer", "medium", "type")  # columns that may be there: numbers or texts
-# other names of columns, in lower case, which are looked for where the first is missing
-ALIASES = {
-    "time": ("t", "times"),
-    **{a: (f"{a}u", f"r_{a}", f"r{a}", f"pos_{a}", f"d{a}") for a in AXES},
-    **{f"v{a}": (f"v_{a}", f"vel_{a}", f"velo_{a}") for a in AXES},
-    "tracer": ("id", "particle", "atom", "tracer_id", "particle_id"),
-    "medium": ("configuration", "config", "replica", "realisation", "realization", "sample"),
-    "type": ("species", "element"),
-}
-MOST_TIMES = 400  # different times that data may have: bounds the memory of what is reduced
-LARGEST = 1e70  # of times, speeds and displacements: fourth powers of these are doubles
-_UNIT = re.compile(r"\s*\[\s*(.*?)\s*\]$|\s+\(.*\)$")  # behind the name of a column: "t [s]"
-
-
-def bad(where: str, got: Any, must: str) -> NoReturn:
-    """Raise InputError in one line: where, what was found there, and what must be."""
-    raise InputError(f"{where}: got {got}; must be {must}")
-
-
-@dataclass
-class Asked:
-    """What the user says about data, as `compare` has it; InputError for what is not allowed.
-
-    with_axes : whether means along each axis matter, as in a field
-    units : U, d and d/U in the data's units
-    """
-
-    positions: str = "auto"
-    speed_unit: float = 1.0
-    diameter: float = 1.0
-    time_unit: float | None = None
-    columns: Any = None
-    timestep: float | None = None
-    dimension: int | None = None
-    with_axes: bool = False
-    type: str | int | None = None
-    units: dict[str, float] = field(init=False)
-
-    def __post_init__(self) -> None:
-        one_of("positions", self.positions, ("auto", "displacement", "absolute"))
-        for name in ("speed_unit", "diameter", "time_unit", "timestep"):
-            value = getattr(self, name)
-            if value is not None or name in ("speed_unit", "diameter"):
-                # a unit enters as its square and its cube, which must be finite
-                setattr(self, name, real_number(name, value, 1e-100, 1e100))
-        if self.dimension not in (None, 2, 3):
-            refuse("dimension", self.dimension, "it must be 2 or 3")
-        self.columns = _by_our_names(self.columns)
-        time = self.diameter / self.speed_unit if self.time_unit is None else self.time_unit
-        self.units = {"speed": self.speed_unit, "length": self.diameter, "time": time}
-
-    def times_of(self, where: str, time: Any, step: Any) -> Any:
-        """The times of frames: as they stand, or their steps times the timestep."""
-        if time is not None:
-            return np.asarray(time, float)
-        if step is None or self.timestep is None:
-            bad(where, "no times" if step is None else "only steps", "times, or say --timestep")
-        return np.asarray(step, float) * self.timestep
-
-
-def _by_our_names(columns: Any) -> dict[str, str]:
-    """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`."""
-    pairs: Any = columns.items() if isinstance(columns, Mapping) else columns or ()
-    if isinstance(columns, str):
-        pairs = [part.split("=", 1) for part in columns.split(",") if part.strip()]
-    if not isinstance(columns, Mapping | str | None) or any(len(pair) < 2 for pair in pairs):
-        bad("columns", short(columns), "like time=t,tracer=id, or a dictionary of names")
-    known = {other: ours for ours, others in ALIASES.items() for other in (ours, *others)}
-    found: dict[str, str] = {}
-    for name, theirs in pairs:
-        ours = known.get(str(name).strip().lower())
-        if ours is None or ours in found:
-            twice = " twice" if ours else ""
-            bad("columns", f"{short(name)}{twice}", f"each once, of {', '.join(ALIASES)}")
-        found[ours] = str(theirs).strip().lower()
-    return found
+#: Times that are kept at most: of more, this many are chosen evenly in the logarithm of the time.
+MAX_TIMES = 400
+#: Largest time, speed and displacement, in d/U, U and d: fourth powers of these are doubles.
+MAX_SIZE = 1e70
+#: Times that differ by less than this fraction are one time: single precision rounds by 6e-8.
+SAME_TIME = 1e-6
+#: Mean squares of displacements at time 0, over the largest, that are rounding.
+ROUNDING_OF_PLACE = 1e-18
+#: How much a tracer may be beyond what its speed allows before positions at the first time count as
+#: absolute, and not as displacements.
+FURTHER_THAN_SPEED = 2.0
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """Tracers at common times; NaN where one is missing.
+    """Tracers at common times, in d, U and d/U; NaN where a number is missing.
 
-    times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) labels, None where unknown;
-    file (n,), its number.
+    Parameters
+    ----------
+    times : rising, shape (n_times,)
+    place : shape (n_times, n, d)
+    velocity : the same shape; None where there are no velocities
+    tracer, medium : labels, shape (n,); None where they are unknown
+    file : the number of the file of each tracer, shape (n,)
+    remarks : what a reader should know of how they were made
     """
 
-    times: Any
-    place: Any
-    velocity: Any
-    tracer: Any = None
-    medium: Any = None
-    file: Any = 0
+    times: NDArray[Any]
+    place: NDArray[Any]
+    velocity: NDArray[Any] | None
+    tracer: NDArray[Any] | None = None
+    medium: NDArray[Any] | None = None
+    file: NDArray[Any] | int = 0
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def n_tracers(self) -> int:
+        """The number of tracers."""
+        return int(self.place.shape[1])
+
+    def select_tracers(self, chosen: NDArray[np.bool_]) -> Tracks:
+        """Return some of the tracers."""
+        file = self.file if isinstance(self.file, int) else self.file[chosen]
+        return replace(
+            self,
+            place=self.place[:, chosen],
+            velocity=None if self.velocity is None else self.velocity[:, chosen],
+            tracer=None if self.tracer is None else self.tracer[chosen],
+            medium=None if self.medium is None else self.medium[chosen],
+            file=file,
+        )
 
 
-def name_of(source: Any) -> str:
-    """A file's path on one line that can be written; "data" for columns in memory."""
-    text = str(source) if isinstance(source, Path) else "data"
-    return " ".join(text.encode("utf-8", "replace").decode().split())[-200:] or "''"
+def gather_tracks(tables: Sequence[Table], options: DataOptions) -> Tracks:
+    """Return the tracers of all tables side by side, at the times of any of them."""
+    where = ", ".join(table.where for table in tables)
+    rows = _Rows.of(tables, where)
+    rows = _without_gaps(rows)
+    rows = _thinned(rows)
+    return _dense(rows, options)
 
 
-def require_memory(where: str, declared: float, stored: float | None = None) -> None:
-    """InputError for arrays of more bytes than a sixth of the memory, or than `stored` hold."""
-    # deflate makes nothing smaller than by 1032
-    if stored is not None and declared > 1100 * stored + 1e6:
-        bad(where, f"{stored:.2g} bytes that declare {declared:.2g}", "a whole file")
-    # on another system: what most machines have
-    total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if os.name == "posix" else 16e9
-    if 6 * declared > total:
-        bad(where, f"data of {declared:.2g} bytes", f"at most a sixth of the memory, {total:.2g}")
+@dataclass(frozen=True)
+class _Rows:
+    """The rows of all tables.
 
-
-def without_mask(values: Any) -> Any:
-    """Return values as an array in which what is masked or missing is NaN (None where texts).
-
-    Masked arrays, alone or in lists, and the missing values of pandas' nullable types are missing
-    values as NaN is. What has none keeps its type.
+    Parameters
+    ----------
+    where : names the sources in messages
+    columns : by our names, shape (n_rows,) each
+    file : the number of the run of each row
+    time_index : the index of the time of each row
+    times : rising, shape (n_times,)
+    remarks : so far
     """
-    if _holds_masked(values) and isinstance(values, list | tuple):
-        return np.array([without_mask(part) for part in values])
-    if isinstance(values, pd.Series | pd.Index):
-        values = values.array
-    if isinstance(values, pd.api.extensions.ExtensionArray):
-        return _of_nullable(values)
-    if not np.ma.isMaskedArray(values):
-        return np.asarray(values)
-    mask = np.ma.getmaskarray(values)
-    if not np.any(mask):
-        return np.asarray(values.data)
-    if values.dtype.kind in "iuf":
-        return np.where(mask, np.nan, values.data)
-    texts = values.data.astype(object)
-    texts[mask] = None
-    return texts
+
+    where: str
+    columns: dict[str, NDArray[Any]]
+    file: NDArray[Any]
+    time_index: NDArray[Any]
+    times: NDArray[Any]
+    remarks: tuple[str, ...]
+
+    @classmethod
+    def of(cls, tables: Sequence[Table], where: str) -> _Rows:
+        """Put the rows of tables together."""
+        for table in tables:
+            for label in LABELS[:2]:
+                if table.has(label) != tables[0].has(label):
+                    found = f"another column {label} than before"
+                    refuse_data(table.where, found, "in all files or in none")
+        names = [name for name in tables[0].columns if all(table.has(name) for table in tables)]
+        columns = {
+            name: np.concatenate([table.columns[name] for table in tables]) for name in names
+        }
+        sizes = [table.n_rows for table in tables]
+        file = np.repeat(np.arange(len(tables)), sizes)
+        remarks = [remark for table in tables for remark in table.remarks]
+        if _are_times_of_one_run(tables):
+            file = np.zeros_like(file)
+            remarks.append(
+                f"{len(tables)} files of one time each: joined by the labels of tracers."
+            )
+        times, time_index = _common_times(columns["time"], where)
+        return cls(where, columns, file, time_index, times, tuple(remarks))
+
+    def select(self, chosen: NDArray[np.bool_], remark: str) -> _Rows:
+        """Return some of the rows, and say so."""
+        columns = {name: values[chosen] for name, values in self.columns.items()}
+        used = np.unique(self.time_index[chosen])
+        return _Rows(
+            where=self.where,
+            columns=columns,
+            file=self.file[chosen],
+            time_index=np.searchsorted(used, self.time_index[chosen]),
+            times=self.times[used],
+            remarks=(*self.remarks, remark),
+        )
 
 
-def _holds_masked(values: Any) -> bool:
-    """Whether values are a masked array or a masked number, or a list that holds some."""
-    if isinstance(values, list | tuple):
-        return any(_holds_masked(part) for part in values)
-    return np.ma.isMaskedArray(values)
+def _are_times_of_one_run(tables: Sequence[Table]) -> bool:
+    """Return whether each table holds one time, another than the others, of labelled tracers."""
+    if len(tables) < 2 or not tables[0].has("tracer"):
+        return False
+    times = [np.unique(table.columns["time"]) for table in tables]
+    if any(time.size != 1 for time in times):
+        return False
+    return len({float(time[0]) for time in times}) == len(tables)
 
 
-def _of_nullable(values: Any) -> Any:
-    """Return an array of pandas as one of numpy."""
-    is_number = pd.api.types.is_numeric_dtype(values.dtype)
-    if not is_number or pd.api.types.is_bool_dtype(values.dtype):
-        return np.asarray(values)
-    if np.any(values.isna()):
-        return values.to_numpy(dtype=float, na_value=np.nan)
-    return values.to_numpy(dtype=getattr(values.dtype, "numpy_dtype", None))
+def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the different times, rising, and the index of each row's; NaN is refused."""
+    missing = np.isnan(times)
+    if np.any(missing):
+        refuse_data(f"{where}: row {int(np.argmax(missing))}", "no time", "there, in every row")
+    index, different = pd.factorize(times, sort=True)
+    different = np.asarray(different, float)
+    if different[0] < 0:
+        refuse_data(f"{where}: time", f"{different[0]:g}", "not negative")
+    is_new = np.append(True, np.diff(different) > SAME_TIME * different[1:])
+    return different[is_new], (np.cumsum(is_new) - 1)[index]
 
 
-def find_columns(where: str, names: Iterable[Any], asked: Asked) -> dict[str, Any]:
-    """The name of each known column by ours; InputError where one is missing or stands twice."""
-    names = list(names)
-    plain = [str(name).strip(" \t\"'").lower() for name in names]
-    bare, d = [_UNIT.sub("", one) for one in plain], asked.dimension or 2
-    needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
-    found: dict[str, int] = {}
-    for ours, others in ALIASES.items():
-        told = asked.columns.get(ours)
-        if ours not in needed and told is None and ours in ("z", "type"):
-            continue  # z alone does not matter in the plane; vz is read, to be refused
-        wanted = (told,) if told else (ours,) if ours in bare else others
-        here = [k for k in range(len(names)) if plain[k] in wanted or bare[k] in wanted]
-        if len(here) > 1 or {*here} & {*found.values()}:
-            twice = "for two" if len(here) == 1 else f"{len(here)} times"
-            bad(where, f"column {wanted[0]!r} {twice}", "one column for each")
-        if not here and (ours in needed or told):
-            there = short(", ".join(plain), 80)
-            bad(where, f"no column {told or ours!r} in {there}", f"{', '.join(needed)} (--columns)")
-        if here:
-            found[ours] = here[0]
-    return {ours: names[k] for ours, k in found.items()}
+def _without_gaps(rows: _Rows) -> _Rows:
+    """Return the rows in which no number is missing; those that are left out are counted."""
+    numbers = [name for name in (*AXES, *SPEEDS) if name in rows.columns]
+    is_whole = ~np.any([np.isnan(rows.columns[name]) for name in numbers], axis=0)
+    n_gaps = int(np.count_nonzero(~is_whole))
+    if n_gaps == 0:
+        return rows
+    if not np.any(is_whole):
+        name = next(name for name in numbers if np.all(np.isnan(rows.columns[name])))
+        refuse_data(f"{rows.where}: {name}", "no number in any row", "numbers")
+    share = n_gaps / is_whole.size
+    remark = f"{n_gaps} rows ({share:.2g} of all) in which a number is missing are left out."
+    return rows.select(is_whole, remark)
 
 
-def rows_of(where: str, columns: Mapping[Any, Any], asked: Asked) -> Rows:
-    """The rows of columns (n,) by the names of a file, checked; or InputError."""
-    found = find_columns(where, columns, asked)
-    c = {ours: without_mask(columns[name]) for ours, name in found.items()}
-    if len(shapes := {one.shape for one in c.values()}) > 1 or c["time"].ndim != 1:
-        bad(where, f"columns that differ in length or shape, {shapes}", "one length (n,)")
-    if not c["time"].size:
-        bad(where, "no rows", "two at least")
-    for name, values in c.items():
-        in_words = name in LABELS and values.dtype.kind in "OUST"
-        if not in_words and (values.dtype.kind not in "iuf" or values.dtype.itemsize > 8):
-            bad(f"{where}: column {name!r}", f"type {values.dtype}", "numbers")
-        if values.dtype.kind == "O" and np.any(missing := pd.isna(values)):
-            bad(f"{where}: row {int(np.argmax(missing))}", f"no {name}", "there, in every row")
-        c[name] = values.astype(str) if in_words else values
-        if name not in LABELS:
-            c[name] = values.astype(float, copy=False)
-        if values.dtype.kind == "f" and not np.all(good := np.isfinite(values)):
-            k = int(np.argmin(good))
-            who = f"row {k}" if "tracer" not in c else f"tracer {c['tracer'][k]}"
-            who += f" at time {c['time'][k]:g}"
-            bad(f"{where}: {who}", f"{name} = {values[k]}", "a finite number")
-    if asked.type is not None:
-        texts = c.pop("type").astype(str)
-        chosen = texts == str(asked.type)
-        if not np.any(chosen):
-            bad(f"{where}: type", short(asked.type), f"one of {', '.join(np.unique(texts)[:9])}")
-        c = {name: values[chosen] for name, values in c.items()}
-    if asked.dimension != 3 and np.any(c.pop("vz", 0)):
-        bad(where, "velocities with z components", "none, or say dimension 3")
-    x, v, t = ("".join(_UNIT.findall(str(found[name]))) for name in ("x", "vx", "time"))
-    parts = re.findall(r"[^\W\d]+", v)
-    if x and t and len(parts) == 2 and parts != [x, t] and asked.time_unit is None:
-        got = f"lengths in {x}, speeds in {v}, times in {t}"
-        bad(where, got, "units that belong together, or say --time-unit")
-    return c
+def _thinned(rows: _Rows) -> _Rows:
+    """Return the rows of at most `MAX_TIMES` times, even in the logarithm, with first and last."""
+    count = rows.times.size
+    if count <= MAX_TIMES:
+        return rows
+    since_first = rows.times - rows.times[0]
+    wanted = np.geomspace(since_first[1], since_first[-1], MAX_TIMES - 1)
+    nearest = np.searchsorted(since_first, wanted * (1.0 - SAME_TIME))
+    chosen = np.unique(np.concatenate([[0], nearest, [count - 1]]))
+    is_chosen = np.zeros(count, bool)
+    is_chosen[chosen] = True
+    remark = f"Of {count} times {chosen.size} are used, even in the logarithm of the time."
+    return rows.select(is_chosen[rows.time_index], remark)
 
 
-def rows_of_frames(where: str, frames: Sequence[Mapping[str, Any]], asked: Asked) -> Rows:
-    """The rows of frames, each with columns by our names."""
-    if not frames:
-        bad(where, "no frames", "a file of this format")
-    names = [name for name in frames[0] if all(name in frame for frame in frames)]
-    c = {name: np.concatenate([frame[name] for frame in frames]) for name in names}
-    # tracers without any number have ended
-    here = ~np.all([np.isnan(c[name]) for name in (*AXES, *SPEEDS) if name in c], axis=0)
-    c = c if np.all(here) else {name: values[here] for name, values in c.items()}
-    return rows_of(where, c, replace(asked, columns=None))
+def _dense(rows: _Rows, options: DataOptions) -> Tracks:
+    """Return rows as arrays of times and tracers; InputError for two rows of one tracer."""
+    number, n_tracers = _tracer_numbers(rows)
+    n_times = rows.times.size
+    require_memory(rows.where, 32.0 * n_tracers * n_times)
+    cell = rows.time_index * n_tracers + number
+    _check_one_row_each(rows, cell)
+    place = _vectors(rows, AXES, cell, (n_times, n_tracers)) / options.units.length
+    velocity = None
+    if SPEEDS[0] in rows.columns:
+        velocity = _vectors(rows, SPEEDS, cell, (n_times, n_tracers)) / options.units.speed
+    _check_sizes(rows.where, place, velocity)
+    row_of_tracer = np.empty(n_tracers, np.int64)
+    row_of_tracer[number] = np.arange(number.size)
+    labels: dict[str, Any] = {}
+    for name in LABELS[:2]:
+        if name in rows.columns:
+            labels[name] = rows.columns[name][row_of_tracer]
+    return Tracks(
+        times=rows.times / options.units.time,
+        place=place,
+        velocity=velocity,
+        file=rows.file[row_of_tracer],
+        remarks=rows.remarks,
+        **labels,
+    )
 
 
-def rows_of_arrays(
-    where: str, asked: Asked, times: Any, place: Any, velocity: Any, **labels: Any
-) -> Rows:
-    """The rows of times (T,), places and velocities (T, n, d), labels (n,) or (T, n).
+def _tracer_numbers(rows: _Rows) -> tuple[NDArray[Any], int]:
+    """Return a number for the tracer of each row, and how many there are.
 
-    Without `tracer` the k-th of each frame is the same tracer.
+    Labels of one file, or medium, are not those of another. Without labels the k-th row of each
+    time is taken for the same tracer.
     """
-    times, place, velocity = (without_mask(one) for one in (times, place, velocity))
-    shape = (*place.shape, 0, 0)[:2]
-    labels = {"tracer": np.arange(shape[1])} | {k: without_mask(a) for k, a in labels.items()}
-    shapes = [times.shape, place.shape, velocity.shape, *(a.shape for a in labels.values())]
-    right = times.shape == shape[:1] and velocity.shape[:2] == shape
-    right &= all(found in (shape, shape[1:]) for found in shapes[3:])
-    if not right or place.ndim != 3 or velocity.ndim != 3:
-        must = "(T,), (T, n, d), (T, n, d) and (n,) for each label"
-        bad(f"{where}: shapes", ", ".join(map(str, shapes)), must)
-    found = {"time": np.repeat(times, shape[1])}
-    for names, vectors in ((AXES, place), (SPEEDS, velocity)):
-        found |= dict(zip(names, vectors.reshape(-1, vectors.shape[2]).T, strict=False))
-    found |= {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
-    return rows_of_frames(where, [found], asked)
-
-
-def dense(parts: Sequence[Rows], names: Sequence[str], asked: Asked) -> Tracks:
-    """The tracers of all files side by side, at the times of any of them, in d, U and d/U."""
-    where, first = ", ".join(names), parts[0]
-    for name, part in zip(names, parts, strict=True):
-        for label in {*LABELS} & (part.keys() ^ first.keys()):
-            bad(name, f"another column {label} than before", "in all files or in none")
-    c = first
-    if len(parts) > 1:
-        c = {name: np.concatenate([part[name] for part in parts]) for name in c}
-    index, times = pd.factorize(c["time"], sort=True)
-    if times[0] < 0:
-        bad(f"{where}: time", f"{times[0]:g}", "not negative")
-    # what differs less is the same time, rounded to 12 digits
-    new = np.append(True, np.diff(times) > 1e-9 * times[1:])
-    if (count := np.count_nonzero(new)) > MOST_TIMES:
-        bad(where, f"{count} different times", f"at most {MOST_TIMES}, the same for every tracer")
-    index, times = (np.cumsum(new) - 1)[index], times[new]
-    keys = [name for name in ("tracer", "medium") if name in c]
-    labels: dict[str, Any] = {name: c[name] for name in keys}
-    if len(parts) > 1:
-        sizes = [part["time"].size for part in parts]
-        labels["file"] = np.repeat(np.arange(len(parts)), sizes)
-    if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
-        rows = pd.DataFrame({"time": index, **labels})
-        labels["rank"] = rows.groupby(list(rows)).cumcount().to_numpy()
-    number = np.zeros(index.size, np.int64)
+    labels = {name: rows.columns[name] for name in LABELS[:2] if name in rows.columns}
+    labels["file"] = rows.file
+    if "tracer" not in rows.columns:
+        frame = pd.DataFrame({"time": rows.time_index, **labels})
+        labels["rank"] = frame.groupby(list(frame)).cumcount().to_numpy()
+    number = np.zeros(rows.time_index.size, np.int64)
     for values in labels.values():
-        code, known = pd.factorize(values, sort=True)
-        number = number * known.size + code
-    number = pd.factorize(number, sort=True)[0]
-    n = int(number.max()) + 1
-    require_memory(where, 32.0 * n * times.size)
-    cell = index * n + number
-    if (filled := np.bincount(cell)).max() > 1:
-        k = int(np.argmax(filled[cell] > 1))
-        who = " of ".join(f"{name} {c[name][k]}" for name in keys)
-        bad(where, f"more than one row of {who} at time {c['time'][k]:g}", "one row for each time")
+        code, different = pd.factorize(values, sort=True)
+        number = number * len(different) + code
+    number, different = pd.factorize(number, sort=True)
+    n_tracers = len(different)
+    if "tracer" in rows.columns and n_tracers == number.size and rows.times.size > 1:
+        allowed = "labels that stay with a tracer (--columns tracer=...), or none"
+        refuse_data(f"{rows.where}: tracer", "another label in every row", allowed)
+    return number, n_tracers
 
-    one = np.empty(n, np.int64)
-    one[number] = np.arange(number.size)  # a row of each tracer
-    vectors, units = [], asked.units
-    for axes, unit in ((AXES, units["length"]), (SPEEDS, units["speed"])):
-        known = [c[name] for name in axes if name in c]
-        out = np.full((times.size * n, len(known)), np.nan)
-        out[cell] = np.stack(known, axis=-1) / unit
-        vectors.append(out.reshape(times.size, n, -1))
-    far, fast = (np.nanmax(np.abs(out), initial=0.0) for out in vectors)
-    if max(far, fast) > LARGEST:
+
+def _check_one_row_each(rows: _Rows, cell: NDArray[Any]) -> None:
+    """Raise InputError where a tracer has two rows at one time."""
+    filled = np.bincount(cell)
+    if filled.max() <= 1:
+        return
+    row = int(np.argmax(filled[cell] > 1))
+    names = [name for name in LABELS[:2] if name in rows.columns]
+    tracer = " of ".join(f"{name} {rows.columns[name][row]}" for name in names)
+    time = rows.columns["time"][row]
+    refuse_data(rows.where, f"more than one row of {tracer} at time {time:g}", "one for each time")
+
+
+def _vectors(
+    rows: _Rows, names: Sequence[str], cell: NDArray[Any], shape: tuple[int, int]
+) -> NDArray[Any]:
+    """Return vectors of shape (n_times, n, d), NaN where there is no row."""
+    components = [rows.columns[name] for name in names if name in rows.columns]
+    vectors = np.full((shape[0] * shape[1], len(components)), np.nan)
+    vectors[cell] = np.stack(components, axis=-1)
+    return vectors.reshape(*shape, -1)
+
+
+def _check_sizes(where: str, place: NDArray[Any], velocity: NDArray[Any] | None) -> None:
+    """Raise InputError for numbers whose fourth powers are out of range."""
+    far = float(np.nanmax(np.abs(place), initial=0.0))
+    fast = 0.0 if velocity is None else float(np.nanmax(np.abs(velocity), initial=0.0))
+    if max(far, fast) > MAX_SIZE:
         got = f"speeds of {fast:.3g} U and displacements of {far:.3g} d"
-        bad(where, got, f"below {LARGEST:g}; give --speed-unit and --diameter")
-    of_each = {name: values[one] for name, values in labels.items() if name != "rank"}
-    return Tracks(times / units["time"], *vectors, **of_each)
+        refuse_data(where, got, f"below {MAX_SIZE:g}; give --speed-unit and --diameter")
+
+
+# -- places relative to the start ------------------------------------------------------------------
+
+
+def displacements(tracks: Tracks, where: str, options: DataOptions) -> Tracks:
+    """Return tracks whose places are relative to those at the first time, which is time 0.
+
+    InputError for positions that are wrapped in a box.
+    """
+    if not _are_absolute(tracks, options):
+        return tracks
+    if tracks.tracer is None:
+        refuse_data(f"{where}: positions", "absolute", "with a column tracer")
+    remarks = list(tracks.remarks)
+    times = tracks.times
+    if times[0] != 0:
+        times = times - times[0]
+        remarks.append(
+            f"The first time is {tracks.times[0]:.4g} d/U: it is taken for the start, time 0."
+        )
+    has_start = np.isfinite(tracks.place[0, :, 0])
+    n_late = int(np.count_nonzero(~has_start))
+    if n_late == tracks.n_tracers:
+        refuse_data(f"{where}: positions", "no tracer at the first time", "some")
+    started = tracks.select_tracers(has_start)
+    if n_late:
+        remarks.append(f"{n_late} tracers that are not there at the first time are left out.")
+    place = started.place - started.place[0]
+    _check_not_wrapped(started, place, where)
+    if options.positions == "auto":
+        remarks.append("Each tracer's own place at time 0, not the origin, was subtracted.")
+    return replace(started, times=times, place=place, remarks=tuple(remarks))
+
+
+def _are_absolute(tracks: Tracks, options: DataOptions) -> bool:
+    """Return whether places are absolute, as is said, or as the first of them show."""
+    if options.positions != "auto":
+        return options.positions == "absolute"
+    mean_square = np.nanmean(np.sum(tracks.place**2, axis=2), axis=1)
+    if tracks.times[0] == 0 or tracks.velocity is None:
+        return bool(mean_square[0] > ROUNDING_OF_PLACE * mean_square.max())
+    # no tracer goes further than its first speed, which is at least the speed that is left
+    speeds = np.sqrt(np.sum(tracks.velocity[0] ** 2, axis=1))
+    farthest = FURTHER_THAN_SPEED * float(np.nanmax(speeds)) * tracks.times[0]
+    median_distance = float(np.nanmedian(np.sqrt(np.sum(tracks.place[0] ** 2, axis=1))))
+    return median_distance > farthest
+
+
+def _check_not_wrapped(tracks: Tracks, place: NDArray[Any], where: str) -> None:
+    """Raise InputError where no tracer leaves the region of time 0, though twenty would."""
+    low = tracks.place[0].min(axis=0)
+    high = tracks.place[0].max(axis=0)
+    n = tracks.n_tracers
+    smallest_side = float((high - low).min())
+    distance = float(np.sqrt(np.nanmax(np.nanmean(np.sum(place**2, axis=2), axis=1))))
+    # the farthest tracer is not quite at the edge of the region that they come from
+    from_middle = np.nanmax(np.abs(tracks.place - (low + high) / 2), axis=(0, 1))
+    all_stay = np.all(from_middle <= (high - low) * (0.5 + 10 / n))
+    if all_stay and n * distance >= 20 * smallest_side > 0:
+        got = (
+            f"some that look wrapped in a box, within {low} to {high} d, moved by {distance:.4g} d"
+        )
+        refuse_data(f"{where}: positions", got, "unwrapped")

@@ -19,7 +19,8 @@ import kinetics
 from kinetics import Scene, Solution, sonine
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.collision.medium import HIGHEST_DENSITY
-from kinetics.crosscheck.data.sample import R2, V2, N, from_ensemble
+from kinetics.crosscheck.data.ensembles import sample_of_ensemble
+from kinetics.crosscheck.data.sample import R2, V2, N
 from kinetics.crosscheck.data.sample import errors as jackknife_error
 from kinetics.crosscheck.report.systems import Cooling, Driven, System
 from kinetics.crosscheck.report.systems import half_cross_section as half_section
@@ -293,7 +294,7 @@ def _reduced(run: Ensemble, early: int, half_rate: float) -> dict[str, Measured]
     distances = np.linalg.norm(np.delete(by_group, [0, 1, 4], axis=-1), axis=-1)
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
-    every = from_ensemble(run).sums  # of each configuration
+    every = sample_of_ensemble(run).sums  # of each configuration
     n, v2, r2 = (np.moveaxis(every.sum(axis=0) - every, -1, 0)[k] for k in (N, V2, R2))
     averages = {n: getattr(run, n) for n in OVER_TIME}
     found = rates(run.times, {n: x.value for n, x in averages.items()}, early, half_rate)

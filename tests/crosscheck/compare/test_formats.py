@@ -20,7 +20,8 @@ from made_data import (
 )
 
 from kinetics import compare
-from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample, read_sample
+from kinetics.crosscheck.data.reading import read_sample
+from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample
 from kinetics.errors import InputError
 
 

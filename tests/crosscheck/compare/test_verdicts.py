@@ -12,7 +12,7 @@ from scipy.stats import kstest
 
 from kinetics import compare, fit
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.data.sample import from_ensemble
+from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from particles import BoltzmannGrad, HardDisks, Poisson, Viscoelastic, simulate
 
 DENSITY, PATH = 0.04, 12.5
@@ -177,7 +177,7 @@ def test_a_finite_density_explains_without_a_fitted_number(medium: str, e: float
     assert wrong.explanations[0].name == "restitution"
     assert wrong.explanations[0].value == pytest.approx(e, abs=3.5 * wrong.explanations[0].error)
     if medium == "hard disks":
-        wrong = compare(replace(from_ensemble(run), free=True), 0.7)
+        wrong = compare(replace(sample_of_ensemble(run), free=True), 0.7)
         assert not [item for item in wrong.explanations if item.name == "finite density"]
 
 

@@ -1,0 +1,108 @@
+"""Boxes of simulations: positions are unwrapped where that is certain, and refused where not.
+
+One rule for all formats. Positions with image flags are unwrapped by these. Others, in a box that
+is periodic along an axis that is used, are taken as they are if some are further apart than its
+side: a program wrapped none. Else they are unwrapped by the nearest image where no tracer can go
+half a box between two frames, which its velocities tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.options import refuse_data
+from kinetics.crosscheck.data.table import Frame
+
+#: Positions further apart than a side by more than this fraction of it are not rounding.
+OUTSIDE = 1e-4
+#: A step of this fraction of a side, or more, cannot be told from one around the other way.
+HALF_BOX = 0.5
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangular box; where it begins does not matter, as programs differ in that.
+
+    Parameters
+    ----------
+    sides : by axis; axes that are not in it have no bounds
+    periodic : the axes along which it is periodic
+    """
+
+    sides: dict[str, float]
+    periodic: frozenset[str]
+
+    def may_hold(self, axis: str, places: NDArray[Any]) -> bool:
+        """Return whether places along an axis are no further apart than a side of the box."""
+        extent = np.nanmax(places) - np.nanmin(places)
+        return bool(extent <= (1.0 + OUTSIDE) * self.sides[axis])
+
+
+def unwrap_frames(
+    where: str, frames: Sequence[Frame], box: Box | None, axes: Sequence[str]
+) -> list[Frame]:
+    """Return frames with positions that do not jump; InputError where that is not certain.
+
+    Parameters
+    ----------
+    where : names the source in messages
+    frames : of the same tracers, by the column `tracer`, where they are unwrapped
+    box : None where there is none
+    axes : those that are used
+    """
+    if box is None:
+        return list(frames)
+    unwrapped = list(frames)
+    for axis in axes:
+        if axis not in box.periodic or not box.sides.get(axis, 0.0) > 0.0:
+            continue
+        if all(axis not in frame.columns for frame in frames):
+            continue
+        places = np.concatenate([frame.columns[axis] for frame in frames])
+        if box.may_hold(axis, places):
+            unwrapped = _unwrap_axis(where, unwrapped, axis, box.sides[axis])
+    return unwrapped
+
+
+def _unwrap_axis(where: str, frames: list[Frame], axis: str, side: float) -> list[Frame]:
+    """Return frames unwrapped along one axis by the nearest image."""
+    speed_name = SPEEDS[AXES.index(axis)]
+    result = [frames[0]]
+    for previous, frame in pairwise(frames):
+        longest = _longest_step(previous, frame, speed_name)
+        if not longest < HALF_BOX * side:
+            got = "those in a periodic box"
+            allowed = "unwrapped, or with image flags, or frames that are closer in time"
+            refuse_data(f"{where}: positions", got, allowed)
+        before = _aligned(where, result[-1], frame, axis)
+        step = frame.columns[axis] - before
+        step = step - side * np.round(step / side)
+        result.append(replace(frame, columns=frame.columns | {axis: before + step}))
+    return result
+
+
+def _longest_step(previous: Frame, frame: Frame, speed_name: str) -> float:
+    """Return how far a tracer may go between two frames; infinite where there are no velocities."""
+    if speed_name not in previous.columns:
+        return np.inf
+    speeds = [previous.columns[name] for name in SPEEDS if name in previous.columns]
+    fastest = float(np.sqrt(np.nanmax(np.sum(np.square(speeds), axis=0))))
+    return fastest * (frame.time - previous.time)
+
+
+def _aligned(where: str, previous: Frame, frame: Frame, axis: str) -> NDArray[Any]:
+    """Return the places of the tracers of a frame in the frame before."""
+    order = np.argsort(previous.columns["tracer"], kind="stable")
+    sorted_tracers = previous.columns["tracer"][order]
+    index = np.searchsorted(sorted_tracers, frame.columns["tracer"])
+    index = np.minimum(index, sorted_tracers.size - 1)
+    if not np.array_equal(sorted_tracers[index], frame.columns["tracer"]):
+        refuse_data(f"{where}: positions", "those in a periodic box of other tracers", "unwrapped")
+    return previous.columns[axis][order][index]

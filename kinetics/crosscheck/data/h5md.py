@@ -1,0 +1,157 @@
+"""H5MD (nongnu.org/h5md): the group of particles with positions, and velocities if it has some."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.box import Box, unwrap_frames
+from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.containers import member_of, numbers_of
+from kinetics.crosscheck.data.missing import without_mask
+from kinetics.crosscheck.data.options import DataOptions, refuse_data
+from kinetics.crosscheck.data.table import Frame, Table, table_of_frames
+
+#: Elements that are labels of particles, and our names; this package writes `medium`.
+LABEL_OF_ELEMENT = {"id": "tracer", "medium": "medium", "species": "type"}
+
+
+def read_h5md(file: Any, where: str, options: DataOptions) -> Table:
+    """Read an open H5MD file."""
+    group = _group_of_particles(where, file["particles"])
+    positions = without_mask(numbers_of(where, group, "position")).astype(float)
+    times = _times_of(where, group, "position", positions.shape[0], options)
+    columns = {"position": positions}
+    if "velocity" in group:
+        columns["velocity"] = _velocities(where, group, positions, times, options)
+    labels = _labels_of(where, group, positions.shape[:2])
+    box = _box_of(where, group, positions.shape[2])
+    if "image" in group:
+        columns["position"] = _unwrapped_by_images(where, group, positions, box)
+        box = None
+    frames = [_frame(columns, labels, index, time) for index, time in enumerate(times)]
+    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+
+
+def _group_of_particles(where: str, particles: Any) -> Any:
+    """Return the only group of particles that has positions."""
+    groups = []
+    for name in particles:
+        group = member_of(particles, name)
+        if group is not None and member_of(group, "position") is not None:
+            groups.append(group)
+    if len(groups) != 1:
+        refuse_data(where, f"{len(groups)} groups with position", "one")
+    return groups[0]
+
+
+def _times_of(where: str, group: Any, name: str, n_frames: int, options: DataOptions) -> Any:
+    """Return the times of an element, from its times or its steps.
+
+    Each may be an array, or one number: the increment, with an offset as its attribute.
+    """
+    element = group[name]
+    if "time" in element:
+        return _progression(where, element, "time", n_frames)
+    if "step" not in element:
+        refuse_data(where, "no times", "times or steps of each frame")
+    return options.times_of_steps(where, _progression(where, element, "step", n_frames))
+
+
+def _progression(where: str, element: Any, name: str, n_frames: int) -> NDArray[Any]:
+    """Return times or steps (n_frames,), also where only their increment is stored."""
+    values = np.asarray(numbers_of(where, element, name), float)
+    if values.ndim == 0:
+        offset = float(element[name].attrs.get("offset", 0.0))
+        values = offset + float(values) * np.arange(n_frames)
+    if values.shape != (n_frames,):
+        refuse_data(
+            f"{where}: {name}", f"shape {values.shape}", f"one number for {n_frames} frames"
+        )
+    return values
+
+
+def _velocities(
+    where: str, group: Any, positions: NDArray[Any], times: NDArray[Any], options: DataOptions
+) -> NDArray[Any]:
+    """Return velocities at the times of the positions; missing at those that have none."""
+    values = without_mask(numbers_of(where, group, "velocity")).astype(float)
+    velocity_times = _times_of(where, group, "velocity", values.shape[0], options)
+    if values.shape[1:] != positions.shape[1:]:
+        refuse_data(f"{where}: velocity", values.shape, f"{positions.shape}, as of the positions")
+    index = np.searchsorted(times, velocity_times)
+    index = np.minimum(index, times.size - 1)
+    if not np.array_equal(times[index], velocity_times):
+        refuse_data(where, "positions and velocities at different times", "at the same times")
+    velocities = np.full(positions.shape, np.nan)
+    velocities[index] = values
+    return velocities
+
+
+def _labels_of(where: str, group: Any, shape: tuple[int, ...]) -> dict[str, NDArray[Any]]:
+    """Return the labels of the particles, shape (n_frames, n); by default they keep their order."""
+    labels = {"tracer": np.arange(shape[1])}
+    for element, name in LABEL_OF_ELEMENT.items():
+        if element in group:
+            labels[name] = without_mask(numbers_of(where, group, element))
+    for name, values in labels.items():
+        if values.shape not in (shape, shape[1:]):
+            allowed = f"a label for each of the {shape[1]} particles"
+            refuse_data(f"{where}: {name}", f"shape {values.shape}", allowed)
+    return {name: np.broadcast_to(values, shape) for name, values in labels.items()}
+
+
+def _box_of(where: str, group: Any, n_axes: int) -> Box | None:
+    """Return the box, if it has edges; they may be a vector or a matrix, also for each frame."""
+    import h5py
+
+    box = member_of(group, "box")
+    if box is None or "edges" not in box:
+        return None
+    edges = np.asarray(numbers_of(where, box, "edges"), float)
+    if edges.size == 0:
+        return None
+    is_over_time = isinstance(member_of(box, "edges"), h5py.Group)
+    if is_over_time:
+        if not np.all(edges == edges[0]):
+            refuse_data(f"{where}: box", "one that changes", "one that is always the same")
+        edges = edges[0]
+    if edges.ndim == 2 and edges.shape[0] == edges.shape[1]:
+        if np.any(edges != np.diag(np.diagonal(edges))):
+            refuse_data(f"{where}: box", "a slanted one", "rectangular")
+        edges = np.diagonal(edges)
+    edges = np.atleast_2d(edges)[0]
+    sides = dict(zip(AXES[:n_axes], edges.tolist(), strict=False))
+    boundary = [_text(word) for word in np.ravel(box.attrs.get("boundary", ()))]
+    periodic = [axis for axis, word in zip(AXES, boundary, strict=False) if word == "periodic"]
+    return Box(sides, frozenset(periodic))
+
+
+def _text(word: Any) -> str:
+    """Return a text of HDF5, which may be bytes."""
+    return word.decode() if isinstance(word, bytes) else str(word)
+
+
+def _unwrapped_by_images(
+    where: str, group: Any, positions: NDArray[Any], box: Box | None
+) -> NDArray[Any]:
+    """Return positions with the sides of the box that each tracer has crossed."""
+    images = numbers_of(where, group, "image")
+    sides = [] if box is None else [box.sides.get(axis, 0.0) for axis in AXES[: positions.shape[2]]]
+    if images.shape != positions.shape or len(sides) < positions.shape[2] or min(sides) <= 0:
+        allowed = f"{positions.shape}, with a box that is always the same"
+        refuse_data(f"{where}: image", images.shape, allowed)
+    return np.asarray(positions + images * np.array(sides))
+
+
+def _frame(
+    columns: dict[str, NDArray[Any]], labels: dict[str, NDArray[Any]], index: int, time: float
+) -> Frame:
+    """Return one frame by our names."""
+    of_frame = {name: values[index] for name, values in labels.items()}
+    for names, element in ((AXES, "position"), (SPEEDS, "velocity")):
+        if element in columns:
+            of_frame |= dict(zip(names, columns[element][index].T, strict=False))
+    return Frame(float(time), of_frame)

@@ -1,0 +1,163 @@
+"""read_sample(sources): one sample from files or tables in memory, or from one saved run.
+
+source -> `formats` -> table -> `tracks` -> displacements -> `sample`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.ensembles import sample_of_ensemble
+from kinetics.crosscheck.data.formats import name_of, read_source
+from kinetics.crosscheck.data.options import DataOptions, refuse_data
+from kinetics.crosscheck.data.sample import Law, Sample, reduce_tracks
+from kinetics.crosscheck.data.table import Table
+from kinetics.crosscheck.data.tracks import Tracks, displacements, gather_tracks
+from kinetics.crosscheck.words import numeral
+
+#: Speed rises, and steps longer than the speed allows, beyond this fraction are no rounding.
+IMPOSSIBLE_BEYOND = 0.02
+#: If more than this share of steps is impossible, the data are noisy throughout: no switches.
+MAX_SHARE_OF_SWITCHES = 0.2
+#: Impossible steps that are named.
+MAX_STEPS_NAMED = 3
+
+
+def read_sample(
+    sources: Sequence[Path | Mapping[str, Any]], check_motion: bool = True, **arguments: Any
+) -> Sample:
+    """Read one sample.
+
+    Parameters
+    ----------
+    sources : files, or columns or arrays in memory; several are independent runs
+    check_motion : whether nothing drives the tracers, so that none gets faster
+    arguments : of :meth:`DataOptions.checked`
+
+    Returns
+    -------
+    Sample
+        Its warnings say what was left out, and what errors are from: with one configuration, or
+        without the column `medium`, they are by tracer.
+    """
+    options = DataOptions.checked(**arguments)
+    _check_sources(sources)
+    tables: list[Table] = []
+    for source in sources:
+        table = read_source(source, options)
+        if not isinstance(table, Table):
+            if len(sources) > 1:
+                refuse_data(name_of(source), "an Ensemble of several", "the only file")
+            return sample_of_ensemble(table, name_of(source).rsplit("/", 1)[-1])
+        tables.append(table)
+    names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
+    where = ", ".join(names)
+    tracks = displacements(gather_tracks(tables, options), where, options)
+    if tracks.velocity is None:
+        allowed = "with columns vx and vy (--columns): positions alone are not compared yet"
+        refuse_data(where, "no velocities", allowed)
+    sample = _group(tracks, names, options)
+    impossible = impossible_steps(tracks) if check_motion and tracks.tracer is not None else []
+    return replace(
+        sample,
+        law=Law(dimension=options.dimension or 2),
+        units=options.units.by_name(),
+        warnings=(*tracks.remarks, *sample.warnings, *impossible),
+    )
+
+
+def _check_sources(sources: Sequence[Path | Mapping[str, Any]]) -> None:
+    """Raise InputError without any source, and for a file that is named twice."""
+    paths = [source for source in sources if isinstance(source, Path)]
+    allowed = "one file at least, of independent tracers"
+    if not sources:
+        refuse_data("data", "no file", allowed)
+    if len(set(paths)) < len(paths):
+        names = ", ".join(name_of(path) for path in paths)
+        refuse_data("data", f"a file twice in {names}", allowed)
+
+
+def _group(tracks: Tracks, names: tuple[str, ...], options: DataOptions) -> Sample:
+    """Return the sums over configurations where there are several, else over tracers."""
+    warnings: list[str] = []
+    label: NDArray[Any] = np.arange(tracks.n_tracers)
+    grouping = "row"
+    if tracks.tracer is not None:
+        label = pd.factorize(tracks.tracer, sort=True)[0]
+        grouping = "tracer"
+    if tracks.medium is not None:
+        codes, different = pd.factorize(tracks.medium, sort=True)
+        # one configuration alone shows no spread between them
+        if len(different) > 1 or np.max(tracks.file) > 0:
+            label = codes
+            grouping = "medium"
+    if grouping != "medium":
+        reason = "No column medium" if tracks.medium is None else "There is one configuration"
+        warnings.append(
+            f"{reason}: errors are by tracer. Tracers that share scatterers are not independent: "
+            "their errors are larger than these."
+        )
+    sample = reduce_tracks(tracks, label, names, grouping, options.with_axes)
+    if sample.groups < 2:
+        found = "one tracer" if tracks.n_tracers else "no tracer"
+        refuse_data(", ".join(names), found, "two tracers at least")
+    if grouping == "row":
+        warnings.append(
+            "No column tracer: the k-th row of each time is taken for the same tracer. If it is "
+            "not, p-values over several times are wrong."
+        )
+    warnings += _missing_tracers(sample)
+    return replace(sample, warnings=tuple(warnings))
+
+
+def _missing_tracers(sample: Sample) -> list[str]:
+    """Return what is to be said if tracers are missing at some times."""
+    most = int(sample.samples.max())
+    fewest = int(np.argmin(sample.samples))
+    n_missing = most - int(sample.samples[fewest])
+    if n_missing == 0:
+        return []
+    return [
+        f"At t = {numeral(sample.times[fewest], '.4g')} d/U, {n_missing} of {most} tracers are "
+        "missing. If the reason depends on their speed (a cap on collisions, a box that fast ones "
+        "leave), those that survive are not a fair sample."
+    ]
+
+
+def impossible_steps(tracks: Tracks) -> list[str]:
+    """Return what is to be said of steps that no tracer can make where nothing drives it.
+
+    No tracer gets faster, and none goes further than its speed allows: v(t) <= v(s) and
+    |r(t) - r(s)| <= v(s) (t - s) hold for each, exactly.
+    """
+    velocity = tracks.velocity
+    assert velocity is not None
+    if tracks.times.size < 2:
+        return []
+    speed = np.sqrt(np.sum(velocity**2, axis=2))
+    step = np.sqrt(np.sum(np.diff(tracks.place, axis=0) ** 2, axis=2))
+    longest = speed[:-1] * np.diff(tracks.times)[:, None]
+    margin = 1.0 + IMPOSSIBLE_BEYOND
+    with np.errstate(invalid="ignore"):
+        is_faster = speed[1:] > margin * speed[:-1]
+        is_further = step > margin * longest
+    is_impossible = is_faster & is_further
+    n_impossible = int(np.count_nonzero(is_impossible))
+    if not 0 < n_impossible < MAX_SHARE_OF_SWITCHES * is_impossible.size:
+        return []
+    examples = []
+    for index, tracer in np.argwhere(is_impossible)[:MAX_STEPS_NAMED].tolist():
+        label = tracer if tracks.tracer is None else tracks.tracer[tracer]
+        examples.append(f"tracer {label} at time {tracks.times[index + 1]:.4g}")
+    return [
+        f"{n_impossible} steps are impossible without a drive: the tracer gets faster, and goes "
+        f"further than its speed allows ({', '.join(examples)}). Two tracers may have been "
+        "exchanged, or positions wrapped."
+    ]

@@ -1,0 +1,280 @@
+"""A table: one row for each particle at each time, in columns by our names, checked.
+
+A format makes a `Table` of what a file holds (:func:`table_of_columns`, :func:`table_of_frames`,
+:func:`table_of_arrays`); `tracks` makes tracks of those of all files. Numbers that are missing are
+NaN.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.columns import AXES, LABELS, SPEEDS, ColumnName, find_columns
+from kinetics.crosscheck.data.missing import without_mask
+from kinetics.crosscheck.data.options import DataOptions, refuse_data
+from kinetics.errors import short
+
+#: Types of numbers in a message at most.
+MAX_TYPES_SHOWN = 9
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of particles at times.
+
+    Parameters
+    ----------
+    where : names the source in messages
+    columns : by our names, shape (n_rows,) each; times, places and velocities are floats
+    remarks : what a reader should know of how it was read
+    """
+
+    where: str
+    columns: Mapping[str, NDArray[Any]]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def n_rows(self) -> int:
+        """The number of rows."""
+        return int(self.columns["time"].size)
+
+    def select(self, rows: NDArray[np.bool_]) -> Table:
+        """Return some of the rows."""
+        chosen = {name: values[rows] for name, values in self.columns.items()}
+        return Table(self.where, chosen, self.remarks)
+
+    def has(self, name: str) -> bool:
+        """Return whether there is a column of this name."""
+        return name in self.columns
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The particles at one time; a quantity that a frame does not state is missing.
+
+    Parameters
+    ----------
+    time : in the data's unit
+    columns : by our names, shape (n,) each
+    """
+
+    time: float
+    columns: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def n_rows(self) -> int:
+        """The number of particles."""
+        return max((values.size for values in self.columns.values()), default=0)
+
+
+def needed_columns(options: DataOptions) -> tuple[str, ...]:
+    """Return the columns that a table must have, by our names."""
+    of_type = () if options.type is None else ("type",)
+    return (*options.axes, *of_type)
+
+
+def table_of_columns(where: str, columns: Mapping[Any, Any], options: DataOptions) -> Table:
+    """Return a table of columns by the names of a file; InputError for what cannot be used."""
+    needed = needed_columns(options)
+    found = find_columns(where, columns, options.columns, needed)
+    if "time" not in found and "frame" not in found:
+        find_columns(where, columns, options.columns, ("time", *needed))  # says what is missing
+    arrays = {name: without_mask(columns[column.original]) for name, column in found.items()}
+    _check_shapes(where, arrays)
+    if "time" not in arrays:
+        arrays["time"] = options.times_of_steps(where, arrays["frame"])
+    arrays.pop("frame", None)
+    _check_units(where, found, options)
+    return _checked(where, arrays, options)
+
+
+def _check_shapes(where: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Raise InputError unless the columns have one length."""
+    shapes = {values.shape for values in arrays.values()}
+    first = next(iter(arrays.values()))
+    if len(shapes) > 1 or first.ndim != 1:
+        refuse_data(where, f"columns that differ in length or shape, {shapes}", "one length (n,)")
+    if not first.size:
+        refuse_data(where, "no rows", "two at least")
+
+
+def _check_units(where: str, found: Mapping[str, ColumnName], options: DataOptions) -> None:
+    """Raise InputError where the units in the names of columns do not belong together."""
+    if options.has_time_unit or not {"x", "vx", "time"} <= set(found):
+        return
+    length, speed, time = (found[name].unit for name in ("x", "vx", "time"))
+    parts_of_speed = re.findall(r"[^\W\d]+", speed)
+    if length and time and len(parts_of_speed) == 2 and parts_of_speed != [length, time]:
+        got = f"lengths in {length}, speeds in {speed}, times in {time}"
+        refuse_data(where, got, "units that belong together, or say --time-unit")
+
+
+def _checked(where: str, arrays: dict[str, NDArray[Any]], options: DataOptions) -> Table:
+    """Return a table of arrays by our names: types, the type of the tracers, and the plane."""
+    columns = {}
+    for name, values in arrays.items():
+        if name in LABELS:
+            columns[name] = _as_labels(where, name, values)
+        else:
+            columns[name] = _as_numbers(where, name, values)
+    table = Table(where, columns)
+    if options.type is not None:
+        table = _of_type(table, options.type)
+    return _in_dimension(table, options)
+
+
+def _as_labels(where: str, name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Return labels as whole numbers or texts; InputError where one is missing."""
+    if values.dtype.kind in "OUST":
+        missing = pd.isna(values)
+        if np.any(missing):
+            refuse_data(
+                f"{where}: row {int(np.argmax(missing))}", f"no {name}", "there, in every row"
+            )
+        return values.astype(str)
+    if values.dtype.kind not in "iuf":
+        refuse_data(f"{where}: column {name!r}", f"type {values.dtype}", "numbers or texts")
+    if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+        row = int(np.argmin(np.isfinite(values)))
+        refuse_data(f"{where}: row {row}", f"{name} = {values[row]}", "a finite number")
+    return values
+
+
+def _as_numbers(where: str, name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Return numbers as floats; InputError for texts, and where one is infinite."""
+    if values.dtype.kind not in "iuf" or values.dtype.itemsize > 8:
+        refuse_data(f"{where}: column {name!r}", f"type {values.dtype}", "numbers")
+    numbers = values.astype(float, copy=False)
+    infinite = np.isinf(numbers)
+    if np.any(infinite):
+        row = int(np.argmax(infinite))
+        refuse_data(f"{where}: row {row}", f"{name} = {numbers[row]}", "a finite number")
+    return numbers
+
+
+def _of_type(table: Table, type_name: str) -> Table:
+    """Return the rows of one type of particle, without that column."""
+    columns = dict(table.columns)
+    types = columns.pop("type").astype(str)
+    is_chosen = types == type_name
+    if not np.any(is_chosen):
+        known = ", ".join(np.unique(types)[:MAX_TYPES_SHOWN])
+        refuse_data(f"{table.where}: type", short(type_name), f"one of {known}")
+    return Table(table.where, columns, table.remarks).select(is_chosen)
+
+
+def _in_dimension(table: Table, options: DataOptions) -> Table:
+    """Return a table without what the plane does not have; InputError for velocities across it."""
+    columns = dict(table.columns)
+    if options.dimension != 3:
+        across = columns.pop("vz", np.zeros(1))
+        if np.any(np.nan_to_num(across)):
+            refuse_data(table.where, "velocities with z components", "none, or say dimension 3")
+        columns.pop("z", None)
+    velocities = [name for name in SPEEDS[: len(options.axes)] if name in columns]
+    if velocities and len(velocities) < len(options.axes):
+        missing = next(name for name in SPEEDS if name not in columns)
+        allowed = f"all of {', '.join(SPEEDS[: len(options.axes)])}, or none of them"
+        refuse_data(table.where, f"no column {missing!r} beside {velocities[0]!r}", allowed)
+    return Table(table.where, columns, table.remarks)
+
+
+def table_of_frames(where: str, frames: Sequence[Frame], options: DataOptions) -> Table:
+    """Return the table of frames; what only some of them state is missing in the others."""
+    if not frames:
+        refuse_data(where, "no frames", "a file of this format")
+    names = dict.fromkeys(name for frame in frames for name in frame.columns)
+    columns: dict[str, NDArray[Any]] = {}
+    for name in names:
+        columns[name] = np.concatenate([_column_of_frame(frame, name) for frame in frames])
+    repeats = [frame.n_rows for frame in frames]
+    columns["time"] = np.repeat([frame.time for frame in frames], repeats)
+    numbers = [columns[name] for name in (*AXES, *SPEEDS) if name in columns]
+    has_any = ~np.all([np.isnan(column) for column in numbers], axis=0)
+    if not np.all(has_any):  # tracers without any number have ended
+        columns = {name: values[has_any] for name, values in columns.items()}
+    _check_shapes(where, columns)
+    return _checked(where, columns, options)
+
+
+def _column_of_frame(frame: Frame, name: str) -> NDArray[Any]:
+    """Return a column of a frame; of missing numbers where the frame does not state it."""
+    if name in frame.columns:
+        return frame.columns[name]
+    return np.full(frame.n_rows, np.nan)
+
+
+def table_of_arrays(
+    where: str,
+    options: DataOptions,
+    times: Any,
+    positions: Any,
+    velocities: Any = None,
+    **labels: Any,
+) -> Table:
+    """Return the table of arrays of frames.
+
+    Parameters
+    ----------
+    where, options : see the module
+    times : shape (n_times,)
+    positions : shape (n_times, n, d)
+    velocities : the same shape; None where there are none
+    labels : tracer, medium and type, shape (n,) or (n_times, n); without `tracer`, the k-th of each
+        frame is the same tracer
+    """
+    times = without_mask(times)
+    positions = without_mask(positions)
+    n = positions.shape[1] if positions.ndim == 3 else 0
+    arrays = {"tracer": np.arange(n)}
+    arrays |= {name: without_mask(values) for name, values in labels.items()}
+    vectors = {"positions": positions}
+    if velocities is not None:
+        vectors["velocities"] = without_mask(velocities)
+    _check_array_shapes(where, times, vectors, arrays)
+    shape = positions.shape[:2]
+    columns = {"time": np.repeat(times, n)}
+    for names, array in zip((AXES, SPEEDS), vectors.values(), strict=False):
+        components = array.reshape(-1, array.shape[2]).T
+        columns |= dict(zip(names, components, strict=False))
+    for name, values in arrays.items():
+        columns[name] = np.broadcast_to(values, shape).ravel()
+    missing = [name for name in needed_columns(options) if name not in columns]
+    if missing:
+        refuse_data(where, f"no {missing[0]}", f"with {', '.join(needed_columns(options))}")
+    frame_like = {name: values for name, values in columns.items()}
+    numbers = [frame_like[name] for name in (*AXES, *SPEEDS) if name in frame_like]
+    has_any = ~np.all([np.isnan(column.astype(float)) for column in numbers], axis=0)
+    kept = {name: values[has_any] for name, values in frame_like.items()}
+    _check_shapes(where, kept)
+    return _checked(where, kept, options)
+
+
+def _check_array_shapes(
+    where: str,
+    times: NDArray[Any],
+    vectors: Mapping[str, NDArray[Any]],
+    labels: Mapping[str, NDArray[Any]],
+) -> None:
+    """Raise InputError unless arrays of frames have shapes that belong together."""
+    positions = vectors["positions"]
+    frame_shape = positions.shape[:2]
+    is_right = positions.ndim == 3 and times.shape == frame_shape[:1]
+    is_right &= all(array.shape == positions.shape for array in vectors.values())
+    is_right &= all(array.shape in (frame_shape, frame_shape[1:]) for array in labels.values())
+    if not is_right:
+        shapes = [
+            times.shape,
+            *(a.shape for a in vectors.values()),
+            *(a.shape for a in labels.values()),
+        ]
+        shown = ", ".join(str(shape) for shape in shapes)
+        allowed = "(T,), (T, n, d), (T, n, d) and (n,) for each label"
+        refuse_data(f"{where}: shapes", shown, allowed)

@@ -1,0 +1,297 @@
+"""Delimited text: CSV and its relatives, as programs and people write them.
+
+The first row of numbers is looked for; the names of the columns are the line above it with as many
+cells that has most names known to us, so that remarks, rows of units and the four heads of
+TrackMate are passed over. pandas reads the rest.
+"""
+
+from __future__ import annotations
+
+import codecs
+import gzip
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import IO, Any, NoReturn
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.columns import KNOWN_NAMES, LABELS, ColumnName, find_columns
+from kinetics.crosscheck.data.memory import require_memory
+from kinetics.crosscheck.data.options import DataOptions, refuse_data
+from kinetics.crosscheck.data.table import Table, needed_columns, table_of_columns
+from kinetics.errors import short
+
+#: Bytes of a line at most: a file without line ends is no table.
+MAX_LINE_BYTES = 1 << 20
+#: Bytes from which the encoding is told, and lines among which the first row of numbers must be.
+SAMPLE_BYTES = 1 << 16
+MAX_HEAD_LINES = 200
+#: Rows that are parsed at once, so that memory can be checked meanwhile.
+ROWS_AT_ONCE = 200_000
+#: Separators in the order in which they are tried; blanks (of any number) last.
+SEPARATORS = ("\t", ";", ",")
+BLANKS = r"\s+"
+#: Beginnings of files that tell the encoding.
+BYTE_ORDER_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+#: The encoding of a file that is not UTF-8: that of Windows in Western Europe and America.
+OTHER_ENCODING = "cp1252"
+#: A number with a decimal comma.
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
+
+
+def read_text_table(path: Path, where: str, options: DataOptions) -> Table:
+    """Read a delimited text file, which may be packed by gzip."""
+    require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
+    encoding = _encoding_of(path)
+    layout = _find_layout(path, where, encoding, options)
+    wanted = find_columns(where, layout.names, options.columns, needed_columns(options))
+    frame = _read_columns(path, where, encoding, layout, wanted, options)
+    columns = {column.original: frame[column.original] for column in wanted.values()}
+    for name, column in wanted.items():
+        if name not in LABELS:
+            columns[column.original] = _as_numbers(where, layout, column, frame, options)
+    return table_of_columns(where, columns, options)
+
+
+# -- bytes and lines -------------------------------------------------------------------------------
+
+
+class _LineGuard(io.RawIOBase):
+    """The bytes of a file; InputError where a line is so long that it is no line of a table."""
+
+    def __init__(self, file: IO[bytes], where: str) -> None:
+        self._file = file
+        self._where = where
+        self._line_bytes = 0
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+        super().close()
+
+    def readable(self) -> bool:
+        """Return that it can be read."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Read the next bytes, and count those since the last end of a line."""
+        data = self._file.read(len(buffer))
+        end = data.rfind(b"\n")
+        self._line_bytes = len(data) - end - 1 + (self._line_bytes if end < 0 else 0)
+        if self._line_bytes > MAX_LINE_BYTES:
+            refuse_data(self._where, "a line of over a million bytes", "rows of a table")
+        buffer[: len(data)] = data
+        return len(data)
+
+
+def _open(path: Path, where: str) -> io.BufferedReader:
+    """Open a file, packed or not, for reading bytes."""
+    is_packed = path.suffix.lower() == ".gz"
+    file: Any = gzip.open(path) if is_packed else open(path, "rb")  # noqa: SIM115
+    return io.BufferedReader(_LineGuard(file, where), SAMPLE_BYTES)
+
+
+def _encoding_of(path: Path) -> str:
+    """Return the encoding of a text file, from its first bytes."""
+    with _open(path, str(path)) as file:
+        sample = file.read(SAMPLE_BYTES)
+    for mark, encoding in BYTE_ORDER_MARKS.items():
+        if sample.startswith(mark):
+            return encoding
+    try:
+        # the last character of the sample may be cut
+        codecs.getincrementaldecoder("utf-8")().decode(sample)
+    except UnicodeDecodeError:
+        return OTHER_ENCODING
+    return "utf-8"
+
+
+def _first_lines(path: Path, where: str, encoding: str) -> list[str]:
+    """Return the first lines of a text file, without their ends."""
+    with io.TextIOWrapper(_open(path, where), encoding, errors="replace") as file:
+        return [line.rstrip("\r\n") for line in islice(file, MAX_HEAD_LINES)]
+
+
+# -- the layout ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """How a table is laid out.
+
+    Parameters
+    ----------
+    separator : of cells, a regular expression for blanks
+    names : of the columns, with units from a row of units
+    head_lines : lines before the first row of numbers
+    """
+
+    separator: str
+    names: tuple[str, ...]
+    head_lines: int
+
+
+def _find_layout(path: Path, where: str, encoding: str, options: DataOptions) -> _Layout:
+    """Find the first row of numbers, and the names of the columns above it."""
+    head: list[str] = []
+    for line in _first_lines(path, where, encoding):
+        separator = _separator_of(line, options.decimal)
+        cells = _split(line, separator)
+        if _is_row_of_numbers(cells, options.decimal):
+            names = _names_above(where, head, separator, len(cells))
+            return _Layout(separator, names, len(head))
+        head.append(line)
+    if not any(line.strip() for line in head):
+        refuse_data(where, "an empty file", "a first line that names the columns, and rows")
+    _refuse_head(where, head, options)
+
+
+def _refuse_head(where: str, head: Sequence[str], options: DataOptions) -> NoReturn:
+    """Raise InputError for a text without any row of numbers: no rows, or unknown columns."""
+    rows = (_split(line, _separator_of(line, ",")) for line in head)
+    if options.decimal == "." and any(_is_row_of_numbers(cells, ",") for cells in rows):
+        refuse_data(where, "numbers with a decimal comma", "with a point, or say --decimal ,")
+    for line in head:
+        names = _split(line.lstrip("#"), _separator_of(line, options.decimal))
+        if _count_known(names) >= len(options.axes):
+            find_columns(where, names, options.columns, ("time", *needed_columns(options)))
+            refuse_data(where, "no rows of numbers", "two at least")
+    shown = short(next(line for line in head if line.strip()), 60)
+    refuse_data(where, f"no row of numbers below {shown}", "columns time, x, y, ... and rows")
+
+
+def _separator_of(line: str, decimal: str) -> str:
+    """Return what separates the cells of a line."""
+    for separator in SEPARATORS:
+        if separator in line and separator != decimal:
+            return separator
+    return BLANKS
+
+
+def _split(line: str, separator: str) -> list[str]:
+    """Return the cells of a line, without quotes and blanks around them."""
+    if separator == BLANKS:
+        cells = line.split()
+    else:
+        cells = line.split(separator)
+    return [cell.strip().strip("\"'").strip() for cell in cells]
+
+
+def _is_number(text: str, decimal: str) -> bool:
+    """Return whether a cell is a number; an empty one is a missing number."""
+    try:
+        float(text.replace(decimal, "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _is_row_of_numbers(cells: Sequence[str], decimal: str) -> bool:
+    """Return whether most cells of a line are numbers, three at least."""
+    n_numbers = sum(_is_number(cell, decimal) for cell in cells)
+    n_filled = sum(bool(cell) for cell in cells)
+    return n_numbers >= 3 and 2 * n_numbers > n_filled
+
+
+def _names_above(where: str, head: Sequence[str], separator: str, n_cells: int) -> tuple[str, ...]:
+    """Return the names of the columns: the line with as many cells and most known names."""
+    best: list[str] = []
+    units: list[str] = []
+    for line in head:
+        cells = _split(line.lstrip("#"), separator)
+        if len(cells) == n_cells - 1:  # pandas and R may leave the head of an index out
+            cells = ["", *cells]
+        if len(cells) != n_cells:
+            continue
+        if _count_known(cells) > _count_known(best):
+            best = cells
+        elif all(not cell or cell.startswith(("(", "[")) for cell in cells):
+            units = cells
+    if not best:
+        shown = short(head[-1], 60) if head else "nothing"
+        allowed = "a line above that names them: time, x, y, ..."
+        refuse_data(where, f"{n_cells} columns of numbers below {shown}", allowed)
+    if not units:
+        return tuple(best)
+    return tuple(f"{name} {unit}".strip() for name, unit in zip(best, units, strict=True))
+
+
+def _count_known(names: Sequence[str]) -> int:
+    """Return how many cells are names of columns that we know."""
+    known = {*KNOWN_NAMES, *(name for names in KNOWN_NAMES.values() for name in names)}
+    columns = [ColumnName.of(name) for name in names]
+    return sum(column.plain in known or column.bare in known for column in columns)
+
+
+# -- numbers ---------------------------------------------------------------------------------------
+
+
+def _read_columns(
+    path: Path,
+    where: str,
+    encoding: str,
+    layout: _Layout,
+    wanted: dict[str, ColumnName],
+    options: DataOptions,
+) -> pd.DataFrame:
+    """Return the wanted columns; texts where not all cells of one are numbers."""
+    originals = [column.original for column in wanted.values()]
+    places = sorted(layout.names.index(original) for original in originals)
+    chunks = []
+    n_bytes = 0.0
+    with _open(path, where) as file:
+        try:
+            reader = pd.read_csv(
+                file,
+                sep=layout.separator,
+                names=list(range(len(layout.names))),
+                usecols=places,
+                header=None,
+                skiprows=layout.head_lines,
+                skipinitialspace=True,
+                decimal=options.decimal,
+                comment="#",
+                encoding=encoding,
+                encoding_errors="replace",
+                index_col=False,
+                chunksize=ROWS_AT_ONCE,
+                low_memory=False,
+            )
+            for chunk in reader:
+                chunks.append(chunk)
+                n_bytes += float(chunk.memory_usage(index=False).sum())
+                require_memory(where, n_bytes)
+        except pd.errors.ParserError as error:
+            refuse_data(where, short(str(error), 150), "rows with one cell for each column")
+    frame = pd.concat(chunks, ignore_index=True)
+    return frame.rename(columns={place: layout.names[place] for place in places})
+
+
+def _as_numbers(
+    where: str, layout: _Layout, column: ColumnName, frame: pd.DataFrame, options: DataOptions
+) -> NDArray[Any]:
+    """Return a column of numbers; InputError names the row and the text that is none."""
+    values = frame[column.original]
+    if values.dtype.kind in "iuf":
+        return np.asarray(values)
+    numbers = pd.to_numeric(values, errors="coerce")
+    is_text = np.asarray(numbers.isna() & values.notna())
+    if np.any(is_text):
+        row = int(np.argmax(is_text))
+        text = str(values.iloc[row]).strip()
+        allowed = "a number"
+        if _DECIMAL_COMMA.fullmatch(text) and options.decimal == ".":
+            allowed = "a number with a decimal point, or say --decimal ,"
+        place = f"{where}: row {row + 1}"
+        refuse_data(place, f"{column.plain} = {short(text)}", allowed)
+    return np.asarray(numbers, dtype=float)

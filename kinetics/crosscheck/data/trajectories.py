@@ -1,0 +1,315 @@
+"""Trajectories as simulation programs write them, frame by frame: LAMMPS, extended XYZ and GSD."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import islice
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.box import Box, unwrap_frames
+from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.memory import require_memory
+from kinetics.crosscheck.data.options import DataOptions, refuse_data
+from kinetics.crosscheck.data.table import Frame, Table, table_of_frames
+from kinetics.errors import short
+
+#: Characters of a line at most.
+MAX_LINE = 1 << 20
+#: Columns of one property of extended XYZ at most.
+MAX_WIDTH = 1000
+
+
+class _Lines:
+    """The lines of a text file, one after another; `where` names the file and the last line."""
+
+    def __init__(self, path: Path, where: str) -> None:
+        require_memory(where, 0.5 * path.stat().st_size)
+        self._file = open(path, errors="replace")  # noqa: SIM115
+        self._name = where
+        self._number = 0
+
+    @property
+    def where(self) -> str:
+        """The file and the number of the last line."""
+        return f"{self._name}: line {self._number}"
+
+    def next(self) -> str:
+        """Return the next line; empty at the end of the file."""
+        self._number += 1
+        return self._file.readline(MAX_LINE)
+
+    def __iter__(self) -> Iterator[str]:
+        """Return the lines from here on that are not blank, to the end of the file."""
+        with self._file:
+            while line := self.next():
+                if line.strip():
+                    yield line.strip()
+
+    def refuse(self, found: Any, allowed: str) -> NoReturn:
+        """Raise InputError for the last line."""
+        refuse_data(self.where, found, allowed)
+
+    def whole_number(self, text: str) -> int:
+        """Return the whole number, not negative, that a text is; or InputError."""
+        if not text.strip().isdecimal():
+            self.refuse(short(text.strip()), "a whole number")
+        return int(text)
+
+    def number(self, text: str) -> float:
+        """Return the finite number that a text is; or InputError."""
+        with suppress(ValueError):
+            value = float(text)
+            if np.isfinite(value):
+                return value
+        self.refuse(short(text.strip()), "a finite number")
+
+    def columns(
+        self, count: int, names: Sequence[str], wanted: Sequence[str]
+    ) -> dict[str, NDArray[Any]]:
+        """Return columns of the next lines, shape (count,) each; numbers except the type.
+
+        Parameters
+        ----------
+        count : of the lines
+        names : of all columns of a line
+        wanted : the names of those that are returned, each there once
+        """
+        for name in wanted:
+            if list(names).count(name) != 1:
+                self.refuse(f"column {name!r} {list(names).count(name)} times", "once")
+        first = self._number + 1
+        rows = list(islice(self._file, count))
+        self._number += len(rows)
+        kinds: Any = [(name, "U64" if name == "type" else float) for name in wanted]
+        places = [list(names).index(name) for name in wanted]
+        problem = f"{len(rows)} lines, some blank"
+        try:
+            values = np.empty(0, kinds)
+            if rows:
+                values = np.loadtxt(rows, kinds, None, usecols=places, ndmin=1)
+            if values.size == count:
+                return {name: values[name] for name in wanted}
+        except ValueError as error:
+            problem = short(str(error), 150)
+        refuse_data(f"{self._name}: from line {first} on", problem, f"{count} rows of numbers")
+
+
+# -- LAMMPS ----------------------------------------------------------------------------------------
+
+
+def read_lammps(path: Path, where: str, options: DataOptions) -> Table:
+    """Read a LAMMPS text dump: unwrapped places xu, yu, or x, y, with image flags or not."""
+    reader = _LammpsReader(_Lines(path, where), where, options)
+    frames, box = reader.read()
+    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+
+
+class _LammpsReader:
+    """Reads the items of a dump: each frame has a time or step, a number of atoms, a box, atoms."""
+
+    def __init__(self, lines: _Lines, where: str, options: DataOptions) -> None:
+        self.lines = lines
+        self.where = where
+        self.options = options
+        self.step: int | None = None
+        self.time: float | None = None
+        self.count: int | None = None
+        self.box: Box | None = None
+        self.wrapped_box: Box | None = None
+
+    def read(self) -> tuple[list[Frame], Box | None]:
+        """Return the frames, and the box of positions that may be wrapped."""
+        frames = []
+        is_between_frames = True
+        for line in self.lines:
+            if not line.startswith("ITEM: "):
+                self.lines.refuse(short(line), "a line `ITEM: ...` of a LAMMPS text dump")
+            item, *words = line.removeprefix("ITEM: ").split()
+            is_between_frames = item == "ATOMS"
+            if item == "TIMESTEP":
+                self.step = self.lines.whole_number(self.lines.next())
+            elif item == "TIME":
+                self.time = self.lines.number(self.lines.next())
+            elif item == "NUMBER":
+                self.count = self.lines.whole_number(self.lines.next())
+            elif item == "UNITS":
+                self.lines.next()
+            elif item == "BOX":
+                self.box = self._read_box(words)
+            elif item == "ATOMS":
+                frames.append(self._read_atoms(words))
+        if not is_between_frames:
+            refuse_data(self.where, "a last frame without atoms", "whole frames")
+        return frames, self.wrapped_box
+
+    def _read_box(self, words: list[str]) -> Box:
+        """Read the bounds of a box, two on a line."""
+        sides = {}
+        for axis in AXES:
+            bounds = self.lines.next().split()
+            if len(bounds) != 2:
+                self.lines.refuse("a slanted box", "rectangular, with two bounds a line")
+            sides[axis] = self.lines.number(bounds[1]) - self.lines.number(bounds[0])
+        periodic = [axis for axis, word in zip(AXES, words[1:], strict=False) if word == "pp"]
+        return Box(sides, frozenset(periodic))
+
+    def _read_atoms(self, names: list[str]) -> Frame:
+        """Read the atoms of one frame."""
+        if self.count is None:
+            self.lines.refuse("atoms", "the number of atoms before")
+        axes = self.options.axes
+        place_names = {axis: f"{axis}u" if f"{axis}u" in names else axis for axis in axes}
+        wrapped = [axis for axis in axes if place_names[axis] == axis]
+        images = {axis: f"i{axis}" for axis in wrapped if f"i{axis}" in names}
+        speeds = [name for name in SPEEDS if name in names]
+        types = [] if self.options.type is None else ["type"]
+        wanted = ["id", *speeds, *place_names.values(), *images.values(), *types]
+        atoms = self.lines.columns(self.count, names, wanted)
+        columns = {name: atoms[name] for name in (*speeds, *types)}
+        columns["tracer"] = atoms["id"]
+        for axis, name in place_names.items():
+            columns[axis] = atoms[name]
+            if axis in images and self.box is not None:
+                columns[axis] = columns[axis] + self.box.sides[axis] * atoms[images[axis]]
+        if self.box is not None and set(wrapped) - set(images):
+            periodic = self.box.periodic & (set(wrapped) - set(images))
+            self.wrapped_box = Box(self.box.sides, frozenset(periodic))
+        return Frame(self._time_of_frame(), columns)
+
+    def _time_of_frame(self) -> float:
+        """Return the time of a frame, and forget it."""
+        time, step = self.time, self.step
+        self.time = None
+        self.step = None
+        if time is not None:
+            return time
+        if step is None:
+            refuse_data(self.where, "no times", "a TIME or a TIMESTEP for each frame")
+        return float(self.options.times_of_steps(self.where, step))
+
+
+# -- extended XYZ ----------------------------------------------------------------------------------
+
+#: A pair `key=value` of the second line of a frame; values with blanks are in quotes.
+_PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')
+#: Properties that are read, and our names of their columns.
+_PROPERTIES: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("pos", "positions", "position"), AXES),
+    **dict.fromkeys(("vel", "velo", "velocity", "velocities", "v"), SPEEDS),
+    **dict.fromkeys(("id", "ids", "particle", "tracer"), ("tracer",)),
+    **dict.fromkeys(("species", "type"), ("type",)),
+}
+
+
+def read_xyz(path: Path, where: str, options: DataOptions) -> Table:
+    """Read extended XYZ, whose second lines say Properties=...:pos:R:3:vel:R:3 and Time=..."""
+    frames = []
+    box = None
+    lines = _Lines(path, where)
+    for line in lines:
+        count = lines.whole_number(line)
+        pairs = _PAIR.findall(lines.next())
+        stated = {key.lower(): value.strip('"') for key, value in pairs}
+        names = _property_columns(lines, stated)
+        time = _time_of_xyz(lines, where, stated, options)
+        box = _box_of_xyz(lines, stated)
+        types = [] if options.type is None else ["type"]
+        speeds = [name for name in SPEEDS if name in names]
+        tracer = [name for name in ("tracer",) if name in names]
+        columns = lines.columns(count, names, [*options.axes, *speeds, *tracer, *types])
+        columns = {"tracer": np.arange(count)} | columns
+        frames.append(Frame(time, columns))
+    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+
+
+def _property_columns(lines: _Lines, stated: dict[str, str]) -> list[str]:
+    """Return our names of the columns of a frame, "" for those that are not read."""
+    words = stated.get("properties", "").split(":")
+    names: list[str] = []
+    for name, width_text in zip(words[::3], words[2::3], strict=False):
+        width = lines.whole_number(width_text)
+        columns = _PROPERTIES.get(name.lower(), ())
+        is_too_narrow = bool(columns) and width < min(2, len(columns))
+        is_too_wide = width > (len(columns) or MAX_WIDTH)
+        if is_too_narrow or is_too_wide:
+            lines.refuse(f"{name} has {width} columns", "pos:R:3:vel:R:3 in Properties=")
+        names += columns[:width] or [""] * width
+    return names
+
+
+def _time_of_xyz(lines: _Lines, where: str, stated: dict[str, str], options: DataOptions) -> float:
+    """Return the time of a frame, from its time or its step."""
+    time = stated.get("time", stated.get("t"))
+    if time is not None:
+        return lines.number(time)
+    step = stated.get("step", stated.get("timestep", stated.get("frame")))
+    if step is None:
+        refuse_data(where, "no times", "Time= or Step= in the second line of each frame")
+    return float(options.times_of_steps(where, lines.whole_number(step)))
+
+
+def _box_of_xyz(lines: _Lines, stated: dict[str, str]) -> Box | None:
+    """Return the box of a frame, if it says its lattice and along which axes it is periodic."""
+    lattice = stated.get("lattice", "").split()
+    flags = stated.get("pbc", "").split()
+    if len(lattice) != 9 or len(flags) != 3:
+        return None
+    cell = np.array([lines.number(text) for text in lattice]).reshape(3, 3)
+    periodic = [axis for axis, flag in zip(AXES, flags, strict=True) if flag.upper()[:1] in "T1"]
+    if periodic and np.any(cell != np.diag(np.diagonal(cell))):
+        lines.refuse("a slanted box", "rectangular")
+    sides = dict(zip(AXES, np.diagonal(cell).tolist(), strict=True))
+    return Box(sides, frozenset(periodic))
+
+
+# -- GSD -------------------------------------------------------------------------------------------
+
+
+def read_gsd(path: Path, where: str, options: DataOptions) -> Table:
+    """Read frames as HOOMD-blue writes them, unwrapped by their image flags.
+
+    A frame states only what is not as in the first one: velocities that it does not state are
+    missing, as tracers do not keep them.
+    """
+    try:
+        import gsd.hoomd
+    except ImportError:
+        refuse_data(where, "a file of another package", "installed: pip install gsd")
+    frames = []
+    box = None
+    has_images = False
+    with gsd.hoomd.open(str(path), "r") as file:
+        for index in range(len(file)):
+            snapshot = file[index]
+            has_velocities = file.file.chunk_exists(frame=index, name="particles/velocity")
+            has_images |= file.file.chunk_exists(frame=index, name="particles/image")
+            frames.append(_frame_of_gsd(where, snapshot, has_velocities, options))
+            sides = dict(zip(AXES, np.asarray(snapshot.configuration.box, float)[:3], strict=True))
+            box = Box(sides, frozenset(AXES))
+    unwrapped = unwrap_frames(where, frames, None if has_images else box, options.axes)
+    return table_of_frames(where, unwrapped, options)
+
+
+def _frame_of_gsd(where: str, snapshot: Any, has_velocities: bool, options: DataOptions) -> Frame:
+    """Return one frame by our names."""
+    n_axes = 3 if snapshot.configuration.dimensions == 3 else 2
+    box = np.asarray(snapshot.configuration.box, float)
+    if np.any(box[3:] != 0):
+        refuse_data(where, "a slanted box", "rectangular")
+    particles = snapshot.particles
+    positions = np.asarray(particles.position, float) + np.asarray(particles.image) * box[:3]
+    columns = {"tracer": np.arange(int(particles.N))}
+    columns |= dict(zip(AXES[:n_axes], positions.T, strict=False))
+    if has_velocities:
+        velocities = np.asarray(particles.velocity, float)
+        columns |= dict(zip(SPEEDS[:n_axes], velocities.T, strict=False))
+    if options.type is not None:
+        columns["type"] = np.asarray(particles.types or ["A"])[particles.typeid]
+    step = snapshot.configuration.step
+    return Frame(float(options.times_of_steps(where, step)), columns)
