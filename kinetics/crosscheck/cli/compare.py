@@ -9,15 +9,15 @@ from click import Choice, option
 from kinetics.crosscheck.cli import options
 from kinetics.crosscheck.cli.options import Output, json_option
 
-COLUMNS = """DATA is a table with columns time, x, y, vx, vy and, where known, tracer and medium (the
-configuration of scatterers), one row for each tracer at each time: text (.csv, .tsv, .txt, .csv.gz;
-separated by commas, semicolons, tabs or blanks), .npz, .mat, .h5, or .parquet (with the package
-pyarrow); or a file of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump,
-.lammpstrj), extended XYZ (.xyz, .extxyz) or GSD (.gsd, with the package gsd). Usual other names (t,
-frame, particle, TRACK_ID, POSITION_X, v_x, replica ...) are known. Rows in which a number is missing
-are left out, and counted. Lengths are in d, speeds in U (standard deviation of one component
-of the initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say
-otherwise. Several files are several runs of the same system. Data are only read."""
+COLUMNS = """DATA is a table with columns time, x, y, vx, vy and, where known, tracer and medium
+(the configuration of scatterers), one row for each tracer at each time: text (.csv, .tsv, .txt,
+.csv.gz; separated by commas, semicolons, tabs or blanks), .npz, .mat, .h5, or .parquet (with the
+package pyarrow); or a file of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump
+(.dump, .lammpstrj), extended XYZ (.xyz, .extxyz) or GSD (.gsd, with the package gsd). Usual other
+names (t, frame, particle, TRACK_ID, POSITION_X, v_x, replica ...) are known. Rows in which a number
+is missing are left out, and counted. Lengths are in d, speeds in U (standard deviation of one
+component of the initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit
+say otherwise. Several files are several runs of the same system. Data are only read."""
 
 
 # fmt: off
