@@ -11,7 +11,7 @@
 import math
 from collections.abc import Callable
 from functools import wraps
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ LARGEST_LOG = math.log(float(np.finfo(float).max))  # 709.8: e to more than that
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+BoolArray = NDArray[np.bool_]
+NumberArray = NDArray[np.inexact[Any]]  # real or complex
 
 P = ParamSpec("P")
 T = TypeVar("T")
