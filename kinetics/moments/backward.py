@@ -28,7 +28,8 @@ from kinetics.collision import CollisionLaw
 from kinetics.moments.observables import Observable, speed_power
 from kinetics.numerics import FOLDS, LARGEST_LOG, BoolArray, FloatArray
 from kinetics.numerics.cache import Cache
-from kinetics.numerics.chebyshev import Chebyshev, PanelShifts, panel_rule, with_returns
+from kinetics.numerics.chebyshev import Chebyshev, panel_rule
+from kinetics.numerics.panel_shifts import PanelShifts, with_returns
 
 #: X where the panels begin. Chosen: T = e^-2 = 0.14 is where the power series still needs few terms
 #: and the first panel, about one unit of X wide, few nodes.

@@ -24,7 +24,8 @@ import numpy as np
 
 from kinetics.moments.loops import LoopSpectrum
 from kinetics.numerics import ROUNDING, ComplexArray, FloatArray
-from kinetics.numerics.chebyshev import Chebyshev, PanelShifts, panel_rule
+from kinetics.numerics.chebyshev import Chebyshev, panel_rule
+from kinetics.numerics.panel_shifts import PanelShifts
 
 #: Relative accuracy of the matrices, by default: well below that of a panel. Not recorded why so.
 DEFAULT_RTOL = 1.5e-11
