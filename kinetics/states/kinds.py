@@ -265,7 +265,7 @@ class Table(State):
         values = self._values(m)
         if values is None:
             return None
-        points = table_points(self.kinks, values, RTOL_SHARE_OF_TABLE * rtol, lowest)
+        points = table_points(self.kinks, values, RTOL_SHARE_OF_TABLE * rtol, lowest, highest)
         if m > 0:
             return points
         # ln v of points that are close to each other has lost digits: the sum may not be 1

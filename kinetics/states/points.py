@@ -31,10 +31,14 @@ SPACING_FOLDS_PER_POWER = 1.5
 LEAST_SPEED = 1e-320
 #: Least ln v of a table: the smallest number of full accuracy is e^-708.
 LEAST_LOG_SPEED = -700.0
-#: Panels of a table in a unit of ln v. Origin not recorded.
-TABLE_PANELS_PER_UNIT = 4.0
-#: Gauss points of such a panel. Origin not recorded.
+#: Gauss points of a panel of a table.
 TABLE_POINTS = 6
+#: Least number of panels of a table in a unit of ln v. Chosen; for powers up to 4 it follows from
+#: `MAX_LOG_CHANGE_OF_TABLE`.
+TABLE_PANELS_PER_UNIT = 4.0
+#: ln of how far v^p f v may change across a panel of a table. Derived: 6 Gauss points leave 2e-16
+#: times its twelfth power, 2e-14.
+MAX_LOG_CHANGE_OF_TABLE = 1.5
 
 #: Grid points over which a sample is spread.
 SAMPLE_WIDTH = 12
@@ -78,11 +82,14 @@ def gaussian_points(
     return LogMeasure(x + math.log(deviation), weight / weight.sum())
 
 
-def table_points(speed: FloatArray, density: NumberArray, rtol: float, lowest: float) -> LogMeasure:
+def table_points(
+    speed: FloatArray, density: NumberArray, rtol: float, lowest: float, highest: float
+) -> LogMeasure:
     """Return points of a density, real or complex, that is linear between tabulated speeds.
 
-    Its pieces are divided into Gauss panels in ln v. One that begins at speed 0 goes down to where
-    what is left is rtol of <v^lowest>.
+    Its pieces are divided into Gauss panels in ln v, which are narrow enough for powers of the
+    speed from ``lowest`` to ``highest``. One that begins at speed 0 goes down to where what is left
+    is rtol of <v^lowest>.
 
     Raises
     ------
@@ -95,10 +102,12 @@ def table_points(speed: FloatArray, density: NumberArray, rtol: float, lowest: f
         knots[0] = knots[1] - (math.log(1.0 / rtol) + MARGIN) / exponent
         if knots[0] < LEAST_LOG_SPEED:
             raise InputError(f"p: got {lowest:g}; <v^p> of this table is too near to divergence")
+    steepest = max(highest + 2.0, -lowest)  # of v^p f v, f at most linear in v
+    panels_per_unit = max(TABLE_PANELS_PER_UNIT, steepest / MAX_LOG_CHANGE_OF_TABLE)
     edges = []
     for begin, end in itertools.pairwise(knots):
         if end > begin:
-            n_panels = max(1, math.ceil(TABLE_PANELS_PER_UNIT * (end - begin)))
+            n_panels = max(1, math.ceil(panels_per_unit * (end - begin)))
             edges.append(np.linspace(begin, end, n_panels + 1)[:-1])
     edges.append(knots[-1:])
     x, quadrature_weight = panels_between(np.concatenate(edges), TABLE_POINTS)
