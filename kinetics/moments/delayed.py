@@ -27,10 +27,10 @@ from kinetics.numerics import ROUNDING, ComplexArray, FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, panel_rule
 from kinetics.numerics.panel_shifts import PanelShifts
 
-#: Relative accuracy of the matrices, by default: well below that of a panel. Not recorded why so.
+#: Relative accuracy of the matrices by default, well below that of a panel. Origin not recorded.
 DEFAULT_RTOL = 1.5e-11
-#: Fraction of rtol that rounding of an eigenbasis may take; else matrices are inverted one by one.
-#: Its origin is not recorded.
+#: Fraction of rtol that rounding of an eigenbasis may take; else matrices are inverted one by one,
+#: which takes a third longer. Its origin is not recorded.
 ROUNDING_SHARE = 0.2
 
 
