@@ -52,11 +52,11 @@ class Loops:
     ----------
     shares : of the kinds of loops, shape (n_m, n_kinds)
     weights : of the modes in the kinds, shape (n_kinds, n_modes)
-    returning : V of each kind, before its share, is this @ (f, z): shape (n_panels, n_kinds, nodes,
-        nodes + n_modes)
-    mode_decay : the modes where a panel ends are this times z, plus `mode_gain` @ f: (n_panels,
-        n_modes)
-    mode_gain : shape (n_panels, n_ratios, n_modes, nodes)
+    returning_of_f, returning_of_modes : V of each kind, before its share, at the nodes is the
+        former @ f plus the latter @ z: shapes (n_panels, n_kinds, nodes, nodes) and (n_panels,
+        n_kinds, nodes, n_modes)
+    mode_gain, mode_decay : the modes where a panel ends are the former @ f plus the latter times z:
+        shapes (n_panels, n_ratios, n_modes, nodes) and (n_panels, n_modes)
     reach : how many panels below matter for f
     from_below, from_panel : f is the former @ W on the panels below, plus the latter @ W on the
         panel: shapes (n_ratios, nodes, reach * nodes) and (n_ratios, nodes, nodes)
@@ -84,7 +84,12 @@ class Loops:
         self._interpolate_shifts(spectrum.speed_ratios)
 
     def _collocate_modes(self, has_ratio: FloatArray, rtol: float) -> None:
-        """Solve c dZ/dT = f - s Z on every panel, for all f at its nodes and all initial z."""
+        """Solve c dZ/dT = f - s Z on every panel, for all f at its nodes and all initial z.
+
+        With x from where a panel begins and T_0 = T there, exp(-x) dZ/dx + (T_0 s/c) Z = (T_0/c) f.
+        The operator on the left is inverted by `_respond`. All is over T^degree: in its units f at
+        one node counts at another as the ratio of these powers.
+        """
         n = self.rule.nodes
         n_kinds, n_modes = self.weights.shape
         width = self.rule.width
@@ -94,13 +99,12 @@ class Loops:
         response = _respond(self.rule, path[:, None] * self._rates, weight_over_pace, rtol)
 
         power_ratios = power[1:, None] / power[1:]
-        of_f = path[:, None, None, None] * response.summed * power_ratios
-        self.returning = np.zeros((self.n_panels, n_kinds, n, n + n_modes))
-        self.returning[:, :, 1:, 1:n] = of_f
-        of_z = self.returning[:, :, :, n:]
-        of_z[:, :, 0] = self.weights
-        of_z[:, :, 1:] = self.weights[:, None] * np.swapaxes(response.decay, 1, 2)[:, None]
-        of_z *= power[:, None]
+        later_nodes = path[:, None, None, None] * response.summed * power_ratios
+        self.returning_of_f = np.zeros((self.n_panels, n_kinds, n, n))
+        self.returning_of_f[:, :, 1:, 1:] = later_nodes
+        decay_at_nodes = np.ones((self.n_panels, n, n_modes))
+        decay_at_nodes[:, 1:] = np.swapaxes(response.decay, 1, 2)
+        self.returning_of_modes = self.weights[:, None] * decay_at_nodes[:, None] * power[:, None]
 
         self.mode_decay = power[-1] * response.decay[:, :, -1]
         path_over_pace = (path[:, None] / self._paces)[:, :, None]
@@ -178,16 +182,16 @@ class Returns:
         loops = self._loops
         n_used, nodes, n_k = gain.shape
         shares = loops.shares[:n_used]
-        from_f = loops.returning[panel, :, :, :nodes]
-        from_z = loops.returning[panel, :, :, nodes:]
+        of_f = loops.returning_of_f[panel]
+        of_modes = loops.returning_of_modes[panel]
         collided = self._collided[panel * nodes : (panel + loops.reach) * nodes, :n_used]
         self._f_from_below = np.tensordot(loops.from_below, collided, axes=1)
-        returning = from_f @ self._f_from_below.reshape(-1, nodes, n_used * n_k)
-        returning += from_z @ self._modes[:, :n_used].reshape(-1, n_used * n_k)
+        returning = of_f @ self._f_from_below.reshape(-1, nodes, n_used * n_k)
+        returning += of_modes @ self._modes[:, :n_used].reshape(-1, n_used * n_k)
         returning = returning.reshape(-1, nodes, n_used, n_k)
         returning = np.einsum("mk,kimq->miq", shares, returning)
         # V = returning + from_panel W, W = gain - loss U, U = Y + V
-        from_panel = np.tensordot(shares, from_f @ loops.from_panel, axes=1)
+        from_panel = np.tensordot(shares, of_f @ loops.from_panel, axes=1)
         self._inverse = np.linalg.inv(np.eye(nodes) + from_panel @ loss)
         self._offset = self._inverse @ (from_panel @ gain + returning)
         self._loss = loss
