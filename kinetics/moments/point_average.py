@@ -67,8 +67,10 @@ class TimePanels:
     fastest : the largest x of the points
     coordinate : X of the fastest point at these times, in panels of X, shape (n_late,)
     panel_of_time : the panel that this is in, shape (n_late,)
-    first, count : the first of these panels, and how many there are
+    first_panel, n_panels : the first of these panels, and how many there are
+    stretch_begins : ln(t/l) where they begin, shape (n_panels,)
     reach : the number of panels in X over which the points are spread at a panel in ln t
+    x_begins : X where the panels in X begin that points reach, shape (n_panels + reach - 1,)
     """
 
     rule: Chebyshev
@@ -76,9 +78,11 @@ class TimePanels:
     fastest: float
     coordinate: FloatArray
     panel_of_time: NDArray[np.intp]
-    first: int
-    count: int
+    first_panel: int
+    n_panels: int
+    stretch_begins: FloatArray
     reach: int
+    x_begins: FloatArray
 
     @classmethod
     def of(
@@ -90,20 +94,25 @@ class TimePanels:
         fastest = float(points.x.max())
         coordinate = (late_stretch + fastest - equation.start) / width
         panel_of_time = np.ceil(coordinate).astype(int) - 1
-        first = 0
-        count = 0
+        first_panel = 0
+        n_panels = 0
         if late_stretch.size:
-            first = int(panel_of_time[0])
-            count = int(panel_of_time[-1]) - first + 1
+            first_panel = int(panel_of_time[0])
+            n_panels = int(panel_of_time[-1]) - first_panel + 1
+        reach = 2 + int((fastest - float(points.x.min())) / width)
+        x_panels = first_panel + 1 - reach + np.arange(n_panels + reach - 1)
+        x_begins = np.asarray(equation.start + width * x_panels, dtype=float)
         return cls(
             rule=panel_rule(equation.nodes + ADDED_NODES_OF_TIME, width),
             log_stretch=late_stretch,
             fastest=fastest,
             coordinate=coordinate,
             panel_of_time=panel_of_time,
-            first=first,
-            count=count,
-            reach=2 + int((fastest - float(points.x.min())) / width),
+            first_panel=first_panel,
+            n_panels=n_panels,
+            stretch_begins=x_begins[reach - 1 :] - fastest,
+            reach=reach,
+            x_begins=x_begins,
         )
 
 
@@ -145,8 +154,8 @@ class PointAverage:
         power = y.degree + leading
         result = np.empty(log_stretch.shape, dtype=self.points.weight.dtype)
         n_times_at_once = max(1, POINTS_AT_ONCE // x.size)
-        for first in range(0, log_stretch.size, n_times_at_once):
-            times = slice(first, first + n_times_at_once)
+        for begin in range(0, log_stretch.size, n_times_at_once):
+            times = slice(begin, begin + n_times_at_once)
             stretch = log_stretch[times, None]
             values, is_early = self.equation.at(y, x + stretch, leading)
             # early, y T^-n is there and v^n is missing; later, y is and T^-n v^n = (l/t)^n
@@ -165,38 +174,44 @@ class PointAverage:
     @property
     def _is_direct_cheaper(self) -> bool:
         """Whether the points at all times are fewer than what panels need."""
+        if self.log_stretch.size <= self.equation.nodes:
+            return True  # one panel would have more nodes
         panels = self._panels
         n_points = self.points.x.size
-        n_for_panels = panels.rule.nodes * (n_points + panels.count * panels.reach)
+        n_for_panels = panels.rule.nodes * (n_points + panels.n_panels * panels.reach)
         return n_for_panels >= n_points * panels.log_stretch.size
 
     def _interpolate(self, y: Observable, leading: int) -> NumberArray:
         """Average at the nodes of panels in ln t, and interpolate; times after t = 0 only."""
         power = y.degree + leading
         panels = self._panels
-        reach = panels.reach
-        width = self.equation.width
-        # the panels in X that the points reach, and y on them; below X = `start` in units of T^n
-        # where a panel begins, as T^n itself may overflow
-        x_panels = panels.first + 1 - reach + np.arange(panels.count + reach - 1)
-        begins = self.equation.start + width * x_panels
-        x = begins[:, None] + width * self.equation.rule.local
-        values, is_early = self.equation.at(y, x, leading)
-        log_units = np.where(x_panels < 0, begins, 0.0)
-        # ln(v_ref t/l) where panels in ln t begin is their unit: v_ref has a kink in ln t
-        stretch_begins = np.asarray(begins[reach - 1 :] - panels.fastest)
-        log_flown = stretch_begins + self.reference.log_at(stretch_begins)
-        window = np.arange(panels.count)[:, None] + np.arange(reach)
-        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-            values *= np.exp(power * (np.where(is_early, x, 0.0) - log_units[:, None]))
-            scale = np.exp(power * (log_units[window] - log_flown[:, None]))
-        in_units = (values[window] * scale[:, :, None]).reshape(panels.count, -1)
-        at_nodes = in_units @ self._matrix
-        index = panels.panel_of_time - panels.first
-        stretch = panels.log_stretch
-        log_change = log_flown[index] - stretch - self.reference.log_at(stretch)
+        # (v_ref t/l)^n where panels in ln t begin is the unit at their nodes: v_ref has a kink
+        log_units = panels.stretch_begins + self.reference.log_at(panels.stretch_begins)
+        at_nodes = self._average_at_nodes(y, leading, log_units)
+        index = panels.panel_of_time - panels.first_panel
         rows = panels.rule.rows(panels.coordinate - panels.panel_of_time)
+        stretch = panels.log_stretch
+        log_change = log_units[index] - stretch - self.reference.log_at(stretch)
         return np.einsum("ij,ij->i", rows, at_nodes[index]) * np.exp(power * log_change)
+
+    def _average_at_nodes(self, y: Observable, leading: int, log_units: FloatArray) -> NumberArray:
+        """Average at the nodes of panels in ln t, in units of exp(n log_units), (n_panels,).
+
+        Shape (n_panels, time nodes).
+        """
+        power = y.degree + leading
+        panels = self._panels
+        x = panels.x_begins[:, None] + self.equation.width * self.equation.rule.local
+        values, is_early = self.equation.at(y, x, leading)
+        # y itself, but below X = `start` in units of T^n where a panel begins: T^n may overflow
+        is_below = panels.x_begins < self.equation.start
+        log_scales = np.where(is_below, panels.x_begins, 0.0)
+        window = np.arange(panels.n_panels)[:, None] + np.arange(panels.reach)
+        with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+            values *= np.exp(power * (np.where(is_early, x, 0.0) - log_scales[:, None]))
+            scale = np.exp(power * (log_scales[window] - log_units[:, None]))
+        in_units = values[window] * scale[:, :, None]
+        return in_units.reshape(panels.n_panels, -1) @ self._matrix
 
     @cached_property
     def _matrix(self) -> NumberArray:
@@ -212,12 +227,12 @@ class PointAverage:
         rising = np.argsort(x)
         # rows of the matrix for the panel in which the fastest point is
         own_rows = np.arange(1, time_nodes + 1)[:, None] * panels.reach - 1
-        for some in np.array_split(rising, 1 + rising.size * time_nodes // POINTS_AT_ONCE):
-            panels_behind = (x[some] - panels.fastest) / self.equation.width
+        for piece in np.array_split(rising, 1 + rising.size * time_nodes // POINTS_AT_ONCE):
+            panels_behind = (x[piece] - panels.fastest) / self.equation.width
             coordinate = panels.rule.local[:, None] + panels_behind
             panel = np.minimum(np.floor(coordinate), 0.0)
             shares = rule.shares((coordinate - panel).ravel())
-            weight = np.tile(self.points.weight[some], time_nodes) / np.einsum("ij->i", shares)
+            weight = np.tile(self.points.weight[piece], time_nodes) / np.einsum("ij->i", shares)
             row_of_point = own_rows + panel.astype(int)
             rows, first_points = np.unique(row_of_point, return_index=True)  # they rise
             matrix[rows] += np.add.reduceat(weight[:, None] * shares, first_points, axis=0)
