@@ -28,7 +28,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.moments.observables import Observable, speed_power
 from kinetics.numerics import FOLDS, LARGEST_LOG, BoolArray, FloatArray
 from kinetics.numerics.cache import Cache
-from kinetics.numerics.chebyshev import Chebyshev, panel_rule
+from kinetics.numerics.chebyshev import Chebyshev, chebyshev_panels
 from kinetics.numerics.panel_shifts import PanelShifts, with_returns
 
 #: X where the panels begin. Chosen: errors are the same from -1 to -4 (e = 0.3 and 0.9, 12 nodes);
@@ -167,7 +167,7 @@ class BackwardEquation:
     @cached_property
     def rule(self) -> Chebyshev:
         """The collocation of a panel."""
-        return panel_rule(self.nodes, self.width)
+        return chebyshev_panels(self.nodes, self.width)
 
     @cached_property
     def n_panels(self) -> int:

@@ -24,7 +24,7 @@ import numpy as np
 
 from kinetics.moments.loops import LoopSpectrum
 from kinetics.numerics import ROUNDING, ComplexArray, FloatArray
-from kinetics.numerics.chebyshev import Chebyshev, panel_rule
+from kinetics.numerics.chebyshev import Chebyshev, chebyshev_panels
 from kinetics.numerics.panel_shifts import PanelShifts
 
 #: Relative accuracy of the matrices by default, well below that of a panel. Origin not recorded.
@@ -267,7 +267,7 @@ class _Eigenbasis:
 @lru_cache(maxsize=16)
 def _eigenbasis(nodes: int, width: float) -> _Eigenbasis:
     """Return the eigenvectors for panels of so many nodes, and of this width."""
-    rule = panel_rule(nodes, width)
+    rule = chebyshev_panels(nodes, width)
     slopes = np.exp(-width * rule.local)[1:, None] * rule.derivative[1:]
     values, vectors = np.linalg.eig(slopes[:, 1:])
     rounding = ROUNDING * float(np.linalg.cond(vectors))

@@ -22,7 +22,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.moments.backward import BackwardEquation
 from kinetics.moments.observables import Observable
 from kinetics.numerics import FloatArray, NumberArray
-from kinetics.numerics.chebyshev import Chebyshev, panel_rule
+from kinetics.numerics.chebyshev import Chebyshev, chebyshev_panels
 from kinetics.states.state import LogMeasure
 
 #: Points at once, so that memory stays flat and interpolation weights stay in the cache of the
@@ -103,7 +103,7 @@ class TimePanels:
         x_panels = first_panel + 1 - reach + np.arange(n_panels + reach - 1)
         x_begins = np.asarray(equation.start + width * x_panels, dtype=float)
         return cls(
-            rule=panel_rule(equation.nodes + ADDED_NODES_OF_TIME, width),
+            rule=chebyshev_panels(equation.nodes + ADDED_NODES_OF_TIME, width),
             log_stretch=late_stretch,
             fastest=fastest,
             coordinate=coordinate,

@@ -121,6 +121,6 @@ class Chebyshev:
 
 
 @lru_cache(maxsize=64)
-def panel_rule(nodes: int, width: float = 1.0) -> Chebyshev:
+def chebyshev_panels(nodes: int, width: float = 1.0) -> Chebyshev:
     """Return the same rule again, so that its matrices are made once."""
     return Chebyshev(nodes, width)

@@ -15,7 +15,7 @@ import numpy as np
 from kinetics.errors import InputError
 from kinetics.numerics import LARGEST_LOG, FloatArray, NumberArray
 from kinetics.numerics.gauss import panels_of
-from kinetics.states.halved_panels import Panels
+from kinetics.states.halved_panels import ScannedPanels
 
 #: Width in ln v of the panels on which a function of the speed is scanned. Chosen: half of it takes
 #: twice as many evaluations, twice half as many, but parts that find narrow peaks are wider then.
@@ -136,7 +136,7 @@ class DensityScan:
 
     def panels_that_count(
         self, powers: list[float], log_averages: list[float], rtol: float
-    ) -> Panels:
+    ) -> ScannedPanels:
         """Return the panels that the average of any of the powers notices, and a few beside."""
         counts = np.zeros(self.mass.shape, dtype=bool)
         for power, log_average in zip(powers, log_averages, strict=True):
@@ -145,4 +145,4 @@ class DensityScan:
         begin = max(panels[0] - PANELS_BESIDE, 0)
         end = min(panels[-1] + PANELS_BESIDE + 1, counts.size)
         ends = np.stack([self.edges[:-1], self.edges[1:]], axis=1)
-        return Panels(ends[begin:end], self.parts[begin:end])
+        return ScannedPanels(ends[begin:end], self.parts[begin:end])

@@ -30,7 +30,7 @@ TOLERANCE_OF_PANEL = 0.1
 MIN_RTOL = 1e-15
 
 
-def evaluate(density: UserFunction, v: FloatArray) -> NumberArray:
+def evaluate_density(density: UserFunction, v: FloatArray) -> NumberArray:
     """Call a user's density on an array of speeds.
 
     NaN counts as 0 beyond FASTEST_TRACER and below its reciprocal.
@@ -79,7 +79,7 @@ def function_points(
 
     def per_log_speed(x: FloatArray) -> NumberArray:
         v = np.exp(x)
-        return np.asarray(evaluate(density, v) * v)
+        return np.asarray(evaluate_density(density, v) * v)
 
     scan = DensityScan.of(per_log_speed)
     if scan.is_zero:

@@ -34,8 +34,8 @@ MASS_SAFETY = 100.0
 
 
 @dataclass(frozen=True, eq=False)
-class Panels:
-    """Panels to begin with.
+class ScannedPanels:
+    """Panels to begin with, of which the integrals over some parts are known.
 
     Parameters
     ----------
@@ -47,12 +47,12 @@ class Panels:
     ends: FloatArray
     known_parts: NumberArray
 
-    def halves_of(self, is_halved: np.ndarray, halves: FloatArray) -> Panels:
+    def halves_of(self, is_halved: np.ndarray, halves: FloatArray) -> ScannedPanels:
         """Return the halves, (n, 2, 2), of some of the panels."""
         parts = self.known_parts[is_halved]
         n_parts_of_half = parts.shape[1] // 2
         parts_of_halves = parts[:, : 2 * n_parts_of_half].reshape(2 * len(parts), n_parts_of_half)
-        return Panels(halves[is_halved].reshape(-1, 2), parts_of_halves)
+        return ScannedPanels(halves[is_halved].reshape(-1, 2), parts_of_halves)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class Integral:
 
 def integrate_by_halving(
     function: Callable[[FloatArray], NumberArray],
-    panels: Panels,
+    panels: ScannedPanels,
     importance: Callable[[FloatArray], FloatArray],
     tolerance: float,
     full_width: float,

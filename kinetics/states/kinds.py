@@ -16,7 +16,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray, NumberArray
 from kinetics.results.record import stored_class
 from kinetics.states.density_scan import NO_INTEGRAL
-from kinetics.states.function_points import UserFunction, evaluate, function_points
+from kinetics.states.function_points import UserFunction, evaluate_density, function_points
 from kinetics.states.points import gaussian_points, samples_points, table_points
 from kinetics.states.state import LogMeasure, Points, SpeedFunction, State
 from kinetics.validation import (
@@ -154,7 +154,7 @@ class Rest(State):
         return LogMeasure(np.array([-np.inf]), np.ones(1))
 
 
-class Samples(State):
+class SampledState(State):
     """Particles of the same weight: a subclass gives their speeds, and angles to the x axis."""
 
     peaks: tuple[FloatArray, FloatArray]
@@ -178,7 +178,7 @@ class Samples(State):
 
 @stored_class
 @dataclass(frozen=True, eq=False, repr=False)
-class Monoenergetic(Samples):
+class Monoenergetic(SampledState):
     """All speeds equal, all directions."""
 
     speed: float = 1.0
@@ -190,7 +190,7 @@ class Monoenergetic(Samples):
 
 @stored_class
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedSamples(Samples):
+class SpeedSamples(SampledState):
     """Speeds of particles in U, above zero, shape (n,), each of the same weight; isotropic."""
 
     speed: ArrayLike
@@ -206,7 +206,7 @@ class SpeedSamples(Samples):
 
 @stored_class
 @dataclass(frozen=True, eq=False, repr=False)
-class VelocitySamples(Samples):
+class VelocitySamples(SampledState):
     """Velocities of particles, each of the same weight; directions are kept.
 
     Parameters
@@ -229,7 +229,7 @@ class VelocitySamples(Samples):
         self._place(np.hypot(v_x, v_y), np.arctan2(v_y, v_x))
 
 
-class Table(State):
+class TabulatedState(State):
     """A state whose f_m are linear between rising speeds; a subclass gives them at these."""
 
     _columns: NumberArray
@@ -281,7 +281,7 @@ class Table(State):
 
 @stored_class
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedTable(Table):
+class SpeedTable(TabulatedState):
     """A tabulated speed density: linear between the points, zero outside them; isotropic.
 
     Parameters
@@ -304,7 +304,7 @@ class SpeedTable(Table):
 
 @stored_class
 @dataclass(frozen=True, eq=False, repr=False)
-class PolarGrid(Table):
+class PolarGrid(TabulatedState):
     """f(v, phi), a density in the velocity plane, on a polar grid.
 
     Parameters
@@ -330,7 +330,7 @@ class PolarGrid(Table):
         self._tabulate(speed, harmonics[:, :n_resolved], "values")
 
 
-class Functions(State):
+class FunctionState(State):
     """A state whose f_m are functions of v; a subclass gives those that are not zero."""
 
     smooth = True
@@ -363,12 +363,12 @@ class Functions(State):
         """Return the function itself."""
         if m not in self.terms:
             return None
-        return lambda v: evaluate(self.terms[m], v)
+        return lambda v: evaluate_density(self.terms[m], v)
 
 
 @stored_class
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedDensity(Functions):
+class SpeedDensity(FunctionState):
     """A speed density given as a function of v/U that maps arrays to arrays; isotropic.
 
     InputError where it is used, if it is negative, NaN, not normalised, or has no second moment.
@@ -382,7 +382,7 @@ class SpeedDensity(Functions):
 
 @stored_class
 @dataclass(frozen=True, eq=False, repr=False)
-class AngularHarmonics(Functions):
+class AngularHarmonics(FunctionState):
     """f(v, phi) given by its angular harmonics; in space, f(v, theta) by Legendre polynomials.
 
     Parameters
