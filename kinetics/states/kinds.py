@@ -78,19 +78,19 @@ class Gaussian(State):
         return max(self.deviation_x, self.deviation_y)
 
     @property
-    def _ratio(self) -> float:
+    def _deviation_ratio(self) -> float:
         """a, the larger deviation over the smaller one."""
         return self._wider / min(self.deviation_x, self.deviation_y)
 
     def in_space(self) -> State | None:
         """Return the Maxwell distribution of the same deviation, if both are equal."""
-        if self._ratio != 1.0:
+        if self._deviation_ratio != 1.0:
             return None
         return Gaussian(self.deviation_x, self.deviation_x, 3)
 
     def _has_harmonic(self, m: int) -> bool:
         """Return whether f_m is not zero."""
-        if self._ratio == 1.0:
+        if self._deviation_ratio == 1.0:
             return m == 0
         return m % 2 == 0
 
@@ -100,7 +100,7 @@ class Gaussian(State):
         The angle gives a exp(-q) I_(m/2)(q), q = (a^2 - 1) u^2/4, with the sign (-1)^(m/2) if v_y
         has the larger deviation; m is even.
         """
-        a = self._ratio
+        a = self._deviation_ratio
         if a == 1.0:
             return 1.0
         from scipy.special import ive
@@ -116,7 +116,9 @@ class Gaussian(State):
         """Return points of the trapezoid rule in ln v."""
         if not self._has_harmonic(m):
             return None
-        points = gaussian_points(rtol, lowest, highest, self.dimension, self._wider, self._ratio)
+        points = gaussian_points(
+            rtol, lowest, highest, self.dimension, self._wider, self._deviation_ratio
+        )
         factor = self._factor(m, np.exp(points.x) / self._wider)
         return LogMeasure(points.x, points.weight * factor)
 
