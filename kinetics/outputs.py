@@ -1,8 +1,7 @@
 """What a Scene may ask for: one table. To add an output, add one row to `ALL_OUTPUTS`.
 
-Arrays of averages are made by functions of the same names in `kinetics.moments`, which say what
-they are made of.
-This file needs no NumPy.
+Arrays of averages are made by the functions in the table of `kinetics.moments.outputs`, which says
+what they are made of. This file needs no NumPy.
 """
 
 from __future__ import annotations

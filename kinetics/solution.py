@@ -16,8 +16,8 @@ from kinetics.answer import Answer, answer_to
 from kinetics.densities.flights import Flights, speed_fronts
 from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
-from kinetics.moments import averages as averaged
 from kinetics.moments.by_collision import ByCollision
+from kinetics.moments.outputs import collisions, root_mean_square_displacement
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, described
 from kinetics.position.density import Displacement
@@ -190,7 +190,7 @@ class Solution(Result):
     @property
     def root_mean_square_displacement(self) -> FloatArray:
         """sqrt(<r^2>) in d of tracers without field or drive, shape (n_times,)."""
-        return averaged.root_mean_square(self._undriven().averages)
+        return root_mean_square_displacement(self._undriven().averages)
 
     # -- what was solved ---------------------------------------------------------------------------
 
@@ -413,7 +413,7 @@ class Solution(Result):
             return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
 
         flights = Flights.of(speed_profile, law, state, self.times, path)
-        expected = averaged.collisions(answer.averages)[-1]
+        expected = collisions(answer.averages)[-1]
         number = float(flights.longer_in_time(np.zeros(1))[-1, 0])
         error = abs(number / max(expected, 1e-300) - 1.0)
         allowed = FLIGHTS_SAFETY * rtol

@@ -20,9 +20,14 @@ from numpy.typing import NDArray
 from kinetics.densities import harmonic
 from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
-from kinetics.moments import averages as averaged
-from kinetics.moments.averages import Averages, Part
-from kinetics.moments.backward import Observable, speed_power
+from kinetics.moments.averages import Averages, PowerRange, check_moment
+from kinetics.moments.observables import Observable, speed_power
+from kinetics.moments.outputs import (
+    AveragedOutput,
+    Ingredient,
+    averaged_outputs,
+    root_mean_square_displacement,
+)
 from kinetics.numerics import FloatArray
 from kinetics.outputs import (
     AVERAGES,
@@ -80,13 +85,18 @@ class UndrivenAnswer(Value):
     @classmethod
     def _is_cache(cls, name: str) -> bool:
         """Return whether a part is left out of a pickled answer: densities are kept there."""
-        return name in ("averages", "_parts")
+        return name in ("averages", "_averaged")
 
     @cached_property
-    def _parts(self) -> Mapping[str, tuple[Part, ...]]:
-        """The observables that each output is made of, by its name."""
-        dimension = self.scene.dimension
-        return {name: averaged.parts_of(name, dimension) for name in sorted(self.scene.outputs)}
+    def _averaged(self) -> Mapping[str, AveragedOutput]:
+        """The outputs that are made of averages, by name."""
+        table = averaged_outputs(self.scene.dimension)
+        return {name: table[name] for name in sorted(self.scene.outputs) if name in table}
+
+    @property
+    def _ingredients(self) -> list[tuple[Ingredient, ...]]:
+        """The averages that each of these outputs is made of."""
+        return [output.ingredients for output in self._averaged.values()]
 
     @property
     def _steps(self) -> set[str]:
@@ -96,9 +106,9 @@ class UndrivenAnswer(Value):
     def _observables(self, step: str) -> set[Observable]:
         """Return the observables that the outputs of one step of the plan are made of."""
         observables: set[Observable] = set()
-        for name, parts in self._parts.items():
+        for name, output in self._averaged.items():
             if OUTPUTS[name].step == step:
-                observables.update(part.observable for part in parts)
+                observables.update(ingredient.observable for ingredient in output.ingredients)
         return observables
 
     # -- averages ---------------------------------------------------------------------------------
@@ -107,21 +117,21 @@ class UndrivenAnswer(Value):
     def averages(self) -> Averages:
         """The averages over the tracers, with enough nodes for the outputs."""
         powers = [observable.degree for observable in self._observables(VELOCITY)]
-        averages = Averages(*self.scene.problem, self.rtol, degree=max([2.0, *powers]))
-        return _with_enough_nodes(averages, self._parts.values())
+        largest = PowerRange(highest=max([2.0, *powers]))
+        averages = Averages.over(*self.scene.problem, self.rtol, largest)
+        return _with_enough_nodes(averages, self._ingredients)
 
     @property
     def values(self) -> dict[str, FloatArray]:
         """Every output that is an array, in the order of the table; InputError on overflow."""
         values: dict[str, FloatArray] = {}
         for name, output in OUTPUTS.items():
-            if not self._parts.get(name):
+            if name not in self._averaged:
                 continue
-            make_output = getattr(averaged, name)
-            with np.errstate(over="ignore", invalid="ignore"):
-                made = make_output(self.averages)
-            arrays = made if isinstance(made, tuple) else (made,)
-            for array_name, array in zip(output.names, arrays, strict=True):
+            functions = self._averaged[name].functions
+            for array_name, function in zip(output.names, functions, strict=True):
+                with np.errstate(over="ignore", invalid="ignore"):
+                    array = function(self.averages)
                 values[array_name] = _in_range(array_name, array)
         return values
 
@@ -135,13 +145,12 @@ class UndrivenAnswer(Value):
 
         InputError where it does not exist; warns where the error estimate exceeds rtol.
         """
-        p, m = averaged.moment_arguments(self.scene.law, self.scene.state, p, m)
-        parts = [(Part(1.0, speed_power(p, m), m),)]
-        averages = Averages(
-            *self.scene.problem, self.rtol, degree=p, lowest=p, harmonic=max(m, LEAST_HARMONIC)
-        )
-        averages = _with_enough_nodes(averages, parts)
-        error = max(_error_of(averages, parts), averages.start_error({0, m}))
+        p, m = check_moment(self.scene.law, self.scene.state, p, m)
+        ingredients = [(Ingredient(speed_power(p, m)),)]
+        powers = PowerRange(lowest=p, highest=p, harmonic=max(m, LEAST_HARMONIC))
+        averages = Averages.over(*self.scene.problem, self.rtol, powers)
+        averages = _with_enough_nodes(averages, ingredients)
+        error = max(_error_of(averages, ingredients), averages.start.error({0, m}))
         name = f"<v^{p:g}>"
         if error > self.rtol:
             warn_missed(name, error, self.rtol)
@@ -238,8 +247,8 @@ class UndrivenAnswer(Value):
         tolerance = max(self.rtol, MIN_ERROR_OF_POSITION_DENSITY)
         # wave numbers follow from <r^2>: the same for all rtol above, and whatever nodes are given
         averages_rtol = min(self.rtol, MIN_ERROR_OF_POSITION_DENSITY)
-        averages = replace(self.averages, rtol=averages_rtol, nodes=None)
-        root_mean_square = _in_range("msd", averaged.root_mean_square(averages))
+        averages = Averages.over(*self.scene.problem, averages_rtol, self.averages.powers)
+        root_mean_square = _in_range("msd", root_mean_square_displacement(averages))
         return solve_displacement(
             *self.scene.problem, root_mean_square, SCATTERING_SHARE_OF_TOLERANCE * tolerance
         )
@@ -250,7 +259,7 @@ class UndrivenAnswer(Value):
     def errors(self) -> dict[str, float]:
         """Error estimates, by part of the result."""
         errors = {
-            AVERAGES: _error_of(self.averages, self._parts.values()),
+            AVERAGES: _error_of(self.averages, self._ingredients),
             INITIAL_STATE: self._start_error,
         }
         if self.profiles:
@@ -263,9 +272,9 @@ class UndrivenAnswer(Value):
     def _start_error(self) -> float:
         """The relative error of the harmonics of the initial state that the outputs need."""
         harmonics = {0, *self.profiles}
-        for parts in self._parts.values():
-            harmonics.update(part.start for part in parts)
-        return self.averages.start_error(harmonics)
+        for ingredients in self._ingredients:
+            harmonics.update(ingredient.averaged_over for ingredient in ingredients)
+        return self.averages.start.error(harmonics)
 
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
@@ -319,7 +328,7 @@ class UndrivenAnswer(Value):
         n_wave_numbers = self.displacement.wave_numbers if self.displacement else 0
         return {
             VELOCITY: velocity,
-            INITIAL_STATE: f"{averages.speeds.x.size} weighted speeds represent it",
+            INITIAL_STATE: f"{averages.start.speeds.x.size} weighted speeds represent it",
             COLLISIONS: "asked for",
             DISPLACEMENT: f"{n_equations} scalar equations and what drives them",
             POSITION: f"{n_wave_numbers} wave numbers",
@@ -340,9 +349,9 @@ class UndrivenAnswer(Value):
     def stats(self) -> dict[str, Any]:
         """Numbers about the work: points of the initial state, panels, nodes, wave numbers."""
         averages = self.averages
-        stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
+        stats: dict[str, Any] = {"initial_points": int(averages.start.speeds.x.size)}
         if not averages.law.is_elastic:
-            stats["panels"] = averages.equation.count
+            stats["panels"] = averages.equation.n_panels
             stats["nodes_per_panel"] = averages.equation.nodes
         for m, profile in self.profiles.items():
             stats[f"density_nodes_m{m}"] = profile.nodes
@@ -467,22 +476,23 @@ class SlowedAnswer:
         return np.nan_to_num(np.array(densities), nan=0.0, posinf=math.inf)
 
 
-def _error_of(averages: Averages, outputs: Collection[tuple[Part, ...]]) -> float:
-    """Return the largest relative error of outputs that are made of these parts; inf for NaN."""
+def _error_of(averages: Averages, outputs: Collection[tuple[Ingredient, ...]]) -> float:
+    """Return the largest relative error of outputs made of these averages; infinite for NaN."""
     largest = ROUNDING_OF_AVERAGES
-    for parts in outputs:
+    for ingredients in outputs:
         error = 0.0
-        for part in parts:
-            # a part that the initial state makes zero has no error
-            if averages.measure(part.start) is not None:
-                error += part.factor * averages.error_estimate(part.observable)
+        for ingredient in ingredients:
+            # one that the initial state makes zero has no error
+            if averages.start.harmonic(ingredient.averaged_over) is not None:
+                relative = averages.error_estimate(ingredient.observable)
+                error += ingredient.error_factor * relative
         if math.isnan(error):
             return math.inf
         largest = max(largest, error)
     return largest
 
 
-def _with_enough_nodes(averages: Averages, outputs: Collection[tuple[Part, ...]]) -> Averages:
+def _with_enough_nodes(averages: Averages, outputs: Collection[tuple[Ingredient, ...]]) -> Averages:
     """Return averages with as many nodes of a panel as outputs need, by their error estimates."""
     for _ in range(MAX_REFINEMENTS):
         excess = _error_of(averages, outputs) / averages.rtol

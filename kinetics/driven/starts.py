@@ -267,7 +267,7 @@ class Start:
     ) -> NDArray[Any]:
         """Averages of the polynomials of an axis over the points of a measure, (size,)."""
         v = self.speed * np.exp(measure.x)
-        averages = np.zeros(axis.size, dtype=measure.weight.dtype)
+        averages: NDArray[Any] = np.zeros(axis.size, dtype=measure.weight.dtype)
         for batch in np.array_split(np.arange(v.size), 1 + v.size // TOGETHER):
             averages += measure.weight[batch] @ axis.interpolation(v[batch], m % 2)
         return averages

@@ -7,289 +7,386 @@ observable of degree p in the speed it is u^p times a function of T = u t/l alon
 
     dy/dX = p y + e^X ( E[cos(m chi) y(X - xi)] - y + sources ),     xi = -ln s >= 0,
 
-m the angular harmonic. y at X needs y below X only, and the kernel does not depend on X: on equal
-panels the collision term is the same few small matrices everywhere, and one sweep upwards gives
-every later time for every initial state.
+m the angular harmonic, chi the deflection and s the speed ratio of a collision. y at X needs y
+below X only, and the kernel does not depend on X: on equal panels the collision term is the same
+few small matrices everywhere, and one sweep upwards gives every later time for every initial state.
+Below the panels a power series in T is summed; above them y is on its late asymptote.
+
+Begin with `BackwardEquation.integrate`. The observables are in `observables`; returns to a
+scatterer that take time are in `delayed`.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
+from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics import FOLDS, LARGEST_LOG, FloatArray
-from kinetics.numerics.chebyshev import PanelShifts, panel_rule, with_returns
+from kinetics.moments.observables import Observable, speed_power
+from kinetics.numerics import FOLDS, LARGEST_LOG, BoolArray, FloatArray
+from kinetics.numerics.cache import Cache
+from kinetics.numerics.chebyshev import Chebyshev, chebyshev_panels
+from kinetics.numerics.panel_shifts import PanelShifts, with_returns
 
-START = -2.0  # X where the panels begin; below it the power series in T is summed
-_TERMS = 40  # of that series: where T = e^-2 more add nothing
-# Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
-# is the most that it may.
-STEEPEST = 4.0
+#: X where the panels begin. Chosen: errors are the same from -1 to -4 (e = 0.3 and 0.9, 12 nodes);
+#: the power series needs 16 terms at -1, 13 at -2 and 9 at -4.
+START = -2.0
+#: Terms of the power series. Derived: at T = e^-2 the term T^40 is e^-80, and adds nothing.
+SERIES_TERMS = 40
+#: Terms of the power series below this fraction of its largest one are dropped: they are rounding.
+NEGLIGIBLE_TERM = 1e-19
+#: The power series keeps at least terms up to this power of T, as the first 4 may vanish.
+LEAST_LAST_TERM = 7
+#: ln of how far T^p, or an average, may change across a panel: rounding in its lower end grows so,
+#: and nodes miss more. Chosen: <v^p> late, p = 8 to 40, is right to 6e-12 with 1 to 8, but only to
+#: 2e-8 with 16; narrower panels cost time, 1 twice as much.
+MAX_LOG_CHANGE_ON_PANEL = 4.0
+#: e-folds by which panels end before e^X overflows. Its origin is not recorded.
+MARGIN_TO_OVERFLOW = 9.0
+
+#: Error of a panel over its last Chebyshev coefficient. Measured: at most 1.2, and 1.75 leaves a
+#: share for the initial state.
+LAST_COEFFICIENT_SAFETY = 1.75
+#: The same over the coefficient before the last one: a tenth, as the last may vanish by chance.
+SECOND_LAST_COEFFICIENT_SAFETY = 0.175
+#: Errors of a panel are relative to its smaller end, or to this fraction of its maximum where y
+#: changes sign. Chosen; half and twice of it change no largest ratio of estimate to error (four e).
+LEAST_END_OVER_MAXIMUM = 1e-3
+
+#: At e = 1, a harmonic that decays more slowly than this does not decay: without deflection
+#: rounding leaves 1 - cos(2 pi) = 3e-32.
+LEAST_DECAY = 1e-30
+#: Largest zero z of 1 - E[s^z cos(m chi)] that is allowed for: -0.736 is the largest one of smooth
+#: scatterers (disks with e = 0.03, m = 1), and what -1 leaves there is 2e-13.
+LARGEST_ZERO = -1.0
+
+#: Laws, with a number of nodes and a width of panels, whose solutions are kept.
+LAWS_KEPT = 8
+#: Observables that are kept for each: all outputs of a scene need about 20.
+OBSERVABLES_KEPT = 64
 
 
 @lru_cache(maxsize=48)
 def asymptotic_from(law: CollisionLaw) -> float:
-    """X = ln T from which averages are asymptotic; inf at rough scatterers.
+    """Return X = ln T from which averages are asymptotic; inf at rough scatterers.
 
-    Corrections fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)]. Smooth scatterers have
-    Re z <= -0.736 (disks with e = 0.03, m = 1): what is left is 2e-13 at worst. Where e < 0 tracers
+    Corrections fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)]. Where e < 0 tracers
     keep their direction for long, and the largest z, of m = 1, is real. At e = 1 corrections to the
     late power are 1/(nu T), nu the slowest decay of the harmonics 1 and 2.
     """
     if law.is_elastic:
-        # of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32
         rates = [law.harmonic_decay_rate(0.0, m) for m in (1, 2)]
-        return FOLDS - math.log(min([rate for rate in rates if rate > 1e-30], default=1.0))
-    e, slowest = law.effective_restitution, -1.0
+        decaying = [rate for rate in rates if rate > LEAST_DECAY]
+        return FOLDS - math.log(min(decaying, default=1.0))
     if law.tangential_restitution != 1.0:
         return math.inf
-    if e is not None and e < 0.0 and law.harmonic_decay_rate(slowest, 1) < 0.0:
+    e = law.effective_restitution
+    largest_zero = LARGEST_ZERO
+    if e is not None and e < 0.0 and law.harmonic_decay_rate(largest_zero, 1) < 0.0:
         from scipy.optimize import brentq
 
-        slowest = brentq(lambda z: law.harmonic_decay_rate(z, 1), slowest, 0.0, rtol=1e-9)
-    return FOLDS / -slowest - math.log(law.mean_log_loss)
-
-
-@dataclass(frozen=True)
-class Observable:
-    """One unknown of the backward equation.
-
-    degree, harmonic : p, the power of the speed by which it scales, and m
-    constant, sources : source that does not depend on X, and (factor, observable) pairs
-    growth : late, it is a polynomial of this degree in ln T, 0 to 2; in T where speeds are kept
-    """
-
-    degree: float = 0.0
-    harmonic: int = 0
-    constant: float = 0.0
-    sources: tuple[tuple[float, Observable], ...] = ()
-    growth: int = 1
-
-    @property
-    def is_power(self) -> bool:
-        """Whether it is a power of the speed, with no source."""
-        return not (self.sources or self.constant)
-
-
-# lengths in l: what a tracer has moved along its first direction drives r^2
-MEAN_COLLISIONS: Observable = Observable(constant=1.0)
-DISPLACEMENT_ALONG_START: Observable = Observable(harmonic=1, constant=1.0)
-SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
-
-
-def quartic_displacement(dimension: int) -> Observable:
-    """r^4, in the plane or in space: <exp(i k.r)> to the fourth order in k, by harmonics."""
-    factors = (0.25, -0.125, -0.5, -64.0) if dimension == 2 else (2.0 / 3.0, 1.0 / 6.0, 0.4, 40.0)
-    second = Observable(harmonic=2, sources=((factors[0], DISPLACEMENT_ALONG_START),))
-    third = Observable(
-        harmonic=1, sources=((factors[1], SQUARED_DISPLACEMENT), (factors[2], second))
-    )
-    return Observable(sources=((factors[3], third),), growth=2)
-
-
-def speed_power(p: float, harmonic: int = 0) -> Observable:
-    """v^p cos(m (phi - phi_0))."""
-    return Observable(degree=p, harmonic=harmonic, growth=0)
-
-
-# d r^2/d ln t, driven by the velocity along the start
-MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
+        largest_zero = brentq(lambda z: law.harmonic_decay_rate(z, 1), largest_zero, 0.0, rtol=1e-9)
+    return FOLDS / -largest_zero - math.log(law.mean_log_loss)
 
 
 def power_series(degree: float, x: FloatArray, coefficients: FloatArray) -> FloatArray:
-    """T^degree times the power series at T = e^x, of the shape of x; the first axis is of terms."""
+    """Return T^degree sum_k a_k T^k at T = e^x, of the shape of x; coefficients a_k (n_terms,)."""
     return np.exp(degree * x) * np.polynomial.polynomial.polyval(np.exp(x), coefficients)
 
 
-@lru_cache(maxsize=8)
-def _kept(law: CollisionLaw, nodes: int, width: float) -> tuple[dict[Any, Any], ...]:
-    """Kernels, shifts, series and all else, as the start changes nothing: filled as asked for."""
-    return {}, {}, {}, {}
+@dataclass(frozen=True)
+class PanelKernel:
+    """The collision term on a panel: what values there lose, and what they gain from below.
+
+    Parameters
+    ----------
+    loss : of the panel on itself, shape (nodes, nodes)
+    gain : from the panels below it, farthest first, shape (nodes, reach * nodes)
+    """
+
+    loss: FloatArray
+    gain: FloatArray
+
+    @property
+    def reach(self) -> int:
+        """How many panels below matter."""
+        return self.gain.shape[1] // self.gain.shape[0]
 
 
-@dataclass
+class SolvedObservables:
+    """What is solved for one law on panels of one kind, for every initial state and every time.
+
+    kernels : by the harmonic m, and the share of the returns that are at once
+    shifts : where collisions shift the nodes of a panel, by the number of points of a quadrature
+    series : coefficients of the power series, by observable
+    values : at the nodes, by observable, number of panels and rtol
+    errors : the error estimates, by the same
+    """
+
+    def __init__(self) -> None:
+        self.kernels: Cache[tuple[int, float], PanelKernel] = Cache(OBSERVABLES_KEPT)
+        self.shifts: Cache[int, PanelShifts] = Cache(OBSERVABLES_KEPT)
+        self.series: Cache[Observable, FloatArray] = Cache(OBSERVABLES_KEPT)
+        self.values: Cache[tuple[Observable, int, float], FloatArray] = Cache(OBSERVABLES_KEPT)
+        self.errors: Cache[tuple[Observable, int, float], float] = Cache(OBSERVABLES_KEPT)
+
+
+#: Shared by all equations of one class with the same law, nodes and width.
+_SOLVED: Cache[tuple[type, CollisionLaw, int, float], SolvedObservables] = Cache(LAWS_KEPT)
+
+
+@dataclass(frozen=True)
 class BackwardEquation:
     """Solves for observables on panels in X = ln(u t/l); what is solved is kept with the law.
 
-    highest, harmonic : the largest X, and the largest m, that will be asked for
-    nodes, width : Chebyshev nodes of a panel, and its width in X, for powers of the speed up to
-        STEEPEST/width
-    rtol : relative accuracy that will be asked for
-    start : X where the panels begin
+    Parameters
+    ----------
+    law : the collision law
+    highest : the largest X that is needed
+    nodes : Chebyshev nodes of a panel
+    width : of a panel in X; powers of the speed up to MAX_LOG_CHANGE_ON_PANEL/width are accurate
+    highest_harmonic : the largest angular harmonic that is needed
+    rtol : relative accuracy that is needed
     """
 
     law: CollisionLaw
     highest: float
     nodes: int
     width: float = 1.0
-    harmonic: int = 2
+    highest_harmonic: int = 2
     rtol: float = 1e-11
-    start: float = START
 
-    def __post_init__(self) -> None:
-        self.rule = panel_rule(self.nodes, self.width)
-        kept = _kept(self.law, self.nodes, self.width)
-        self._kernels, self._shifts, self._series, self._kept = kept
-        # for m > 2 as far as e^X is a number
-        known = asymptotic_from(self.law) if self.harmonic <= 2 else math.inf
-        end = min(self.highest, known, LARGEST_LOG - 9.0)
-        self.count = max(1, math.ceil((end - self.start) / self.width))
+    @property
+    def start(self) -> float:
+        """X where the panels begin."""
+        return START
 
-    def _kernel(self, y: Observable) -> tuple[FloatArray, FloatArray]:
-        """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
-        m, (eps, shift) = y.harmonic, self._at_once(y)
-        if (m, eps) not in self._kernels:
-            rate = max(float(self.nodes), STEEPEST / self.width)
-            q = self.law.quadrature_for(rate, m)
-            points = q.weight.size
-            if points not in self._shifts:  # most harmonics share one quadrature
-                self._shifts[points] = PanelShifts(self.rule, q.log_loss)
-            lost = q.harmonic_loss(m)[None]
-            loss, gain = self._shifts[points].kernel(q.weight, 1.0 - lost, lost)
-            if eps:
-                loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), shift)
-            self._kernels[m, eps] = loss[0], gain[0]
-        return self._kernels[m, eps]
+    @cached_property
+    def rule(self) -> Chebyshev:
+        """The collocation of a panel."""
+        return chebyshev_panels(self.nodes, self.width)
 
-    def _at_once(self, y: Observable) -> tuple[float, float]:
-        """Returns to a scatterer that take no time: their share, and -ln of their speed ratio."""
-        return self.law.returns(y.harmonic)
+    @cached_property
+    def n_panels(self) -> int:
+        """The number of panels: up to the largest X, or to where averages are asymptotic."""
+        end = min(self.highest, LARGEST_LOG - MARGIN_TO_OVERFLOW)
+        if self.highest_harmonic <= 2:  # for others no such X is known
+            end = min(end, asymptotic_from(self.law))
+        return max(1, math.ceil((end - self.start) / self.width))
+
+    @cached_property
+    def _solved(self) -> SolvedObservables:
+        """What is kept with the law."""
+        key = (type(self), self.law, self.nodes, self.width)
+        return _SOLVED.get(key, SolvedObservables)
+
+    # -- values on the panels ---------------------------------------------------------------------
 
     def solve(self, y: Observable) -> FloatArray:
-        """Values at the nodes of all panels, shape (n_panels, nodes)."""
-        key = y, self.count, self.rtol
-        if key not in self._kept:
-            self._kept[key] = self._solve(y)
-        found: FloatArray = self._kept[key]
-        return found
+        """Return y at the nodes of all panels, shape (n_panels, nodes)."""
+        key = (y, self.n_panels, self.rtol)
+        return self._solved.values.get(key, lambda: self.integrate(y))
 
-    def _solve(self, y: Observable) -> FloatArray:
-        # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
-        # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
-        apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
-        loss, gain = self._kernel(y)
-        n, reach = self.nodes, gain.shape[1] // self.nodes
-        # the panels below, and the point where the first one begins; without T^p itself if apart
-        x = self._nodes_from(-reach)
-        below, rest = np.append(x[:reach], self.start), self.series(y).copy()
-        rest[0] *= not apart
-        known = power_series(y.degree, below, rest)
-        table = np.empty((reach + self.count, n))
-        table[:reach], first = known[:-1].reshape(reach, n), known[-1]
-        drive, (matrix, rate) = self._driven(y), self._rows(y.degree)
-        if apart:
-            term = np.exp(y.degree * x[reach:])
-            drive -= self.law.harmonic_decay_rate(y.degree, y.harmonic) * term
-        matrix += rate[:, :, None] * loss
-        matrix[:, 0] = np.eye(n)[0]
-        matrix = np.linalg.inv(matrix)
-        for j in range(self.count):
-            right = rate[j] * (gain @ table[j : j + reach].ravel() + drive[j])
-            right[0] = first
-            table[reach + j] = matrix[j] @ right
-            first = table[reach + j, -1]
-        return table[reach:] + term if apart else table[reach:]
+    def integrate(self, y: Observable) -> FloatArray:
+        """Solve the equation of y by a sweep over the panels, shape (n_panels, nodes).
 
-    def _nodes_from(self, first: int) -> FloatArray:
-        """X at the nodes from this panel on, shape (n_panels, nodes)."""
-        panels = np.arange(first, self.count)[:, None]
+        On each panel the equation is collocated at all nodes but the first, where y is continuous.
+        """
+        kernel = self.panel_kernel(y)
+        reach = kernel.reach
+        source = self.sources_at_nodes(y)
+        x = self.nodes_from(-reach)
+        coefficients = self.series(y).copy()
+        # Where bounces can stop a tracer, E[s^p] of T^p itself, p < 0, needs more points than the
+        # kernel has: this term is taken out, as its average is known; the rest begins with T^(p+1).
+        takes_power_out = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
+        if takes_power_out:
+            power = np.exp(y.degree * x[reach:])
+            source -= self.law.harmonic_decay_rate(y.degree, y.harmonic) * power
+            coefficients[0] = 0.0
+        early = power_series(y.degree, np.append(x[:reach], self.start), coefficients)
+        initial = early[-1]
+        values = np.empty((reach + self.n_panels, self.nodes))
+        values[:reach] = early[:-1].reshape(reach, self.nodes)
+        matrices, rate = self.collocation(y.degree)
+        matrices += rate[:, :, None] * kernel.loss
+        matrices[:, 0] = np.eye(self.nodes)[0]
+        inverses = np.linalg.inv(matrices)
+        for panel in range(self.n_panels):
+            below = values[panel : panel + reach].ravel()
+            right = rate[panel] * (kernel.gain @ below + source[panel])
+            right[0] = initial
+            values[reach + panel] = inverses[panel] @ right
+            initial = values[reach + panel, -1]
+        if takes_power_out:
+            return values[reach:] + power
+        return values[reach:]
+
+    def nodes_from(self, first: int) -> FloatArray:
+        """Return X at the nodes from panel `first` on, shape (n_panels, nodes)."""
+        panels = np.arange(first, self.n_panels)[:, None]
         return self.start + self.width * (panels + self.rule.local)
 
-    def _driven(self, y: Observable) -> FloatArray:
-        """What drives y at the nodes of all panels, shape (n_panels, nodes)."""
-        drive = np.full((self.count, self.nodes), y.constant)
-        for factor, other in y.sources:
-            drive += factor * self.solve(other)
-        return drive
+    def collocation(self, degree: float) -> tuple[FloatArray, FloatArray]:
+        """Return matrices of d/dX - degree, and e^X, on all panels.
 
-    def _rows(self, degree: float) -> tuple[Any, FloatArray]:
-        """d/dX - p and e^X, (n_panels, nodes, nodes) and (n_panels, nodes), each row divided by
-        the collision rate where that is large.
+        Shapes (n_panels, nodes, nodes) and (n_panels, nodes). Each row is divided by the collision
+        rate e^X where that is above 1.
         """
-        rate = np.exp(self._nodes_from(0))
+        rate = np.exp(self.nodes_from(0))
         scale = 1.0 / np.maximum(1.0, rate)
         slopes = self.rule.derivative - degree * np.eye(self.nodes)
         return scale[:, :, None] * slopes, rate * scale
 
+    def sources_at_nodes(self, y: Observable) -> FloatArray:
+        """Return the sources of y at the nodes of all panels, shape (n_panels, nodes)."""
+        total = np.full((self.n_panels, self.nodes), y.constant)
+        for factor, source in y.sources:
+            total += factor * self.solve(source)
+        return total
+
+    # -- collisions -------------------------------------------------------------------------------
+
+    def returns_at_once(self, y: Observable) -> tuple[float, float]:
+        """Return the share, with its sign, and -ln(speed ratio), of returns that take no time.
+
+        They bring a tracer back to the scatterer before, in a medium; both are 0 where none does.
+        """
+        return self.law.returns(y.harmonic)
+
+    def panel_kernel(self, y: Observable) -> PanelKernel:
+        """Return the collision term of y."""
+        share, _ = self.returns_at_once(y)
+        return self._solved.kernels.get((y.harmonic, share), lambda: self._make_kernel(y))
+
+    def _make_kernel(self, y: Observable) -> PanelKernel:
+        """Average over collisions, and over returns that take no time."""
+        largest_power = max(float(self.nodes), MAX_LOG_CHANGE_ON_PANEL / self.width)
+        bounces = self.law.quadrature_for(largest_power, y.harmonic)
+        # most harmonics share one quadrature
+        shifts = self._solved.shifts.get(
+            bounces.weight.size, lambda: PanelShifts(self.rule, bounces.log_loss)
+        )
+        lost = bounces.harmonic_loss(y.harmonic)[None]
+        loss, gain = shifts.kernel(bounces.weight, 1.0 - lost, lost)
+        share, log_loss = self.returns_at_once(y)
+        if share:
+            loss, gain = with_returns(self.rule, loss, gain, np.array([share]), log_loss)
+        return PanelKernel(loss[0], gain[0])
+
+    # -- the power series below the panels --------------------------------------------------------
+
     def series(self, y: Observable) -> FloatArray:
-        """Coefficients a_k of y = T^p sum_k a_k T^k, as far as they count below the panels."""
-        if y not in self._series:
-            drive, rates = self._series_of_sources(y)
-            a = [1.0 if y.is_power else 0.0]
-            for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
-                a.append((source - rate * a[k]) / (k + 1.0))
-            size = np.abs(a) * np.exp(self.start * np.arange(len(a)))
-            kept = np.nonzero(size > 1e-19 * size.max())[0]  # the rest is below rounding
-            last = int(kept.max(initial=7))  # the first 4 may vanish; all, where T underflows
-            self._series[y] = np.array(a[: last + 1])
-        return self._series[y]
+        """Return a_k of y = T^p sum_k a_k T^k as far as they count below the panels, (n_terms,)."""
+        return self._solved.series.get(y, lambda: self._make_series(y))
 
-    def _series_of_sources(self, y: Observable) -> tuple[FloatArray, FloatArray]:
-        """Coefficients of what drives y, over T^p, and rates at which terms decay: (n_terms,)."""
-        drive = np.zeros(_TERMS)
-        drive[0] = y.constant
-        for factor, other in y.sources:
-            known = self.series(other)[:_TERMS]
-            drive[: known.size] += factor * known
-        power, (eps, shift) = y.degree + np.arange(_TERMS), self._at_once(y)
+    def _make_series(self, y: Observable) -> FloatArray:
+        """Solve (k + 1) a_(k+1) = source_k - rate_k a_k."""
+        source, rate = self.series_of_sources(y)
+        a = [float(y.is_power)]
+        for k in range(SERIES_TERMS):
+            a.append((float(source[k]) - float(rate[k]) * a[k]) / (k + 1.0))
+        size = np.abs(a) * np.exp(self.start * np.arange(len(a)))
+        terms_that_count = np.nonzero(size > NEGLIGIBLE_TERM * size.max())[0]
+        # all sizes may be zero, where T underflows
+        last_term = int(terms_that_count.max(initial=LEAST_LAST_TERM))
+        return np.array(a[: last_term + 1])
+
+    def series_of_sources(self, y: Observable) -> tuple[FloatArray, FloatArray]:
+        """Return coefficients of the sources over T^p, and the rates at which terms decay.
+
+        The rate of term k is 1 - E[s^(p+k) cos(m chi)], with returns at once; (SERIES_TERMS,) each.
+        """
+        total = np.zeros(SERIES_TERMS)
+        total[0] = y.constant
+        for factor, source in y.sources:
+            coefficients = self.series(source)[:SERIES_TERMS]
+            total[: coefficients.size] += factor * coefficients
+        power = y.degree + np.arange(SERIES_TERMS)
         rate = self.law.lost(power, y.harmonic)
-        return drive, rate / (1.0 + eps * np.exp(-shift * power) * rate)
+        share, log_loss = self.returns_at_once(y)
+        return total, rate / (1.0 + share * np.exp(-log_loss * power) * rate)
 
-    def error_estimate(self, observable: Observable) -> float:
-        """What the Chebyshev coefficients of panels leave out, relative to their smaller ends."""
-        key = "error", observable, self.count, self.rtol
-        if key not in self._kept:
-            last, before = self.rule.last_coefficients(self.solve(observable))
-            # errors are at most 1.2 times the last coefficient, or a tenth of that times the one
-            # before; the rest is for the initial state
-            left_out = np.maximum(1.75 * last, 0.175 * before)
-            # relative to the smaller end of a panel, or a thousandth of its maximum where y changes
-            # sign; of a harmonic, which decays by itself, to m = 0; they add up while it grows
-            of_speed = observable.harmonic and observable.is_power
-            scale = speed_power(observable.degree) if of_speed else observable
-            size = np.abs(self.solve(scale))
-            ends = np.maximum(np.minimum(size[:, 0], size[:, -1]), 1e-3 * size.max(axis=1))
-            self._kept[key] = float(np.sum(left_out / np.maximum(ends, 1e-300)))
-        return float(self._kept[key])
+    # -- errors and interpolation -----------------------------------------------------------------
 
-    def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, NDArray[Any]]:
-        """y at X = x, -inf allowed, and whether that is below the panels; each of its shape.
+    def error_estimate(self, y: Observable) -> float:
+        """Return the relative error of y, from the last Chebyshev coefficients of all panels.
 
-        Below them it is y T^-(p + leading), as T^p alone may overflow; the first ``leading`` terms
-        of the power series must vanish. Above them y is on its asymptote.
+        Errors of panels add up while y grows. That of a power of the speed with m > 0, which decays
+        by itself, is relative to the same power with m = 0.
+        """
+        key = (y, self.n_panels, self.rtol)
+        return self._solved.errors.get(key, lambda: self._estimate_error(y))
+
+    def _estimate_error(self, y: Observable) -> float:
+        """Add up the errors of all panels."""
+        last, second_last = self.rule.last_coefficients(self.solve(y))
+        truncation = np.maximum(
+            LAST_COEFFICIENT_SAFETY * last, SECOND_LAST_COEFFICIENT_SAFETY * second_last
+        )
+        is_decaying_power = y.harmonic > 0 and y.is_power
+        size = np.abs(self.solve(speed_power(y.degree) if is_decaying_power else y))
+        smaller_end = np.minimum(size[:, 0], size[:, -1])
+        scale = np.maximum(smaller_end, LEAST_END_OVER_MAXIMUM * size.max(axis=1))
+        return float(np.sum(truncation / np.maximum(scale, 1e-300)))
+
+    def at(self, y: Observable, x: FloatArray, leading: int = 0) -> tuple[FloatArray, BoolArray]:
+        """Evaluate y at any X.
+
+        Parameters
+        ----------
+        y : the observable
+        x : X, of any shape; -inf is allowed
+        leading : the number of first terms of the power series that vanish
+
+        Returns
+        -------
+        y, but below the panels y T^-(p + leading), as T^p alone may overflow; and whether X is
+        below the panels. Each has the shape of x.
         """
         values = self.solve(y)
-        low = x < self.start
-        level = (x[~low] - self.start) / self.width
-        index = np.minimum(level.astype(int), self.count - 1)
-        shares = self.rule.shares(np.minimum(level - index, 1.0))
-        inside = np.einsum("ij,ij->i", shares, values[index]) / shares.sum(axis=1)
-        beyond = level > self.count
-        if beyond.any():
-            if self.law.is_elastic and y.harmonic and y.is_power:
-                inside[beyond] = 0.0  # it has decayed
-            else:
-                inside[beyond] = self._asymptote(values, y.growth, level[beyond])
-        value = np.empty(x.shape)
+        is_early = x < self.start
+        panel_coordinate = (x[~is_early] - self.start) / self.width
+        panel = np.minimum(panel_coordinate.astype(int), self.n_panels - 1)
+        shares = self.rule.shares(np.minimum(panel_coordinate - panel, 1.0))
+        late = np.einsum("ij,ij->i", shares, values[panel]) / shares.sum(axis=1)
+        is_beyond = panel_coordinate > self.n_panels
+        if is_beyond.any():
+            late[is_beyond] = self._beyond_panels(y, panel_coordinate[is_beyond] - self.n_panels)
+        result = np.empty(x.shape)
         series = self.series(y)[leading:]
-        value[low] = np.polynomial.polynomial.polyval(np.exp(x[low]), series)
-        value[~low] = inside
-        return value, low
+        result[is_early] = np.polynomial.polynomial.polyval(np.exp(x[is_early]), series)
+        result[~is_early] = late
+        return result, is_early
 
-    def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
-        """The power, or polynomial in X, through the ends of the last panels, at X in panels."""
-        ends = values[-1:-4:-1, -1] if values.shape[0] > 3 else values[-1, [-1, 0, 0]]
-        u = level - self.count
+    def _beyond_panels(self, y: Observable, panels_beyond: FloatArray) -> FloatArray:
+        """Continue y by its asymptote, so many panels beyond the last one; shape of these.
+
+        At e = 1 it is a power of T, or has decayed; else a polynomial in X of degree `y.growth`
+        through the ends of the last panels.
+        """
+        values = self.solve(y)
+        if self.law.is_elastic and y.harmonic and y.is_power:
+            return np.zeros(panels_beyond.shape)
+        growth = y.growth
+        if self.n_panels > 3:
+            end, previous_end, end_before = values[-1:-4:-1, -1]
+        else:  # a line through both ends of the last panel
+            end = values[-1, -1]
+            previous_end = values[-1, 0]
+            end_before = previous_end
+            growth = min(growth, 1)
         if self.law.is_elastic:
-            power = round(math.log(ends[0] / ends[1]) / self.width)
-            return np.asarray(ends[0] * np.exp(power * self.width * u))
-        most = growth if values.shape[0] > 3 else min(growth, 1)
-        slope, curve = ends[0] - ends[1], ends[0] - 2.0 * ends[1] + ends[2]
-        terms = np.full(level.shape, ends[0]), slope * u, 0.5 * curve * u * (u + 1.0)
-        return sum(terms[1 : most + 1], terms[0])
+            power = round(math.log(end / previous_end) / self.width)
+            return np.asarray(end * np.exp(power * self.width * panels_beyond))
+        result = np.full(panels_beyond.shape, end)
+        if growth >= 1:
+            slope = end - previous_end
+            result += slope * panels_beyond
+        if growth >= 2:
+            curvature = end - 2.0 * previous_end + end_before
+            result += 0.5 * curvature * panels_beyond * (panels_beyond + 1.0)
+        return result

@@ -15,7 +15,14 @@ from kinetics.numerics import ComplexArray, FloatArray
 
 @dataclass(frozen=True)
 class LogGrid:
-    """Nodes x_j = start + j spacing, j = 0 ... nodes-1, of a periodic window in x = ln(speed)."""
+    """Nodes x_j = start + j spacing, j = 0 ... nodes-1, of a periodic window in x = ln(speed).
+
+    Parameters
+    ----------
+    start : left end of the window
+    spacing : of the nodes
+    nodes : their number
+    """
 
     start: float
     spacing: float
@@ -25,9 +32,9 @@ class LogGrid:
     def x(self) -> FloatArray:
         """The nodes, shape (nodes,)."""
         # counted from x = 0, near which a rounding error of the size of start would be large
-        first = round(self.start / self.spacing)
-        rest = self.start - first * self.spacing
-        return rest + self.spacing * np.arange(first, first + self.nodes, dtype=float)
+        first_node = round(self.start / self.spacing)
+        offset = self.start - first_node * self.spacing
+        return offset + self.spacing * np.arange(first_node, first_node + self.nodes, dtype=float)
 
     @property
     def end(self) -> float:
@@ -36,11 +43,14 @@ class LogGrid:
 
     @cached_property
     def wave_numbers(self) -> FloatArray:
-        """Of a real transform, shape (nodes//2 + 1,)."""
+        """k_n of a real Fourier transform, shape (nodes//2 + 1,)."""
         return np.asarray(2.0 * np.pi * np.fft.rfftfreq(self.nodes, self.spacing))
 
     def coefficients(self, values: FloatArray) -> ComplexArray:
-        """Of values (..., nodes), the c_n in Re sum_n c_n exp(i k_n (x - start))."""
+        """Return c_n in Re sum_n c_n exp(i k_n (x - start)), (..., nodes//2 + 1).
+
+        The values are at the nodes, shape (..., nodes).
+        """
         spectrum = np.fft.rfft(values, axis=-1) / self.nodes
         spectrum[..., 1:] *= 2.0
         if self.nodes % 2 == 0:
@@ -48,7 +58,10 @@ class LogGrid:
         return np.asarray(spectrum)
 
     def evaluate(self, coefficients: ComplexArray, x: FloatArray) -> FloatArray:
-        """The trigonometric polynomial of coefficients (..., nodes//2 + 1) at x (n,): (..., n)."""
+        """Return the trigonometric polynomial of coefficients (..., nodes//2 + 1) at x (n,).
+
+        The shape of the result is (..., n).
+        """
         # exp(i k_n x) = exp(i k_1 x)^n: one power each costs less than an exponential each
         powers = np.empty((self.wave_numbers.size - 1, x.size), dtype=complex)
         powers[:] = np.exp(1j * self.wave_numbers[1] * (x - self.start))
@@ -56,5 +69,5 @@ class LogGrid:
         return np.asarray(coefficients[..., :1].real + (coefficients[..., 1:] @ powers).real)
 
     def interpolate(self, values: FloatArray, x: FloatArray) -> FloatArray:
-        """The trigonometric interpolant; values (..., nodes), x (n,) in the window: (..., n)."""
+        """Return the trigonometric interpolant of values (..., nodes) at x (n,): shape (..., n)."""
         return self.evaluate(self.coefficients(values), x)

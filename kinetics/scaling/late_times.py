@@ -116,7 +116,8 @@ def _log_kept(law: CollisionLaw, z: float, p: FloatArray) -> FloatArray:
 def _taylor_of_log_kept(law: CollisionLaw, z: float, p: FloatArray) -> list[FloatArray]:
     """Return the Taylor coefficients of ln(1 - z phi) at p (n,), each of shape (n,)."""
     rate, *higher = law.decay_taylor(p, MOST_ORDERS)
-    return taylor_of_log([(1.0 - z) + z * rate, *(z * c for c in higher)])
+    of_log = taylor_of_log([(1.0 - z) + z * rate, *(z * c for c in higher)])
+    return [np.asarray(c, dtype=float) for c in of_log]
 
 
 # -- cumulants -------------------------------------------------------------------------------------
@@ -137,7 +138,7 @@ def collision_cumulants(law: CollisionLaw, n: int) -> FloatArray:
     """
     rate = _taylor_of_rate_at_zero(law, n + 1)
     of_log_ratio = taylor_of_log([np.ones(1), *(-c for c in rate[1:])])
-    return _cumulants([-c for c in of_log_ratio])
+    return _cumulants([-np.asarray(c, dtype=float) for c in of_log_ratio])
 
 
 def _cumulants(u_of_theta: list[FloatArray]) -> FloatArray:

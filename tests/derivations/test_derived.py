@@ -23,7 +23,7 @@ from kinetics.collision import law_in_medium
 from kinetics.drive import Drive
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.generator import Generator, Resolution
-from kinetics.moments.backward import Observable, quartic_displacement
+from kinetics.moments.observables import Observable, quartic_displacement
 
 RANDOM = np.random.default_rng(20240607)
 RESTITUTIONS = [float(value) for value in RANDOM.uniform(0.02, 0.98, 5)]

@@ -21,7 +21,7 @@ from kinetics import (
     solve,
 )
 from kinetics.crosscheck.stress import again, apart, invariants
-from kinetics.moments.averages import parts_of
+from kinetics.moments.outputs import averaged_outputs
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
 
@@ -53,7 +53,7 @@ states = st.one_of(
 )
 times = st.lists(mostly(geometric(1e-2, 1e4), st.sampled_from([0.0, 5e-324, 1e-300, 1e100, 1e300])),
                  min_size=1, max_size=3)  # fmt: skip
-CHEAP = [name for name in OUTPUTS if parts_of(name, 2)]
+CHEAP = [name for name in OUTPUTS if name in averaged_outputs(2)]
 LATE = ["position_density", "intermediate_scattering"]  # early ones take seconds
 LATER = {"times": st.just([1e3, 7e3])}
 DENSE = [name for name in OUTPUTS if name not in CHEAP and name not in LATE]

@@ -31,12 +31,12 @@ from kinetics import (
     solve_scaled,
     sweep,
 )  # fmt: skip
-from kinetics.moments.averages import parts_of
+from kinetics.moments.outputs import averaged_outputs
 from kinetics.outputs import OUTPUTS, described
 from kinetics.results.file import write_whole
 from kinetics.results.value import Value
 
-AVERAGES = tuple(name for name in OUTPUTS if parts_of(name, 2))
+AVERAGES = tuple(name for name in OUTPUTS if name in averaged_outputs(2))
 FUNCTIONS = [name for name in VALUES if name.endswith(("function", "harmonics"))]
 SAVED = {name: make for name, make in VALUES.items() if name not in FUNCTIONS} | {
     "own law": lambda: Scene(

@@ -18,12 +18,12 @@ from kinetics import (
     ToleranceWarning,
     solve,
 )
-from kinetics.moments.backward import (
+from kinetics.moments.backward import BackwardEquation
+from kinetics.moments.observables import (
     DISPLACEMENT_ALONG_START,
     MEAN_COLLISIONS,
     MSD_SLOPE,
     SQUARED_DISPLACEMENT,
-    BackwardEquation,
     Observable,
     quartic_displacement,
     speed_power,

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from kinetics import CollisionLaw, InputError, Monoenergetic, Scene, SolverStatus, SpeedTable, solve
 from kinetics.collision import ImpactQuadrature
-from kinetics.moments.averages import Averages, msd
+from kinetics.moments.averages import Averages
+from kinetics.moments.outputs import msd
 from kinetics.numerics.gauss import equal_panels, panels_between
 from kinetics.position.sweep import solve_displacement
 
@@ -82,7 +83,7 @@ class Isotropic(CollisionLaw):
 def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
     """The collided, of speed and rate 1: Stadje, J. Stat. Phys. 46, 207 (1987)."""
     law, times, state = Isotropic(1.0), np.array([t]), Monoenergetic()
-    root = np.sqrt(msd(Averages(law, 1.0, state, times, 1e-12)))
+    root = np.sqrt(msd(Averages.over(law, 1.0, state, times, 1e-12)))
     assert abs(root[0] ** 2 / (2.0 * (t - 1.0 + math.exp(-t))) - 1.0) < 1e-12
     found = solve_displacement(law, 1.0, state, times, root, 1e-6)
     r = t * np.linspace(0.0, 0.9, 91)

@@ -85,6 +85,17 @@ def table_power(p: float, speeds: Any = SPEEDS, heights: Any = HEIGHTS) -> Any:
     return total
 
 
+@pytest.mark.parametrize("p", [-40.0, -20.0, 8.0, 20.0, 40.0])
+def test_high_powers_over_a_coarse_table_reach_the_tolerance(p: float) -> None:
+    # 1e-12: rounding of ln v, p times
+    speeds = np.array([0.5, 1.0, 2.0])
+    heights = np.array([0.0, 4.0 / 3.0, 0.0])
+    points = SpeedTable(speeds, heights).harmonic(0, 1e-13, min(p, 0.0), max(p, 2.0))
+    assert points is not None
+    average = points.weight @ np.exp(p * points.x)
+    assert average == pytest.approx(float(table_power(p, speeds, heights)), rel=1e-12)
+
+
 def samples_power(p: float) -> float:
     return float(np.mean(np.hypot(*VELOCITIES.T) ** p))
 
