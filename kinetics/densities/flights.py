@@ -23,8 +23,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from kinetics.collision import CollisionLaw
-from kinetics.densities.conservative import NodeMasses, deposit
 from kinetics.densities.harmonic import Profile
+from kinetics.densities.node_masses import NodeMasses, deposit
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.state import LogMeasure, State
@@ -177,7 +177,11 @@ def _collided_masses(masses: NodeMasses) -> tuple[FloatArray, FloatArray]:
 
     A quadrature over the speed would miss nodes, of which each sharp speed fills two.
     """
-    shares = masses.mass if masses.sharp is None else np.maximum(masses.mass - masses.sharp, 0.0)
+    shares = (
+        masses.mass
+        if masses.uncollided is None
+        else np.maximum(masses.mass - masses.uncollided, 0.0)
+    )
     if masses.spacing >= MASS_SPACING:
         return np.exp(masses.x), shares
     count = math.ceil((masses.x[-1] - masses.x[0]) / MASS_SPACING) + 2
