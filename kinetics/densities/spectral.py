@@ -16,8 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.densities.gain import log_gain
 from kinetics.densities.harmonic import HarmonicProblem, Profile
-from kinetics.densities.intertwining import SHARE, TAPER, choose_angle, intertwine, log_gain
+from kinetics.densities.intertwining import intertwine
+from kinetics.densities.turned_axis import SHARE_OF_SMALL_ERROR as SHARE
+from kinetics.densities.turned_axis import TAPER_WIDTH as TAPER
+from kinetics.densities.turned_axis import choose_angle
 from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, ROUNDING, ComplexArray, FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
