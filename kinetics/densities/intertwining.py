@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from kinetics.densities.gain import NUMBERS_IN_CACHE
 from kinetics.densities.harmonic import HarmonicArray
@@ -109,11 +110,13 @@ class _MovedField:
     """
 
     windows: HarmonicArray
-    n_below: FloatArray
+    n_below: NDArray[np.intp]
     longest: int
 
     @classmethod
-    def of(cls, field: HarmonicArray, n_below: FloatArray, value_below: FloatArray) -> _MovedField:
+    def of(
+        cls, field: HarmonicArray, n_below: NDArray[np.intp], value_below: FloatArray
+    ) -> _MovedField:
         """Continue a field (n_rows, nodes) by its value below the grid, (n_rows,)."""
         longest = int(n_below.max(initial=0))
         below = np.repeat(value_below[:, None], longest, axis=1)
