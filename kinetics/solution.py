@@ -456,4 +456,6 @@ class Solution(Result):
         longer = count_longer(self._flights, np.append(0.0, checked) / self.scene.mean_free_path)
         total = longer[:, :1]
         with np.errstate(invalid="ignore"):
-            return np.asarray(-np.diff(longer[:, 1:]) / total)
+            fraction = np.asarray(-np.diff(longer[:, 1:]) / total)
+        fraction[self.times == 0.0] = np.nan  # no flight is completed: rounding over rounding
+        return fraction
