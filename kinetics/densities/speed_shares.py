@@ -23,7 +23,8 @@ from kinetics.states.state import LogMeasure, State
 
 #: Panels for each octave of the speed, for smooth densities. Origin not recorded.
 SMOOTH_PANELS = 6
-#: The same for densities with steps. Origin not recorded.
+#: The same for densities with steps, of elastic tracers. Origin not recorded. Steps of tables are
+#: between panels; those of functions may be within one, which then is up to 1 % of an average.
 ROUGH_PANELS = 60
 #: Gauss points of a panel. Origin not recorded.
 PANEL_POINTS = 3
@@ -34,7 +35,7 @@ SLOWEST = 1e-7
 ABOVE_FASTEST = 0.05
 #: Tolerance of the points of the start, of which the fastest is looked for. Origin not recorded.
 RTOL_OF_START = 1e-8
-#: Least spacing in ln v of the speeds that carry the masses of a start of sharp speeds: that of the
+#: Least spacing in ln v of the speeds that carry the masses of the conservative method: that of the
 #: points of rough densities. The rates of collisions are right to its square over 8, 2e-6.
 MASS_SPACING = math.log(2.0) / (ROUGH_PANELS * PANEL_POINTS)
 
@@ -80,11 +81,11 @@ class SpeedShares:
         if law.is_elastic and sharp.speeds.size:
             return cls(times, np.zeros(0), np.zeros((times.size, 0)), sharp)
         profile = solve(times * mean_free_path)
-        if sharp.speeds.size and isinstance(profile.density, NodeMasses):
-            speeds, shares = _collided_masses(profile.density)
+        if isinstance(profile.density, NodeMasses):
+            speeds, shares = _masses_without_sharp(profile.density)
         else:
             speeds, shares = _by_quadrature(profile, state, float(times[-1]))
-        # the quadrature misses a little at steps, but the number of tracers is known
+        # the quadrature may miss a little at steps, but the number of tracers is known
         sums = shares.sum(axis=1)
         factor = (1.0 - sharp.remaining(times)) / np.where(sums > 0.0, sums, np.inf)
         return cls(times, speeds, shares * factor[:, None], sharp)
@@ -104,10 +105,11 @@ class SpeedShares:
         return self.shares @ function(self.speeds) + self.sharp.sum_over(function, self.times)
 
 
-def _collided_masses(masses: NodeMasses) -> tuple[FloatArray, FloatArray]:
-    """Return speeds in U, (n_v,), and shares of tracers there that have collided, (n_times, n_v).
+def _masses_without_sharp(masses: NodeMasses) -> tuple[FloatArray, FloatArray]:
+    """Return speeds in U, (n_v,), and shares of tracers there, (n_times, n_v).
 
-    A quadrature over the speed would miss nodes, of which each sharp speed fills two.
+    A quadrature over the speed would miss nodes, of which a sharp speed fills two, and parts of
+    steps; the masses have the number of tracers and their energy.
     """
     shares = masses.mass
     if masses.uncollided is not None:
@@ -135,6 +137,9 @@ def _by_quadrature(
     panels = SMOOTH_PANELS if state.smooth else ROUGH_PANELS
     depths = np.linspace(0.0, math.log(2.0) * octaves, int(octaves * panels) + 1)
     edges = math.log(fastest) + np.append(-depths[::-1], ABOVE_FASTEST)
+    log_kinks = np.log(state.kinks[state.kinks > 0.0])
+    is_within = (log_kinks > edges[0]) & (log_kinks < edges[-1])
+    edges = np.union1d(edges, log_kinks[is_within])
     log_speeds, weight = panels_between(edges, PANEL_POINTS)
     speeds = np.exp(log_speeds)
     density = np.maximum(profile.continuous(speeds).real, 0.0)
