@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.answer import Answer, answer_to
-from kinetics.densities.flights import Flights, speed_fronts
+from kinetics.densities.flights import Flights
+from kinetics.densities.fronts import speed_fronts
 from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
 from kinetics.moments.by_collision import ByCollision
@@ -433,22 +434,28 @@ class Solution(Result):
         least, 1e-4 for rough starts. Raises InputError for edges that are negative or do not rise,
         with a field, for driven tracers and for scatterers that are not dilute.
         """
-        return self._flight_fraction(edges, "longer_in_time")
+        return self._flight_fraction(edges, Flights.longer_in_time)
 
     def free_path_fraction(self, edges: ArrayLike) -> FloatArray:
         """Share of the same flights whose length in d is between the edges, as above.
 
         Lengths tend to exp(-x/l), l the mean free path: as 1/t for e = 1, as 1/ln t below.
         """
-        return self._flight_fraction(edges, "longer_in_length")
+        return self._flight_fraction(edges, Flights.longer_in_length)
 
-    def _flight_fraction(self, edges: ArrayLike, kind: str) -> FloatArray:
-        """Return the share of flights between edges, by their duration or their length."""
+    def _flight_fraction(
+        self, edges: ArrayLike, count_longer: Callable[[Flights, FloatArray], FloatArray]
+    ) -> FloatArray:
+        """Return the share of flights between edges of their duration, or of their length.
+
+        count_longer : counts the flights that are longer than edges, in l/U or l
+        """
         checked = rising_from_zero("edges", edges)
         if self.times[-1] == 0.0:
             return np.full((self.times.size, checked.size - 1), np.nan)
-        count_longer = getattr(self._flights, kind)
-        longer = count_longer(np.append(0.0, checked) / self.scene.mean_free_path)
+        longer = count_longer(self._flights, np.append(0.0, checked) / self.scene.mean_free_path)
         total = longer[:, :1]
         with np.errstate(invalid="ignore"):
-            return np.asarray(-np.diff(longer[:, 1:]) / total)
+            fraction = np.asarray(-np.diff(longer[:, 1:]) / total)
+        fraction[self.times == 0.0] = np.nan  # no flight is completed: rounding over rounding
+        return fraction

@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.densities import harmonic
-from kinetics.densities.harmonic import HarmonicProblem, Profile
+from kinetics.densities.elastic import elastic_profile
+from kinetics.densities.harmonic import HarmonicProblem, Profile, angular_function
+from kinetics.densities.velocity_component import component_densities
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
 from kinetics.moments.averages import Averages, PowerRange, check_moment
 from kinetics.moments.observables import Observable, speed_power
@@ -189,7 +190,7 @@ class UndrivenAnswer(Value):
             return None
         problem = HarmonicProblem(law, path, state, m, times, self.rtol, self.nodes)
         if law.is_elastic:
-            return harmonic.elastic_profile(problem)
+            return elastic_profile(problem)
         is_spectral_requested = self.method == "spectral"
         if is_spectral_requested or (self.method is None and state.smooth):
             from kinetics.densities.spectral import solve_spectral
@@ -224,7 +225,7 @@ class UndrivenAnswer(Value):
     def component_density(self, v_x: FloatArray) -> FloatArray:
         """Density of one component of the velocity in 1/U, shape (n_times, n)."""
         isotropic_part = self.profiles[0]
-        return harmonic.component_densities(
+        return component_densities(
             isotropic_part, np.abs(v_x), self.typical_speed, self.scene.dimension
         )
 
@@ -233,7 +234,7 @@ class UndrivenAnswer(Value):
         law = self.scene.law
         density = np.zeros((self.averages.times.size, v.size, phi.size))
         for m, profile in self.profiles.items():
-            by_angle = harmonic.angular_function(m, phi, law.dimension)
+            by_angle = angular_function(m, phi, law.dimension)
             density += (profile.continuous(v)[:, :, None] * by_angle).real
         return density / (law.unit_surface * v[:, None] ** (law.dimension - 1))
 

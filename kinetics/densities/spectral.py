@@ -1,332 +1,286 @@
-r"""The speed density in time: the forward equation on a logarithmic speed axis, spectrally.
+r"""Solves for a harmonic of the velocity density spectrally, on a logarithmic speed axis.
 
-On equidistant nodes of x = ln v a smooth density is resolved to rounding by some hundred of them.
-Its collisions are taken out of the equation (:mod:`kinetics.densities.intertwining`), so that any
-time follows at once. The error is the difference of two such solutions, on nodes of which some
-coincide.
+On equidistant nodes of x = ln v a smooth density is resolved to rounding by some hundred of them
+(`spectral_grid`). Its collisions are taken out of the equation (`intertwining`), so that any time
+follows at once. The error is the difference of two such solutions, on nodes of which some coincide.
+Begin with :func:`solve_spectral`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw
-from kinetics.densities.harmonic import HarmonicProblem, Profile
-from kinetics.densities.intertwining import SHARE, TAPER, choose_angle, intertwine, log_gain
+from kinetics.densities.grid_density import GridDensity, from_rows, to_rows
+from kinetics.densities.harmonic import HarmonicArray, HarmonicProblem, Profile
+from kinetics.densities.intertwining import intertwine
+from kinetics.densities.spectral_grid import (
+    COARSE_NODES,
+    COARSE_WINDOW_HIGHER,
+    FINE_NODES,
+    SMALL_RATIO,
+    SpectralProblem,
+    choose_grid,
+    resolve_start,
+    speed_window,
+    unresolved_fraction,
+)
+from kinetics.densities.turned_axis import SHARE_OF_SMALL_ERROR
 from kinetics.errors import InputError
-from kinetics.numerics import FOLDS, ROUNDING, ComplexArray, FloatArray
-from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
+from kinetics.numerics import FOLDS, FloatArray
 from kinetics.numerics.log_grid import LogGrid
-from kinetics.results.value import Value
-from kinetics.scaling.mellin import extent_of
-from kinetics.states.state import LogMeasure, SpeedFunction
 
-# Limits of the work: nodes, and values at nodes and times (a quarter of a gigabyte).
-_MOST_NODES, _MOST_VALUES = 40_000, 3e7
-# The solution has 5 nodes where the one that it is compared with has 4, and that one's window ends
-# by so many e-folds of the speed higher up.
-_FINE, _COARSE, _HIGHER = 5, 4, 2.0
-# Where so many are too few, less is aimed at, up to this: the other method has no such digits.
-_EASIEST = 1e-4
-_BELOW_AIM = 6.0  # e-folds below what is aimed at, where the window ends
-# What is aimed at, of rtol, and the tilt. Where v t/l goes on oscillating, or tracers forwards, u
-# oscillates at low speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt.
-_AIMS = ((1.0, 0.0), (0.03, 0.25))
-# The least error that is claimed: for the rounding that two solutions may have in common (2e-13 was
-# seen), and of what is aimed at, below which the low end is cut off. One with which all is lost.
-_FLOOR, _CUT, _LOST = 5e-13, 0.1, 0.1
-# Of the root mean square speed: above it a density keeps its accuracy relative to its maximum, and
-# below it the density of ln v does.
-_LOWEST_SPEED = 1e-2
-# Harmonics m > 0 die away: their errors are relative to a density of ln v with this maximum; the
-# isotropic one has a larger.
-_LEAST_MAXIMUM = 0.3
-# Where s may fall below the first, bounces fill the low speeds up to v^1 in the density of ln v,
-# and harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest.
-_SMALL_RATIO, _SLOWEST = 0.3, 0.6
-# Where bounces lead to any speed: those from which f is continued down, over the lowest of them.
-_SPEEDS = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
+#: Error of the initial speeds over the tolerance.
+START_RTOL_OVER_RTOL = 1e-3
+#: Where nodes are too few for what is aimed at, a hundred times less is aimed at, and so on, up to
+#: this: the conservative method has no such digits (commit 27883ef1).
+LOOSEST_AIM = 1e-4
+#: Factor by which less is aimed at, each time.
+AIM_FACTOR = 100.0
+#: Where the first solution misses the tolerance, a second one aims at this fraction of it, ...
+SECOND_AIM_OVER_RTOL = 0.03
+#: ... with this tilt. Where v t/l goes on oscillating, or tracers forwards, u oscillates at low
+#: speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt. The origin of
+#: both numbers is not recorded.
+SECOND_TILT = 0.25
+#: Least error that is stated: for the rounding that two solutions may have in common. Measured: up
+#: to 2e-13 of it.
+MIN_ERROR = 5e-13
+#: Least error that is stated over what is aimed at, below which the low end is cut off. The origin
+#: is not recorded.
+MIN_ERROR_OVER_AIM = 0.1
+#: An error with which all is lost, so that the conservative method is tried. Chosen.
+LOST_ERROR = 0.1
+#: Most times at which two solutions are compared. The origin is not recorded; it was 8 before.
+MAX_COMPARED_TIMES = 6
+#: Speed in root mean square speeds above which a density is right relative to its maximum; below,
+#: the density of ln v is. It is stated in `Solution.speed_density`.
+LOWEST_SPEED = 1e-2
+#: Harmonics m > 0 die away: their errors are relative to a density of ln v with this maximum; the
+#: isotropic one has a larger. The origin is not recorded.
+LEAST_MAXIMUM = 0.3
+#: Where bounces lead to any speed, f is a polynomial below `LOWEST_SPEED` over this. The origin is
+#: not recorded.
+FILLED_BELOW_LOWEST = 10.0
+#: Stands for 0 in a denominator.
+TINY = 1e-300
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class GridDensity(Value):
-    """g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
+def solve_spectral(problem: HarmonicProblem) -> Profile | None:
+    """Solve for the harmonic at the times, e < 1.
 
-    grid : the nodes of x
-    values : g at the nodes, shape (n_times, n_nodes)
-    shift : x - ln v, shape (n_times,)
-    start, end : lowest and highest x where something is left; the nodes may reach further
-    resolved : share of its maximum down to which g is right
-    filled : ln v below which f is a polynomial in v, (n_times,); None where it is not
+    A requested number of nodes counts as the next multiple of ten.
+
+    Returns
+    -------
+    The profile, with an error estimate relative to the maximum of f; None where the state is too
+    rough for this method.
+
+    Raises
+    ------
+    InputError
+        Where it would take too many nodes.
     """
-
-    grid: LogGrid
-    values: NDArray[Any]
-    shift: FloatArray
-    start: float
-    end: float
-    resolved: float
-    filled: FloatArray | None = None
-
-    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
-        """f in 1/U at the i-th time and speeds v in U, shape (n_v,)."""
-        out = np.zeros(v.shape, dtype=self.values.dtype)
-        shift = self.shift[i]
-        with np.errstate(divide="ignore"):
-            x = np.log(v) + shift
-        inside = (x <= self.end) & (v > 0.0)
-        floor, slope = self._low_end(i)
-        at = np.clip(x[inside], floor, self.end)
-        with np.errstate(under="ignore"):
-            # by the root twice: 1/v alone may be larger than the largest number
-            root = np.exp(0.5 * (slope * (x[inside] - at) - (at - shift)))
-            out[inside] = self._interpolate(i, at) * root * root
-            if self.filled is not None:
-                # g has f with its rounding over v: five values higher up have more of it
-                first = float(self.filled[i])
-                low = (x < first + shift) & (v > 0.0)
-                known = first + np.log(_SPEEDS)
-                rows = interpolation_rows(
-                    np.exp(x[low] - shift - first)[:, None] - _SPEEDS, barycentric_weights(_SPEEDS)
-                )
-                out[low] = rows @ (self._interpolate(i, known + shift) * np.exp(-known))
-        return out
-
-    def _low_end(self, i: int) -> tuple[float, float]:
-        """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""
-        size, x = np.abs(self.values[i]), self.grid.x
-        first = int(((x >= self.start) & (size >= self.resolved * size.max())).argmax())
-        # one e-fold further up, for the slope
-        second = min(first + max(1, round(1.0 / self.grid.spacing)), size.size - 1)
-        low, high = np.log(np.maximum(size[[first, second]], 1e-300))
-        rise = (high - low) / max(x[second] - x[first], self.grid.spacing)
-        return float(x[first]), max(0.0, float(rise) - 1.0)
-
-    def _interpolate(self, i: int, x: FloatArray, terms: int = 1_000_000) -> NDArray[Any]:
-        """In pieces of x with so many terms of the Fourier sum, so that memory stays flat."""
-        both = _rows(self.values[i])
-        pieces = np.array_split(x, 1 + x.size * self.grid.nodes // terms)
-        return _whole(np.hstack([self.grid.interpolate(both, piece) for piece in pieces]))
+    rtol = problem.rtol
+    speeds = problem.state.harmonic(0, START_RTOL_OVER_RTOL * rtol)
+    start = problem.state.profile(problem.m)
+    if speeds is None or start is None:
+        return None
+    spectral = SpectralProblem.of(problem, start, speeds)
+    profile = _solve_at_least_loosely(spectral)
+    if profile is None:
+        return None
+    is_late = float(spectral.tau[-1]) > FOLDS
+    if profile.error_estimate > rtol and problem.nodes is None and not is_late:
+        tilted = _solve_tilted(spectral)
+        if tilted is not None and tilted.error_estimate < profile.error_estimate:
+            profile = tilted
+    has_other_method = problem.nodes is None and problem.law.medium is None
+    if has_other_method and profile.error_estimate > LOST_ERROR:
+        return None
+    return profile
 
 
-def _rows(values: NDArray[Any]) -> FloatArray:
-    """Real and imaginary part, or the real one alone, as rows."""
-    return np.stack([values.real, values.imag]) if np.iscomplexobj(values) else values[None]
+def _solve_at_least_loosely(problem: SpectralProblem) -> Profile | None:
+    """Solve for the tolerance, or for the first of ever looser aims that nodes suffice for.
+
+    None where the start is too rough, InputError where nodes are too many, for the loosest aim.
+    """
+    aims = [problem.harmonic.rtol]
+    if problem.harmonic.nodes is None:
+        aims += _looser_aims(problem.harmonic.rtol)
+    refusal: InputError | None = None
+    for aim in aims:
+        refusal = None
+        try:
+            profile = _solve(problem.aiming_at(aim, 0.0))
+        except InputError as error:
+            refusal = error
+            continue
+        if profile is not None:
+            return profile
+    if refusal is not None:
+        raise refusal
+    return None
 
 
-def _whole(rows: FloatArray) -> NDArray[Any]:
-    """The opposite, for rows on the last axis but one."""
-    if rows.shape[-2] == 1:
-        return rows[..., 0, :]
-    return np.asarray(rows[..., 0, :] + 1j * rows[..., 1, :])
+def _looser_aims(rtol: float) -> list[float]:
+    """Return rtol times `AIM_FACTOR`, its square, and so on, up to `LOOSEST_AIM`."""
+    aims = []
+    factor = AIM_FACTOR
+    while factor * rtol <= LOOSEST_AIM:
+        aims.append(factor * rtol)
+        factor *= AIM_FACTOR
+    return aims
+
+
+def _solve_tilted(problem: SpectralProblem) -> Profile | None:
+    """Return the second solution, with a tilt; None where it takes too many nodes."""
+    aim = SECOND_AIM_OVER_RTOL * problem.harmonic.rtol
+    try:
+        return _solve(problem.aiming_at(aim, SECOND_TILT))
+    except InputError:
+        return None
+
+
+def _solve(problem: SpectralProblem) -> Profile | None:
+    """Solve for one aim and tilt; None where the start is too rough.
+
+    InputError where nodes are too many.
+    """
+    harmonic = problem.harmonic
+    law = harmonic.law
+    window = speed_window(law, problem.speeds, problem.aim, float(problem.tau[-1]))
+    start_grid = resolve_start(problem, window)
+    if start_grid is None:
+        return None
+    grid, angle = choose_grid(problem, start_grid)
+    is_bounded = harmonic.m == 0 or law.least_ratio >= SMALL_RATIO or problem.tilt > 0.0
+    lowest_x = window.low if is_bounded else grid.start
+    fine, coarse = _solve_twice(problem, grid, angle, lowest_x)
+    errors = _compare(problem, fine, coarse)
+    error = max(errors.of_f, MIN_ERROR, MIN_ERROR_OVER_AIM * problem.aim)
+    if harmonic.nodes is not None:
+        # few nodes may agree, and say nothing of what is between
+        error = max(error, unresolved_fraction(to_rows(fine.g)))
+    filled = None
+    if harmonic.m == 0 and law.reaches_rest:
+        filled = _log_lowest_speed(problem) + problem.log_unit - math.log(FILLED_BELOW_LOWEST)
+    density = GridDensity(
+        grid=grid,
+        values=fine.g,
+        shift=fine.shift - problem.log_unit,
+        start=lowest_x,
+        end=window.high + grid.spacing,
+        resolved=max(SHARE_OF_SMALL_ERROR * problem.aim, errors.of_g),
+        filled=filled,
+    )
+    return Profile(density, problem.tau.size, "spectral", grid.nodes, error)
 
 
 @dataclass(frozen=True)
-class _Problem:
-    """What is asked, and the start as this method takes it."""
+class _GridSolution:
+    """g at nodes at some times.
 
-    asked: HarmonicProblem
-    aim: float  # the accuracy that is aimed at
-    tilt: float  # v^tilt f is what is solved for
-    start: SpeedFunction  # f_m as a function of v in U
-    speeds: LogMeasure  # the initial ones
-    log_unit: float  # ln of the root mean square of those, here the unit of speed
-    tau: FloatArray  # ln(1 + v_rms t/l), (n_times,)
-
-    def gain(self, k: FloatArray) -> ComplexArray:
-        """ln of the gain at wave numbers."""
-        return log_gain(self.asked.law, k, self.asked.m, self.tilt)
-
-    def on(self, grid: LogGrid) -> FloatArray:
-        """v^tilt g at the nodes of ln v in that unit, shape (1 or 2, nodes)."""
-        v = np.exp(grid.x + self.log_unit)
-        g = np.asarray(self.start(v) * v)
-        if self.asked.m == 0:
-            g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
-        return _rows(g) * np.exp(self.tilt * grid.x)
-
-
-def solve_spectral(asked: HarmonicProblem) -> Profile | None:
-    """The harmonic at the times, e < 1; None where the state is too rough for this method.
-
-    Nodes that are given count as the next multiple of ten. Raises InputError where it would take
-    too many nodes.
+    Parameters
+    ----------
+    grid : nodes of x
+    times : indices of the times, shape (n_times,)
+    shift : x - ln(v/v_rms), shape (n_times,)
+    g : density of ln v, shape (n_times, n_nodes)
     """
-    law, m, rtol = asked.law, asked.m, asked.rtol
-    speeds, start = asked.state.harmonic(0, 1e-3 * rtol), asked.state.profile(m)
-    if speeds is None or start is None:
-        return None
-    log_unit = 0.5 * speeds.log_second_moment()
-    tau = np.log(asked.times / asked.mean_free_path + math.exp(-log_unit)) + log_unit
-    late = asked.nodes is not None or float(tau[-1]) > FOLDS
-    problem = _Problem(asked, rtol, 0.0, start, speeds, log_unit, tau)
-    easier = [10.0**n * rtol for n in range(2, 15, 2) if 10.0**n * rtol <= _EASIEST]
-    best: Profile | None = None
-    for aim, tilt in _AIMS[:1] if late else _AIMS:
-        found, refused = None, None
-        for one in (rtol, *easier) if best is None and asked.nodes is None else (rtol,):
-            aimed = max(aim * one, 50.0 * ROUNDING)
-            try:
-                found, refused = _solve(replace(problem, aim=aimed, tilt=tilt)), None
-            except InputError as error:  # too many nodes
-                refused = error
-            if found is not None:
-                break
-        if best is None and refused is not None:
-            raise refused
-        if found is None:
-            break
-        if best is None or found.error_estimate < best.error_estimate:
-            best = found
-        if best.error_estimate <= rtol:
-            break
-    other = asked.nodes is None and law.medium is None  # there is another method
-    return None if other and best is not None and best.error_estimate > _LOST else best
+
+    grid: LogGrid
+    times: NDArray[np.intp]
+    shift: FloatArray
+    g: HarmonicArray
+
+    def without_tilt(self, tilt: float, lowest_x: float) -> _GridSolution:
+        """Return the density of ln v itself, and 0 below the lowest x, where rounding is raised."""
+        if not tilt:
+            return self
+        tilting = np.exp(-tilt * (self.grid.x - self.shift[:, None]))
+        g = self.g * tilting * (self.grid.x >= lowest_x)
+        return _GridSolution(self.grid, self.times, self.shift, g)
 
 
-def _solve(problem: _Problem) -> Profile | None:
-    """Its solution; None where the start is too rough, InputError where nodes are too many."""
-    asked, law, m, tau = problem.asked, problem.asked.law, problem.asked.m, problem.tau
-    aim, tilt = problem.aim, problem.tilt
-    low, high, band = _window(law, problem.speeds, aim, float(tau[-1]))
-    narrow = _resolve(problem, low, high, band)
-    if narrow is None:
-        return None
-    grid, angle = _choose_grid(problem, narrow)
-    gain, pole = problem.gain(grid.wave_numbers), m == 0 and not tilt
-    moved, rows = intertwine(grid, problem.on(grid), gain, angle, pole).at(tau, _FINE)
-    down = moved * grid.spacing
-    # the other solution: the same wave numbers, but fewer of them, and a window higher up
-    few = np.unique(np.linspace(0, tau.size - 1, min(tau.size, 6)).astype(int))
-    unit = _FINE * grid.spacing  # both grids move by multiples of it
-    skipped, nodes = math.ceil(_HIGHER / unit), grid.nodes // _FINE * _COARSE
-    other = LogGrid(grid.start + skipped * unit, unit / _COARSE, nodes)
-    hidden = intertwine(other, problem.on(other), gain[: nodes // 2 + 1], angle, pole)
-    g, h = _whole(rows), _whole(hidden.at(tau[few], _COARSE)[1])
-    bounded = m == 0 or law.least_ratio >= _SMALL_RATIO or tilt > 0.0
-    first = low if bounded else grid.start
-    if tilt:
-        g = g * np.exp(-tilt * (grid.x - down[:, None])) * (grid.x >= first)
-        h = h * np.exp(-tilt * (other.x - down[few, None])) * (other.x >= first)
-    common = slice(_FINE * skipped, None, _FINE)
-    apart = np.abs(g[few, common] - h[:, : nodes - _COARSE * skipped : _COARSE])
-    # per speed, but below the lowest one, ln v = lowest, per its logarithm: speeds cool nearly as
-    # 1/(1 + h t/2); the least maximum is where most are
+def _solve_twice(
+    problem: SpectralProblem, grid: LogGrid, angle: float, lowest_x: float
+) -> tuple[_GridSolution, _GridSolution]:
+    """Return the solution, and a coarser one at a few times, to compare.
+
+    That has the same wave numbers, but fewer of them, and a window that ends higher up.
+    """
+    tau = problem.tau
+    gain = problem.gain(grid.wave_numbers)
+    fine_state = intertwine(grid, problem.start_on(grid), gain, angle, problem.has_pole)
+    n_moved, fine_rows = fine_state.at(tau, FINE_NODES)
+    shift = n_moved * grid.spacing
+    fine = _GridSolution(grid, np.arange(tau.size), shift, from_rows(fine_rows))
+    n_compared = min(tau.size, MAX_COMPARED_TIMES)
+    compared = np.unique(np.linspace(0, tau.size - 1, n_compared).astype(int))
+    unit = FINE_NODES * grid.spacing  # both grids move by multiples of it
+    coarse_start = grid.start + _skipped_units(grid) * unit
+    n_coarse = grid.nodes // FINE_NODES * COARSE_NODES
+    coarse_grid = LogGrid(coarse_start, unit / COARSE_NODES, n_coarse)
+    coarse_gain = gain[: n_coarse // 2 + 1]
+    coarse_start_rows = problem.start_on(coarse_grid)
+    coarse_state = intertwine(coarse_grid, coarse_start_rows, coarse_gain, angle, problem.has_pole)
+    _, coarse_rows = coarse_state.at(tau[compared], COARSE_NODES)
+    coarse = _GridSolution(coarse_grid, compared, shift[compared], from_rows(coarse_rows))
+    return fine.without_tilt(problem.tilt, lowest_x), coarse.without_tilt(problem.tilt, lowest_x)
+
+
+def _skipped_units(grid: LogGrid) -> int:
+    """Return by how many coinciding nodes the coarser window begins higher up."""
+    return math.ceil(COARSE_WINDOW_HIGHER / (FINE_NODES * grid.spacing))
+
+
+def _log_lowest_speed(problem: SpectralProblem) -> FloatArray:
+    """Return ln of v/v_rms where a density begins to be right relative to its maximum, (n_times,).
+
+    Speeds cool nearly as 1/(1 + h t/2), h t from the exact rates of ln v and of v.
+    """
+    law = problem.harmonic.law
     rate = math.sqrt(law.mean_log_loss * float(law.decay_rate(1.0)))
-    lowest = math.log(_LOWEST_SPEED) - np.log1p(rate * np.expm1(tau))
-    floor = (lowest + down)[few, None]
-    least = 0.0 if m == 0 else _LEAST_MAXIMUM
-    per_speed = np.exp(-np.maximum(grid.x, floor))
-    top = (np.abs(g[few]) * per_speed).max(axis=1)
-    top = np.maximum(top, least * _LOWEST_SPEED * np.exp(-floor[:, 0]))
-    wrong = (apart * per_speed[:, common]).max(axis=1) / top
-    if m == 0 and law.medium is None:  # raised rounding that both have is negative somewhere
-        wrong = np.maximum(wrong, -(g[few] * per_speed).min(axis=1) / top)
-    of_g = apart.max(axis=1) / np.maximum(np.abs(g[few]).max(axis=1), max(least, 1e-300))
-    error = max(float(wrong.max()), _FLOOR, _CUT * aim)
-    if asked.nodes is not None:  # few nodes may agree, and say nothing of what is between
-        error = max(error, _unresolved(_rows(g)))
-    filled = lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None
-    resolved = max(SHARE * aim, float(of_g.max()))
-    where = down - problem.log_unit, first, high + grid.spacing
-    density = GridDensity(grid, g, *where, resolved, filled)
-    return Profile(density, tau.size, "spectral", grid.nodes, error)
+    return math.log(LOWEST_SPEED) - np.log1p(rate * np.expm1(problem.tau))
 
 
-def _unresolved(rows: FloatArray) -> float:
-    """The highest modes of rows (1 or 2, ..., nodes) over the largest of both, at the worst."""
-    modes = np.abs(np.fft.rfft(rows)).max(axis=0)
-    last, top = modes[..., -3:].max(axis=-1), modes.max(axis=-1)
-    return float(np.max(last / np.maximum(top, 1e-300)))
+@dataclass(frozen=True)
+class _RelativeErrors:
+    """Errors of two solutions, the largest of all times: of f, and of g, over their maxima."""
+
+    of_f: float
+    of_g: float
 
 
-def _resolve(problem: _Problem, low: float, high: float, band: float) -> LogGrid | None:
-    """A grid that resolves the start and the scaling state; None where the start is too rough."""
-    given, aim = problem.asked.nodes, problem.aim
-    count = given or int((high - low) * band / math.pi) + 2
-    _check_work(problem, count)
-    while True:
-        count += count % 2
-        grid = LogGrid(low, (high - low) / count, count)
-        rough = _unresolved(problem.on(grid))
-        if given is not None or rough <= SHARE * aim:
-            return grid
-        if 2 * count > _MOST_NODES // _FINE:
-            return grid if rough <= aim else None
-        count = int(1.4 * count)
+def _compare(
+    problem: SpectralProblem, fine: _GridSolution, coarse: _GridSolution
+) -> _RelativeErrors:
+    """Estimate the errors of a solution by its difference from a coarser one.
 
-
-def _choose_grid(problem: _Problem, narrow: LogGrid) -> tuple[LogGrid, float]:
-    """The nodes and the angle of the axis, from nodes that resolve the start."""
-    from scipy.fft import next_fast_len
-
-    given, rows, spacing = problem.asked.nodes, problem.on(narrow), narrow.spacing
-    for _ in range(1 if given is None else 2):
-        angle, raised = choose_angle(problem.gain, narrow, rows, spacing, problem.aim)
-        left, right = _wide(problem, narrow, angle, raised)
-        if given is None:
-            spacing *= _COARSE / _FINE
-            count = next_fast_len(math.ceil((right - left) / spacing / (2 * _FINE)))
-        else:
-            count = math.ceil(given / (2 * _FINE))
-            spacing = (right - left) / (2 * _FINE * count)
-    _check_work(problem, 2 * _FINE * count)
-    # both ends at multiples of the nodes that two solutions have in common
-    first = math.floor(left / (_FINE * spacing))
-    return LogGrid(_FINE * spacing * first, spacing, 2 * _FINE * count), angle
-
-
-def _wide(problem: _Problem, narrow: LogGrid, angle: float, raised: float) -> tuple[float, float]:
-    """Both ends of the window of u: further down than that of g, and further up as exp(-v t/l)."""
-    law, aim = problem.asked.law, problem.aim
-    tail = math.log(SHARE * aim) - raised - _HIGHER
-    if problem.tilt:
-        tail = tail / problem.tilt - float(problem.tau[-1])
-    elif problem.asked.m == 0:
-        tail += math.log(law.mean_log_loss)
-    elif law.least_ratio < _SMALL_RATIO:
-        tail /= _SLOWEST
-    # there exp(-v t/l) is e^-7 of the aim
-    right = max(narrow.end, math.log((7.0 - math.log(aim) + raised) / math.cos(angle)))
-    ends = TAPER if angle else 0.0
-    # wave numbers less than 1/2 apart, for the gain
-    return min(min(narrow.start, tail) - ends, right + ends - 4.0 * math.pi), right + ends
-
-
-def _check_work(problem: _Problem, count: int) -> None:
-    """InputError where so many nodes are too many."""
-    if count > _MOST_NODES or count * problem.tau.size > _MOST_VALUES:
-        latest, law = problem.asked.times[-1], problem.asked.law
-        raise InputError(
-            f"times: got up to {latest:g} at {law.described}; the density would need"
-            f" {count:.1e} nodes, ask for other times, a larger rtol, or averages only"
-        )
-
-
-def _window(
-    law: CollisionLaw, start: LogMeasure, aim: float, duration: float
-) -> tuple[float, float, float]:
-    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, up to tau = duration; wave number needed."""
-    depth = math.log(1.0 / aim) + _BELOW_AIM
-    order = np.argsort(start.x)
-    x = start.x[order] - 0.5 * start.log_second_moment()
-    below = np.cumsum(np.abs(start.weight[order]))
-    share = math.exp(-depth) * below[-1]
-    # of bounces that lose L at rates e^x a share exp(-(y^2 - x^2)/2 L) comes from x down to y
-    loss = min(law.largest_loss, -math.log(_SMALL_RATIO))
-    depths = np.minimum(x, 0.0) ** 2 + 2.0 * loss * np.log(np.maximum(below / share, 1.0))
-    low = -math.sqrt(float(depths[below >= share].max()))
-    last = int(np.searchsorted(below - below[-1], -share))
-    high = float(x[min(last + 1, x.size - 1)])
-    scaled, band = extent_of(law, depth)
-    # before that the ring of nearly elastic tracers is still as wide as the start
-    if high + duration <= -math.log(law.mean_log_loss) - 1.0:
-        band = 8.0
-    if law.least_ratio < _SMALL_RATIO:
-        low = min(low, -depth)
-    return low - 0.5, max(high, min(scaled, high + duration)) + 0.5, band
+    f counts per speed, but below the lowest speed per its logarithm. The isotropic harmonic cannot
+    be negative: where it is, by rounding that both solutions have, that is an error too.
+    """
+    m = problem.harmonic.m
+    skipped = _skipped_units(fine.grid)
+    is_common = slice(FINE_NODES * skipped, None, FINE_NODES)
+    n_common_coarse = coarse.grid.nodes - COARSE_NODES * skipped
+    g = fine.g[coarse.times]
+    difference = np.abs(g[:, is_common] - coarse.g[:, :n_common_coarse:COARSE_NODES])
+    least_maximum = 0.0 if m == 0 else LEAST_MAXIMUM
+    lowest_x = (_log_lowest_speed(problem) + fine.shift)[coarse.times, None]
+    per_speed = np.exp(-np.maximum(fine.grid.x, lowest_x))
+    maximum_of_f = (np.abs(g) * per_speed).max(axis=1)
+    # the least maximum is where most tracers are
+    least_maximum_of_f = least_maximum * LOWEST_SPEED * np.exp(-lowest_x[:, 0])
+    maximum_of_f = np.maximum(maximum_of_f, least_maximum_of_f)
+    error_of_f = (difference * per_speed[:, is_common]).max(axis=1) / maximum_of_f
+    if m == 0 and problem.harmonic.law.medium is None:
+        error_of_f = np.maximum(error_of_f, -(g * per_speed).min(axis=1) / maximum_of_f)
+    maximum_of_g = np.maximum(np.abs(g).max(axis=1), max(least_maximum, TINY))
+    error_of_g = difference.max(axis=1) / maximum_of_g
+    return _RelativeErrors(float(error_of_f.max()), float(error_of_g.max()))

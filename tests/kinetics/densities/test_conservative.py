@@ -18,8 +18,9 @@ from kinetics import (
     solve,
 )
 from kinetics.collision import CollisionLaw
-from kinetics.densities import conservative
+from kinetics.densities.conservative import solve_conservative
 from kinetics.densities.harmonic import HarmonicProblem, Profile
+from kinetics.densities.node_masses import NodeMasses
 
 TIMES = np.array([0.0, 1e-3, 0.1, 0.7, 2.0, 10.0, 1e2, 1e4, 1e6])
 
@@ -46,10 +47,10 @@ def solved(
 
     At 1e-12 the times here are before the scaling state, which would take over.
     """
-    found = conservative.solve_conservative(
+    found = solve_conservative(
         HarmonicProblem(CollisionLaw(e), 1.0, state, m, np.asarray(times, float), rtol, nodes)
     )
-    assert isinstance(found.density, conservative.NodeMasses)
+    assert isinstance(found.density, NodeMasses)
     return found.density, found
 
 

@@ -24,6 +24,16 @@ def test_of_one_speed_that_is_kept() -> None:
         assert np.isnan(shares[0]).all()
 
 
+@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
+def test_no_flight_is_completed_at_time_0(initial: str) -> None:
+    scene = Scene(0.9, initial=initial, times=[0.0, 1.0], outputs=("collisions",))
+    solution = solve(scene, rtol=1e-3)
+    for fraction in (solution.free_time_fraction, solution.free_path_fraction):
+        shares = fraction([0.0, 1.0, 5.0])
+        assert np.isnan(shares[0]).all()
+        assert np.isfinite(shares[1]).all()
+
+
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_late_lengths_are_exponential_and_durations_are_not(e: float) -> None:
     found = flights(e, [1e2, 1e4, 1e8], dimension=3)

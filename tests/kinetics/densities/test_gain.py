@@ -8,7 +8,7 @@ import pytest
 from collision import Product
 
 from kinetics import CollisionLaw
-from kinetics.densities.intertwining import log_gain
+from kinetics.densities.gain import log_gain
 
 
 @pytest.mark.parametrize("m", [0, 2])
