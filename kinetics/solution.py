@@ -13,10 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.answer import Answer, answer_to
+from kinetics.between_frames import mean_square_between_frames
 from kinetics.densities.flights import Flights
 from kinetics.densities.fronts import speed_fronts
 from kinetics.densities.harmonic import Profile
-from kinetics.errors import InputError, PlanStep, SolverStatus, ToleranceWarning
+from kinetics.errors import (
+    InputError,
+    PlanStep,
+    SolverStatus,
+    ToleranceWarning,
+    warn_missed,
+)
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.outputs import collisions, root_mean_square_displacement
 from kinetics.numerics import FloatArray
@@ -393,6 +400,46 @@ class Solution(Result):
             direction = real_number("direction", direction, allowed="it must be a finite angle")
         return scattering_function(self._undriven().averages, k, direction)
 
+    def displacement_between_frames(self) -> FloatArray:
+        """M(s, t) = <|r(t) - r(s)|^2> in d^2 between all pairs of times, as a camera sees it.
+
+        Shape (n_times, n_times), symmetric, zero on the diagonal. From time 0 it is <r^2>; later it
+        is less, as tracers have cooled. Not with a field, nor for driven tracers, and only for
+        dilute scatterers, among which a tracer forgets its place and its direction. Warns where it
+        differs from <r^2>, at a first time of 0, by more than max(rtol, 1e-6), 1e-4 for rough
+        starts.
+        """
+        answer = self._undriven()
+        if self.scene.scatterers != "dilute":
+            refuse("scatterers", self.scene.scatterers, "it is available for dilute ones only")
+        law, path, state, _ = self.scene.problem
+        rtol = max(self.rtol, self._min_rtol_of_speed_shares)
+        solve = self._speed_profiles(rtol, None)
+        squares = mean_square_between_frames(solve, law, state, self.times, path, rtol)
+        if self.times[0] == 0.0 and self.times[-1] > 0.0:
+            expected = root_mean_square_displacement(answer.averages) ** 2
+            later = expected > 0.0
+            error = float(np.abs(squares[0, later] / expected[later] - 1.0).max(initial=0.0))
+            if error > rtol:
+                warn_missed("M(s, t)", error, rtol)
+        return np.asarray(frozen(squares))
+
+    @property
+    def _min_rtol_of_speed_shares(self) -> float:
+        """The accuracy of averages over speeds, of smooth or of rough starts."""
+        is_smooth = self.scene.state.smooth
+        return MIN_RTOL_OF_FLIGHTS if is_smooth else MIN_RTOL_OF_FLIGHTS_ROUGH
+
+    def _speed_profiles(self, rtol: float, nodes: int | None) -> Callable[[FloatArray], Profile]:
+        """Return what maps times in d/U to the speed density then."""
+
+        def speed_profile(times: FloatArray) -> Profile:
+            # whether it converges does not matter: averages that are known say how good it is
+            scene = replace(self.scene, times=times, outputs=("speed_density",))
+            return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
+
+        return speed_profile
+
     # -- free flights -----------------------------------------------------------------------------
 
     @cached_property
@@ -402,18 +449,12 @@ class Solution(Result):
         if self.scene.scatterers != "dilute":
             refuse("scatterers", self.scene.scatterers, "free flights are of dilute ones only")
         law, path, state, _ = self.scene.problem
-        least = MIN_RTOL_OF_FLIGHTS if state.smooth else MIN_RTOL_OF_FLIGHTS_ROUGH
-        rtol = min(max(self.rtol, least), MAX_RTOL_OF_FLIGHTS)
+        rtol = min(max(self.rtol, self._min_rtol_of_speed_shares), MAX_RTOL_OF_FLIGHTS)
         nodes = None
         if not state.smooth and rtol == MAX_RTOL_OF_FLIGHTS:
             nodes = NODES_OF_ROUGH_FLIGHTS
-
-        def speed_profile(times: FloatArray) -> Profile:
-            # whether it converges does not matter: the number of collisions says how good it is
-            scene = replace(self.scene, times=times, outputs=("speed_density",))
-            return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
-
-        flights = Flights.of(speed_profile, law, state, self.times, path)
+        solve = self._speed_profiles(rtol, nodes)
+        flights = Flights.of(solve, law, state, self.times, path)
         expected = collisions(answer.averages)[-1]
         number = float(flights.longer_in_time(np.zeros(1))[-1, 0])
         error = abs(number / max(expected, 1e-300) - 1.0)

@@ -43,8 +43,9 @@ ROOMS: dict[str, set[str]] = {
     "scene": BASE | {"states", "outputs", "drive"},
     "undriven": BASE | {"moments", "densities", "position", "outputs", "scene"},
     "answer": BASE | {"scene", "undriven", "driven"},
+    "between_frames": BASE | {"states", "moments", "densities"},
     "solution_dataset": BASE | {"outputs", "scene"},
-    "solution": BASE | VELOCITY | QUESTION | {"position", "solution_dataset"},
+    "solution": BASE | VELOCITY | QUESTION | {"position", "solution_dataset", "between_frames"},
     "solving": BASE | {"scene", "solution"},
 }
 # Those of the derivations: what is printed and what is derived know nothing of each other.
