@@ -63,7 +63,8 @@ PIECES_OF_CELL = 8
 #: 3e-6 and 4e-4.
 PIECE_POINTS = 4
 #: If the cells catch less than this fraction of the mass of the start, its density lies between
-#: their Gauss points, and its own points are shared between the nodes instead. Chosen.
+#: their Gauss points, and its own points are shared between the nodes instead. The origin is not
+#: recorded: any start that the cells resolve is caught nearly as a whole.
 LEAST_MASS_OF_CELLS = 0.5
 #: Path in mean free paths that stands for 0 in a logarithm.
 TINY_PATH = 1e-300
@@ -90,8 +91,7 @@ class _ConservativeProblem:
 
     @classmethod
     def of(cls, problem: HarmonicProblem) -> _ConservativeProblem:
-        """Represent the start by points, and see how long the axis must be."""
-        # points for averages of the start: a table, or samples, by themselves
+        """Represent the start by points, and choose the length of the axis."""
         start = problem.state.harmonic(problem.m, min(problem.rtol, MAX_RTOL_OF_START))
         assert start is not None  # harmonics that are zero are not asked for
         paths = problem.times / problem.mean_free_path

@@ -52,7 +52,8 @@ MIN_ERROR = 5e-13
 #: Least error that is stated over what is aimed at, below which the low end is cut off. The origin
 #: is not recorded; half of it halves the smallest estimates.
 MIN_ERROR_OVER_AIM = 0.1
-#: An error with which all is lost, so that the conservative method is tried. Chosen.
+#: An error with which all is lost, so that the conservative method is tried. The origin is not
+#: recorded.
 LOST_ERROR = 0.1
 #: Most times at which two solutions are compared. It was 8 before (commit 39e460d0); with 3 some
 #: estimates are 0.88 of what they are, with 12 none differs.
@@ -244,7 +245,7 @@ def _skipped_units(grid: LogGrid) -> int:
 def _log_lowest_speed(problem: SpectralProblem) -> FloatArray:
     """Return ln of v/v_rms where a density begins to be right relative to its maximum, (n_times,).
 
-    Speeds cool nearly as 1/(1 + h t/2), h t from the exact rates of ln v and of v.
+    Speeds cool nearly as 1/(1 + r v_rms t/l), r the geometric mean of E[-ln s] and lambda(1).
     """
     law = problem.harmonic.law
     rate = math.sqrt(law.mean_log_loss * float(law.decay_rate(1.0)))

@@ -35,8 +35,8 @@ MAX_NODES = 40_000
 MAX_VALUES = 3e7
 #: The solution has so many nodes ...
 FINE_NODES = 5
-#: ... where the one that it is compared with has so many, so that some of both coincide. Chosen: a
-#: ratio near 1 lets the coarser one be nearly as good, and small numbers many nodes coincide.
+#: ... where the one that it is compared with has so many, so that some of both coincide. The
+#: origin of the ratio is not recorded.
 COARSE_NODES = 4
 #: By so many e-folds of the speed the window of the coarser solution ends higher up, so that what
 #: the end does to the solution is in the difference. The origin is not recorded; at half and at
@@ -72,7 +72,7 @@ NODES_FACTOR = 1.4
 DEPTH_OF_COLLIDED = 7.0
 #: Extra length of the window, in ln v: then wave numbers are less than 1/2 apart, for the gain.
 LENGTH_FOR_GAIN = 4.0 * math.pi
-#: Highest modes in which what is unresolved is looked for. Chosen: single ones may be 0 by chance.
+#: Highest modes in which what is unresolved is looked for. The origin is not recorded.
 HIGHEST_MODES = 3
 #: Stands for 0 in a denominator.
 TINY = 1e-300
