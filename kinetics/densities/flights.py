@@ -27,9 +27,10 @@ from kinetics.densities.speed_shares import SpeedShares
 from kinetics.numerics import FloatArray
 from kinetics.states.state import State
 
-#: Least number of Chebyshev points of the time. Origin not recorded.
+#: Least number of Chebyshev points of the time. Origin not recorded; at half and at twice shares of
+#: flights move by 3e-12 (e = 0.4 and 1, T = 3 and 100 l/U).
 MIN_POINTS = 32
-#: More of them for each e-fold of 1 + t. Origin not recorded.
+#: More of them for each e-fold of 1 + t. Origin not recorded; at half and at twice by 1e-12.
 POINTS_PER_FOLD = 4.0
 
 

@@ -28,8 +28,9 @@ WORK_PER_SWEEP = 1e4
 #: Number of shares of bounces from which on transforms are quicker than a direct sum, and the
 #: products per node that they then cost. The origin is not recorded.
 TRANSFORM_FROM = 300
-#: A node at the fast end of the axis with less than this fraction of all mass is left out. Chosen:
-#: far below rounding. The smaller it is, the longer the fastest tracers set the steps.
+#: A node at the fast end of the axis with less than this fraction of all mass is left out: far
+#: below rounding. The smaller it is, the longer the fastest tracers set the steps. At half and at
+#: twice shares move by 1e-15.
 EMPTY = 1e-25
 #: Collisions of the fastest tracers in one step: so few that the fast end of the axis empties on
 #: the way, so many that the tail of the Poisson distribution (`MORE_SWEEPS`) costs little.
