@@ -15,6 +15,7 @@ import click
 from click.shell_completion import shell_complete
 
 from kinetics.crosscheck.cli.options import UNITS
+from kinetics.errors import suggestion
 from kinetics.interruption import EXIT_STATUS, ends_at_a_signal
 
 BAD_INPUT = click.UsageError.exit_code
@@ -46,6 +47,16 @@ class _Commands(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(dict.fromkeys([*COMMANDS, *self.commands]))
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command of the first word, or say which one was probably meant."""
+        name = args[0]
+        if not name.startswith("-") and self.get_command(ctx, name) is None:
+            near = suggestion(name, self.list_commands(ctx))
+            ctx.fail(f"no such command {name!r}{near}")
+        return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in COMMANDS and cmd_name not in self.commands:

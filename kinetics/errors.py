@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,9 @@ from typing import Any
 MAX_RTOL = 0.1
 #: The rtol that is advised is so many times the error estimate.
 ADVISED_RTOL_OVER_ERROR = 1.1
+#: How similar a name must be to a known one to be suggested: 0 is any, 1 the same. Chosen: one or
+#: two wrong letters of a word.
+SIMILAR = 0.7
 #: Characters of a bad value that a message shows.
 MAX_CHARACTERS = 60
 
@@ -39,6 +42,25 @@ def short(value: Any, limit: int = MAX_CHARACTERS) -> str:
     except Exception:  # whole numbers of more than 4300 digits, and anything whose own repr fails
         return f"a {type(value).__name__} that has no short text"
     return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def suggestion(name: object, known: Iterable[str], aliases: Mapping[str, str] = {}) -> str:
+    """Return "; did you mean 'msd'?" for a name that is nearly a known one; else an empty text.
+
+    Parameters
+    ----------
+    name : that is not known
+    known : names that are
+    aliases : other names that people use, in lower case, and the known ones
+    """
+    import difflib
+
+    text = str(name).strip().lower().replace("-", "_").replace(" ", "_")
+    if text in aliases:
+        return f"; did you mean {aliases[text]!r}?"
+    by_text = {each.lower().replace(" ", "_"): each for each in known}
+    matches = difflib.get_close_matches(text, by_text, n=1, cutoff=SIMILAR)
+    return f"; did you mean {by_text[matches[0]]!r}?" if matches else ""
 
 
 @dataclass(frozen=True)

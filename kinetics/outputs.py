@@ -240,6 +240,24 @@ ALL_OUTPUTS = (
     ),
 )
 
+#: What people call outputs, and their names here.
+ALIASES = {
+    "mean_square_displacement": "msd",
+    "mean_squared_displacement": "msd",
+    "v0": "thermal_speed",
+    "thermal_velocity": "thermal_speed",
+    "sonine": "a2",
+    "d": "diffusion_coefficient",
+    "diffusion": "diffusion_coefficient",
+    "vacf": "velocity_autocorrelation",
+    "g": "position_density",
+    "van_hove": "position_density",
+    "scaled_position_density": "position_density",
+    "f": "speed_density",
+    "vdf": "velocity_density",
+    "drift": "mean_velocity",
+}
+
 #: Outputs of tracers that only collide, by name, in the order in which they are listed.
 OUTPUTS = {output.name: output for output in ALL_OUTPUTS if output.without_drive}
 #: Outputs of tracers that a field alone moves, by name.

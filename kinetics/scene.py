@@ -22,8 +22,9 @@ from kinetics.drive import (
     Drive,
     check_strengths,
 )
+from kinetics.errors import suggestion
 from kinetics.numerics import FloatArray
-from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, Output
+from kinetics.outputs import ALIASES, DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, Output
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
 from kinetics.states.kinds import Rest, as_state
@@ -281,5 +282,6 @@ def _check_outputs(outputs: Any, known: Mapping[str, Output]) -> tuple[str, ...]
     for name in names:
         if not isinstance(name, str) or name not in known:
             kind = "without a field or drive" if known is OUTPUTS else "with a field or a drive"
-            refuse("outputs", name, f"known {kind} are {', '.join(known)}")
+            near = suggestion(name, known, ALIASES)
+            refuse("outputs", name, f"known {kind} are {', '.join(known)}{near}")
     return tuple(dict.fromkeys(names))

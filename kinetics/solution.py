@@ -22,12 +22,13 @@ from kinetics.errors import (
     PlanStep,
     SolverStatus,
     ToleranceWarning,
+    suggestion,
     warn_missed,
 )
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.outputs import collisions, root_mean_square_displacement
 from kinetics.numerics import FloatArray
-from kinetics.outputs import AXES, OUTPUTS, described
+from kinetics.outputs import ALIASES, ALL_OUTPUTS, AXES, OUTPUTS, described
 from kinetics.position.density import Displacement
 from kinetics.position.directions import radial_measure, unit_surface
 from kinetics.position.intermediate_scattering import scattering_function
@@ -155,7 +156,25 @@ class Solution(Result):
         if name in values:
             return np.asarray(values[name])
         known = ", ".join(values) or "no arrays"
-        raise AttributeError(f"{name!r} was not asked for; this solution has {known}")
+        arrays = {array for output in ALL_OUTPUTS for array in output.names}
+        if name in arrays:
+            raise AttributeError(
+                f"{name!r} was not asked for: name it in the outputs of the scene; this solution "
+                f"has {known}"
+            )
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if name == "vdf":
+            raise AttributeError("a Solution has no 'vdf': ScalingSolution has that of late times")
+        near = suggestion(name, [*arrays, *dir(type(self))], ALIASES)
+        raise AttributeError(f"a Solution has no {name!r}{near}; this one has {known}")
+
+    def __getitem__(self, name: str) -> FloatArray:
+        """An output that is an array, as the attribute of the same name."""
+        if name not in self.values:
+            near = suggestion(name, self.values, ALIASES)
+            raise KeyError(f"{name!r}: this solution has {', '.join(self.values)}{near}")
+        return np.asarray(self.values[name])
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.__dict__.get("values", {})})

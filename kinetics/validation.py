@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError, short, suggestion
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def real_number(
     """A finite number from low to high, as a float: any real number but a boolean, no text."""
     if type(value) is np.ndarray and value.ndim == 0:
         value = value[()]
-    if isinstance(value, Real) and not isinstance(value, bool):
+    if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
         with contextlib.suppress(OverflowError):
             number = float(value)
             if math.isfinite(number) and low <= number <= high:
@@ -51,6 +51,8 @@ def real_number(
 def check_restitution(value: Any) -> float:
     """The coefficient of restitution, a number from 0 to 1."""
     allowed = "it must be a number from 0 (all normal velocity lost) to 1 (elastic)"
+    if isinstance(value, list | np.ndarray) and np.ndim(value) == 1:
+        allowed += "; for several of them call kinetics.sweep"
     return real_number("restitution", value, 0.0, 1.0, allowed)
 
 
@@ -84,7 +86,7 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
     """One of these names."""
     allowed = list(names)
     if not isinstance(value, str) or value not in allowed:
-        refuse(name, value, f"it must be one of {', '.join(allowed)}")
+        refuse(name, value, f"it must be one of {', '.join(allowed)}{suggestion(value, allowed)}")
     return value
 
 

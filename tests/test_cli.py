@@ -44,6 +44,7 @@ BAD_INPUT = [
     ("report --field -e 1", "restitutions 1"),
     ("report --field --media 9", "media --system field"),
     ("nonsense", "nonsense"),
+    ("sovle", "did you mean solve"),
     ("solve --times -1,1", "times -1"),
     ("solve --times 1,two", "times two"),
     ("solve --times 1,2" + "x" * 5000, "times 1,2x"),

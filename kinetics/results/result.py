@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from numpy.typing import NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError, short, suggestion
 from kinetics.results.file import write_value
 from kinetics.results.frame import averages_frame, dataset, quantity_frame
 from kinetics.results.plot import draw, draw_all
@@ -164,5 +164,6 @@ class Result(Storable):
         parts = [made[label] for label in made if label in labels]
         if not parts:
             known = ", ".join(dict.fromkeys([*map(str, made), *self._on_demand]))
-            raise InputError(f"name: got {short(name)}; this result has {known}")
+            near = suggestion(name, [*map(str, made), *self._on_demand])
+            raise InputError(f"name: got {short(name)}; this result has {known}{near}")
         return parts
