@@ -16,11 +16,12 @@ from kinetics.driven.axis import FADING, SpeedAxis
 from kinetics.driven.driven_state import angular_sum
 from kinetics.driven.field_answer import DENSITIES, FieldScene
 from kinetics.driven.generator import SLOWLY, TRIED, Generator, Resolution
-from kinetics.driven.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
+from kinetics.driven.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, collision_rate, top_speed
 from kinetics.driven.starts import Start
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
+from kinetics.numerics.refinement import RefinementRules, refine_until_converged
 from kinetics.states.state import State
 
 _DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
@@ -137,7 +138,8 @@ class DrivenScene(FieldScene):
             return _Evolution(self.drive, self.state, times, *asked, replace(one, rtol=rtol))
 
         earlier = 1.0 if self.drive.sticks_sharply else 0.3  # of starts that bend at rest
-        return refined(solve, first, self._apart, self.allowed, earlier=earlier)
+        rules = RefinementRules(min_ratio_to_previous=earlier)
+        return refine_until_converged(solve, first, self._apart, self.allowed, rules)
 
     def _apart(self, one: Any, two: Any) -> dict[str, float]:
         """Two solutions; their errors fall more slowly where averages bend."""

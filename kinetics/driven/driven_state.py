@@ -16,10 +16,10 @@ from kinetics.driven.field_answer import BEST_DENSITY
 from kinetics.driven.generator import Resolution, Steady, solved
 from kinetics.driven.harmonics import angular, norms
 from kinetics.driven.heated import Line, density, log_moment
-from kinetics.driven.march import refined
 from kinetics.driven.speed_range import takes_energy
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
 from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.numerics.refinement import RefinementRules, refine_until_converged
 from kinetics.results.frame import dataset, variable
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
@@ -208,7 +208,10 @@ class DrivenState(SteadyState):
 
         first = self._fine.resolution
         tolerance = max(self.rtol, self.error_estimate)
-        solution, errors = refined(solve, first, difference, {"moment": tolerance}, earlier=0.01)
+        rules = RefinementRules(min_ratio_to_previous=0.01)
+        solution, errors = refine_until_converged(
+            solve, first, difference, {"moment": tolerance}, rules
+        )
         if errors["moment"] > tolerance:
             warn_missed("moment", errors["moment"], tolerance)
         return solution.average(p, m)

@@ -13,12 +13,13 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.drive import Drive
 from kinetics.driven.last_flights import VelocityDensity, is_sharp
-from kinetics.driven.march import ALL, SHORTEST_TIME, Evolution, refined
+from kinetics.driven.march import ALL, SHORTEST_TIME, Evolution
 from kinetics.driven.panels import Resolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
 from kinetics.driven.starts import Start
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, short
 from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.numerics.refinement import refine_until_converged
 from kinetics.states.state import State
 
 DENSITIES = "densities"
@@ -125,7 +126,9 @@ class FieldScene:
         if sharp:  # densities have fronts, which finer solutions hardly mend
             allowed.pop(DENSITIES, None)
         first = Resolution.over_time(self.rtol)
-        found, errors = refined(partial(self._evolution, times), first, self._apart, allowed)
+        found, errors = refine_until_converged(
+            partial(self._evolution, times), first, self._apart, allowed
+        )
         if sharp and DENSITIES in self.allowed:
             negative = self._densities(found).negative()
             errors[DENSITIES] = max(errors.get(DENSITIES, math.inf), negative)

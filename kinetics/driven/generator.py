@@ -26,12 +26,12 @@ from kinetics.collision import CollisionLaw
 from kinetics.drive import Drive
 from kinetics.driven.axis import SpeedAxis
 from kinetics.driven.harmonics import Chain, across, along
-from kinetics.driven.march import refined
 from kinetics.driven.panels import bounces
 from kinetics.driven.speed_range import collision_rate, top_speed
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 from kinetics.numerics.gauss import gauss_legendre
+from kinetics.numerics.refinement import RefinementRules, refine_until_converged
 
 _MOST_NODES, _MOST_HARMONICS = 180, 70
 _MOST_SUMMED = 2e8  # impacts times functions of a solution that may have a finer one: seconds
@@ -346,5 +346,6 @@ def solved(drive: Drive, rtol: float, apart: Any = Steady.apart) -> tuple[Steady
     """The first that differs from a coarser one by less than rtol, or the best; and its error."""
     first = Resolution.first(drive, rtol, math.asinh(top_speed(drive, rtol) / drive.scale))
     solve, earlier = partial(Steady, drive), 1.0 if drive.sticks_sharply else 0.01
-    fine, errors = refined(solve, first, apart, {"averages": rtol}, earlier=earlier)
+    rules = RefinementRules(min_ratio_to_previous=earlier)
+    fine, errors = refine_until_converged(solve, first, apart, {"averages": rtol}, rules)
     return fine, errors["averages"]

@@ -1,4 +1,4 @@
-"""Averages over time, for one initial state: steps of time, and how two resolutions bound errors.
+"""Averages over time, for one initial state, by steps of time.
 
 Distributions and their first moments of the place go from step to step by the rule of `radau`;
 steps grow as they become smooth: in a field (`Evolution`), and for driven tracers elsewhere.
@@ -10,10 +10,9 @@ same for y, all averages of the velocity and the displacement up to second order
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,45 +47,6 @@ _ROUNDING = 1e-14  # of averages, term by term: shorter steps do not mend it
 _FIRST = 0.5  # of the first step, in free flights of the fastest
 _SLOWEST = 0.01  # over the usual speed: from there on densities are right
 _MOST_HARMONICS = 40  # in a field: seconds, and 200 MB of memory
-
-T = TypeVar("T")
-
-
-@np.errstate(all="ignore")  # of what is not resolved, figures may overflow: its error is infinite
-def refined(
-    solve: Callable[[Any], T], first: Any, apart: Callable[[T, T], dict[str, float]],
-    allowed: Mapping[str, float], worse: float = 10.0, patience: int = 4, earlier: float = 0.1,
-) -> tuple[T, dict[str, float]]:  # fmt: skip
-    """The best of ever finer solutions, and its errors: how far the one before it is apart.
-
-    solve : from a resolution to a solution, whose ``finer`` is the next one, None at the end
-    apart : the errors by their names, of which those in ``allowed`` decide
-    worse : by so much an error may be larger than one before, and finer ones are tried
-    patience : so many finer solutions in a row must halve it
-    earlier : so much of the difference before the last one an error is at least: 1 where they fall
-        slowly and change sign, as what is solved for bends
-    """
-    past: list[float] = []
-    best: Any = solve(first)
-    last, errors, least = best, dict.fromkeys(allowed, math.inf), math.inf
-    prior: dict[str, float] = {}
-    while least > 1.0 and (more := last.finer) is not None:
-        before, last = last, solve(more)
-        # one difference may be small by chance: the first counts threefold
-        now = apart(last, before)
-        chance = {n: earlier * prior[n] if prior else 3.0 * x for n, x in now.items()}
-        found, prior = {n: max(x, min(chance[n], 1.0)) for n, x in now.items()}, now
-        # above 1 no digit is known: there more may not be worse
-        worst = max(min(found[name], 1.0) / most for name, most in allowed.items())
-        if worst < least:
-            best, errors, least = last, found, worst
-        elif worst > worse * least:  # rounding grows
-            break
-        if max(found[name] for name in allowed) < 1.0:
-            past.append(worst)
-        if min(past[-patience:], default=0.0) > 0.5 * min(past[:-patience], default=math.inf):
-            break  # a front in a density, or rounding
-    return best, errors
 
 
 class Equation:
