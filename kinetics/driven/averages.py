@@ -72,7 +72,7 @@ def _root_mean_square_displacement(sizes: Mapping[str, FloatArray]) -> FloatArra
 
 
 @dataclass(frozen=True)
-class Average:
+class AverageRow:
     """One row of the table: an average over the tracers at a time.
 
     Parameters
@@ -88,7 +88,7 @@ class Average:
 
 
 @dataclass(frozen=True)
-class Integral:
+class IntegralRow:
     """One row of the table: an integral over the time, from 0.
 
     Parameters
@@ -105,40 +105,44 @@ class Integral:
     scale: Scale | None = None
 
 
-F = Component("1", 0)
-F_ACROSS = Component("1", 1)
-X_F = Component("x", 0)
-X_F_ACROSS = Component("x", 1)
-Y_F = Component("y", 0)
-Y_F_ACROSS = Component("y", 1)
+# Components: of f, x f and y f; of harmonics along the field (family 0) and across it (family 1).
+F = Component(weight="1", family=0)
+F_ACROSS = Component(weight="1", family=1)
+X_F = Component(weight="x", family=0)
+X_F_ACROSS = Component(weight="x", family=1)
+Y_F = Component(weight="y", family=0)
+Y_F_ACROSS = Component(weight="y", family=1)
 
+#: The averages at a time, in the order of the columns.
 AVERAGES = (
-    Average("v_x", (Term(F, 1, 1),), _thermal_speed),
-    Average("v_y", (Term(F_ACROSS, 1, 1),), _thermal_speed),
-    Average("v^2", (Term(F, 0, 2),)),
-    Average("v^2 cos 2", (Term(F, 2, 2),), _mean_square_speed),
-    Average("v_x v_y", (Term(F_ACROSS, 2, 2, 0.5),), _mean_square_speed),
-    Average("v^4", (Term(F, 0, 4),)),
-    Average("collision rate", (Term(F, 0, None),)),
-    Average("v_x x", (Term(X_F, 1, 1),)),
-    Average("v_y y", (Term(Y_F_ACROSS, 1, 1),)),
-    Average("v_x y + v_y x", (Term(Y_F, 1, 1), Term(X_F_ACROSS, 1, 1))),
-    Average("1", (Term(F, 0, 0),)),
+    AverageRow("v_x", (Term(F, 1, 1),), _thermal_speed),
+    AverageRow("v_y", (Term(F_ACROSS, 1, 1),), _thermal_speed),
+    AverageRow("v^2", (Term(F, 0, 2),)),
+    AverageRow("v^2 cos 2", (Term(F, 2, 2),), _mean_square_speed),
+    AverageRow("v_x v_y", (Term(F_ACROSS, 2, 2, 0.5),), _mean_square_speed),
+    AverageRow("v^4", (Term(F, 0, 4),)),
+    AverageRow("collision rate", (Term(F, 0, None),)),
+    AverageRow("v_x x", (Term(X_F, 1, 1),)),
+    AverageRow("v_y y", (Term(Y_F_ACROSS, 1, 1),)),
+    AverageRow("v_x y + v_y x", (Term(Y_F, 1, 1), Term(X_F_ACROSS, 1, 1))),
+    AverageRow("1", (Term(F, 0, 0),)),
 )
+#: What grows over time, in the order of the columns behind these.
 INTEGRALS = (
-    Integral("x", "v_x", scale=_root_mean_square_displacement),
-    Integral("y", "v_y", scale=_root_mean_square_displacement),
-    Integral("collisions", "collision rate"),
-    Integral("x^2", "v_x x", 2.0, _mean_square_displacement),
-    Integral("y^2", "v_y y", 2.0, _mean_square_displacement),
-    Integral("x y", "v_x y + v_y x", scale=_mean_square_displacement),
+    IntegralRow("x", "v_x", scale=_root_mean_square_displacement),
+    IntegralRow("y", "v_y", scale=_root_mean_square_displacement),
+    IntegralRow("collisions", "collision rate"),
+    IntegralRow("x^2", "v_x x", 2.0, _mean_square_displacement),
+    IntegralRow("y^2", "v_y y", 2.0, _mean_square_displacement),
+    IntegralRow("x y", "v_x y + v_y x", scale=_mean_square_displacement),
 )
 #: All rows; the columns of the values of a march.
-ROWS: tuple[Average | Integral, ...] = (*AVERAGES, *INTEGRALS)
+ROWS: tuple[AverageRow | IntegralRow, ...] = (*AVERAGES, *INTEGRALS)
 #: The columns by name.
 COLUMNS = {row.name: column for column, row in enumerate(ROWS)}
-#: The columns at whose rates the integrals grow, and the factors of these, (n_integrals,).
+#: The columns at whose rates the integrals grow.
 RATE_COLUMNS = [COLUMNS[integral.rate] for integral in INTEGRALS]
+#: The factors of these rates, (n_integrals,).
 RATE_FACTORS = np.array([integral.factor for integral in INTEGRALS])
 #: Averages that need x f and y f.
 SECOND_ORDER_IN_PLACE = frozenset({"x^2", "y^2", "x y"})

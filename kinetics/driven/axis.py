@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from kinetics.numerics import FloatArray
 
 
-class SpeedAxis(Protocol):
+class VelocityAxis(Protocol):
     """Nodes from rest to a highest speed, and polynomials through values at them.
 
     The parity, 0 or 1, is that of the harmonic: harmonic m of a smooth function of the velocity is

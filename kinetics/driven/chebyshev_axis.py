@@ -7,7 +7,7 @@ scatterers make every average a smooth function of the velocity: harmonic m is t
 odd polynomial, as m is. No point lies at either end, and nothing is imposed there: at rest
 polynomials alone are regular, and at the top all that leads beyond it is faded out.
 
-`ChebyshevSpeedAxis` implements `kinetics.driven.axis.SpeedAxis`.
+`ChebyshevSpeedAxis` implements `kinetics.driven.axis.VelocityAxis`.
 """
 
 from __future__ import annotations

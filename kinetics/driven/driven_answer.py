@@ -29,7 +29,11 @@ from kinetics.driven.over_time import (
 )
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
-from kinetics.driven.steady_solution import COMPARED_SPEEDS, SLOW_ERROR_FACTOR
+from kinetics.driven.steady_solution import (
+    COMPARED_SPEEDS,
+    MIN_RATIO_IF_STICKING,
+    SLOW_ERROR_FACTOR,
+)
 from kinetics.errors import PlanStep, SolverStatus, judge_errors
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.refinement import RefinementRules, refine_until_converged
@@ -46,11 +50,9 @@ LONGER_STEPS_BELOW = 0.005
 LONGER_STEPS_FACTOR = 25.0
 #: An error is at least this fraction of the difference before: differences that fell 23 and 48
 #: times hid errors of 3 times the tolerance, as the density bends at rest (commit 316ac4dd).
-MIN_RATIO_TO_PREVIOUS = 0.3
-#: The same where tracers stick below a sharp speed: averages bend then, and errors fall slowly.
-MIN_RATIO_IF_STICKING = 1.0
+MIN_RATIO_OVER_TIME = 0.3
 #: Fewest harmonics M over time: averages of second order need m = 2.
-MIN_HARMONICS = 2
+MIN_HARMONICS_OVER_TIME = 2
 #: Outputs that see the directions of the start also without a field.
 OUTPUTS_WITH_DIRECTIONS = {
     "mean_displacement",
@@ -122,7 +124,7 @@ class DrivenAnswer:
             return DrivenEvolution(problem, resolution)
 
         sticks = self._drive.sticks_sharply
-        min_ratio = MIN_RATIO_IF_STICKING if sticks else MIN_RATIO_TO_PREVIOUS
+        min_ratio = MIN_RATIO_IF_STICKING if sticks else MIN_RATIO_OVER_TIME
         return refine_until_converged(
             solve=solve,
             resolution=first,
@@ -135,7 +137,7 @@ class DrivenAnswer:
         """Return a resolution that is often enough up to a time."""
         scale = axis_scale(self._drive, max(last_time, SHORTEST_TIME))
         span = math.asinh(self._top_speed_at(last_time) / scale)
-        harmonics = max(MIN_HARMONICS, self.scene.state.highest_harmonic or 0)
+        harmonics = max(MIN_HARMONICS_OVER_TIME, self.scene.state.highest_harmonic or 0)
         return ChebyshevResolution.first(self._drive, self.rtol, span, harmonics)
 
     @property

@@ -19,21 +19,19 @@ from kinetics.driven.generator import Generator
 from kinetics.driven.march import Step, StepEquation, TimeMarch
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, collision_rate, top_speed
-from kinetics.driven.starts import HIGHEST_POWER, Start
+from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE, DrivenStart
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.states.state import LogMeasure, State
 
 #: Most steps that are tried. Chosen: solutions that are resolved take some hundred.
-MAX_TRIES = 2000
-#: The tolerance of averages over the start, over that of the solution.
-START_SHARE_OF_TOLERANCE = 0.1
-#: The power p and the scale over the top speed of the axis, where nothing drives: see
-#: `chebyshev_axis`. The origin of the scale is not recorded.
+MAX_TRIES_DRIVEN = 2000
+#: The power p of the axis where nothing drives: one polynomial then holds ten decades of speeds.
 UNDRIVEN_AXIS_POWER = 10.0
+#: The scale of that axis over its top speed. Its origin is not recorded.
 UNDRIVEN_SCALE_OVER_TOP = 8.0
 #: Averages of the start that are known at time 0, beside those that are 0.
-AVERAGES_OF_START = ("v_x", "v^2", "v^4", "v^2 cos 2")
+AVERAGES_KNOWN_AT_START = ("v_x", "v^2", "v^4", "v^2 cos 2")
 
 
 def axis_scale(drive: Drive, time: float) -> float:
@@ -62,12 +60,12 @@ class DrivenProblem:
     keeps_density: bool
     is_isotropic: bool
 
-    def start(self, resolution: ChebyshevResolution) -> Start:
+    def start(self, resolution: ChebyshevResolution) -> DrivenStart:
         """Return the start by its harmonics; InputError unless it is symmetric about x."""
         last = 0 if self.is_isotropic else resolution.harmonics
         tolerance = START_SHARE_OF_TOLERANCE * resolution.rtol
         measures = [self.state.harmonic(m, tolerance, 0.0, HIGHEST_POWER) for m in range(last + 1)]
-        start = Start(tuple(measures), 1.0)
+        start = DrivenStart(tuple(measures), 1.0)
         if not start.is_symmetric:
             raise InputError(
                 "initial: of a driven tracer, in a field, and for outputs with a direction, it "
@@ -93,7 +91,7 @@ class DrivenEvolution(TimeMarch):
     axis: ChebyshevSpeedAxis
 
     def __init__(self, problem: DrivenProblem, resolution: ChebyshevResolution) -> None:
-        super().__init__(problem.times, problem.names, resolution.rtol, MAX_TRIES)
+        super().__init__(problem.times, problem.names, resolution.rtol, MAX_TRIES_DRIVEN)
         self.problem = problem
         self.resolution = resolution
         self.harmonics = resolution.harmonics
@@ -114,9 +112,9 @@ class DrivenEvolution(TimeMarch):
             self.run(equation, f, fastest)
         self.error_of_collisions = self._error_of_collisions(start, float(f[0, 0] @ generator.rate))
         self._set_values_at_start(start)
-        self.finer = generator.finer if self.tries < MAX_TRIES else None
+        self.finer = generator.finer if self.tries < MAX_TRIES_DRIVEN else None
 
-    def _fastest(self, start: Start) -> float:
+    def _fastest(self, start: DrivenStart) -> float:
         """Return the highest speed at the start that counts.
 
         What fades towards the top changes averages of the start by less than the tail does.
@@ -142,7 +140,7 @@ class DrivenEvolution(TimeMarch):
         is_smooth = drive.bath_speed > 0.0
         return ChebyshevSpeedAxis(top, scale, self.resolution.nodes, power, is_smooth)
 
-    def _error_of_collisions(self, start: Start, projected_rate: float) -> float:
+    def _error_of_collisions(self, start: DrivenStart, projected_rate: float) -> float:
         """Return what the rate of collisions at the start is off, over the collisions since then.
 
         The rate of the start, which bends at rest, is known; what it is off lasts a collision.
@@ -158,12 +156,12 @@ class DrivenEvolution(TimeMarch):
         counts = (self.times > 0.0) & (collisions > 0.0)
         return float(np.max(off[counts] / collisions[counts], initial=0.0))
 
-    def _set_values_at_start(self, start: Start) -> None:
+    def _set_values_at_start(self, start: DrivenStart) -> None:
         """Set the averages at time 0, which are known from the start."""
         values = np.zeros(len(COLUMNS))
         values[COLUMNS["1"]] = 1.0
         for average in AVERAGES:
-            if average.name not in AVERAGES_OF_START:
+            if average.name not in AVERAGES_KNOWN_AT_START:
                 continue
             term = average.terms[0]
             measure = _measure(start, term.harmonic)
@@ -196,7 +194,7 @@ class DrivenEvolution(TimeMarch):
         return np.asarray(self.density(time, v, 1)[0] * surface)
 
 
-def _measure(start: Start, harmonic: int) -> LogMeasure | None:
+def _measure(start: DrivenStart, harmonic: int) -> LogMeasure | None:
     """Return the measure of a harmonic of the start; None if it has none."""
     if harmonic >= len(start.measures):
         return None

@@ -19,7 +19,7 @@ from kinetics.driven.over_time import MIN_ERROR_OF_DENSITY
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import takes_energy
 from kinetics.driven.steady_solution import (
-    MIN_RATIO_TO_PREVIOUS,
+    MIN_RATIO_OF_STEADY_STATE,
     SteadySolution,
     solve_steady_until_converged,
 )
@@ -165,7 +165,7 @@ class DrivenState(SteadyState):
             resolution=self._solution.resolution,
             difference=difference,
             tolerance={"moment": tolerance},
-            rules=RefinementRules(min_ratio_to_previous=MIN_RATIO_TO_PREVIOUS),
+            rules=RefinementRules(min_ratio_to_previous=MIN_RATIO_OF_STEADY_STATE),
         )
         if errors["moment"] > tolerance:
             warn_missed("moment", errors["moment"], tolerance)

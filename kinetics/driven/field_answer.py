@@ -15,7 +15,6 @@ import numpy as np
 from kinetics.driven.field_evolution import FieldEvolution, FieldProblem, drive_of_unit_field
 from kinetics.driven.march import SHORTEST_TIME
 from kinetics.driven.over_time import (
-    START_SHARE_OF_TOLERANCE,
     MarchesOverTime,
     OutputsOverTime,
     error_of_start,
@@ -27,7 +26,7 @@ from kinetics.driven.over_time import (
 )
 from kinetics.driven.resolution import PanelResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
-from kinetics.driven.starts import Start
+from kinetics.driven.starts import START_SHARE_OF_TOLERANCE, DrivenStart
 from kinetics.driven.velocity_density import VelocityDensity, is_sharp
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, short
 from kinetics.numerics import FloatArray, one_blas_thread
@@ -35,17 +34,23 @@ from kinetics.numerics.refinement import refine_until_converged
 from kinetics.outputs import AVERAGES, DENSITIES, INITIAL_STATE
 from kinetics.scene import Scene
 
-#: Ranges of the times in sqrt(l/g), of sqrt(g l) in U, and of l in d: powers of them are in the
-#: range of double precision. Their origin is not recorded.
-MIN_TIME = 1e-150
-MAX_TIME = 1e15
+# Ranges in which powers are within double precision. The origin of the numbers is not recorded.
+#: Least time above 0, in sqrt(l/g).
+MIN_TIME_IN_FIELD = 1e-150
+#: Largest time, in sqrt(l/g).
+MAX_TIME_IN_FIELD = 1e15
+#: Least sqrt(g l) in U.
 MIN_SPEED_UNIT = 1e-100
+#: Largest sqrt(g l) in U.
 MAX_SPEED_UNIT = 1e100
-MIN_PATH = 1e-150
-MAX_PATH = 1e150
-#: Largest speed of a start in sqrt(g l), where densities are needed, and elsewhere: <v^4> of faster
-#: ones overflows; flights that change them by less than 1e-12 lose digits.
+#: Least l in d.
+MIN_MEAN_FREE_PATH = 1e-150
+#: Largest l in d.
+MAX_MEAN_FREE_PATH = 1e150
+#: Largest speed of a start in sqrt(g l) where densities are needed: flights that change faster ones
+#: by less than 1e-12 lose digits.
 MAX_START_WITH_DENSITY = 1e6
+#: The same elsewhere: <v^4> of faster ones overflows.
 MAX_START = 1e40
 #: A start is at rest if its speed, over that of the first flight, changes averages by less than
 #: this fraction of the tolerance. Its origin is not recorded.
@@ -75,7 +80,7 @@ class FieldAnswer:
     def _speed_unit(self) -> float:
         """sqrt(g l) in U; InputError where it is out of range."""
         unit = math.sqrt(self.scene.field * self.scene.mean_free_path)
-        is_path_in_range = MIN_PATH < self.scene.mean_free_path < MAX_PATH
+        is_path_in_range = MIN_MEAN_FREE_PATH < self.scene.mean_free_path < MAX_MEAN_FREE_PATH
         if not (MIN_SPEED_UNIT < unit < MAX_SPEED_UNIT and is_path_in_range):
             self._refuse_field()
         return unit
@@ -86,7 +91,7 @@ class FieldAnswer:
         with np.errstate(over="ignore", invalid="ignore"):  # sqrt(field/path) may be infinite
             per_time = math.sqrt(self.scene.field) / math.sqrt(self.scene.mean_free_path)
             times = np.asarray(self.scene.times) * per_time
-        is_in_range = (times == 0.0) | (times > MIN_TIME) & (times < MAX_TIME)
+        is_in_range = (times == 0.0) | (times > MIN_TIME_IN_FIELD) & (times < MAX_TIME_IN_FIELD)
         if not np.all(is_in_range):
             self._refuse_field()
         return times
@@ -147,11 +152,11 @@ class FieldAnswer:
             differences[DENSITIES] = fine_density.difference(self._density_of(coarse))
         return differences
 
-    def _start(self, harmonics: int, rtol: float) -> Start:
+    def _start(self, harmonics: int, rtol: float) -> DrivenStart:
         """Return the start in units of sqrt(g l)."""
         tolerance = START_SHARE_OF_TOLERANCE * rtol
         unit = 1.0 / self._speed_unit
-        return Start.of(self.scene.state, tolerance, unit, harmonics, self.scene.dimension)
+        return DrivenStart.of(self.scene.state, tolerance, unit, harmonics, self.scene.dimension)
 
     def _evolution(self, times: FloatArray, resolution: PanelResolution) -> FieldEvolution:
         """Return the solution for some times at one resolution."""
@@ -163,7 +168,7 @@ class FieldAnswer:
         is_isotropic = self.scene.state.highest_harmonic == 0
         small = math.sqrt(self.rtol) if is_isotropic else self.rtol
         if start.highest < REST_OVER_TOLERANCE * small * min(1.0, float(times[0])):
-            start = Start.rest(self.scene.dimension)
+            start = DrivenStart.rest(self.scene.dimension)
         problem = FieldProblem(
             law=self.scene.law,
             state=self.scene.state,

@@ -27,12 +27,12 @@ from kinetics.driven.panel_collisions import FASTEST_POWER, harmonic_bounces, lo
 from kinetics.driven.panels import SpeedPanels
 from kinetics.driven.resolution import PanelResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
-from kinetics.driven.starts import MAX_FOLLOWED, Start
+from kinetics.driven.starts import MAX_FOLLOWED, DrivenStart
 from kinetics.numerics import FloatArray
 from kinetics.states.state import State
 
 #: Most steps that are tried. Chosen: solutions that are resolved take some ten.
-MAX_TRIES = 300
+MAX_TRIES_IN_FIELD = 300
 #: Speed over the mean one of the start, from which on densities are right. Origin not recorded.
 SLOWEST_OF_DENSITY = 0.01
 #: Most harmonics in a field: seconds, and 200 MB of memory.
@@ -60,7 +60,7 @@ class FieldProblem:
 
     law: CollisionLaw
     state: State
-    start: Start
+    start: DrivenStart
     times: FloatArray
     names: frozenset[str]
     keeps_density: bool
@@ -100,7 +100,7 @@ class FieldEvolution(TimeMarch):
     axis: SpeedPanels
 
     def __init__(self, problem: FieldProblem, resolution: PanelResolution) -> None:
-        super().__init__(problem.times, problem.names, resolution.rtol, MAX_TRIES)
+        super().__init__(problem.times, problem.names, resolution.rtol, MAX_TRIES_IN_FIELD)
         self.problem = problem
         self.resolution = resolution
         self.harmonics = resolution.harmonics

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.driven.averages import AVERAGES, Component
-from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.axis import VelocityAxis
 from kinetics.driven.harmonics import angular
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
@@ -146,7 +146,7 @@ class Velocities:
         return np.asarray(rows @ self.uncollided(time))
 
     def project(
-        self, times: FloatArray, axis: SpeedAxis, count: int, components: list[Component]
+        self, times: FloatArray, axis: VelocityAxis, count: int, components: list[Component]
     ) -> FloatArray:
         """Return sums over tracers without a collision of harmonics and polynomials of an axis.
 
@@ -180,7 +180,7 @@ class Velocities:
     def project_collided(
         self,
         times: FloatArray,
-        axis: SpeedAxis,
+        axis: VelocityAxis,
         components: list[Component],
         bounces: Bounces,
     ) -> FloatArray:

@@ -33,7 +33,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 
 #: Impacts times functions of a solution that may have a finer one, at most: seconds.
-MAX_WORK = 2e8
+MAX_IMPACT_WORK = 2e8
 #: Standard deviations of a scatterer's velocity that count: beyond it are 1e-16 of them.
 BATH_REACH = 8.5
 #: Fewest points of the quadrature over a part of the impact parameter. Its origin is not recorded.
@@ -87,7 +87,7 @@ class Generator:
             self.matrices = np.zeros((self.harmonics + 1, axis.size, axis.size))
             n_impacts = self._set_collisions()
         work = n_impacts * (axis.size + self.harmonics)
-        self.finer = resolution.finer if work < MAX_WORK else None
+        self.finer = resolution.finer if work < MAX_IMPACT_WORK else None
         self._add_noise_and_drag()
         self.chain = self._make_chain()
 

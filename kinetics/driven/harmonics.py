@@ -23,8 +23,9 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 
 #: Harmonic m is damped at the rate ABSORPTION m (m/M)^ABSORPTION_POWER field/v, where harmonics are
-#: absorbed. The origin of both numbers is not recorded.
+#: absorbed. The origin of the number is not recorded.
 ABSORPTION = 2.0
+#: So that low harmonics are hardly damped. Its origin is not recorded.
 ABSORPTION_POWER = 8.0
 
 

@@ -38,8 +38,9 @@ PATH_POINTS = 64
 NEGLIGIBLE_FOLDS = 39.0
 #: Deviations beyond which the tilted density is negligible on the side of high speeds.
 NEGLIGIBLE_DEVIATIONS = 12.0
-#: Distance of lines in deviations, and the part of it that the last line serves.
+#: Distance of lines in deviations: each serves somewhat more than half of it on either side.
 LINE_DISTANCE = 2.0
+#: The part of the distance that the last line serves.
 LAST_LINE_SHARE = 0.6
 #: The lowest line above -d: the density there is that at rest.
 LOWEST_LINE = 0.4

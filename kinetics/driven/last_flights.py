@@ -26,7 +26,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 
 #: The chance of a last flight that is longer than those that count, as -ln of it: 1e-12.
-MAX_PATH = -math.log(1e-12)
+MAX_FLIGHT_PATH = -math.log(1e-12)
 #: Harmonics that stay below this fraction of the largest are left out of G.
 NEGLIGIBLE_HARMONIC = 1e-9
 #: Points of an interval of the integral: with `FOLDS_PER_INTERVAL` 1e-8 is missed.
@@ -38,7 +38,7 @@ SMOOTH_BELOW = 1e-3
 
 
 @dataclass(frozen=True)
-class Flights:
+class FlightPoints:
     """Points of the integrals over last flights, (n,) each.
 
     Parameters
@@ -138,12 +138,12 @@ class LastFlights:
         The path is never shorter than that along, or across, the field alone.
         """
         with np.errstate(over="ignore", divide="ignore"):
-            signed_square = along * np.abs(along) - 2.0 * MAX_PATH
-            lowest = along - np.minimum(time, MAX_PATH / side)
+            signed_square = along * np.abs(along) - 2.0 * MAX_FLIGHT_PATH
+            lowest = along - np.minimum(time, MAX_FLIGHT_PATH / side)
         by_path_along = np.sign(signed_square) * np.sqrt(np.abs(signed_square))
         return np.maximum(lowest, by_path_along)
 
-    def _flights(self, time: float, along: FloatArray, across: FloatArray) -> Flights:
+    def _flights(self, time: float, along: FloatArray, across: FloatArray) -> FlightPoints:
         """Return the quadrature over last flights that lead to velocities (n,).
 
         The component u along the field, with which a flight begins, is unit sinh(z); intervals of z
@@ -174,7 +174,7 @@ class LastFlights:
         duration = np.maximum(along[velocity] - started_along, 0.0)
         path = free_path(-along[velocity], across[velocity], duration)
         weight = np.exp(-path) * (width * x_weight).ravel()
-        return Flights(
+        return FlightPoints(
             velocity=velocity,
             along=started_along,
             across=across[velocity],

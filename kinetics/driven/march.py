@@ -28,7 +28,7 @@ from kinetics.driven.averages import (
     average_rows,
     largest_relative,
 )
-from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.axis import VelocityAxis
 from kinetics.driven.harmonics import Chain, across, along
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
@@ -211,7 +211,7 @@ class TimeMarch:
         this one fails
     """
 
-    axis: SpeedAxis
+    axis: VelocityAxis
     harmonics: int
 
     def __init__(

@@ -16,6 +16,7 @@ import numpy as np
 
 from kinetics.driven.averages import COLUMNS, INTEGRALS
 from kinetics.driven.march import TimeMarch
+from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE
 from kinetics.errors import InputError, PlanStep
 from kinetics.numerics import FloatArray
 from kinetics.outputs import ALL_OUTPUTS, AVERAGES, DENSITIES
@@ -27,8 +28,6 @@ MIN_ERROR_OF_DENSITY = 1e-4
 #: Largest ratio of the highest speeds at times that are solved together: slow tracers need finer
 #: panels. Its origin is not recorded.
 MAX_TOP_RATIO = 6.0
-#: The tolerance with which the start is represented, over that of the result.
-START_SHARE_OF_TOLERANCE = 0.1
 
 #: The averages of a march that must be right for an output. All need "v^2". A mean displacement
 #: counts relative to its root mean square.
@@ -42,6 +41,7 @@ AVERAGES_OF_OUTPUT: Mapping[str, set[str]] = {
     "displacement_tensor": {"x", "y", "x^2", "y^2", "x y"},
 }
 
+#: The kind of march: in a field, or under any drive.
 March = TypeVar("March", bound=TimeMarch)
 
 
@@ -70,7 +70,7 @@ def error_of_start(state: State, rtol: float) -> float:
     """Return the relative error of averages over the start, of a density that is not resolved."""
     highest = state.highest_harmonic or 0
     tolerance = START_SHARE_OF_TOLERANCE * rtol
-    measures = [state.harmonic(m, tolerance, 0.0, 4.0) for m in range(highest + 1)]
+    measures = [state.harmonic(m, tolerance, 0.0, HIGHEST_POWER) for m in range(highest + 1)]
     return max((measure.error for measure in measures if measure is not None), default=0.0)
 
 

@@ -7,7 +7,7 @@ end from the panel below. At rest nothing is imposed. Integrals by parts with th
 hold exactly for the sums over the nodes: without collisions the integral of the square of a
 function is conserved, as it is for tracers that fall freely, and no error grows over time.
 
-`SpeedPanels` implements `kinetics.driven.axis.SpeedAxis`.
+`SpeedPanels` implements `kinetics.driven.axis.VelocityAxis`.
 """
 
 from __future__ import annotations

@@ -40,6 +40,7 @@ POINTS = _points()
 #: From values at `POINTS` to coefficients of Legendre polynomials over the step.
 TO_LEGENDRE = np.linalg.inv(legvander(2.0 * POINTS - 1.0, STAGES))
 
+#: Times, in units of the step, and weights of the quadrature over such sources, (FINE_POINTS,).
 FINE_TIMES, FINE_WEIGHTS = gauss_legendre(FINE_POINTS)
 
 
@@ -51,6 +52,7 @@ def _projection() -> FloatArray:
     return np.asarray(at_points @ ((2.0 * order + 1.0)[:, None] * at_fine_times.T))
 
 
+#: The matrix of `project`, (STAGES + 1, FINE_POINTS).
 PROJECTION = _projection()
 
 
@@ -97,6 +99,7 @@ def _modes() -> tuple[Mode, ...]:
     return tuple(modes)
 
 
+#: The modes of Butcher's matrix: those by which a step is solved.
 MODES = _modes()
 
 

@@ -43,44 +43,61 @@ class Growth:
         return self.base + self.per_digit * digits + self.per_squared_digit * digits**2
 
 
-# The growths below were fitted to errors of solutions (commits f03ecfc4, 07d85ecc); the data are
-# not recorded. A first resolution that is too small costs one more solution.
+# The numbers of the first resolutions, below, were fitted to errors of solutions (commits f03ecfc4
+# and 07d85ecc); the data are not recorded. One that is too small costs one more solution.
 
-#: Nodes of a panel for the density of the steady state, and over time.
+# -- panels: a field alone, over time, and the density of its steady state
+#: Nodes of a panel for the density of the steady state.
 PANEL_NODES_OF_STEADY_STATE = Growth(4.4, per_digit=0.85)
+#: Nodes of a panel over time.
 PANEL_NODES_OVER_TIME = Growth(2.5, per_digit=1.3)
-#: Length of the first panel without a digit, of the usual speed; each six digits make it a tenth.
+#: Length of the first panel of the steady state without a digit, of the usual speed.
 FIRST_PANEL_OF_STEADY_STATE = 0.35
+#: The same over time.
 FIRST_PANEL_OVER_TIME = 0.6
+#: So many digits make the first panel a tenth.
 DIGITS_PER_DECADE = 6.0
 #: Digits for which harmonics over time are counted, at least; there are two for each digit.
 MIN_DIGITS_OF_HARMONICS = 4.0
 #: What steps over time may miss, over the tolerance.
 STEP_OVER_TOLERANCE = 2.0
 
-#: Nodes of the axis where a field alone drives, and harmonics that it couples.
+# -- one smooth variable: a field alone
+#: Nodes where a field alone drives.
 NODES_IN_FIELD = Growth(6.0, per_digit=2.5)
+#: Harmonics that such a field, or one that outweighs other drives, couples.
 HARMONICS_IN_FIELD = Growth(4.0, per_squared_digit=0.25)
-#: There directions vary faster by 1 + LOSS_FACTOR x, x the mean of -ln s; nodes grow by a power of
-#: that.
+#: Directions vary faster by 1 + LOSS_FACTOR x, x the mean of -ln s: so many more are the harmonics.
 LOSS_FACTOR = 0.4
+#: The power of that with which nodes grow.
 NODES_LOSS_POWER = 0.4
+
+# -- one smooth variable: other drives
 #: Nodes where nothing drives.
 NODES_UNDRIVEN = Growth(20.0, per_digit=5.0)
-#: Nodes in a bath: a number, and so many for each unit of the span of the axis.
+#: Nodes in a bath, beside those of the span of the axis.
 MIN_NODES_IN_BATH = 6.0
+#: Nodes in a bath for each unit of the span.
 NODES_PER_SPAN_IN_BATH = Growth(0.0, per_digit=0.45)
+#: The same with a field.
 NODES_PER_SPAN_IN_BATH_AND_FIELD = Growth(0.0, per_squared_digit=0.1)
-#: The same elsewhere.
+#: The span of the axis is asinh(top speed/scale); so much of it is counted in a bath, at least.
+MIN_SPAN_IN_BATH = 2.5
+#: Nodes without a bath, beside those of the span of the axis.
 MIN_NODES = 8.0
+#: Nodes without a bath for each unit of the span.
 NODES_PER_SPAN = Growth(0.0, per_digit=0.8)
-#: Harmonics that a weak field couples: a number, and so many for each digit; the second counts for
-#: sqrt(field) over the scale of the speed.
+#: So much of the span is counted without a bath, at least.
+MIN_SPAN = 3.0
+#: Harmonics that a weak field couples, beside those of the digits.
 MIN_COUPLED = 2.0
+#: Harmonics that a weak field couples for each digit.
 COUPLED_PER_DIGIT = 0.6
+#: So many more for sqrt(field) over the scale of the speed.
 COUPLED_PER_DIGIT_AND_FIELD = 0.4
-#: Points of the quadrature over impacts, with and without a field.
+#: Points of the quadrature over impacts in a field.
 POINTS_WITH_FIELD = Growth(14.0, per_squared_digit=0.26)
+#: The same without a field.
 POINTS_WITHOUT_FIELD = Growth(6.0, per_digit=2.4)
 
 
@@ -146,16 +163,14 @@ class PanelResolution:
         )
 
 
-#: Most nodes and harmonics of a solution on one smooth variable: some seconds.
-MAX_NODES = 180
-MAX_HARMONICS = 70
-#: The first solution has so few nodes and harmonics that one finer solution is left.
-MAX_FIRST_NODES = 0.8 * MAX_NODES - 4.0
-MAX_FIRST_HARMONICS = 4 * MAX_HARMONICS // 5 - 2
-#: Least asinh(top speed/scale) for which nodes are counted, in a bath and elsewhere. Their origin
-#: is not recorded.
-MIN_SPAN_IN_BATH = 2.5
-MIN_SPAN = 3.0
+#: Most nodes of a solution on one smooth variable: some seconds.
+MAX_AXIS_NODES = 180
+#: Most harmonics of such a solution: some seconds.
+MAX_COUPLED_HARMONICS = 70
+#: The first solution has so few nodes, at most, that one finer solution is left.
+MAX_FIRST_NODES = 0.8 * MAX_AXIS_NODES - 4.0
+#: The same for harmonics.
+MAX_FIRST_HARMONICS = 4 * MAX_COUPLED_HARMONICS // 5 - 2
 
 
 @dataclass(frozen=True)
@@ -221,7 +236,7 @@ class ChebyshevResolution:
         harmonics = self.harmonics
         if harmonics >= 3:
             harmonics += harmonics // 4 + 2
-        if nodes > MAX_NODES or harmonics > MAX_HARMONICS:
+        if nodes > MAX_AXIS_NODES or harmonics > MAX_COUPLED_HARMONICS:
             return None
         return ChebyshevResolution(nodes, points, harmonics, 0.2 * self.rtol)
 

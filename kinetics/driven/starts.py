@@ -2,7 +2,8 @@
 
 Over harmonics, averages converge fast where the start has few of them and is not slow. Rest, beams,
 a few samples and slow isotropic starts are velocities instead: of each what has not collided is in
-closed form (`kinetics.driven.free_fall`), and collisions spread directions. Begin with `Start`.
+closed form (`kinetics.driven.free_fall`), and collisions spread directions. Begin with
+`DrivenStart`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.driven.axis import SpeedAxis
+from kinetics.driven.axis import VelocityAxis
 from kinetics.driven.free_fall import BATCH_SIZE, Velocities
 from kinetics.numerics import FloatArray
 from kinetics.states.kinds import Beam, Rest, VelocitySamples
@@ -23,12 +24,14 @@ from kinetics.states.state import LogMeasure, State
 MAX_FOLLOWED = 64
 #: Imaginary weights, of harmonics across the field, that are rounding. Its origin is not recorded.
 SYMMETRIC_BELOW = 1e-9
+#: The tolerance with which a start is represented, over that of the result. Origin not recorded.
+START_SHARE_OF_TOLERANCE = 0.1
 #: Highest power of the speed whose average a start must have.
 HIGHEST_POWER = 4
 
 
 @dataclass(frozen=True)
-class Start:
+class DrivenStart:
     """An initial state in units of the solver.
 
     Parameters
@@ -43,12 +46,14 @@ class Start:
     velocities: Velocities | None = None
 
     @classmethod
-    def rest(cls, dimension: int) -> Start:
+    def rest(cls, dimension: int) -> DrivenStart:
         """Return the start at which all tracers are at rest."""
         return cls((), 1.0, Velocities.rest(dimension))
 
     @classmethod
-    def of(cls, state: State, rtol: float, speed: float, harmonics: int, dimension: int) -> Start:
+    def of(
+        cls, state: State, rtol: float, speed: float, harmonics: int, dimension: int
+    ) -> DrivenStart:
         """Return the start of tracers in a field, in units of sqrt(g l).
 
         Parameters
@@ -115,7 +120,7 @@ class Start:
 
     def projected(
         self,
-        axis: SpeedAxis,
+        axis: VelocityAxis,
         count: int,
         families: int,
         state: State | None,
@@ -151,7 +156,7 @@ class Start:
         return sums
 
     def _profile_averages(
-        self, axis: SpeedAxis, m: int, state: State
+        self, axis: VelocityAxis, m: int, state: State
     ) -> NDArray[np.inexact] | None:
         """Return averages of polynomials over the profile of harmonic m, if it has one."""
         profile = state.profile(m)
@@ -164,7 +169,9 @@ class Start:
         kinks = self.speed * np.asarray(state.kinks)
         return np.asarray(axis.averaged(density, m % 2, kinks))
 
-    def _point_averages(self, axis: SpeedAxis, m: int, measure: LogMeasure) -> NDArray[np.inexact]:
+    def _point_averages(
+        self, axis: VelocityAxis, m: int, measure: LogMeasure
+    ) -> NDArray[np.inexact]:
         """Return averages of the polynomials of an axis over the points of a measure, (size,)."""
         v = self.speed * np.exp(measure.x)
         averages = np.zeros(axis.size, dtype=measure.weight.dtype)
@@ -174,7 +181,7 @@ class Start:
 
     def _has_same_moments(
         self,
-        axis: SpeedAxis,
+        axis: VelocityAxis,
         measure: LogMeasure,
         averages: NDArray[np.inexact],
         tolerance: float,

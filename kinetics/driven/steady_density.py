@@ -18,9 +18,10 @@ from kinetics.driven.resolution import PanelResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
 from kinetics.numerics import FloatArray
 
-#: The first panel over the least ratio of speeds in a collision, and its least length, where that
-#: is above 0: below it f varies as (v/ratio)^2 ln v. Their origin is not recorded.
+#: The first panel over the least ratio of speeds in a collision, where that is above 0: below it f
+#: varies as (v/ratio)^2 ln v. The origin of the number is not recorded.
 FIRST_PANEL_OVER_RATIO = 3.0
+#: The shortest that the first panel may become by that. Its origin is not recorded.
 MIN_FIRST_PANEL = 0.03
 
 

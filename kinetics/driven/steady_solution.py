@@ -34,23 +34,25 @@ MIN_ERROR = 1e-12
 SLOW_ERROR_FACTOR = 4.0
 #: Speeds over the thermal one at which densities are compared.
 COMPARED_SPEEDS = np.append([0.01, 0.02, 0.04, 0.07], np.linspace(0.1, 3.0, 60))
-#: The share of tracers above the axis over rtol: in a field alone, and elsewhere. Their origin is
-#: not recorded.
+#: The share of tracers above the axis over rtol, in a field alone. Its origin is not recorded.
 TAIL_IN_FIELD = 1e-5
+#: The same under any other drive. Its origin is not recorded.
 TAIL_ELSEWHERE = 0.01
-#: The scale of the axis over its top, and its power, where a field alone drives: see
-#: `chebyshev_axis`. The origin of the scale is not recorded.
+#: The scale of the axis over its top, where a field alone drives. Its origin is not recorded.
 SCALE_OVER_TOP_IN_FIELD = 0.2
+#: The power p of the axis there: averages have terms v^n ln v, see `chebyshev_axis`.
 AXIS_POWER_IN_FIELD = 2.0
 #: Most iterations for the slowest decay. Chosen: some ten are usual.
 MAX_ITERATIONS = 400
-#: Quadrature for averages of v^p with p < 0: points, and the power by which they gather at rest.
+#: Fewest points of the quadrature for averages of v^p with p < 0. Its origin is not recorded.
 MIN_POINTS_OF_NEGATIVE_POWER = 200
+#: The power by which these points gather at rest. Its origin is not recorded.
 GATHERING_POWER_AT_REST = 12
 #: An error is at least this fraction of the difference before: differences of the steady state
 #: fall fast, as it is smooth. The origin of the number is not recorded.
-MIN_RATIO_TO_PREVIOUS = 0.01
-#: The same where tracers stick below a sharp speed: errors fall slowly, and change sign.
+MIN_RATIO_OF_STEADY_STATE = 0.01
+#: The same, also over time, where tracers stick below a sharp speed: averages bend there, errors
+#: fall slowly, and change sign (commit 316ac4dd).
 MIN_RATIO_IF_STICKING = 1.0
 
 
@@ -340,7 +342,7 @@ def solve_steady_until_converged(
     difference : maps a solution and a coarser one to what they differ by, as {AVERAGES: ...}
     """
     span = math.asinh(top_speed(drive, rtol) / drive.scale)
-    min_ratio = MIN_RATIO_IF_STICKING if drive.sticks_sharply else MIN_RATIO_TO_PREVIOUS
+    min_ratio = MIN_RATIO_IF_STICKING if drive.sticks_sharply else MIN_RATIO_OF_STEADY_STATE
     solution, errors = refine_until_converged(
         solve=partial(SteadySolution, drive),
         resolution=ChebyshevResolution.first(drive, rtol, span),
