@@ -1,10 +1,10 @@
 """The averages over time that a march of driven tracers solves: two tables.
 
-`AVERAGES` are sums over the distribution at a time; `INTEGRALS` grow over time at the rate of one
-of them. With x f and y f, integrated over the place, all averages of the velocity and the
+`AVERAGE_ROWS` are sums over the distribution at a time; `INTEGRAL_ROWS` grow over time at the rate
+of one of them. With x f and y f, integrated over the place, all averages of the velocity and the
 displacement up to second order follow.
 
-To add an average, add one row to `AVERAGES`, and its value for tracers without a collision to
+To add an average, add one row to `AVERAGE_ROWS`, and its value for tracers without a collision to
 :meth:`kinetics.driven.free_fall.Velocities.averages`.
 """
 
@@ -114,7 +114,7 @@ Y_F = Component(weight="y", family=0)
 Y_F_ACROSS = Component(weight="y", family=1)
 
 #: The averages at a time, in the order of the columns.
-AVERAGES = (
+AVERAGE_ROWS = (
     AverageRow("v_x", (Term(F, 1, 1),), _thermal_speed),
     AverageRow("v_y", (Term(F_ACROSS, 1, 1),), _thermal_speed),
     AverageRow("v^2", (Term(F, 0, 2),)),
@@ -128,7 +128,7 @@ AVERAGES = (
     AverageRow("1", (Term(F, 0, 0),)),
 )
 #: What grows over time, in the order of the columns behind these.
-INTEGRALS = (
+INTEGRAL_ROWS = (
     IntegralRow("x", "v_x", scale=_root_mean_square_displacement),
     IntegralRow("y", "v_y", scale=_root_mean_square_displacement),
     IntegralRow("collisions", "collision rate"),
@@ -137,13 +137,13 @@ INTEGRALS = (
     IntegralRow("x y", "v_x y + v_y x", scale=_mean_square_displacement),
 )
 #: All rows; the columns of the values of a march.
-ROWS: tuple[AverageRow | IntegralRow, ...] = (*AVERAGES, *INTEGRALS)
+ROWS: tuple[AverageRow | IntegralRow, ...] = (*AVERAGE_ROWS, *INTEGRAL_ROWS)
 #: The columns by name.
 COLUMNS = {row.name: column for column, row in enumerate(ROWS)}
 #: The columns at whose rates the integrals grow.
-RATE_COLUMNS = [COLUMNS[integral.rate] for integral in INTEGRALS]
+RATE_COLUMNS = [COLUMNS[integral.rate] for integral in INTEGRAL_ROWS]
 #: The factors of these rates, (n_integrals,).
-RATE_FACTORS = np.array([integral.factor for integral in INTEGRALS])
+RATE_FACTORS = np.array([integral.factor for integral in INTEGRAL_ROWS])
 #: Averages that need x f and y f.
 SECOND_ORDER_IN_PLACE = frozenset({"x^2", "y^2", "x y"})
 
@@ -172,8 +172,8 @@ def average_rows(
         weights = rate if term.power is None else _power(speeds, term.power)
         return term.factor * (f[:, components.index(component), term.harmonic] @ weights)
 
-    rows = np.zeros((len(f), len(AVERAGES)))
-    for column, average in enumerate(AVERAGES):
+    rows = np.zeros((len(f), len(AVERAGE_ROWS)))
+    for column, average in enumerate(AVERAGE_ROWS):
         for term in average.terms:
             rows[:, column] += sum_of(term)
     return rows

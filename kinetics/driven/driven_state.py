@@ -40,7 +40,8 @@ SPECTRUM_MARGIN = 1e-3
 class SolutionsOfDrive:
     """The solutions of one drive, by their resolution; safe on threads.
 
-    There is one for each step of the refinement loop, which takes some ten at most.
+    There is one for each finer resolution: nodes grow by a fifth, up to `MAX_AXIS_NODES`, so that
+    there are a dozen at most.
     """
 
     def __init__(self, solution: SteadySolution) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetics.driven.averages import AVERAGES, Component
+from kinetics.driven.averages import AVERAGE_ROWS, Component
 from kinetics.driven.axis import VelocityAxis
 from kinetics.driven.harmonics import angular
 from kinetics.numerics import FloatArray
@@ -120,7 +120,7 @@ class Velocities:
         return np.asarray(self.weight * np.exp(-path))
 
     def averages(self, time: float) -> FloatArray:
-        """Return what tracers without a collision add to `averages.AVERAGES`, (n_averages,)."""
+        """Return what tracers without a collision add to `averages.AVERAGE_ROWS`, (n_averages,)."""
         u = self.along + time
         q = self.across
         x = (self.along + 0.5 * time) * time
@@ -142,7 +142,7 @@ class Velocities:
             "v_x y + v_y x": odd * (u * y + q * x),
             "1": np.ones(u.size),
         }
-        rows = np.array([of_each_velocity[average.name] for average in AVERAGES])
+        rows = np.array([of_each_velocity[average.name] for average in AVERAGE_ROWS])
         return np.asarray(rows @ self.uncollided(time))
 
     def project(

@@ -90,7 +90,8 @@ def _taylor(law: CollisionLaw, p: NDArray[Any]) -> list[NDArray[Any]]:
 class HeatedDensity:
     """The density of the velocity, with D_v = l = 1.
 
-    It keeps the lines that were needed so far; safe on threads. There are some twenty at most.
+    It keeps the lines that were needed so far; safe on threads. Their number grows with
+    ln v as far as speeds go.
     """
 
     def __init__(self, law: CollisionLaw) -> None:

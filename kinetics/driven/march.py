@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from kinetics.driven import radau
 from kinetics.driven.averages import (
     COLUMNS,
-    INTEGRALS,
+    INTEGRAL_ROWS,
     RATE_COLUMNS,
     RATE_FACTORS,
     Component,
@@ -33,8 +33,8 @@ from kinetics.driven.harmonics import Chain, across, along
 from kinetics.numerics import FloatArray
 from kinetics.numerics.blocks import BlockElimination
 
-#: A step is doubled if its roughness is so many times below what is allowed: twice the step makes
-#: what degree 5 misses 2^5 to 2^6 times as large.
+#: A step is doubled if its roughness is so many times below what is allowed. Twice the step makes
+#: the coefficient of degree 5 32 times as large, and of integrals 64 times.
 SMOOTH_FACTOR = 64.0
 #: The roughness of a step over what its end misses, at least. Its origin is not recorded.
 ROUGHNESS_OVER_ERROR = 30.0
@@ -290,7 +290,7 @@ class TimeMarch:
         first_time = self.first_time
         last_time = self.last_time
         time = 0.0
-        integrals = np.zeros(len(INTEGRALS))
+        integrals = np.zeros(len(INTEGRAL_ROWS))
         # At the first of the times averages may be small, as its fourth power: a step ends there.
         length = min(FIRST_STEP / (1.0 + fastest), first_time) / first_step_divisor
         while last_time - time > SHORTEST_TIME * last_time:
@@ -309,7 +309,7 @@ class TimeMarch:
             self.keep(step, step.stages if source is None else step.stages + source.density)
             self.steps += 1
             time = step.end
-            integrals = values[0, -len(INTEGRALS) :]
+            integrals = values[0, -len(INTEGRAL_ROWS) :]
             equation, f = self.equation_after(step, equation, values)
             is_smooth = rough * SMOOTH_FACTOR < allowed or self.tries >= self.max_tries
             is_first_time_near = time < first_time < time + NEXT_STEP_REACH * length
@@ -334,7 +334,7 @@ class TimeMarch:
     def _allowed_roughness(self, equation: StepEquation, step: Step, values: FloatArray) -> float:
         """Return how rough a step may be, relative."""
         lost = ROUNDING_OF_SUMS * equation.averages(np.abs(step.stages[-1:]))
-        lost = np.pad(lost, ((0, 0), (0, len(INTEGRALS))))
+        lost = np.pad(lost, ((0, 0), (0, len(INTEGRAL_ROWS))))
         rounding = largest_relative(lost, values, self.names)
         # Inside a step averages miss all that is rough, not only what its end misses.
         end = step.end * (1.0 - SHORTEST_TIME)

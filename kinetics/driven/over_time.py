@@ -14,7 +14,7 @@ from typing import Generic, NoReturn, TypeVar
 
 import numpy as np
 
-from kinetics.driven.averages import COLUMNS, INTEGRALS
+from kinetics.driven.averages import COLUMNS, INTEGRAL_ROWS
 from kinetics.driven.march import TimeMarch
 from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE
 from kinetics.errors import InputError, PlanStep
@@ -163,7 +163,7 @@ def over_moving(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
     Those of the place, and collisions, are over all.
     """
-    over_all = {"1", *(integral.name for integral in INTEGRALS)}
+    over_all = {"1", *(integral.name for integral in INTEGRAL_ROWS)}
     moving = np.where(columns["1"] > 0.0, columns["1"], np.nan)
     return {
         name: column if name in over_all else column / moving for name, column in columns.items()

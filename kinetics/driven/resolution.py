@@ -43,8 +43,8 @@ class Growth:
         return self.base + self.per_digit * digits + self.per_squared_digit * digits**2
 
 
-# The numbers of the first resolutions, below, were fitted to errors of solutions (commits f03ecfc4
-# and 07d85ecc); the data are not recorded. One that is too small costs one more solution.
+# The numbers of the first resolutions. They came with commits f03ecfc4 and 07d85ecc; on what they
+# were measured is not recorded. One that is too small costs one more solution.
 
 # -- panels: a field alone, over time, and the density of its steady state
 #: Nodes of a panel for the density of the steady state.
