@@ -5,9 +5,9 @@ are four:
 
 - tracers that only collide: :class:`kinetics.undriven.UndrivenAnswer`
 - drag, and collisions that scale with the speed: :class:`kinetics.undriven.SlowedAnswer`
-- a uniform field alone: :class:`kinetics.driven.field_answer.FieldScene`
+- a uniform field alone: :class:`kinetics.driven.field_answer.FieldAnswer`
 - everything else (baths, noise, laws of the impact speed, sticking, and what combines these):
-  :class:`kinetics.driven.driven_answer.DrivenScene`
+  :class:`kinetics.driven.driven_answer.DrivenAnswer`
 """
 
 from __future__ import annotations
@@ -88,12 +88,11 @@ def answer_to(scene: Scene, rtol: float, method: str | None, nodes: int | None) 
     if drive.only_collides:
         return UndrivenAnswer(scene, rtol, method, nodes)
     if drive.only_falls:
-        from kinetics.driven.field_answer import FieldScene
+        from kinetics.driven.field_answer import FieldAnswer
 
-        return FieldScene(*scene.problem, scene.field, scene.outputs, rtol)
+        return FieldAnswer(scene, rtol)
     if drive.only_slows and "displacement_tensor" not in scene.outputs:
         return SlowedAnswer.of(scene, rtol, method, nodes)
-    from kinetics.driven.driven_answer import DrivenScene
+    from kinetics.driven.driven_answer import DrivenAnswer
 
-    drive_per_path = drive.per_path(scene.mean_free_path)
-    return DrivenScene(*scene.problem, scene.field, scene.outputs, rtol, drive_per_path)
+    return DrivenAnswer(scene, rtol)

@@ -38,7 +38,7 @@ ROOMS: dict[str, set[str]] = {
     "densities": BASE | {"states", "scaling", "moments"},
     "position": BASE | {"states", "moments"},
     "drive": BASE,
-    "driven": BASE | {"states", "drive"},
+    "driven": BASE | {"states", "drive", "outputs", "scene"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs", "drive"},
     "undriven": BASE | {"moments", "densities", "position", "outputs", "scene"},

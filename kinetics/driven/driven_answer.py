@@ -1,199 +1,244 @@
-"""Scenes with driven tracers, or a restitution that depends on the impact speed, over time."""
+"""Scenes with driven tracers, or a restitution that depends on the impact speed, over time.
+
+`DrivenAnswer` implements :class:`kinetics.answer.Answer`.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from scipy.special import logsumexp
 
 from kinetics.drive import Drive
-from kinetics.driven import radau
-from kinetics.driven.axis import FADING, SpeedAxis
-from kinetics.driven.driven_state import angular_sum
-from kinetics.driven.field_answer import DENSITIES, FieldScene
-from kinetics.driven.generator import SLOWLY, TRIED, Generator, Resolution
-from kinetics.driven.march import ALL, INTEGRALS, SHORTEST_TIME, Equation, March, refined
-from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, collision_rate, top_speed
-from kinetics.driven.starts import Start
-from kinetics.errors import InputError
-from kinetics.numerics import FloatArray
-from kinetics.states.state import State
+from kinetics.driven.averages import COLUMNS
+from kinetics.driven.driven_evolution import DrivenEvolution, DrivenProblem, axis_scale
+from kinetics.driven.harmonics import sum_over_harmonics
+from kinetics.driven.march import SHORTEST_TIME
+from kinetics.driven.over_time import (
+    MarchesOverTime,
+    OutputsOverTime,
+    error_of_start,
+    needed_averages,
+    needs_density,
+    over_moving,
+    refuse_component_density,
+    solve_in_groups,
+    tolerances,
+)
+from kinetics.driven.resolution import ChebyshevResolution
+from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
+from kinetics.driven.steady_solution import (
+    COMPARED_SPEEDS,
+    MIN_RATIO_IF_STICKING,
+    SLOW_ERROR_FACTOR,
+)
+from kinetics.errors import PlanStep, SolverStatus, judge_errors
+from kinetics.numerics import FloatArray, one_blas_thread
+from kinetics.numerics.refinement import RefinementRules, refine_until_converged
+from kinetics.outputs import AVERAGES, DENSITIES, INITIAL_STATE
+from kinetics.scene import Scene
 
-_DIRECTED = {"mean_displacement", "mean_velocity", "velocity_tensor", "displacement_tensor"}
-
-
-def _scale(drive: Drive, time: float, top: float) -> float:
-    """The scale of the axis up to a time: below 1/t no tracer has collided."""
-    return min(max(drive.scale, math.sqrt(drive.field), 0.5 / time), top)
-
-
-class _Evolution(March):
-    """One start over time, in units of l and U; as in a field, on the axis of driven tracers."""
-
-    most_steps = 2000
-
-    def __init__(
-        self, drive: Drive, state: State, times: FloatArray, asked: frozenset[str],
-        densities: bool, isotropic: bool, resolution: Resolution,
-    ) -> None:  # fmt: skip
-        """isotropic : only the speeds of the start count."""
-        self.times, self.resolution, self.asked = times, resolution, asked
-        self._densities, last = densities, max(float(times[-1]), SHORTEST_TIME)
-        measures = [
-            state.harmonic(m, 0.1 * resolution.rtol, 0.0, 4.0)
-            for m in range(1 if isotropic else resolution.harmonics + 1)
-        ]
-        start = Start(tuple(measures), 1.0)
-        if not start.is_symmetric:
-            text = "in a field, and for outputs with a direction, it must be symmetric"
-            raise InputError(f"initial: of a driven tracer, {text} about the x axis")
-        driven, tail, fastest = (
-            drive.is_driven,
-            TAIL_OVER_TOLERANCE * resolution.rtol,
-            start.highest,
-        )
-        speeds: Any = measures[0]  # never None
-        if driven:
-            # what fades towards the top changes averages of the start by less than the tail does
-            share = logsumexp(FADING * speeds.x, b=abs(speeds.weight)) - math.log(tail)
-            fastest = max(fastest, math.exp(share / FADING))
-        top = top_speed(drive, tail, last, fastest)
-        power, scale = (1.0, _scale(drive, last, top)) if driven else (10.0, 8.0 * top)
-        axis = SpeedAxis(top, scale, resolution.nodes, power, drive.bath_speed > 0.0)
-        self.axis = axis
-        one, fields = Generator(drive, axis, resolution), [("f", 0), ("x", 0), ("y", 1)]
-        self._finer = one.finer
-        if isotropic:  # y f is as x f
-            fields = fields[:2]
-        equation = Equation(one.chain, fields, axis.speeds, one.rate)
-        begin = np.zeros((len(fields), resolution.harmonics + 1, axis.size))
-        begin[:1] = start.projected(axis, begin.shape[1], 1, state if densities else None)
-        self.sums = np.repeat(begin[:1], times.size, axis=0)
-        self.values = np.zeros((times.size, len(ALL)))
-        if times[-1] > 0.0:
-            self._run(equation, begin, fastest)
-        # the rate of the start, which bends at rest, is known; what it is off lasts a collision
-        rate = float(speeds.weight.real @ collision_rate(drive, np.exp(speeds.x)))
-        off = abs(begin[0, 0] @ one.rate - rate) * np.minimum(times, 1.0 / max(rate, 1e-300))
-        counted = self.values[:, ALL.index("collisions")]
-        there = (times > 0.0) & (counted > 0.0) & ("collisions" in asked)
-        self.missed = float(np.max(off[there] / counted[there], initial=0.0))
-        # at time 0 all is known from the start
-        known = dict.fromkeys(ALL, 0.0) | {"1": 1.0}
-        for name, power, m in (("v_x", 1, 1), ("v^2", 2, 0), ("v^4", 4, 0), ("v^2 cos 2", 2, 2)):
-            if m < len(measures) and (points := measures[m]) is not None:
-                known[name] = float(points.weight.real @ np.exp(power * points.x))
-        self.values[times == 0.0] = list(known.values())
-
-    @property
-    def finer(self) -> Resolution | None:
-        """A finer resolution; None where there is none."""
-        return self._finer if self.tries < self.most_steps else None
-
-    def _keep(self, now: float, h: float, stages: FloatArray) -> None:
-        if self._densities:
-            inside = self._inside(now, h)
-            rows = radau.rows((self.times[inside] - now) / h)
-            self.sums[inside] = np.tensordot(rows, stages[:, 0], axes=1)
+#: The highest speed of the start in U, for the groups of times and the first resolution. Chosen:
+#: each solution takes that of the start itself.
+USUAL_FASTEST_START = 6.0
+#: Resolutions whose rtol is below this fraction of the first one take steps for a larger rtol: ever
+#: shorter steps would be lost in rounding (commit 431e06f0).
+LONGER_STEPS_BELOW = 0.005
+#: The larger rtol over that of the resolution: two refinements divide it by 25.
+LONGER_STEPS_FACTOR = 25.0
+#: An error is at least this fraction of the difference before: differences that fell 23 and 48
+#: times hid errors of 3 times the tolerance, as the density bends at rest (commit 316ac4dd).
+MIN_RATIO_OVER_TIME = 0.3
+#: Fewest harmonics M over time: averages of second order need m = 2.
+MIN_HARMONICS_OVER_TIME = 2
+#: Outputs that see the directions of the start also without a field.
+OUTPUTS_WITH_DIRECTIONS = {
+    "mean_displacement",
+    "mean_velocity",
+    "velocity_tensor",
+    "displacement_tensor",
+    "velocity_density",
+}
 
 
-@dataclass
-class DrivenScene(FieldScene):
-    """What a scene with driven tracers asks, and its answer; system : in units of l."""
+@dataclass(frozen=True, eq=False)
+class DrivenAnswer:
+    """The answer to a scene with any drive; it is solved when it is needed.
 
-    drive: Drive = field(default_factory=lambda: Drive(restitution=1.0))
+    Errors are relative, as those of `kinetics.driven.field_answer.FieldAnswer`; the unit of speed
+    of the solver is U, and that of length the mean free path.
 
-    def _units(self) -> tuple[float, FloatArray]:
-        return 1.0, self.times / self.path
+    Parameters
+    ----------
+    scene : with a drive, or a restitution that depends on the impact speed
+    rtol : relative accuracy; of densities max(rtol, 1e-4)
+    """
 
-    def _top(self, i: int) -> float:
-        return top_speed(
-            self.drive,
-            TAIL_OVER_TOLERANCE * self.rtol,
-            max(float(self._scaled[i]), SHORTEST_TIME),
-            6.0,
-        )
-
-    def _refined(self, times: FloatArray) -> tuple[_Evolution, dict[str, float]]:
-        """The best solution up to some times, and its errors."""
-        last = max(float(times[-1]), SHORTEST_TIME)
-        top = top_speed(self.drive, TAIL_OVER_TOLERANCE * self.rtol, last, 6.0)
-        span = math.asinh(top / _scale(self.drive, last, math.inf))
-        there = self.state.highest_harmonic
-        first = Resolution.first(self.drive, self.rtol, span, max(2, there or 0))
-        # without a field what has no direction forgets those of the start
-        directed = (_DIRECTED | {"velocity_density"}) & set(self.outputs)
-        alike = not self.drive.field and (there == 0 or not directed)
-        names = self._asked | ({"1"} if self.drive.capture_speed else set())
-        asked = names, DENSITIES in self.allowed, alike
-
-        def solve(one: Resolution) -> _Evolution:
-            # in the end two lengths of steps in turn: ever shorter ones would be lost in rounding
-            rtol = one.rtol * (25.0 if one.rtol < 0.005 * first.rtol else 1.0)
-            return _Evolution(self.drive, self.state, times, *asked, replace(one, rtol=rtol))
-
-        earlier = 1.0 if self.drive.sticks_sharply else 0.3  # of starts that bend at rest
-        return refined(solve, first, self._apart, self.allowed, earlier=earlier)
-
-    def _apart(self, one: Any, two: Any) -> dict[str, float]:
-        """Two solutions; their errors fall more slowly where averages bend."""
-        errors = super()._apart(one, two)
-        apart = errors["averages"] * (SLOWLY if self.drive.sticks_sharply else 1.0)
-        return errors | {"averages": max(apart, one.missed)}
-
-    def _densities_apart(self, one: Any, two: Any) -> float:
-        """Of the speed, over their maximum."""
-        worst = 0.0
-        for i, square in enumerate(one.values[:, ALL.index("v^2")]):
-            v = math.sqrt(max(square, 0.0)) * TRIED
-            f, other = (self._speed_density(e, i, v) for e in (one, two))
-            apart = float(np.abs(f - other).max() / max(np.abs(f).max(), 1e-300))
-            worst = max(worst, apart if math.isfinite(apart) else math.inf)
-        return worst
+    scene: Scene
+    rtol: float
 
     @cached_property
-    def _of(self) -> dict[str, FloatArray]:
-        """If some stick: of the velocity over those that move, of the place over all."""
-        found, kept = super()._of, {"1", *INTEGRALS} if self.drive.capture_speed else set(ALL)
-        left = np.where(found["1"] > 0.0, found["1"], np.nan)  # none may be left
-        return {name: x if name in kept else x / left for name, x in found.items()}
+    def _drive(self) -> Drive:
+        """What drives, in units of the mean free path."""
+        return self.scene.drive.per_path(self.scene.mean_free_path)
+
+    @cached_property
+    def _tolerance(self) -> dict[str, float]:
+        """How large the error of each part of the result may be."""
+        return tolerances(self.scene, self.rtol)
+
+    # -- solving ----------------------------------------------------------------------------------
+
+    @cached_property
+    @one_blas_thread
+    def _solution(self) -> MarchesOverTime[DrivenEvolution]:
+        """The solutions of all times."""
+        times = np.asarray(self.scene.times) / self.scene.mean_free_path
+        return solve_in_groups(times, self._top_speed_at, self._solve_up_to)
+
+    def _top_speed_at(self, time: float) -> float:
+        """Return about the highest speed up to a time."""
+        tail = TAIL_OVER_TOLERANCE * self.rtol
+        return top_speed(self._drive, tail, max(time, SHORTEST_TIME), USUAL_FASTEST_START)
+
+    def _solve_up_to(self, times: FloatArray) -> tuple[DrivenEvolution, dict[str, float]]:
+        """Return the best solution for times that are solved together, and its errors by name."""
+        first = self._first_resolution(float(times[-1]))
+        names = needed_averages(self.scene)
+        if self._drive.capture_speed:
+            names |= {"1"}
+        problem = DrivenProblem(
+            drive=self._drive,
+            state=self.scene.state,
+            times=times,
+            names=names,
+            keeps_density=needs_density(self.scene),
+            is_isotropic=self._is_isotropic,
+        )
+
+        def solve(resolution: ChebyshevResolution) -> DrivenEvolution:
+            if resolution.rtol < LONGER_STEPS_BELOW * first.rtol:
+                resolution = replace(resolution, rtol=LONGER_STEPS_FACTOR * resolution.rtol)
+            return DrivenEvolution(problem, resolution)
+
+        sticks = self._drive.sticks_sharply
+        min_ratio = MIN_RATIO_IF_STICKING if sticks else MIN_RATIO_OVER_TIME
+        return refine_until_converged(
+            solve=solve,
+            resolution=first,
+            difference=self._difference,
+            tolerance=self._tolerance,
+            rules=RefinementRules(min_ratio_to_previous=min_ratio),
+        )
+
+    def _first_resolution(self, last_time: float) -> ChebyshevResolution:
+        """Return a resolution that is often enough up to a time."""
+        scale = axis_scale(self._drive, max(last_time, SHORTEST_TIME))
+        span = math.asinh(self._top_speed_at(last_time) / scale)
+        harmonics = max(MIN_HARMONICS_OVER_TIME, self.scene.state.highest_harmonic or 0)
+        return ChebyshevResolution.first(self._drive, self.rtol, span, harmonics)
+
+    @property
+    def _is_isotropic(self) -> bool:
+        """Whether only speeds matter: outputs without a direction do not see that of the start."""
+        has_directions = not OUTPUTS_WITH_DIRECTIONS.isdisjoint(self.scene.outputs)
+        is_isotropic_start = self.scene.state.highest_harmonic == 0
+        return not self._drive.field and (is_isotropic_start or not has_directions)
+
+    def _difference(self, fine: DrivenEvolution, coarse: DrivenEvolution) -> dict[str, float]:
+        """Return the differences of two solutions; a larger one where errors fall slowly."""
+        difference = fine.difference(coarse)
+        if self._drive.sticks_sharply:
+            difference *= SLOW_ERROR_FACTOR
+        differences = {AVERAGES: max(difference, fine.error_of_collisions)}
+        if DENSITIES in self._tolerance:
+            differences[DENSITIES] = difference_of_speed_densities(fine, coarse)
+        return differences
+
+    # -- how it was done --------------------------------------------------------------------------
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Error estimates, by part of the result."""
+        start_error = error_of_start(self.scene.state, self.rtol)
+        return {**self._solution.errors, INITIAL_STATE: start_error}
+
+    @property
+    def verdict(self) -> tuple[SolverStatus, str]:
+        """The status, and the message."""
+        return judge_errors(self.errors, {**self._tolerance, INITIAL_STATE: self.rtol})
+
+    @property
+    def plan(self) -> tuple[PlanStep, PlanStep]:
+        """What was solved, and how."""
+        return self._solution.plan(self.scene, 1.0)
+
+    @property
+    def stats(self) -> dict[str, int]:
+        """Numbers about the work."""
+        return self._solution.stats
+
+    # -- averages ---------------------------------------------------------------------------------
+
+    @property
+    def _outputs(self) -> OutputsOverTime:
+        averages = self._solution.columns
+        if self._drive.capture_speed:
+            averages = over_moving(averages)
+        return OutputsOverTime(averages, self.scene, 1.0)
+
+    @property
+    def typical_speed(self) -> FloatArray:
+        """The root mean square speed in U, (n_times,)."""
+        return self._outputs.typical_speed
+
+    @property
+    def values(self) -> dict[str, FloatArray]:
+        """The arrays of the outputs, in U and d."""
+        return self._outputs.arrays
 
     @property
     def captured(self) -> FloatArray:
         """The share of tracers that stick, (n_times,)."""
-        return 1.0 - self._of["1"]
-
-    @property
-    def values(self) -> dict[str, Any]:
-        """The arrays of the outputs, in U and d."""
-        found, d = super().values, self.law.dimension
-        if "diffusion_coefficient" in self.outputs:
-            slope = self._of["1"] * (self._of["v_x x"] + (d - 1.0) * self._of["v_y y"])
-            found["diffusion_coefficient"] = self.path * slope / d
-            found["msd_slope"] = 2.0 * self.path * slope * self.times
-        return found
+        return 1.0 - self._solution.columns["1"]
 
     # -- densities --------------------------------------------------------------------------------
 
     @property
     def uncollided(self) -> FloatArray:
-        """0: nothing is left out."""
-        return np.zeros(self.times.shape)
+        """Nothing is left out of densities: zeros, (n_times,)."""
+        return np.zeros(np.shape(self.scene.times))
 
     def speed_density(self, v: FloatArray) -> FloatArray:
-        """In 1/U at all times, shape (n_times, n_v)."""
-        parts = ((one, i) for one in self._parts for i in range(one.times.size))
-        return np.array([self._speed_density(one, i, v) for one, i in parts])
+        """Density of the speed in 1/U at speeds v (n_v,), shape (n_times, n_v)."""
+        return np.array([march.speed_density(i, v) for march, i in self._solution.at_times])
 
-    def _speed_density(self, one: _Evolution, i: int, v: FloatArray) -> FloatArray:
-        d = self.law.dimension
-        return one.axis.density(one.sums[i, :1], v, d)[0] * v ** (d - 1.0)
+    def component_density(self, v_x: FloatArray) -> FloatArray:
+        """Raise InputError: it is not available."""
+        refuse_component_density()
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
-        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
-        d, parts = self.law.dimension, ((one.axis, f) for one in self._parts for f in one.sums)
-        return np.array([angular_sum(axis.density(f, v, d), phi, d) for axis, f in parts])
+        """Density of the velocity in U^-d, shape (n_times, n_v, n_phi)."""
+        dimension = self.scene.dimension
+        densities = []
+        for march, i in self._solution.at_times:
+            harmonics = march.density(i, v, march.harmonics + 1)
+            densities.append(sum_over_harmonics(harmonics, phi, dimension))
+        return np.array(densities)
+
+
+def difference_of_speed_densities(fine: DrivenEvolution, coarse: DrivenEvolution) -> float:
+    """Return the largest difference of the speed densities, relative to their maximum."""
+    largest = 0.0
+    for time, mean_square in enumerate(fine.values[:, COLUMNS["v^2"]]):
+        v = math.sqrt(max(mean_square, 0.0)) * COMPARED_SPEEDS
+        fine_density = fine.speed_density(time, v)
+        coarse_density = coarse.speed_density(time, v)
+        maximum = max(np.abs(fine_density).max(), 1e-300)
+        difference = float(np.abs(fine_density - coarse_density).max() / maximum)
+        if not math.isfinite(difference):
+            return math.inf
+        largest = max(largest, difference)
+    return largest

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from dataclasses import astuple, dataclass, field
+import threading
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -12,100 +13,48 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.drive import DRIVES, Drive
-from kinetics.driven.field_answer import BEST_DENSITY
-from kinetics.driven.generator import Resolution, Steady, solved
-from kinetics.driven.harmonics import angular, norms
-from kinetics.driven.heated import Line, density, log_moment
-from kinetics.driven.march import refined
+from kinetics.driven.harmonics import sum_over_harmonics
+from kinetics.driven.heated import HeatedDensity, log_moment
+from kinetics.driven.over_time import MIN_ERROR_OF_DENSITY
+from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import takes_energy
-from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
+from kinetics.driven.steady_solution import (
+    MIN_RATIO_OF_STEADY_STATE,
+    SteadySolution,
+    solve_steady_until_converged,
+)
+from kinetics.driven.steady_state import SteadyState
+from kinetics.errors import InputError, warn_missed
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.results.frame import dataset, variable
+from kinetics.numerics.refinement import RefinementRules, refine_until_converged
 from kinetics.results.record import stored_class
-from kinetics.results.result import Result
 from kinetics.validation import check_rtol, finite_line, real_number, refuse, speeds, whole_number
 
+#: Most relaxation rates that are given: higher ones are less accurate.
+MAX_RATES = 20
+#: A rate is of a disturbance that decays alone if it is below the lowest rate of collisions by this
+#: fraction, where the continuous spectrum begins. Its origin is not recorded.
+SPECTRUM_MARGIN = 1e-3
 
-@dataclass(frozen=True, eq=False, repr=False)
-class SteadyState(Result):
-    """What the answers of `solve_steady` and `kinetics.solve_field` share.
 
-    error_estimate : relative error of the figures, the difference of two resolutions
-    status, message : SolverStatus, and in words what misses its tolerance and what to change
-    plan, stats : what was solved, and numbers about the work
+class SolutionsOfDrive:
+    """The solutions of one drive, by their resolution; safe on threads.
+
+    There is one for each finer resolution: nodes grow by a fifth, up to `MAX_AXIS_NODES`, so that
+    there are a dozen at most.
     """
 
-    restitution: Any
-    dimension: int
-    mass_ratio: float = field(default=math.inf, kw_only=True)
-    rtol: float
-    drift: float
-    mean_square_along: float
-    diffusion_parallel: float
-    diffusion_perpendicular: float
-    error_estimate: float
-    status: SolverStatus
-    message: str
-    plan: tuple[PlanStep, ...]
-    stats: Mapping[str, Any]
-    _resolution: tuple[int, int, int, float]
+    def __init__(self, solution: SteadySolution) -> None:
+        self._drive = solution.drive
+        self._solutions = {solution.resolution: solution}
+        self._lock = threading.Lock()
 
-    _points, _on_demand = ("speeds", "angles"), ("vdf",)
-    _about: ClassVar[Mapping[str, tuple[str, str]]]  # figures -> unit, and words
-    _asked: ClassVar[tuple[str, ...]]
-    _units: ClassVar[tuple[str, str]]  # of a speed, and of the density
-
-    @classmethod
-    def _of(cls: Any, fine: Steady, error: float, rtol: float, figures: Any, **asked: Any) -> Any:
-        """From a solution and its error."""
-        status, message = judge_errors({"averages": error}, {"averages": rtol})
-        one, top = fine.resolution, fine.axis.highest
-        plan = (
-            PlanStep("angular harmonics", True, f"0 to {one.harmonics}"),
-            PlanStep("speeds", True, f"{one.nodes} points up to {top:.3g}"),
-            PlanStep("dispersion", not fine.decay, "the linear response to the velocity"),
-        )
-        stats = {"harmonics": one.harmonics, "nodes": one.nodes, "highest_speed": top}
-        state = cls(
-            **asked, **dict(zip(cls._about, figures, strict=True)), rtol=rtol, error_estimate=error,
-            status=status, message=message, plan=plan, stats=stats, _resolution=astuple(one),
-        )  # fmt: skip
-        state.__dict__["_fine"] = fine  # as if asked for
-        return state
-
-    @cached_property
-    def _fine(self: Any) -> Steady:
-        """Where it was not kept, as in a loaded or pickled state, it is solved again."""
-        return Steady(self.drive, Resolution(*self._resolution))
-
-    def _order(self, p: float, m: int, below: float = 0.0) -> tuple[float, int]:
-        """The arguments of `moment`, checked; below : how far below -d p may be where m > 0."""
-        m = whole_number("m", m, 0, self._fine.resolution.harmonics)
-        lowest = -self.dimension - (below if m else 0.0)
-        allowed = f"for m = {m} it must be above {lowest:g}, and at most 20"
-        return real_number("p", p, math.nextafter(lowest, 0.0), 20.0, allowed), m
-
-    def _dataset(self: Any, only: Collection[str] | None = None, **points: Any) -> Any:
-        """Points: speeds, and angles to the field in radians."""
-        scale = math.sqrt(self.mean_square_speed)
-        v = finite_line("speeds", points.get("speeds", np.linspace(0.025, 4.0, 160) * scale))
-        some = np.array([0.0, 0.5, 1.0]) * np.pi if self.drive.field else 0.0
-        phi = finite_line("angles", points.get("angles", some))
-        shown = {n: variable((), getattr(self, n), *about) for n, about in self._about.items()}
-        if only is None or "vdf" in only:
-            f, words = self.vdf(v, phi).T, "density of the velocity"
-            shown["vdf"] = variable(("angle", "v"), f, self._units[1], words, "f")
-        axes = {"v": variable(("v",), v, self._units[0], "speed")}
-        axes |= {"angle": variable(("angle",), phi, "rad", "angle to the field")}
-        asked = {name: str(getattr(self, name)) for name in self._asked}
-        return dataset(self, repr(self).split("\n")[0], asked, shown, axes)
-
-    def __repr__(self: Any) -> str:
-        asked = {name: getattr(self, name) for name in self._asked}
-        given = {n: v for n, v in asked.items() if n == "restitution" or v not in (0.0, math.inf)}
-        shown = ", ".join(f"{n}={v!r}" for n, v in given.items())
-        figures = ", ".join(f"{name} = {getattr(self, name):.10g}" for name in self._about)
-        return f"{type(self).__name__}({shown}), unit of length l\n  {figures}\n  {self.message}"
+    def at(self, resolution: ChebyshevResolution) -> SteadySolution:
+        """Return the solution at a resolution; it is solved at first use."""
+        with self._lock:
+            if resolution not in self._solutions:
+                self._solutions[resolution] = SteadySolution(self._drive, resolution)
+            return self._solutions[resolution]
 
 
 @stored_class
@@ -145,7 +94,7 @@ class DrivenState(SteadyState):
     mobility: float
     capture_time: float
     capture_depth: float
-    # speeds have no unit
+    # Speeds have no unit.
     _about: ClassVar[Mapping[str, tuple[str, str]]] = {
         "thermal_speed": ("1", "sqrt(<v^2>)"),
         "a2": ("1", "d <v^4>/((d + 2) <v^2>^2) - 1"),
@@ -157,12 +106,16 @@ class DrivenState(SteadyState):
         "mobility": ("l", "what a small further field adds to the drift, over that field"),
     }
     _asked = (*DRIVES, "field", "restitution", "dimension", "mass_ratio")
-    _units = "1", "1"
+    _units = ("1", "1")
 
     @property
     def mean_square_speed(self) -> float:
         """<v^2>."""
         return self.thermal_speed**2
+
+    @property
+    def _thermal_speed(self) -> float:
+        return math.sqrt(self.mean_square_speed)
 
     @property
     def diffusion_coefficient(self) -> float:
@@ -173,10 +126,12 @@ class DrivenState(SteadyState):
     @property
     def drive(self) -> Drive:
         """What drives the tracer."""
-        return Drive.checked(**{name: getattr(self, name) for name in self._asked})
+        return Drive.checked(**self._arguments)
+
+    # -- moments ----------------------------------------------------------------------------------
 
     def moment(self, p: float, m: int = 0) -> float:
-        """<v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
+        """Return <v^p cos(m phi)>, phi the angle to the field; in space <v^p P_m(cos phi)>.
 
         p is real, above -d and up to 20. The error is about ``error_estimate`` for whole p from 0
         to 4, up to 1e-4 for others of 0 or more, and below 0 as that of the density. In a bath
@@ -184,91 +139,114 @@ class DrivenState(SteadyState):
         ``rtol``, or a ToleranceWarning says that they do not. Raises InputError for p or m out of
         range.
         """
-        p, m = self._order(p, m)
+        p, m = self._check_order(p, m)
         law = self.drive.law
         if m == 0 and law is not None and self.drive.only_heats:
-            unit = self.heating ** (1.0 / 3.0)
-            return float(unit**p * np.exp(log_moment(law, np.array([p]))[0].real))
+            return float(self._noise_speed**p * np.exp(log_moment(law, np.array([p]))[0].real))
         if p < 0.0:
-            return self._with_density("moment").average(p, m)
-        if self._fine.is_resolved(p, m):
-            return self._fine.average(p, m)
+            return self._solution_with_density("moment").average(p, m)
+        if self._solution.is_resolved(p, m):
+            return self._solution.average(p, m)
         return self._refined_moment(p, m)
 
+    @property
+    def _noise_speed(self) -> float:
+        """(D_v l)^(1/3), the unit of speed where noise alone drives."""
+        return float(self.heating ** (1.0 / 3.0))
+
     def _refined_moment(self, p: float, m: int) -> float:
-        """A moment of a power that bends at rest, from as fine a solution as it needs."""
+        """Return a moment of a power that bends at rest, from as fine a solution as it needs."""
 
-        def solve(resolution: Resolution) -> Steady:
-            if resolution not in self._finer:
-                self._finer[resolution] = Steady(self.drive, resolution)
-            return self._finer[resolution]
-
-        def difference(fine: Steady, coarse: Steady) -> dict[str, float]:
+        def difference(fine: SteadySolution, coarse: SteadySolution) -> dict[str, float]:
             return {"moment": fine.moment_difference(coarse, p, m)}
 
-        first = self._fine.resolution
         tolerance = max(self.rtol, self.error_estimate)
-        solution, errors = refined(solve, first, difference, {"moment": tolerance}, earlier=0.01)
+        solution, errors = refine_until_converged(
+            solve=self._solutions.at,
+            resolution=self._solution.resolution,
+            difference=difference,
+            tolerance={"moment": tolerance},
+            rules=RefinementRules(min_ratio_to_previous=MIN_RATIO_OF_STEADY_STATE),
+        )
         if errors["moment"] > tolerance:
             warn_missed("moment", errors["moment"], tolerance)
         return solution.average(p, m)
 
     @cached_property
-    def _finer(self) -> dict[Resolution, Steady]:
-        """Solutions by their resolution, for moments that need a finer one."""
-        return {self._fine.resolution: self._fine}
+    def _solutions(self) -> SolutionsOfDrive:
+        """Solutions for moments that need a finer one."""
+        return SolutionsOfDrive(self._solution)
+
+    # -- the density ------------------------------------------------------------------------------
 
     def vdf(self, v: ArrayLike, angle: ArrayLike = 0.0) -> FloatArray:
-        """The density of the velocity, shape (n_v, n_angle); its integral is 1.
+        """Return the density of the velocity, shape (n_v, n_angle); its integral is 1.
 
         v : speeds; angle : to the field, in radians. Raises InputError for others. If noise alone
         drives, it is a closed form, to some 1e-12 of itself. Else its error is below rtol, or 1e-4,
         of the maximum, or a ToleranceWarning says so; but in space it is up to 1e-2 below a tenth
         of the thermal speed, and without noise or bath more in the direction of the field.
         """
-        v_, phi = speeds(v), finite_line("angle", angle)
-        law, d = self.drive.law, self.dimension
-        if law is not None and self.drive.only_heats:
-            unit = self.heating ** (1.0 / 3.0)
-            f = density(law, v_ / unit, self._lines) / unit**d
-            return np.repeat(f[:, None], phi.size, axis=1)
-        one = self._with_density("vdf")
-        return angular_sum(one.axis.density(one.sums, v_, d), phi, d)
-
-    def _with_density(self, what: str) -> Steady:
-        """A solution whose density has its accuracy, or the best; then it warns, every time."""
-        one, error = self._dense
-        if error > (most := max(self.rtol, BEST_DENSITY)):
-            warn_missed(what, error, most)
-        return one
+        v_ = speeds(v)
+        phi = finite_line("angle", angle)
+        if self._heated_density is not None:
+            unit = self._noise_speed
+            density = self._heated_density.at(v_ / unit) / unit**self.dimension
+            return np.repeat(density[:, None], phi.size, axis=1)
+        solution = self._solution_with_density("vdf")
+        harmonics = solution.axis.density(solution.sums, v_, self.dimension)
+        return sum_over_harmonics(harmonics, phi, self.dimension)
 
     @cached_property
-    def _dense(self) -> tuple[Steady, float]:
-        most = max(self.rtol, BEST_DENSITY)
-        one, error = solved(self.drive, most, Steady.densities_apart)
-        return max(self._fine, one, key=lambda each: each.resolution.nodes), error
+    def _heated_density(self) -> HeatedDensity | None:
+        """The density in closed form; None unless noise alone drives."""
+        law = self.drive.law
+        if law is None or not self.drive.only_heats:
+            return None
+        return HeatedDensity(law)
+
+    def _solution_with_density(self, name: str) -> SteadySolution:
+        """Return a solution whose density has its accuracy, or the best; then it warns each time.
+
+        name : of what is asked for, in the warning
+        """
+        solution, error = self._density_solution
+        tolerance = max(self.rtol, MIN_ERROR_OF_DENSITY)
+        if error > tolerance:
+            warn_missed(name, error, tolerance)
+        return solution
 
     @cached_property
-    def _lines(self) -> list[Line]:
-        return []
+    def _density_solution(self) -> tuple[SteadySolution, float]:
+        """A solution whose density has its accuracy, and the error of that."""
+        tolerance = max(self.rtol, MIN_ERROR_OF_DENSITY)
+        solution, error = solve_steady_until_converged(
+            self.drive, tolerance, SteadySolution.difference_of_densities
+        )
+        if solution.resolution.nodes > self._solution.resolution.nodes:
+            return solution, error
+        return self._solution, error
+
+    # -- sticking and relaxation ------------------------------------------------------------------
 
     def capture_from(self, speed: float = 0.0) -> tuple[float, float, float]:
-        """Mean distance along the field, time and collisions until tracers of this speed stick.
+        """Return mean distance along the field, time and collisions until such tracers stick.
 
-        They start in all directions alike. Raises InputError where nothing sticks.
+        They start with this speed, in all directions alike. Raises InputError where nothing sticks.
         """
         if not self.capture_speed:
             refuse("capture_speed", self.capture_speed, "it must be above 0: no impact sticks")
         speed = real_number("speed", speed, 0.0)
-        one = self._fine
-        start = np.zeros_like(one.sums)
-        start[0] = one.axis.interpolation(np.array([speed]))[0]
-        spent = one.solver.solve(start)
-        depth = float(spent[1] @ one.axis.speeds)
-        return depth, float(spent[0].sum()), float(spent[0] @ one.generator.rate)
+        solution = self._solution
+        start = np.zeros_like(solution.sums)
+        start[0] = solution.axis.interpolation(np.array([speed]))[0]
+        spent = solution.spent(start)
+        distance = float(spent[1] @ solution.axis.speeds)
+        collisions = float(spent[0] @ solution.generator.rate)
+        return distance, float(spent[0].sum()), collisions
 
     def relaxation_rates(self, n: int = 1, m: int = 0) -> FloatArray:
-        """The n lowest rates with which disturbances of harmonic m decay, rising, shape (n,).
+        """Return the n lowest rates with which disturbances of harmonic m decay, rising, (n,).
 
         m = 0 is the energy, m = 1 the momentum. In a bath there are few below the lowest collision
         rate, where the continuous spectrum begins: the others are NaN. Raises InputError for a
@@ -276,31 +254,35 @@ class DrivenState(SteadyState):
         """
         if self.field:
             refuse("field", self.field, "relaxation rates are available without a field")
-        n = whole_number("n", n, 1, 20)
-        m = whole_number("m", m, 0, self._fine.resolution.harmonics)
-        one = self._fine.generator
-        found = np.sort(-np.linalg.eigvals(one.matrices[m]).real)
-        found = found[1:] if m == 0 and not self.capture_speed else found
+        n = whole_number("n", n, 1, MAX_RATES)
+        m = whole_number("m", m, 0, self._solution.resolution.harmonics)
+        generator = self._solution.generator
+        rates = np.sort(-np.linalg.eigvals(generator.matrices[m]).real)
+        has_steady_state = m == 0 and not self.capture_speed
+        if has_steady_state:
+            rates = rates[1:]
         if not self.heating:
-            found = found[found < (1.0 - 1e-3) * one.rate.min()]
-        out = np.full(n, math.nan)
-        out[: found[:n].size] = found[:n]
-        return out
-
-
-def angular_sum(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
-    """The density at angles, (n_v, n_angle), of harmonics (M + 1, n_v) as averages have them."""
-    tables = angular(np.cos(angle), np.sin(angle), max(len(f), 2), dimension, 1)[0][: len(f)]
-    return np.asarray(f.T @ (tables / norms(len(f), dimension)[0]))
+            rates = rates[rates < (1.0 - SPECTRUM_MARGIN) * generator.rate.min()]
+        lowest = np.full(n, math.nan)
+        lowest[: rates[:n].size] = rates[:n]
+        return lowest
 
 
 @one_blas_thread
 def solve_steady(
-    restitution: Any, dimension: int = 2, bath_speed: float = 0.0, mass_ratio: float = math.inf,
-    heating: float = 0.0, drag: float = 0.0, field: float = 0.0, capture_speed: float = 0.0,
+    restitution: Any,
+    dimension: int = 2,
+    bath_speed: float = 0.0,
+    mass_ratio: float = math.inf,
+    heating: float = 0.0,
+    drag: float = 0.0,
+    field: float = 0.0,
+    capture_speed: float = 0.0,
     rtol: float = 1e-10,
-) -> DrivenState:  # fmt: skip
-    """The steady state of a tracer that a bath, noise or a field keeps moving, at low density.
+) -> DrivenState:
+    """Return the steady state of a tracer that a bath, noise or a field keeps moving.
+
+    The density of scatterers is low.
 
     Parameters
     ----------
@@ -349,11 +331,14 @@ def solve_steady(
     if not takes_energy(drive):
         allowed = "collisions take no energy, and drag is 0: no steady state is reached"
         refuse("restitution", restitution, allowed)
-    fine, error = solved(drive, rtol)
+    solution, error = solve_steady_until_converged(drive, rtol)
     sticks = bool(drive.capture_speed)
     return DrivenState._of(
-        fine, error, rtol, fine.figures.tolist(),
+        solution,
+        error,
+        rtol,
+        **asdict(solution.figures),
         **{name: getattr(drive, name) for name in DrivenState._asked},
-        capture_time=1.0 / fine.decay if sticks else math.inf,
-        capture_depth=fine.depth if sticks and field else math.inf,
-    )  # fmt: skip
+        capture_time=1.0 / solution.decay if sticks else math.inf,
+        capture_depth=solution.depth if sticks and field else math.inf,
+    )

@@ -1,277 +1,266 @@
-"""Scenes with a field: averages and densities of the velocity over time."""
+"""Scenes with a field alone: averages and densities of the velocity over time.
+
+`FieldAnswer` implements :class:`kinetics.answer.Answer`.
+"""
 
 from __future__ import annotations
 
-import bisect
 import math
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any, NoReturn
+from functools import cached_property
+from typing import NoReturn
 
 import numpy as np
 
-from kinetics.collision import CollisionLaw
-from kinetics.drive import Drive
-from kinetics.driven.last_flights import VelocityDensity, is_sharp
-from kinetics.driven.march import ALL, SHORTEST_TIME, Evolution, refined
-from kinetics.driven.panels import Resolution
+from kinetics.driven.field_evolution import FieldEvolution, FieldProblem, drive_of_unit_field
+from kinetics.driven.march import SHORTEST_TIME
+from kinetics.driven.over_time import (
+    MarchesOverTime,
+    OutputsOverTime,
+    error_of_start,
+    needed_averages,
+    needs_density,
+    refuse_component_density,
+    solve_in_groups,
+    tolerances,
+)
+from kinetics.driven.resolution import PanelResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
-from kinetics.driven.starts import Start
+from kinetics.driven.starts import START_SHARE_OF_TOLERANCE, DrivenStart
+from kinetics.driven.velocity_density import VelocityDensity, is_sharp
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, short
 from kinetics.numerics import FloatArray, one_blas_thread
-from kinetics.states.state import State
+from kinetics.numerics.refinement import refine_until_converged
+from kinetics.outputs import AVERAGES, DENSITIES, INITIAL_STATE
+from kinetics.scene import Scene
 
-DENSITIES = "densities"
-START = "initial state"
-BEST_DENSITY = 1e-4
-_RANGE = 6.0  # of the highest speeds at times solved together: slow ones need finer panels
-_MADE_OF = {
-    "a2": {"v^4"},
-    "collisions": {"collisions"},
-    "msd": {"x^2", "y^2"},
-    "mean_displacement": {"x", "y", "x^2", "y^2"},  # relative to the root mean square
-    "mean_velocity": {"v_x", "v_y"},
-    "velocity_tensor": {"v^2 cos 2", "v_x v_y"},
-    "displacement_tensor": {"x", "y", "x^2", "y^2", "x y"},
-}
-_FUNCTIONS = {"speed_density", "velocity_density"}
+# Ranges in which powers are within double precision. The origin of the numbers is not recorded.
+#: Least time above 0, in sqrt(l/g).
+MIN_TIME_IN_FIELD = 1e-150
+#: Largest time, in sqrt(l/g).
+MAX_TIME_IN_FIELD = 1e15
+#: Least sqrt(g l) in U.
+MIN_SPEED_UNIT = 1e-100
+#: Largest sqrt(g l) in U.
+MAX_SPEED_UNIT = 1e100
+#: Least l in d.
+MIN_MEAN_FREE_PATH = 1e-150
+#: Largest l in d.
+MAX_MEAN_FREE_PATH = 1e150
+#: Largest speed of a start in sqrt(g l) where densities are needed: flights that change faster ones
+#: by less than 1e-12 lose digits.
+MAX_START_WITH_DENSITY = 1e6
+#: The same elsewhere: <v^4> of faster ones overflows.
+MAX_START = 1e40
+#: A start is at rest if its speed, over that of the first flight, changes averages by less than
+#: this fraction of the tolerance. Its origin is not recorded.
+REST_OVER_TOLERANCE = 0.1
 
 
-@dataclass
-class FieldScene:
-    """What a scene with a field asks, and its answer.
+@dataclass(frozen=True, eq=False)
+class FieldAnswer:
+    """The answer to a scene with a field; it is solved when it is needed.
 
     Errors are relative to the root mean square for velocities and displacements, to <v^2> and
     <r^2> for the tensors, and to the largest density at each time. They are the difference from a
     solution with fewer speeds, harmonics and steps.
 
-    law, path : the collision law, and the mean free path in d
-    state : the initial state
-    times : in d/U, shape (n_times,)
-    field : the acceleration in U^2/d
-    outputs : their names
+    Parameters
+    ----------
+    scene : with a field, and no other drive
     rtol : relative accuracy; of densities max(rtol, 1e-4)
     """
 
-    law: CollisionLaw
-    path: float
-    state: State
-    times: FloatArray
-    field: float
-    outputs: tuple[str, ...]
+    scene: Scene
     rtol: float
 
-    def __post_init__(self) -> None:
-        self._speed, self._scaled = self._units()
-        self.allowed = {"averages": self.rtol}
-        if set(self.outputs) & _FUNCTIONS:
-            self.allowed[DENSITIES] = max(self.rtol, BEST_DENSITY)
-        made_of = [_MADE_OF.get(name, set()) for name in self.outputs]
-        self._asked = frozenset({"v^2"}.union(*made_of))
-        self._parts, self.errors = self._solved()
-        self.allowed[START] = self.rtol
-        self.errors[START] = self._start_error()
+    # -- units ------------------------------------------------------------------------------------
 
-    def _start_error(self) -> float:
-        """Relative error of averages over the start, of a density that is not resolved."""
-        highest = self.state.highest_harmonic or 0
-        measures = [self.state.harmonic(m, 0.1 * self.rtol, 0.0, 4.0) for m in range(highest + 1)]
-        return max((measure.error for measure in measures if measure is not None), default=0.0)
+    @cached_property
+    def _speed_unit(self) -> float:
+        """sqrt(g l) in U; InputError where it is out of range."""
+        unit = math.sqrt(self.scene.field * self.scene.mean_free_path)
+        is_path_in_range = MIN_MEAN_FREE_PATH < self.scene.mean_free_path < MAX_MEAN_FREE_PATH
+        if not (MIN_SPEED_UNIT < unit < MAX_SPEED_UNIT and is_path_in_range):
+            self._refuse_field()
+        return unit
 
-    def _units(self) -> tuple[float, FloatArray]:
-        """The unit of speed of the solution in U, and the times in the mean free path over it."""
-        speed = math.sqrt(self.field * self.path)
+    @cached_property
+    def _times(self) -> FloatArray:
+        """The times in sqrt(l/g), (n_times,); InputError where one is out of range."""
         with np.errstate(over="ignore", invalid="ignore"):  # sqrt(field/path) may be infinite
-            scaled = self.times * (math.sqrt(self.field) / math.sqrt(self.path))
-        known = bool(np.all((scaled == 0.0) | (scaled > 1e-150) & (scaled < 1e15)))
-        if not (known and 1e-100 < speed < 1e100 and 1e-150 < self.path < 1e150):
-            self._refuse()
-        return speed, scaled
+            per_time = math.sqrt(self.scene.field) / math.sqrt(self.scene.mean_free_path)
+            times = np.asarray(self.scene.times) * per_time
+        is_in_range = (times == 0.0) | (times > MIN_TIME_IN_FIELD) & (times < MAX_TIME_IN_FIELD)
+        if not np.all(is_in_range):
+            self._refuse_field()
+        return times
 
-    def _refuse(self) -> NoReturn:
+    def _refuse_field(self) -> NoReturn:
         raise InputError(
-            f"field: got {short(self.field)}; sqrt(field x mean free path) and the times in "
+            f"field: got {short(self.scene.field)}; sqrt(field x mean free path) and the times in "
             "sqrt(mean free path/field) are out of range"
         )
 
-    @one_blas_thread
-    def _solved(self) -> tuple[list[Any], dict[str, float]]:
-        """Times at which tracers are about as fast are solved together; and the largest errors."""
-        parts: list[Any] = []
-        worst, end = dict.fromkeys(self.allowed, 0.0), self._scaled.size
-        while end > 0:
-            far = self._top(end - 1) / _RANGE
-            begin = bisect.bisect_left(range(end - 1), True, key=lambda i: self._top(i) >= far)
-            part, errors = self._refined(self._scaled[begin:end])
-            parts.insert(0, part)
-            worst = {name: max(errors[name], x) for name, x in worst.items()}
-            end = begin
-        return parts, worst
+    # -- solving ----------------------------------------------------------------------------------
 
     @cached_property
-    def _fastest(self) -> float:
-        """Of the start."""
-        return self._start_from(1, self.rtol).highest
+    def _tolerance(self) -> dict[str, float]:
+        """How large the error of each part of the result may be."""
+        return tolerances(self.scene, self.rtol)
 
-    def _top(self, i: int) -> float:
-        """The highest speed up to the i-th time."""
-        time = max(float(self._scaled[i]), SHORTEST_TIME)
-        drive = Drive(restitution=self.law, dimension=self.law.dimension, field=1.0)
-        return top_speed(drive, TAIL_OVER_TOLERANCE * self.rtol, time, self._fastest)
+    @cached_property
+    @one_blas_thread
+    def _solution(self) -> MarchesOverTime[FieldEvolution]:
+        """The solutions of all times."""
+        drive = drive_of_unit_field(self.scene.law)
+        fastest = self._start(1, self.rtol).highest
 
-    def _refined(self, times: FloatArray) -> tuple[Any, dict[str, float]]:
-        """The best solution up to some times, and its errors."""
-        sharp, allowed = is_sharp(self.state), dict(self.allowed)
-        if sharp:  # densities have fronts, which finer solutions hardly mend
-            allowed.pop(DENSITIES, None)
-        first = Resolution.over_time(self.rtol)
-        found, errors = refined(partial(self._evolution, times), first, self._apart, allowed)
-        if sharp and DENSITIES in self.allowed:
-            negative = self._densities(found).negative()
+        def top_speed_at(time: float) -> float:
+            tail = TAIL_OVER_TOLERANCE * self.rtol
+            return top_speed(drive, tail, max(time, SHORTEST_TIME), fastest)
+
+        return solve_in_groups(self._times, top_speed_at, self._solve_up_to)
+
+    def _solve_up_to(self, times: FloatArray) -> tuple[FieldEvolution, dict[str, float]]:
+        """Return the best solution for times that are solved together, and its errors by name."""
+        has_fronts = is_sharp(self.scene.state)
+        tolerance = dict(self._tolerance)
+        if has_fronts:
+            # Finer solutions hardly mend the fronts of a density: it does not decide.
+            tolerance.pop(DENSITIES, None)
+
+        def solve(resolution: PanelResolution) -> FieldEvolution:
+            return self._evolution(times, resolution)
+
+        solution, errors = refine_until_converged(
+            solve=solve,
+            resolution=PanelResolution.over_time(self.rtol),
+            difference=self._difference,
+            tolerance=tolerance,
+        )
+        if has_fronts and DENSITIES in self._tolerance:
+            negative = self._density_of(solution).negative()
             errors[DENSITIES] = max(errors.get(DENSITIES, math.inf), negative)
-        return found, errors
+        return solution, errors
 
-    def _densities(self, one: Evolution) -> VelocityDensity:
-        return VelocityDensity(one, self.state, self._speed)
+    def _difference(self, fine: FieldEvolution, coarse: FieldEvolution) -> dict[str, float]:
+        """Return the differences of two solutions, relative to the scale of each output."""
+        differences = {AVERAGES: fine.difference(coarse)}
+        if DENSITIES in self._tolerance:
+            fine_density = self._density_of(fine)
+            differences[DENSITIES] = fine_density.difference(self._density_of(coarse))
+        return differences
 
-    def _apart(self, one: Any, two: Any) -> dict[str, float]:
-        """How far two solutions are apart."""
-        errors = {"averages": one.difference(two)}
-        if DENSITIES in self.allowed:
-            errors[DENSITIES] = self._densities_apart(one, two)
-        return errors
+    def _start(self, harmonics: int, rtol: float) -> DrivenStart:
+        """Return the start in units of sqrt(g l)."""
+        tolerance = START_SHARE_OF_TOLERANCE * rtol
+        unit = 1.0 / self._speed_unit
+        return DrivenStart.of(self.scene.state, tolerance, unit, harmonics, self.scene.dimension)
 
-    def _densities_apart(self, one: Any, two: Any) -> float:
-        return self._densities(one).difference(self._densities(two))
+    def _evolution(self, times: FloatArray, resolution: PanelResolution) -> FieldEvolution:
+        """Return the solution for some times at one resolution."""
+        keeps_density = needs_density(self.scene)
+        start = self._start(resolution.harmonics, resolution.rtol)
+        if start.highest > (MAX_START_WITH_DENSITY if keeps_density else MAX_START):
+            self._refuse_field()
+        # isotropic starts change averages by the square of their speed
+        is_isotropic = self.scene.state.highest_harmonic == 0
+        small = math.sqrt(self.rtol) if is_isotropic else self.rtol
+        if start.highest < REST_OVER_TOLERANCE * small * min(1.0, float(times[0])):
+            start = DrivenStart.rest(self.scene.dimension)
+        problem = FieldProblem(
+            law=self.scene.law,
+            state=self.scene.state,
+            start=start,
+            times=times,
+            names=needed_averages(self.scene),
+            keeps_density=keeps_density,
+        )
+        return FieldEvolution(problem, resolution)
 
-    def _start_from(self, harmonics: int, rtol: float) -> Start:
-        unit, d = 1.0 / self._speed, self.law.dimension
-        return Start.of(self.state, 0.1 * rtol, unit, harmonics, d)
+    def _density_of(self, solution: FieldEvolution) -> VelocityDensity:
+        """Return the densities of a solution."""
+        return VelocityDensity(solution, self._speed_unit)
 
-    def _evolution(self, times: FloatArray, resolution: Resolution) -> Evolution:
-        start = self._start_from(resolution.harmonics, resolution.rtol)
-        # <v^4> of such speeds overflows; flights that change them by less than 1e-12 lose digits
-        if start.highest > (1e6 if DENSITIES in self.allowed else 1e40):
-            self._refuse()
-        # starts that change averages by less are at rest; isotropic ones by the square of theirs
-        isotropic = self.state.highest_harmonic == 0
-        small = math.sqrt(self.rtol) if isotropic else self.rtol
-        if start.highest < 0.1 * small * min(1.0, float(times[0])):
-            start = Start.rest(self.law.dimension)
-        keeps_density = DENSITIES in self.allowed
-        return Evolution(self.law, start, times, resolution, self._asked, self.state, keeps_density)
+    # -- how it was done --------------------------------------------------------------------------
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Error estimates, by part of the result."""
+        start_error = error_of_start(self.scene.state, self.rtol)
+        return {**self._solution.errors, INITIAL_STATE: start_error}
 
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status, and the message."""
-        return judge_errors(self.errors, self.allowed)
+        return judge_errors(self.errors, {**self._tolerance, INITIAL_STATE: self.rtol})
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:
         """What was solved, and how."""
-        one, asked = self._parts[-1], DENSITIES in self.errors
-        how = (
-            f"{', '.join(self.outputs)}: harmonics 0 to {one.resolution.harmonics}, "
-            f"{one.axis.size} speeds up to {one.axis.highest * self._speed:.3g} U, {one.steps} "
-            f"steps of time; a solution with fewer differs by {self.errors['averages']:.1e}"
-        )
-        words = "of the maximum they differ by {densities:.1e}" if asked else "not asked for"
-        density = PlanStep(DENSITIES, asked, words.format(**self.errors))
-        return PlanStep("averages", True, how), density
+        return self._solution.plan(self.scene, self._speed_unit)
 
     @property
-    def stats(self) -> dict[str, Any]:
+    def stats(self) -> dict[str, int]:
         """Numbers about the work."""
-        parts, most = self._parts, max(one.resolution.harmonics for one in self._parts)
-        nodes = max(one.axis.size for one in parts)
-        return {"harmonics": most, "nodes": nodes, "steps": sum(one.steps for one in parts)}
+        return self._solution.stats
 
     # -- averages ---------------------------------------------------------------------------------
 
-    @cached_property
-    def _of(self) -> dict[str, FloatArray]:
-        rows = np.vstack([one.values for one in self._parts])
-        return dict(zip(ALL, rows.T, strict=True))
+    @property
+    def _outputs(self) -> OutputsOverTime:
+        return OutputsOverTime(self._solution.columns, self.scene, self._speed_unit)
 
     @property
     def typical_speed(self) -> FloatArray:
         """The root mean square speed in U, (n_times,)."""
-        return np.asarray(self._speed * np.sqrt(np.maximum(self._of["v^2"], 0.0)))
+        return self._outputs.typical_speed
 
     @property
-    def values(self) -> dict[str, Any]:
+    def values(self) -> dict[str, FloatArray]:
         """The arrays of the outputs, in U and d."""
-        of, d, speed, path = self._of, self.law.dimension, self._speed, self.path
-        velocity, displacement = self._vector("v_x", "v_y"), self._vector("x", "y")
-        second = np.maximum(of["v^2"], 0.0)  # where nothing is resolved it may be below
-        along = (second + (d - 1.0) * of["v^2 cos 2"]) / d
-        variances = self._tensor(of["x^2"], of["x y"], of["y^2"])
-        variances -= displacement[:, :, None] * displacement[:, None, :]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            excess = d / (d + 2.0) * of["v^4"] / np.where(second > 0.0, second, np.nan) ** 2 - 1.0
-        velocities = self._tensor(along, of["v_x v_y"], (second - along) / (d - 1.0))
-        found = {
-            "thermal_speed": speed * np.sqrt(second),
-            "temperature": speed**2 * second / d,
-            "a2": excess,
-            "collisions": of["collisions"],
-            "msd": path**2 * (of["x^2"] + (d - 1.0) * of["y^2"]),
-            "mean_displacement": path * displacement,
-            "mean_velocity": speed * velocity,
-            "velocity_tensor": speed**2 * velocities,
-            "displacement_tensor": path**2 * variances,
-        }
-        return {name: found[name] for name in found if name in self.outputs}
-
-    def _vector(self, *names: str) -> FloatArray:
-        """Shape (n_times, d); in space the state is symmetric about x, and the others are 0."""
-        out = np.zeros((self.times.size, self.law.dimension))
-        out[:, :2] = np.stack([self._of[name] for name in names], axis=-1)
-        return out
-
-    def _tensor(self, xx: FloatArray, xy: FloatArray, yy: FloatArray) -> FloatArray:
-        """Shape (n_times, d, d); in space the state is symmetric about x."""
-        d = self.law.dimension
-        out = yy[:, None, None] * np.eye(d)
-        out[:, 0, 0] = xx
-        if d == 2:
-            out[:, 0, 1] = out[:, 1, 0] = xy
-        return out
+        return self._outputs.arrays
 
     # -- densities --------------------------------------------------------------------------------
 
     @cached_property
-    def _at_times(self) -> list[tuple[VelocityDensity, int]]:
-        """Of each time its solution, and its place there."""
-        solved = [(self._densities(one), one.times.size) for one in self._parts]
-        return [(one, i) for one, count in solved for i in range(count)]
+    def _densities(self) -> list[VelocityDensity]:
+        """The densities of each solution."""
+        return [self._density_of(march) for march in self._solution.marches]
+
+    @property
+    def _density_at_times(self) -> list[tuple[VelocityDensity, int]]:
+        """For each time its density, and its index there."""
+        at_times = []
+        for density, march in zip(self._densities, self._solution.marches, strict=True):
+            at_times += [(density, i) for i in range(march.times.size)]
+        return at_times
 
     @property
     def uncollided(self) -> FloatArray:
-        """See `VelocityDensity`."""
-        return np.concatenate([one.uncollided for one, i in self._at_times if i == 0])
+        """The share of tracers that keep a sharp velocity, (n_times,)."""
+        return np.concatenate([density.uncollided for density in self._densities])
 
     @property
     def captured(self) -> FloatArray:
         """No tracer sticks: zeros, (n_times,)."""
-        return np.zeros(self.times.shape)
+        return np.zeros(self._times.shape)
 
     def speed_density(self, v: FloatArray) -> FloatArray:
-        """In 1/U at all times, shape (n_times, n_v)."""
-        v = v / self._speed
-        return np.array([one.by_speed(i, v) for one, i in self._at_times]) / self._speed
+        """Density of the speed in 1/U at speeds v (n_v,), shape (n_times, n_v)."""
+        v = v / self._speed_unit
+        densities = [density.by_speed(i, v) for density, i in self._density_at_times]
+        return np.array(densities) / self._speed_unit
 
     def component_density(self, v_x: FloatArray) -> FloatArray:
-        """Not available."""
-        raise InputError(
-            "velocity_component_density: it is not available in a field, nor of driven tracers; "
-            "integrate velocity_density"
-        )
+        """Raise InputError: it is not available."""
+        refuse_component_density()
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
-        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
-        along = np.outer(v / self._speed, np.cos(phi)).ravel()
-        across = np.outer(v / self._speed, np.sin(phi)).ravel()
-        found = [one.at(i, along, across) for one, i in self._at_times]
-        shape = self.times.size, v.size, phi.size
-        return np.reshape(found, shape) / self._speed**self.law.dimension
+        """Density of the velocity in U^-d, shape (n_times, n_v, n_phi)."""
+        along = np.outer(v / self._speed_unit, np.cos(phi)).ravel()
+        across = np.outer(v / self._speed_unit, np.sin(phi)).ravel()
+        densities = [density.at(i, along, across) for density, i in self._density_at_times]
+        shape = (self._times.size, v.size, phi.size)
+        return np.reshape(densities, shape) / self._speed_unit**self.scene.dimension

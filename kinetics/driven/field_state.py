@@ -14,15 +14,26 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.drive import Drive
-from kinetics.driven.driven_state import SteadyState
-from kinetics.driven.generator import solved
-from kinetics.driven.last_flights import SteadyDensity
-from kinetics.driven.panels import Resolution
+from kinetics.driven.field_evolution import drive_of_unit_field
+from kinetics.driven.resolution import PanelResolution
+from kinetics.driven.steady_density import SteadyDensity
+from kinetics.driven.steady_solution import solve_steady_until_converged
+from kinetics.driven.steady_state import SteadyState
 from kinetics.errors import ToleranceWarning
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
+
+#: The error that the density may have over rtol. Its origin is not recorded.
+DENSITY_ERROR_OVER_RTOL = 300.0
+#: The least error that is asked of the density, over its largest mean over directions. Chosen.
+MIN_DENSITY_ERROR = 1e-6
+#: The largest error that passes without a warning. Chosen.
+MAX_DENSITY_ERROR = 1e-2
+#: So many velocities, those closest to the ray along the field, and about as many of all, are
+#: compared with a coarser solution.
+COMPARED_VELOCITIES = 60
 
 
 @stored_class
@@ -57,32 +68,47 @@ class FieldState(SteadyState):
         "diffusion_perpendicular": ("sqrt(g l^3)", "the same in one direction across the field"),
     }
     _asked = ("restitution", "tangential_restitution", "dimension", "mass_ratio")
-    _units = "sqrt(g l)", "(g l)^(-d/2)"
+    _units = ("sqrt(g l)", "(g l)^(-d/2)")
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law."""
-        et = self.tangential_restitution
-        return law_of(self.restitution, et, self.dimension, self.mass_ratio)
+        return law_of(
+            self.restitution, self.tangential_restitution, self.dimension, self.mass_ratio
+        )
+
+    @property
+    def drive(self) -> Drive:
+        """What drives the tracer."""
+        return drive_of_unit_field(self.law)
+
+    @property
+    def _thermal_speed(self) -> float:
+        return math.sqrt(self.mean_square_speed)
 
     def moment(self, p: float, m: int = 0) -> float:
-        """<v^p cos(m phi)> in (g l)^(p/2), phi the angle to the field; in space <v^p P_m(cos phi)>.
+        """Return <v^p cos(m phi)> in (g l)^(p/2), phi the angle to the field.
+
+        In space it is <v^p P_m(cos phi)>.
 
         p is real, above -d and up to 20; above -d - 1 where m > 0 and no bounce stops the tracer.
         The error is about ``error_estimate`` for p from 0 to 4 and m up to 2. Raises InputError.
         """
         stops = math.isfinite(self.law.lowest_power)
-        p, m = self._order(p, m, 0.0 if stops else 1.0)
+        p, m = self._check_order(p, m, 0.0 if stops else 1.0)
         if p >= 0.0:
-            return self._fine.average(p, m)
+            return self._solution.average(p, m)
         if m == 1 and p > -2.0:  # row 0 of the equation, for v^(p + 1), is exact
-            rate = self.law.mean_log_loss if p == -1.0 else self.law.decay_rate(p + 1.0) / (p + 1.0)
-            return float(rate) * self._fine.average(p + 2.0, 0)
-        return self._densities[1].moment(p, m)
+            if p == -1.0:
+                rate = self.law.mean_log_loss
+            else:
+                rate = float(self.law.decay_rate(p + 1.0)) / (p + 1.0)
+            return rate * self._solution.average(p + 2.0, 0)
+        return self._fine_density.moment(p, m)
 
     @one_blas_thread
     def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
-        """The density of the velocity, shape (n_v, n_angle), in (g l)^(-d/2); its integral is 1.
+        """Return the density of the velocity in (g l)^(-d/2), (n_v, n_angle); its integral is 1.
 
         v : speeds in sqrt(g l), above 0; angle : to the field, in radians. InputError for others.
 
@@ -91,48 +117,75 @@ class FieldState(SteadyState):
         else a ToleranceWarning says so. At e = 0 the density grows as a logarithm towards the ray
         along the field, and is infinite on it.
         """
-        v_, phi = speeds(v, zero_allowed=False), finite_line("angle", angle)
+        v_ = speeds(v, zero_allowed=False)
+        phi = finite_line("angle", angle)
         along = np.outer(v_, np.cos(phi)).ravel()
         across = np.outer(v_, np.sin(phi)).ravel()
-        coarse, fine = self._densities
-        found = fine.density(along, across)
-        order, few = np.argsort(np.abs(across)), 60  # the closest to the ray, and some of all
-        seen = np.union1d(order[:few], order[:: 1 + order.size // few])
+        density = self._fine_density.density(along, across)
+        error = self._density_error(along, across, density)
+        allowed = DENSITY_ERROR_OVER_RTOL * self.rtol
+        allowed = float(np.clip(allowed, MIN_DENSITY_ERROR, MAX_DENSITY_ERROR))
+        if error > allowed:
+            warnings.warn(
+                f"vdf: the error estimate {error:.1e} exceeds {allowed:.1e}, at low speeds or "
+                "close to the ray along the field",
+                ToleranceWarning,
+                stacklevel=3,
+            )
+        return density.reshape(v_.size, phi.size)
+
+    def _density_error(self, along: FloatArray, across: FloatArray, density: FloatArray) -> float:
+        """Return the error of a density at velocities (n,), over the largest mean over directions.
+
+        Some velocities are compared, those close to the ray along the field among them.
+        """
+        by_distance = np.argsort(np.abs(across))
+        closest = by_distance[:COMPARED_VELOCITIES]
+        spread = by_distance[:: 1 + by_distance.size // COMPARED_VELOCITIES]
+        compared = np.union1d(closest, spread)
         with np.errstate(invalid="ignore"):
-            unsure = np.abs(found[seen] - coarse.density(along[seen], across[seen]))
-        allowed = float(np.clip(300.0 * self.rtol, 1e-6, 1e-2))
-        missed = float(np.nanmax(unsure, initial=0.0) / fine.harmonics[0].max())
-        if missed > allowed:
-            text = f"vdf: the error estimate {missed:.1e} exceeds {allowed:.1e}, at low speeds or"
-            warnings.warn(f"{text} close to the ray along the field", ToleranceWarning, 3)
-        return found.reshape(v_.size, phi.size)
+            coarse = self._coarse_density.density(along[compared], across[compared])
+            difference = np.abs(density[compared] - coarse)
+        return float(np.nanmax(difference, initial=0.0) / self._fine_density.harmonics[0].max())
 
     @property
-    def drive(self) -> Drive:
-        """What drives the tracer."""
-        return Drive(restitution=self.law, dimension=self.dimension, field=1.0)
+    def _density_resolution(self) -> PanelResolution:
+        """The resolution of the coarse density."""
+        return PanelResolution.steady(self.rtol, self._solution.resolution.harmonics)
 
     @cached_property
-    def _densities(self) -> tuple[SteadyDensity, SteadyDensity]:
-        """A coarser solution for the density, and a finer one."""
-        first = Resolution.steady(self.rtol, self._resolution[2])
-        return SteadyDensity(self.law, first), SteadyDensity(self.law, first.finer())
+    def _coarse_density(self) -> SteadyDensity:
+        """A solution for the density, to compare with."""
+        return SteadyDensity(self.law, self._density_resolution)
+
+    @cached_property
+    def _fine_density(self) -> SteadyDensity:
+        """The solution for the density."""
+        return SteadyDensity(self.law, self._density_resolution.finer)
 
     def in_units(self, acceleration: float, diameter: float, number_density: float) -> FieldUnits:
-        """The figures for a field g, grains and scatterers of diameter d, and their density.
+        """Return the figures for a field g, grains and scatterers of diameter d, and their density.
 
         In any consistent units: with m/s^2, m and 1/m^3 (1/m^2 for disks) the results are in m and
         s. Raises InputError unless all are finite numbers above 0.
         """
-        g, d = check_positive("acceleration", acceleration), check_positive("diameter", diameter)
+        g = check_positive("acceleration", acceleration)
+        d = check_positive("diameter", diameter)
         rho = check_positive("number_density", number_density)
         path = self.law.mean_free_path(rho, d)
-        speed, time = math.sqrt(g * path), math.sqrt(path / g)
+        speed = math.sqrt(g * path)
+        time = math.sqrt(path / g)
         if not 0.0 < speed * path < math.inf:
             refuse("number_density", rho, "with this diameter it is out of range")
-        drift, root = self.drift * speed, math.sqrt(self.mean_square_speed) * speed
-        spread = self.diffusion_parallel * speed * path, self.diffusion_perpendicular * speed * path
-        return FieldUnits(path, time, drift, root, self.mean_speed / time, *spread)
+        return FieldUnits(
+            mean_free_path=path,
+            time=time,
+            drift=self.drift * speed,
+            root_mean_square_speed=math.sqrt(self.mean_square_speed) * speed,
+            collision_rate=self.mean_speed / time,
+            diffusion_parallel=self.diffusion_parallel * speed * path,
+            diffusion_perpendicular=self.diffusion_perpendicular * speed * path,
+        )
 
 
 @stored_class
@@ -151,10 +204,15 @@ class FieldUnits(Storable):
 
 @one_blas_thread
 def solve_field(
-    restitution: float | CollisionLaw, dimension: int = 2, tangential_restitution: float = 1.0,
-    rtol: float = 1e-10, mass_ratio: float = math.inf,
-) -> FieldState:  # fmt: skip
-    """The steady state of a tracer among fixed scatterers in a uniform field, at low density.
+    restitution: float | CollisionLaw,
+    dimension: int = 2,
+    tangential_restitution: float = 1.0,
+    rtol: float = 1e-10,
+    mass_ratio: float = math.inf,
+) -> FieldState:
+    """Return the steady state of a tracer among fixed scatterers in a uniform field.
+
+    The density of scatterers is low.
 
     Parameters
     ----------
@@ -181,6 +239,17 @@ def solve_field(
     if law.is_elastic:
         allowed = "it must be below 1: elastic tracers keep their energy, and reach no steady state"
         refuse("restitution", restitution, allowed)
-    fine, error = solved(Drive(restitution=law, dimension=law.dimension, field=1.0), rtol)
-    figures = np.insert(fine.figures[2:7], 1, fine.average(2.0, 0)).tolist()
-    return FieldState._of(fine, error, rtol, figures, **law.arguments)
+    solution, error = solve_steady_until_converged(drive_of_unit_field(law), rtol)
+    figures = solution.figures
+    return FieldState._of(
+        solution,
+        error,
+        rtol,
+        drift=figures.drift,
+        mean_square_speed=solution.average(2.0, 0),
+        mean_square_along=figures.mean_square_along,
+        mean_speed=figures.collision_rate,  # in a unit of time, as the mean free path is 1
+        diffusion_parallel=figures.diffusion_parallel,
+        diffusion_perpendicular=figures.diffusion_perpendicular,
+        **law.arguments,
+    )

@@ -1,73 +1,133 @@
 """Collocation in time at Radau's points: implicit, and it damps what is fast.
 
-The stages of a step of length h are decoupled by the eigenvectors of Butcher's matrix: each is one
-solution with the equation's own operator L and a shift 1/(h lambda). Source: Hairer and Wanner,
-Solving Ordinary Differential Equations II, sections IV.5 and IV.8.
+A step of length h solves f' = L f + source at the stages, with Butcher's matrix A of the method.
+The eigenvectors of A decouple the stages: each mode is one solution with L and a shift 1/(h
+lambda), lambda an eigenvalue (`MODES`). Times are in units of the step, 0 at its beginning.
+
+Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.5 and IV.8.
+Begin with `Mode`, and `kinetics.driven.march.StepEquation`, which uses it.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.polynomial.legendre import legroots, legvander
 from numpy.typing import NDArray
 
 from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 
-STAGES = 5  # an odd number; the order is 9
-_SERIES = np.array([*[0.0] * (STAGES - 1), -1.0, 1.0])
-POINTS = 0.5 * (np.append(np.sort(np.polynomial.legendre.legroots(_SERIES))[:-1], 1.0) + 1.0)
-POINTS = np.concatenate([[0.0], POINTS])
-"""The points in units of the step: its beginning, then the stages up to its end."""
-_VALUES = np.linalg.inv(np.polynomial.legendre.legvander(2.0 * POINTS - 1.0, STAGES))
-
-FINE, _WEIGHTS = gauss_legendre(16)
-_ORDER = np.arange(STAGES)
-_INSIDE = np.polynomial.legendre.legvander(2.0 * FINE - 1.0, STAGES - 1) * _WEIGHTS[:, None]
-_TAKEN = np.polynomial.legendre.legvander(2.0 * POINTS - 1.0, STAGES - 1) @ (
-    (2.0 * _ORDER + 1.0)[:, None] * _INSIDE.T
-)
+#: Stages of a step: an odd number; the order is 2 STAGES - 1 = 9. Its origin is not recorded.
+STAGES = 5
+#: Imaginary parts of eigenvalues below this are rounding. Chosen: far below any true one.
+REAL_BELOW = 1e-12
+#: Points of the quadrature over sources that are not smooth in time. Its origin is not recorded.
+FINE_POINTS = 16
 
 
-def modes() -> list[tuple[complex, complex, ComplexArray, ComplexArray]]:
-    """(lambda, what a constant has of this mode, what a source at the stages has, its stages).
+def _points() -> FloatArray:
+    """Return the beginning of a step, and Radau's points up to its end, (STAGES + 1,)."""
+    # Radau's points are the roots of P_STAGES - P_(STAGES - 1); the last one is 1.
+    series = np.array([*[0.0] * (STAGES - 1), -1.0, 1.0])
+    roots = np.append(np.sort(legroots(series))[:-1], 1.0)
+    return np.concatenate([[0.0], 0.5 * (roots + 1.0)])
 
-    One mode is real, of each complex pair there is one, of which the stages are times 2.
+
+#: The points of a step: its beginning, then the stages up to its end, (STAGES + 1,).
+POINTS = _points()
+#: From values at `POINTS` to coefficients of Legendre polynomials over the step.
+TO_LEGENDRE = np.linalg.inv(legvander(2.0 * POINTS - 1.0, STAGES))
+
+#: Times, in units of the step, and weights of the quadrature over such sources, (FINE_POINTS,).
+FINE_TIMES, FINE_WEIGHTS = gauss_legendre(FINE_POINTS)
+
+
+def _projection() -> FloatArray:
+    """Return the matrix from values at `FINE_TIMES` to those at `POINTS`: see `project`."""
+    order = np.arange(STAGES)
+    at_fine_times = legvander(2.0 * FINE_TIMES - 1.0, STAGES - 1) * FINE_WEIGHTS[:, None]
+    at_points = legvander(2.0 * POINTS - 1.0, STAGES - 1)
+    return np.asarray(at_points @ ((2.0 * order + 1.0)[:, None] * at_fine_times.T))
+
+
+#: The matrix of `project`, (STAGES + 1, FINE_POINTS).
+PROJECTION = _projection()
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One eigenvector of Butcher's matrix; of each complex pair there is one, counted twice.
+
+    Parameters
+    ----------
+    eigenvalue : lambda, in units of the step
+    constant_share : what this mode has of a value that is the same at all stages
+    source_shares : what it has of a source at each stage, (STAGES,)
+    stages : what it adds to each stage, (STAGES,); of a pair the real part counts
     """
-    x, k = POINTS[1:], np.arange(STAGES)
-    integrals = x[:, None] ** (k + 1.0) / (k + 1.0)
-    values, vectors = np.linalg.eig(integrals @ np.linalg.inv(x[:, None] ** k))
+
+    eigenvalue: complex
+    constant_share: complex
+    source_shares: ComplexArray
+    stages: ComplexArray
+
+    def shift(self, length: float) -> complex:
+        """Return 1/(h lambda) for steps of length h; a real number where it is real."""
+        shift = 1.0 / (length * self.eigenvalue)
+        if abs(shift.imag) > REAL_BELOW * abs(shift):
+            return shift
+        return shift.real
+
+
+def _modes() -> tuple[Mode, ...]:
+    """Return the modes of Butcher's matrix."""
+    x = POINTS[1:]
+    power = np.arange(STAGES)
+    integrals = x[:, None] ** (power + 1.0) / (power + 1.0)
+    butcher = integrals @ np.linalg.inv(x[:, None] ** power)
+    eigenvalues, vectors = np.linalg.eig(butcher)
     inverse = np.linalg.inv(vectors.astype(complex))
-    return [
-        (complex(value), inverse[i].sum(), inverse[i], (1 + (value.imag > 1e-12)) * vectors[:, i])
-        for i, value in enumerate(values)
-        if value.imag > -1e-12
-    ]
+    modes = []
+    for i, eigenvalue in enumerate(eigenvalues):
+        if eigenvalue.imag <= -REAL_BELOW:
+            continue
+        count = 2 if eigenvalue.imag > REAL_BELOW else 1
+        mode = Mode(complex(eigenvalue), inverse[i].sum(), inverse[i], count * vectors[:, i])
+        modes.append(mode)
+    return tuple(modes)
 
 
-def rows(local: FloatArray) -> FloatArray:
-    """Interpolation from the points to local times (n,) in units of the step; exact at 0."""
-    out = np.polynomial.legendre.legvander(2.0 * local - 1.0, STAGES) @ _VALUES
-    out[local == 0.0] = np.eye(STAGES + 1)[0]
-    return np.asarray(out)
+#: The modes of Butcher's matrix: those by which a step is solved.
+MODES = _modes()
+
+
+def interpolation_rows(local: FloatArray) -> FloatArray:
+    """Return the interpolation from `POINTS` to times (n,), (n, STAGES + 1); exact at 0."""
+    rows = legvander(2.0 * local - 1.0, STAGES) @ TO_LEGENDRE
+    rows[local == 0.0] = np.eye(STAGES + 1)[0]
+    return np.asarray(rows)
 
 
 def integral_rows(local: FloatArray) -> FloatArray:
-    """Integrals from the beginning of a step to local times (n,), in units of the step."""
+    """Return the integration from the beginning of a step to times (n,), (n, STAGES + 1)."""
     x = 2.0 * local - 1.0
-    table = np.polynomial.legendre.legvander(x, STAGES + 1)
+    polynomials = legvander(x, STAGES + 1)
     order = np.arange(1, STAGES + 1)
-    rise = (table[:, 2:] - table[:, :-2]) / (2.0 * order + 1.0)
-    return np.asarray(0.5 * np.column_stack([x + 1.0, rise]) @ _VALUES)
+    integrals = (polynomials[:, 2:] - polynomials[:, :-2]) / (2.0 * order + 1.0)
+    return np.asarray(0.5 * np.column_stack([x + 1.0, integrals]) @ TO_LEGENDRE)
 
 
 def roughness(values: NDArray[np.floating]) -> FloatArray:
-    """Size of the highest Legendre coefficient over a step, of values (STAGES + 1, n)."""
-    return np.asarray(np.abs(_VALUES[-1] @ values))
+    """Return the size of the highest Legendre coefficient of values (STAGES + 1, n), (n,)."""
+    return np.asarray(np.abs(TO_LEGENDRE[-1] @ values))
 
 
-def projected(values: FloatArray) -> FloatArray:
-    """From values at FINE to those at the points of the polynomial with the same integrals.
+def project(values: FloatArray) -> FloatArray:
+    """Return a polynomial at `POINTS` that stands for values at `FINE_TIMES`, (FINE_POINTS, ...).
 
-    With every polynomial that the stages take: the values need not be smooth in time.
+    Its integrals with every polynomial that the stages take are the same: the values need not be
+    smooth in time.
     """
-    return np.tensordot(_TAKEN, values, axes=1)
+    return np.tensordot(PROJECTION, values, axes=1)

@@ -21,8 +21,9 @@ from kinetics import CollisionLaw, ScalingSolution
 from kinetics import sonine as printed_numbers
 from kinetics.collision import law_in_medium
 from kinetics.drive import Drive
-from kinetics.driven.axis import SpeedAxis
-from kinetics.driven.generator import Generator, Resolution
+from kinetics.driven.chebyshev_axis import ChebyshevSpeedAxis
+from kinetics.driven.generator import Generator
+from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.moments.observables import Observable, quartic_displacement
 
 RANDOM = np.random.default_rng(20240607)
@@ -350,11 +351,12 @@ def test_constants_of_the_nearly_elastic_limit() -> None:
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_what_a_bath_does_is_what_the_generator_of_the_solver_does(dimension: int) -> None:
     e_star, w = 0.3, 0.8
-    axis = SpeedAxis(16.0, w, 30, 1.0, True)  # far above the speeds at which it is tested
+    # far above the speeds at which it is tested
+    axis = ChebyshevSpeedAxis(16.0, w, 30, 1.0, True)
     one = Generator(
         Drive(restitution=e_star, dimension=dimension, bath_speed=w),
         axis,
-        Resolution(30, 40, 1, 1e-12),
+        ChebyshevResolution(30, 40, 1, 1e-12),
     )
     # rate and pull by quadrature over g = v - V: its length, and its cosine to v
     g, weight = (part[:, None] for part in np.polynomial.legendre.leggauss(80))

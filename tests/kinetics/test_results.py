@@ -244,7 +244,7 @@ def test_a_loaded_number_is_the_one_that_was_saved(
     vdf.save(tmp_path / "a.h5")
     state.save(tmp_path / "b.h5")
     monkeypatch.setattr("kinetics.scaling.scaled_vdf.ScaledSpeedAxis", None)
-    monkeypatch.setattr("kinetics.driven.driven_state.Steady", None)
+    monkeypatch.setattr("kinetics.driven.steady_state.SteadySolution", None)
     found = load(tmp_path / "a.h5")
     assert (found.cooling_rate, found.a2) == (vdf.cooling_rate, vdf.a2)
     assert load(tmp_path / "b.h5").drift == state.drift

@@ -490,3 +490,10 @@ def test_a_moment_that_drag_makes_unresolved_warns():
     assert state.status.name == "CONVERGED"
     with pytest.warns(ToleranceWarning, match="moment"):
         state.moment(1)
+
+
+def test_arrays_come_in_the_order_of_the_table_of_outputs() -> None:
+    outputs = ("mean_velocity", "diffusion_coefficient", "msd")
+    solution = solve(Scene(0.7, bath_speed=0.5, times=[1.0], outputs=outputs), rtol=1e-3)
+    expected = ["msd", "diffusion_coefficient", "msd_slope", "mean_velocity"]
+    assert list(solution.values) == expected

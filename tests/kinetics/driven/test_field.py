@@ -119,12 +119,12 @@ def test_density_on_the_ray_along_the_field() -> None:
     """d_z f = gain - v f there, the gain an integral over the density of other directions."""
     state = solve_field(0.7, rtol=1e-8)
     q = state.law.quadrature_for(10.0, 8)
-    ratio, angle = q.ratio, q.deflection
     z, w = panels_between(np.array([-5.0, -2.0, -0.5, 0.0, 0.3, 1.0]), 6)
-    before = np.abs(z)[:, None] / ratio
-    along, across = before * np.cos(angle) * np.sign(z)[:, None], before * np.sin(angle)
-    f = state._densities[1].density(along.ravel(), across.ravel()).reshape(before.shape)
-    gain = np.abs(z) * (f @ (q.weight * ratio**-3))
+    f = np.empty((z.size, q.ratio.size))
+    for bounce, (ratio, deflection) in enumerate(zip(q.ratio, q.deflection, strict=True)):
+        up_and_down = state.vdf(np.abs(z) / ratio, [deflection, math.pi - deflection])
+        f[:, bounce] = np.where(z > 0.0, up_and_down[:, 0], up_and_down[:, 1])
+    gain = np.abs(z) * (f @ (q.weight * q.ratio**-3))
     expected = (w * gain) @ np.exp(-0.5 * (1.0 - z * np.abs(z)))
     assert state.vdf([1.0], [0.0])[0, 0] == pytest.approx(expected, abs=3e-7)
 
