@@ -8,6 +8,7 @@ TrackMate are passed over. pandas reads the rest.
 from __future__ import annotations
 
 import codecs
+import csv
 import gzip
 import io
 import re
@@ -29,8 +30,9 @@ from kinetics.errors import short
 
 #: Bytes of a line at most: a file without line ends is no table.
 MAX_LINE_BYTES = 1 << 20
-#: Bytes from which the encoding is told, and lines among which the first row of numbers must be.
+#: Bytes from which the encoding is told, and that are read at once.
 SAMPLE_BYTES = 1 << 16
+#: Lines among which the first row of numbers must be.
 MAX_HEAD_LINES = 200
 #: Rows that are parsed at once, so that memory can be checked meanwhile.
 ROWS_AT_ONCE = 200_000
@@ -45,14 +47,19 @@ BYTE_ORDER_MARKS = {
 }
 #: The encoding of a file that is not UTF-8: that of Windows in Western Europe and America.
 OTHER_ENCODING = "cp1252"
+#: Bytes of memory for a character of text: 17 digits, a sign, a point and a comma are 8 bytes. A
+#: lower bound, for a first check.
+BYTES_OF_CHARACTER = 0.3
+#: Texts that say that a number is missing.
+MISSING_NUMBERS = frozenset({"na", "nan", "n/a", "null", "none"})
 #: A number with a decimal comma.
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 
 
 def read_text_table(path: Path, where: str, options: DataOptions) -> Table:
     """Read a delimited text file, which may be packed by gzip."""
-    require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
-    encoding = _encoding_of(path)
+    require_memory(where, BYTES_OF_CHARACTER * path.stat().st_size)
+    encoding = _encoding_of(path, where)
     layout = _find_layout(path, where, encoding, options)
     wanted = find_columns(where, layout.names, options.columns, needed_columns(options))
     frame = _read_columns(path, where, encoding, layout, wanted, options)
@@ -101,9 +108,9 @@ def _open(path: Path, where: str) -> io.BufferedReader:
     return io.BufferedReader(_LineGuard(file, where), SAMPLE_BYTES)
 
 
-def _encoding_of(path: Path) -> str:
+def _encoding_of(path: Path, where: str) -> str:
     """Return the encoding of a text file, from its first bytes."""
-    with _open(path, str(path)) as file:
+    with _open(path, where) as file:
         sample = file.read(SAMPLE_BYTES)
     for mark, encoding in BYTE_ORDER_MARKS.items():
         if sample.startswith(mark):
@@ -134,11 +141,13 @@ class _Layout:
     separator : of cells, a regular expression for blanks
     names : of the columns, with units from a row of units
     head_lines : lines before the first row of numbers
+    has_comments : whether # begins a comment, and is not part of a label
     """
 
     separator: str
     names: tuple[str, ...]
     head_lines: int
+    has_comments: bool
 
 
 def _find_layout(path: Path, where: str, encoding: str, options: DataOptions) -> _Layout:
@@ -147,9 +156,10 @@ def _find_layout(path: Path, where: str, encoding: str, options: DataOptions) ->
     for line in _first_lines(path, where, encoding):
         separator = _separator_of(line, options.decimal)
         cells = _split(line, separator)
-        if _is_row_of_numbers(cells, options.decimal):
-            names = _names_above(where, head, separator, len(cells))
-            return _Layout(separator, names, len(head))
+        is_comment = line.lstrip().startswith("#")
+        if not is_comment and _is_row_of_numbers(cells, options.decimal):
+            names = _names_above(where, head, separator, cells, options)
+            return _Layout(separator, names, len(head), has_comments="#" not in line)
         head.append(line)
     if not any(line.strip() for line in head):
         refuse_data(where, "an empty file", "a first line that names the columns, and rows")
@@ -163,7 +173,7 @@ def _refuse_head(where: str, head: Sequence[str], options: DataOptions) -> NoRet
         refuse_data(where, "numbers with a decimal comma", "with a point, or say --decimal ,")
     for line in head:
         names = _split(line.lstrip("#"), _separator_of(line, options.decimal))
-        if _count_known(names) >= len(options.axes):
+        if _count_known(names, options) >= len(options.axes):
             find_columns(where, names, options.columns, ("time", *needed_columns(options)))
             refuse_data(where, "no rows of numbers", "two at least")
     shown = short(next(line for line in head if line.strip()), 60)
@@ -183,12 +193,14 @@ def _split(line: str, separator: str) -> list[str]:
     if separator == BLANKS:
         cells = line.split()
     else:
-        cells = line.split(separator)
+        cells = next(csv.reader([line], delimiter=separator), [])
     return [cell.strip().strip("\"'").strip() for cell in cells]
 
 
 def _is_number(text: str, decimal: str) -> bool:
-    """Return whether a cell is a number; an empty one is a missing number."""
+    """Return whether a cell is a number, or says that one is missing."""
+    if text.lower() in MISSING_NUMBERS:
+        return True
     try:
         float(text.replace(decimal, "."))
     except ValueError:
@@ -197,38 +209,49 @@ def _is_number(text: str, decimal: str) -> bool:
 
 
 def _is_row_of_numbers(cells: Sequence[str], decimal: str) -> bool:
-    """Return whether most cells of a line are numbers, three at least."""
-    n_numbers = sum(_is_number(cell, decimal) for cell in cells)
-    n_filled = sum(bool(cell) for cell in cells)
-    return n_numbers >= 3 and 2 * n_numbers > n_filled
+    """Return whether three cells of a line at least are numbers; one of them is not missing."""
+    filled = [cell for cell in cells if cell]
+    n_numbers = sum(_is_number(cell, decimal) for cell in filled)
+    n_missing = sum(cell.lower() in MISSING_NUMBERS for cell in filled)
+    return n_numbers >= 3 and n_numbers > n_missing
 
 
-def _names_above(where: str, head: Sequence[str], separator: str, n_cells: int) -> tuple[str, ...]:
-    """Return the names of the columns: the line with as many cells and most known names."""
-    best: list[str] = []
+def _names_above(
+    where: str, head: Sequence[str], separator: str, row: Sequence[str], options: DataOptions
+) -> tuple[str, ...]:
+    """Return the names of the columns, with their units if a row of these stands beside them.
+
+    Of the lines with as many cells as the first row of numbers, or one less, that with most known
+    names is taken.
+    """
+    n_cells = len(row)
+    names: list[str] = []
     units: list[str] = []
     for line in head:
         cells = _split(line.lstrip("#"), separator)
-        if len(cells) == n_cells - 1:  # pandas and R may leave the head of an index out
-            cells = ["", *cells]
+        if len(cells) == n_cells - 1:
+            # an empty cell ends each row; or the head of an index is left out, as pandas and R do
+            cells = ["", *cells] if row[-1] else [*cells, ""]
         if len(cells) != n_cells:
             continue
-        if _count_known(cells) > _count_known(best):
-            best = cells
-        elif all(not cell or cell.startswith(("(", "[")) for cell in cells):
+        if _count_known(cells, options) > _count_known(names, options):
+            names = cells
+        elif any(cells) and all(not cell or cell.startswith(("(", "[")) for cell in cells):
             units = cells
-    if not best:
+    if not names:
         shown = short(head[-1], 60) if head else "nothing"
         allowed = "a line above that names them: time, x, y, ..."
         refuse_data(where, f"{n_cells} columns of numbers below {shown}", allowed)
     if not units:
-        return tuple(best)
-    return tuple(f"{name} {unit}".strip() for name, unit in zip(best, units, strict=True))
+        return tuple(names)
+    return tuple(f"{name} {unit}".strip() for name, unit in zip(names, units, strict=True))
 
 
-def _count_known(names: Sequence[str]) -> int:
-    """Return how many cells are names of columns that we know."""
-    known = {*KNOWN_NAMES, *(name for names in KNOWN_NAMES.values() for name in names)}
+def _count_known(names: Sequence[str], options: DataOptions) -> int:
+    """Return how many cells are names of columns that we know, or that the user gave."""
+    known = {*KNOWN_NAMES, *options.columns.values()}
+    for other_names in KNOWN_NAMES.values():
+        known.update(other_names)
     columns = [ColumnName.of(name) for name in names]
     return sum(column.plain in known or column.bare in known for column in columns)
 
@@ -260,7 +283,7 @@ def _read_columns(
                 skiprows=layout.head_lines,
                 skipinitialspace=True,
                 decimal=options.decimal,
-                comment="#",
+                comment="#" if layout.has_comments else None,
                 encoding=encoding,
                 encoding_errors="replace",
                 index_col=False,
@@ -284,6 +307,8 @@ def _as_numbers(
     values = frame[column.original]
     if values.dtype.kind in "iuf":
         return np.asarray(values)
+    if options.decimal == ",":
+        values = values.astype(str).str.replace(",", ".").where(values.notna())
     numbers = pd.to_numeric(values, errors="coerce")
     is_text = np.asarray(numbers.isna() & values.notna())
     if np.any(is_text):

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.columns import AXES, LABELS, SPEEDS
+from kinetics.crosscheck.data.columns import AXES, SPEEDS
 from kinetics.crosscheck.data.memory import require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table
@@ -22,13 +22,28 @@ from kinetics.crosscheck.data.table import Table
 MAX_TIMES = 400
 #: Largest time, speed and displacement, in d/U, U and d: fourth powers of these are doubles.
 MAX_SIZE = 1e70
-#: Times that differ by less than this fraction are one time: single precision rounds by 6e-8.
+#: Times that differ by less than this fraction, and of the mean step than the next, are one time:
+#: single precision rounds by 6e-8.
 SAME_TIME = 1e-6
+SAME_TIME_OF_STEP = 1e-3
+#: Labels that say which tracer a row is of.
+IDENTITY_LABELS = ("tracer", "medium")
+#: The place of a row among those of its time: what tells tracers apart that have no label.
+RANK = "rank"
+#: Bytes of a number of the two arrays of vectors, and of what is made of them meanwhile.
+BYTES_OF_NUMBER = 16.0
 #: Mean squares of displacements at time 0, over the largest, that are rounding.
 ROUNDING_OF_PLACE = 1e-18
-#: How much a tracer may be beyond what its speed allows before positions at the first time count as
-#: absolute, and not as displacements.
+#: Places at a first time t0 above 0 count as absolute if the median distance from the origin is
+#: more than this times the largest speed at t0 times t0. The speed was higher before, but a tracer
+#: that cools as 1/t has gone less than v t0 times the root of ln t0: a displacement is below.
 FURTHER_THAN_SPEED = 2.0
+#: A first time of more than so many times the duration is a time stamp: tracers start there.
+TIME_STAMP_OVER_DURATION = 1e3
+#: Wrapped positions are looked for where so many tracers would leave the region of the start.
+MIN_LEAVING = 20
+#: So many tracers, of all, may lie beyond half the region: it is drawn by the tracers themselves.
+EDGE_TRACERS = 10
 
 
 @dataclass(frozen=True)
@@ -41,7 +56,7 @@ class Tracks:
     place : shape (n_times, n, d)
     velocity : the same shape; None where there are no velocities
     tracer, medium : labels, shape (n,); None where they are unknown
-    file : the number of the file of each tracer, shape (n,)
+    file : the number of the run of each tracer, shape (n,)
     remarks : what a reader should know of how they were made
     """
 
@@ -105,7 +120,7 @@ class _Rows:
     def of(cls, tables: Sequence[Table], where: str) -> _Rows:
         """Put the rows of tables together."""
         for table in tables:
-            for label in LABELS[:2]:
+            for label in (*IDENTITY_LABELS, *AXES, *SPEEDS):
                 if table.has(label) != tables[0].has(label):
                     found = f"another column {label} than before"
                     refuse_data(table.where, found, "in all files or in none")
@@ -122,6 +137,8 @@ class _Rows:
                 f"{len(tables)} files of one time each: joined by the labels of tracers."
             )
         times, time_index = _common_times(columns["time"], where)
+        if "tracer" not in columns:
+            columns[RANK] = _rank_at_time(columns, file, time_index)
         return cls(where, columns, file, time_index, times, tuple(remarks))
 
     def select(self, chosen: NDArray[np.bool_], remark: str) -> _Rows:
@@ -138,6 +155,17 @@ class _Rows:
         )
 
 
+def _rank_at_time(
+    columns: dict[str, NDArray[Any]], file: NDArray[Any], time_index: NDArray[Any]
+) -> NDArray[Any]:
+    """Return the place of each row among those of its time, in its run and medium."""
+    keys = {"time": time_index, "file": file}
+    if "medium" in columns:
+        keys["medium"] = columns["medium"]
+    frame = pd.DataFrame(keys)
+    return np.asarray(frame.groupby(list(frame)).cumcount())
+
+
 def _are_times_of_one_run(tables: Sequence[Table]) -> bool:
     """Return whether each table holds one time, another than the others, of labelled tracers."""
     if len(tables) < 2 or not tables[0].has("tracer"):
@@ -145,7 +173,8 @@ def _are_times_of_one_run(tables: Sequence[Table]) -> bool:
     times = [np.unique(table.columns["time"]) for table in tables]
     if any(time.size != 1 for time in times):
         return False
-    return len({float(time[0]) for time in times}) == len(tables)
+    rising = np.sort([float(time[0]) for time in times])
+    return bool(np.all(np.diff(rising) > SAME_TIME * rising[1:]))
 
 
 def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -157,7 +186,9 @@ def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArra
     different = np.asarray(different, float)
     if different[0] < 0:
         refuse_data(f"{where}: time", f"{different[0]:g}", "not negative")
-    is_new = np.append(True, np.diff(different) > SAME_TIME * different[1:])
+    mean_step = (different[-1] - different[0]) / max(different.size - 1, 1)
+    margin = np.minimum(SAME_TIME * different[1:], SAME_TIME_OF_STEP * mean_step)
+    is_new = np.append(True, np.diff(different) > margin)
     return different[is_new], (np.cumsum(is_new) - 1)[index]
 
 
@@ -169,8 +200,9 @@ def _without_gaps(rows: _Rows) -> _Rows:
     if n_gaps == 0:
         return rows
     if not np.any(is_whole):
-        name = next(name for name in numbers if np.all(np.isnan(rows.columns[name])))
-        refuse_data(f"{rows.where}: {name}", "no number in any row", "numbers")
+        empty = [name for name in numbers if np.all(np.isnan(rows.columns[name]))]
+        found = f"no number of {empty[0]!r}" if empty else "a number that is missing in every row"
+        refuse_data(rows.where, found, "rows with all numbers")
     share = n_gaps / is_whole.size
     remark = f"{n_gaps} rows ({share:.2g} of all) in which a number is missing are left out."
     return rows.select(is_whole, remark)
@@ -195,7 +227,8 @@ def _dense(rows: _Rows, options: DataOptions) -> Tracks:
     """Return rows as arrays of times and tracers; InputError for two rows of one tracer."""
     number, n_tracers = _tracer_numbers(rows)
     n_times = rows.times.size
-    require_memory(rows.where, 32.0 * n_tracers * n_times)
+    n_axes = sum(name in rows.columns for name in AXES)
+    require_memory(rows.where, BYTES_OF_NUMBER * n_axes * n_tracers * n_times)
     cell = rows.time_index * n_tracers + number
     _check_one_row_each(rows, cell)
     place = _vectors(rows, AXES, cell, (n_times, n_tracers)) / options.units.length
@@ -206,7 +239,7 @@ def _dense(rows: _Rows, options: DataOptions) -> Tracks:
     row_of_tracer = np.empty(n_tracers, np.int64)
     row_of_tracer[number] = np.arange(number.size)
     labels: dict[str, Any] = {}
-    for name in LABELS[:2]:
+    for name in IDENTITY_LABELS:
         if name in rows.columns:
             labels[name] = rows.columns[name][row_of_tracer]
     return Tracks(
@@ -225,11 +258,9 @@ def _tracer_numbers(rows: _Rows) -> tuple[NDArray[Any], int]:
     Labels of one file, or medium, are not those of another. Without labels the k-th row of each
     time is taken for the same tracer.
     """
-    labels = {name: rows.columns[name] for name in LABELS[:2] if name in rows.columns}
+    names = (*IDENTITY_LABELS, RANK)
+    labels = {name: rows.columns[name] for name in names if name in rows.columns}
     labels["file"] = rows.file
-    if "tracer" not in rows.columns:
-        frame = pd.DataFrame({"time": rows.time_index, **labels})
-        labels["rank"] = frame.groupby(list(frame)).cumcount().to_numpy()
     number = np.zeros(rows.time_index.size, np.int64)
     for values in labels.values():
         code, different = pd.factorize(values, sort=True)
@@ -248,7 +279,7 @@ def _check_one_row_each(rows: _Rows, cell: NDArray[Any]) -> None:
     if filled.max() <= 1:
         return
     row = int(np.argmax(filled[cell] > 1))
-    names = [name for name in LABELS[:2] if name in rows.columns]
+    names = [name for name in IDENTITY_LABELS if name in rows.columns]
     tracer = " of ".join(f"{name} {rows.columns[name][row]}" for name in names)
     time = rows.columns["time"][row]
     refuse_data(rows.where, f"more than one row of {tracer} at time {time:g}", "one for each time")
@@ -277,8 +308,9 @@ def _check_sizes(where: str, place: NDArray[Any], velocity: NDArray[Any] | None)
 
 
 def displacements(tracks: Tracks, where: str, options: DataOptions) -> Tracks:
-    """Return tracks whose places are relative to those at the first time, which is time 0.
+    """Return tracks whose places are displacements from time 0.
 
+    Places that are so already are returned as they are; of others the first time is time 0.
     InputError for positions that are wrapped in a box.
     """
     if not _are_absolute(tracks, options):
@@ -303,7 +335,16 @@ def displacements(tracks: Tracks, where: str, options: DataOptions) -> Tracks:
     _check_not_wrapped(started, place, where)
     if options.positions == "auto":
         remarks.append("Each tracer's own place at time 0, not the origin, was subtracted.")
-    return replace(started, times=times, place=place, remarks=tuple(remarks))
+    has_tracers = np.any(np.isfinite(place[:, :, 0]), axis=1)
+    assert started.velocity is None or started.velocity.shape == place.shape
+    velocity = None if started.velocity is None else started.velocity[has_tracers]
+    return replace(
+        started,
+        times=times[has_tracers],
+        place=place[has_tracers],
+        velocity=velocity,
+        remarks=tuple(remarks),
+    )
 
 
 def _are_absolute(tracks: Tracks, options: DataOptions) -> bool:
@@ -313,7 +354,8 @@ def _are_absolute(tracks: Tracks, options: DataOptions) -> bool:
     mean_square = np.nanmean(np.sum(tracks.place**2, axis=2), axis=1)
     if tracks.times[0] == 0 or tracks.velocity is None:
         return bool(mean_square[0] > ROUNDING_OF_PLACE * mean_square.max())
-    # no tracer goes further than its first speed, which is at least the speed that is left
+    if tracks.times[0] > TIME_STAMP_OVER_DURATION * (tracks.times[-1] - tracks.times[0]):
+        return True
     speeds = np.sqrt(np.sum(tracks.velocity[0] ** 2, axis=1))
     farthest = FURTHER_THAN_SPEED * float(np.nanmax(speeds)) * tracks.times[0]
     median_distance = float(np.nanmedian(np.sqrt(np.sum(tracks.place[0] ** 2, axis=1))))
@@ -321,7 +363,10 @@ def _are_absolute(tracks: Tracks, options: DataOptions) -> bool:
 
 
 def _check_not_wrapped(tracks: Tracks, place: NDArray[Any], where: str) -> None:
-    """Raise InputError where no tracer leaves the region of time 0, though twenty would."""
+    """Raise InputError where no tracer leaves the region of time 0, though many would.
+
+    Of n tracers, about n times their root mean square displacement over the side would leave it.
+    """
     low = tracks.place[0].min(axis=0)
     high = tracks.place[0].max(axis=0)
     n = tracks.n_tracers
@@ -329,8 +374,8 @@ def _check_not_wrapped(tracks: Tracks, place: NDArray[Any], where: str) -> None:
     distance = float(np.sqrt(np.nanmax(np.nanmean(np.sum(place**2, axis=2), axis=1))))
     # the farthest tracer is not quite at the edge of the region that they come from
     from_middle = np.nanmax(np.abs(tracks.place - (low + high) / 2), axis=(0, 1))
-    all_stay = np.all(from_middle <= (high - low) * (0.5 + 10 / n))
-    if all_stay and n * distance >= 20 * smallest_side > 0:
+    all_stay = np.all(from_middle <= (high - low) * (0.5 + EDGE_TRACERS / n))
+    if all_stay and n * distance >= MIN_LEAVING * smallest_side > 0:
         got = (
             f"some that look wrapped in a box, within {low} to {high} d, moved by {distance:.4g} d"
         )

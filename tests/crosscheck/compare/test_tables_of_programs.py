@@ -243,3 +243,47 @@ def test_more_times_than_are_used_are_thinned(run: Run) -> None:
     assert sample.times[-1] == 999.0
     assert sample.times.size <= 400
     assert any("1000 times" in text for text in sample.warnings)
+
+
+def test_names_of_columns_that_only_the_user_knows(tmp_path: Path, run: Run) -> None:
+    names = {"time": "zeit", "x": "lage_a", "y": "lage_b", "vx": "tempo_a", "vy": "tempo_b"}
+    frame = table(run).rename(columns=names | {"tracer": "nummer"})
+    columns = {ours: theirs for ours, theirs in (names | {"tracer": "nummer"}).items()}
+    frame.to_csv(tmp_path / "a.csv", index=False)
+    require_run(tmp_path / "a.csv", run, columns=columns)
+
+
+def test_an_empty_cell_at_the_end_of_each_row_moves_no_name(tmp_path: Path, run: Run) -> None:
+    head, *rows = table(run).to_csv(index=False).splitlines()
+    text = "\n".join([head, *(f"{row}," for row in rows)])
+    require_run(write(tmp_path / "a.csv", text + "\n"), run)
+
+
+def test_labels_may_hold_the_sign_of_a_comment(tmp_path: Path, run: Run) -> None:
+    frame = table(run)
+    frame["tracer"] = [f"run#{label}" for label in frame.tracer]
+    frame[["tracer", "time", "x", "y", "vx", "vy"]].to_csv(tmp_path / "a.csv", index=False)
+    require_run(tmp_path / "a.csv", run)
+
+
+def test_rows_without_a_number_at_first_are_no_heads(tmp_path: Path, run: Run) -> None:
+    frame = table(run)
+    frame.loc[0, ["x", "y", "vx", "vy"]] = np.nan
+    frame.to_csv(tmp_path / "a.csv", index=False, na_rep="NA")
+    sample = read_sample([tmp_path / "a.csv"])
+    np.testing.assert_array_equal(sample.samples, [TRACERS - 1] * 4)
+
+
+def test_a_gap_does_not_exchange_tracers_without_labels(run: Run) -> None:
+    frame = table(run).drop(columns="tracer")
+    whole = read_sample([{name: frame[name] for name in frame}], positions="displacement")
+    frame.loc[2 * TRACERS + 7, "x"] = np.nan
+    gap = read_sample([{name: frame[name] for name in frame}], positions="displacement")
+    differs = np.any(whole.sums != gap.sums, axis=(1, 2))
+    assert np.count_nonzero(differs) == 1
+
+
+def test_time_stamps_stay_apart(run: Run) -> None:
+    frame = table(run)
+    frame["time"] += 1.7e9
+    require_run({name: frame[name] for name in frame}, run)
