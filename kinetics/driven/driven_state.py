@@ -223,9 +223,11 @@ class DrivenState(SteadyState):
         solution, error = solve_steady_until_converged(
             self.drive, tolerance, SteadySolution.difference_of_densities
         )
-        if solution.resolution.nodes > self._solution.resolution.nodes:
-            return solution, error
-        return self._solution, error
+        if solution.resolution.nodes <= self._solution.resolution.nodes:
+            solution = self._solution
+        if self.field and self.bath_speed:
+            error = max(error, solution.difference_over_angles())
+        return solution, error
 
     # -- sticking and relaxation ------------------------------------------------------------------
 

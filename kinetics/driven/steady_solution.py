@@ -17,7 +17,7 @@ import numpy as np
 from kinetics.drive import Drive
 from kinetics.driven.chebyshev_axis import ChebyshevSpeedAxis
 from kinetics.driven.generator import Generator
-from kinetics.driven.harmonics import Border, across, along
+from kinetics.driven.harmonics import Border, across, along, sum_over_harmonics
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import collision_rate, top_speed
 from kinetics.numerics import FloatArray
@@ -34,6 +34,8 @@ MIN_ERROR = 1e-12
 SLOW_ERROR_FACTOR = 4.0
 #: Speeds over the thermal one at which densities are compared.
 COMPARED_SPEEDS = np.append([0.01, 0.02, 0.04, 0.07], np.linspace(0.1, 3.0, 60))
+#: Angles to the field at which densities are compared.
+COMPARED_ANGLES = np.array([0.0, 0.5 * math.pi, math.pi])
 #: The share of tracers above the axis over rtol, in a field alone. Its origin is not recorded.
 TAIL_IN_FIELD = 1e-5
 #: The same under any other drive. Its origin is not recorded.
@@ -232,6 +234,22 @@ class SteadySolution:
         coarse_density = coarse.axis.density(coarse.sums[:1], v, d)
         scale = np.abs(fine_density).max() / self._error_factor
         return {AVERAGES: float(np.abs(fine_density - coarse_density).max() / scale)}
+
+    def difference_over_angles(self) -> float:
+        """Return how much the density differs, over its maximum, from a coarser solution's.
+
+        At some angles to the field; the coarser solution is made for this. Next to rest refining
+        helps little, as the averages that decide there are the least accurate.
+        """
+        d = self.drive.dimension
+        v = COMPARED_SPEEDS * math.sqrt(self.average(2.0, 0))
+        coarse = SteadySolution(self.drive, self.resolution.coarser)
+        densities = [
+            sum_over_harmonics(solution.axis.density(solution.sums, v, d), COMPARED_ANGLES, d)
+            for solution in (self, coarse)
+        ]
+        difference = np.abs(densities[0] - densities[1]).max()
+        return float(difference / np.abs(densities[0]).max())
 
     def moment_difference(self, coarse: SteadySolution, p: float, m: int) -> float:
         """Return the error of <v^p Y_m>, over <v^p>, from its difference from a coarser one.

@@ -6,6 +6,7 @@ with this package.
 """
 
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -497,3 +498,14 @@ def test_arrays_come_in_the_order_of_the_table_of_outputs() -> None:
     solution = solve(Scene(0.7, bath_speed=0.5, times=[1.0], outputs=outputs), rtol=1e-3)
     expected = ["msd", "diffusion_coefficient", "msd_slope", "mean_velocity"]
     assert list(solution.values) == expected
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_density_at_rest_has_no_direction(dimension: int) -> None:
+    """It was up to 0.6 of the maximum off in a bath with a field, without a word."""
+    state = solve_steady(0.7, dimension, bath_speed=1.0, field=0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ToleranceWarning)  # 1e-4 is not reached
+        at_rest = state.vdf([0.01], [0.0, 1.5, 3.0])
+        maximum = state.vdf(np.linspace(0.05, 2.0, 40), [0.0]).max()
+    assert np.ptp(at_rest) < 0.01 * maximum
