@@ -263,7 +263,17 @@ def _follow_block(
 ) -> Arrays:
     """Follow at most BLOCK tracers from number `first` on, adding to the sums; return the rest."""
     from particles.events import Varying
-    from particles.kernel import driven, follow, lane, records
+    from particles.kernel import (
+        among_disks,
+        among_scatterers,
+        cell_walk,
+        driven,
+        falling,
+        random_flights,
+        random_parabolas,
+        records,
+        tracer,
+    )
 
     medium, n = plan.medium, min(BLOCK, plan.tracers - first)
     unit, mean_path = medium.diameter, dilute_mean_path(medium)
@@ -275,7 +285,7 @@ def _follow_block(
         given = np.zeros((n, medium.dimension))
     given = given.view()
     given.flags.writeable = False  # as those of a plan are: for numba that is another type
-    start = lane.Start(
+    start = tracer.Batch(
         first, n, medium.dimension, given, plan.monoenergetic, np.uint64(plan.seed), configuration,
         plan.law, plan.max_collisions or 0,
         start_places(plan, configuration, cells, first, n),
@@ -300,20 +310,34 @@ def _follow_block(
         queue=np.empty(records.QUEUE, records.OUTPUT),
         filled=np.zeros(2, np.int64),
     )
-    field, lanes, varying = plan.field * unit, np.empty(lane.LANES, lane.LANE), None
+    field, varying = plan.field * unit, None
     if plan.driven or plan.varies:
         lowest, values = plan.table()
         endless = 1.0 if plan.capture_speed else float(values[0])
         varying = Varying(lowest, values.copy(), plan.capture_speed, endless)
+    limit = ESCAPE_PATHS * mean_path
     if plan.driven:
         heating, drag = plan.heating * unit, plan.drag * unit
         scale = (mean_path * mean_path / heating) ** (1.0 / 3.0) if heating else inf
         step = STEP * min(scale, 1.0 / drag if drag else inf)
-        drive = driven.Drive(mean_path, field, plan.bath_speed, heating, drag, step)
-        driven.follow_driven(start, drive, varying, lanes, record)
+        drive = driven.Driving(mean_path, field, plan.bath_speed, heating, drag, step)
+        driven.follow_driven(start, drive, varying, np.empty(16, driven.LANE), record)
+    elif cells is None and not field:
+        random_flights.follow_random_flights(
+            start, varying, mean_path, np.empty(16, random_flights.LANE), record
+        )
+    elif cells is None:
+        random_parabolas.follow_random_parabolas(
+            start, field, mean_path, np.empty(16, random_parabolas.LANE), record
+        )
+    elif not field:
+        among_scatterers.follow_among_scatterers(
+            start, cells, varying, limit, np.empty(16, cell_walk.LANE), record
+        )
     else:
-        limit = ESCAPE_PATHS * mean_path
-        follow.follow(start, cells, varying, field or None, mean_path, limit, lanes, record)
+        among_disks.follow_among_disks(
+            start, cells, field, limit, np.empty(16, falling.LANE), record
+        )
     traps = record.traps[: record.filled[records.CAUGHT]]
     kept["traps"] = np.insert(traps, 0, configuration, axis=1)
     return {name: kept[name] for name in kept if name == "traps" or name.startswith("raw/")}
@@ -327,7 +351,7 @@ def start_places(
     (0, 4) where all start at the centre: those that move, those without scatterers, and those among
     `Positions` for which the user gave another start.
     """
-    from particles.kernel.lane import AT_THE_CENTRE
+    from particles.kernel.tracer import AT_THE_CENTRE
     from particles.placement import free_places
 
     medium = plan.medium

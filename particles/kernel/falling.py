@@ -1,236 +1,224 @@
-"""The steps of a tracer on parabolas among disks, which `particles.kernel.follow` joins.
+"""The steps of a tracer on parabolas among disks, in a field along x.
 
-A lane holds place and velocity at its last node: a contact, a cell wall, or the end of a slide.
-
-When it first touches a disk is the first root of a quartic. In a field g along x, and from the
-centre of the disk, the tracer is at (x + vx t + g t^2/2, y + vy t), and touches the disk where
-P = |r|^2 - 1 falls through 0. Half the second derivative of P is
-
-    q(t) = 3/2 (vx + g t)^2 + v^2 + g x - 3/2 vx^2,
-
-whose least value m over the time that is left is known at once. So P is nowhere below the parabola
-P_k + 2 h_k s + m s^2 that touches it at the present time t_k, nor its first root before that of the
-parabola. Going from one such root to the next, the tracer comes near the first contact from before,
-quadratically, and cannot pass it; where the parabola has no root, there is no contact.
+A lane holds place and velocity at the last node of the path: a contact, a cell wall, or the end of
+a slide. As without a field (`cell_walk`), the next contact is sought in one cell after the other.
 """
 
 from math import copysign, sqrt
-from typing import Any
 
 import numpy as np
-from numba import njit
 
 from particles.cells import SLOTS, Cells, cell_at, near_chord
 from particles.compiled import inlined
-from particles.events import MOST_STEPS, NEVER, bounce
-from particles.kernel.lane import AT_REST, Start
-from particles.kernel.parabola import SMALLEST_STEP, length_flown, time_to_reach
-from particles.kernel.steps import enter
+from particles.events import NEVER, bounce
+from particles.kernel.cell_walk import CellPlace, enter_cell_in_plane
+from particles.kernel.disk_contact import APART, STRUCK, TANGENT, contact_in_field
+from particles.kernel.parabola import length_flown, time_to_reach
+from particles.kernel.parabolic_flight import start_with_velocity
+from particles.kernel.tracer import AT_REST, Batch, VelocityTracer, record_type
 
-# How a tracer and a disk are to each other when its flight begins: not in contact as far as is
-# known, on it and leaving, or on it and leaving without normal velocity.
-APART, STRUCK, TANGENT = range(3)
+#: Distance in d beyond contact at which a disk near the chord of a parabola is still looked at.
+#: Chosen: far more than rounding.
+ROUNDING_MARGIN = 1e-9
 
 
-@njit(error_model="numpy")
-def contact_in_field(
-    place: tuple[float, float], velocity: tuple[float, float], field: float, limit: float,
-    before: int,
-) -> float:  # fmt: skip
-    """Return the time of the first contact with a disk, NEVER if it is not before `limit`.
+class FallingTracer(VelocityTracer, CellPlace):
+    """A tracer on parabolas among disks; place and velocity are those at the last node."""
 
-    place: from the centre of the disk, whose radius is 1. before: APART, STRUCK or TANGENT; in the
-    last two cases it is the next contact. A tracer that is APART and by rounding not outside
-    collides at once if it moves inwards.
-    """
-    x, y = place
-    vx, vy = velocity
-    if before == TANGENT:
-        # P = t^2 (opening + growth t + (field t)^2/4)
-        opening, growth = vx * vx + vy * vy + field * x, field * vx
-        inside = growth * growth - field * field * opening
-        if growth >= 0.0 or inside < 0.0:
-            return NEVER
-        t = 2.0 * max(opening, 0.0) / (sqrt(inside) - growth)
-        return t if t <= limit else NEVER
-    t, p, h = 0.0, x * x + y * y - 1.0, x * vx + y * vy
-    on_disk = before == STRUCK or p <= 0.0
-    if on_disk:
-        if before == APART and h < 0.0:
-            return 0.0
-        p, h = 0.0, max(h, 0.0)
-    square = vx * vx + vy * vy + field * x
-    base, rise = square - 1.5 * vx * vx, h
-    end = vx + field * limit
-    for _ in range(MOST_STEPS):  # two in the mean; some hundreds for contacts that graze
-        now = vx + field * t
-        least = 0.0 if now * end <= 0.0 else min(abs(now), abs(end))
-        m = 1.5 * least * least + base
-        inside = h * h - m * p
-        if inside < 0.0 or (h >= 0.0 and m >= 0.0):
-            return NEVER
-        root = sqrt(inside)
-        step = p / (root - h) if h < 0.0 else (h + root) / -m
-        t += step
-        if not t <= limit:
-            return NEVER
-        if on_disk:
-            # P without its root at 0, which is known: exact for bounces of any height.
-            a, b = 0.25 * field * field, field * vx
-            p = t * (((a * t + b) * t + square) * t + 2.0 * rise)
-            h = ((2.0 * a * t + 1.5 * b) * t + square) * t + rise
-        else:
-            ahead, across = x + (vx + 0.5 * field * t) * t, y + vy * t
-            p = ahead * ahead + across * across - 1.0
-            h = ahead * (vx + field * t) + across * vy
-        if p <= 0.0 or step <= SMALLEST_STEP * t:
-            return t
-    return t
+    contact: float  # time until the next contact in this cell
+    struck_x: float  # the disk struck last, from the centre of the cell
+    struck_y: float
+    touches: int  # STRUCK or TANGENT while the tracer is on this disk, else APART
+    first_vx: float  # velocity along x where the flight began
+    duration: float  # of the flight, until the last node
+    walls_crossed: int  # in this flight
+    origin_i: int  # the cell where the tracer started, from the middle one
+    origin_j: int
+    origin_x: float  # where it started, from the centre of this cell
+    origin_y: float
+
+
+#: The record of a lane.
+LANE = record_type(FallingTracer)
 
 
 @inlined
-def begin(lane: Any, cells: Cells, start: Start) -> None:
-    """Put a tracer that has been launched where it starts."""
-    lane.from_i = lane.from_j = 0
-    lane.from_x = lane.from_y = 0.0
-    if start.places.shape[0]:
-        place = start.places[lane.tracer]
-        lane.from_i, lane.from_j = int(place[0]), int(place[1])
-        lane.from_x, lane.from_y = place[2], place[3]
-    lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
+def start_falling(
+    tracer: FallingTracer, batch: Batch, cells: Cells, times: np.ndarray, number: int
+) -> None:
+    """Set a lane to the start of a tracer."""
+    start_with_velocity(tracer, batch, times, number)
+    tracer.origin_i = tracer.origin_j = 0
+    tracer.origin_x = tracer.origin_y = 0.0
+    if batch.places.shape[0]:
+        place = batch.places[number]
+        tracer.origin_i = int(place[0])
+        tracer.origin_j = int(place[1])
+        tracer.origin_x = place[2]
+        tracer.origin_y = place[3]
+    tracer.i = tracer.origin_i
+    tracer.j = tracer.origin_j
+    tracer.x = tracer.origin_x
+    tracer.y = tracer.origin_y
     middle = cells.shape[0] // 2
-    lane.stored_i, lane.stored_j = middle + lane.i, middle + lane.j
-    lane.cell = cell_at(cells.shape, lane.stored_i, lane.stored_j, 0)
-    lane.before = APART
-    begin_flight(lane)
+    tracer.stored_i = middle + tracer.i
+    tracer.stored_j = middle + tracer.j
+    tracer.cell = cell_at(cells.shape, tracer.stored_i, tracer.stored_j, 0)
+    tracer.normal_x = tracer.normal_y = 0.0
+    tracer.touches = APART
+    begin_flight(tracer)
 
 
 @inlined
-def begin_flight(lane: Any) -> None:
-    """Note where on its parabola the flight of a lane begins."""
-    lane.first_vx, lane.lasted = lane.vx, 0.0
-    lane.crossed = 0
+def begin_flight(tracer: FallingTracer) -> None:
+    """Note where on its parabola the flight of a tracer begins."""
+    tracer.first_vx = tracer.vx
+    tracer.duration = 0.0
+    tracer.walls_crossed = 0
 
 
 @inlined
-def note_place(lane: Any, side: float) -> None:
-    """Write down the place of a lane as seen from the start of its path."""
-    lane.flight_x = come_along(lane, lane.x, side)
-    lane.flight_y = (lane.j - lane.from_j) * side + (lane.y - lane.from_y)
+def place_from_start(tracer: FallingTracer, side: float) -> None:
+    """Find the place of a tracer from where it started, as records have it."""
+    tracer.flight_x = x_from_start(tracer, tracer.x, side)
+    tracer.flight_y = (tracer.j - tracer.origin_j) * side + (tracer.y - tracer.origin_y)
 
 
 @inlined
-def come_along(lane: Any, x: float, side: float) -> float:
-    """Return how far along the field a place of this x in the cell of a lane is from its start."""
-    return (lane.i - lane.from_i) * side + (x - lane.from_x)
+def x_from_start(tracer: FallingTracer, x: float, side: float) -> float:
+    """Return how far along x a place in the cell of a tracer is from where the tracer started."""
+    return (tracer.i - tracer.origin_i) * side + (x - tracer.origin_x)
 
 
 @inlined
-def aim(lane: Any, half: float, field: float) -> None:
-    """Find when a lane leaves its cell, of side 2 half, and through which wall."""
+def find_walls_in_field(tracer: FallingTracer, half: float, field: float) -> None:
+    """Find when a tracer leaves its cell, of side 2 half, and through which wall."""
     towards = copysign(1.0, field)
     strength = abs(field)
-    ahead, along = towards * lane.x, towards * lane.vx
-    behind = ahead + half
-    behind = behind if behind > 0.0 else 0.0
-    inside = along * along - 2.0 * strength * behind
-    if along < 0.0 and inside >= 0.0:
+    ahead = towards * tracer.x
+    along = towards * tracer.vx
+    to_back_wall = ahead + half
+    to_back_wall = to_back_wall if to_back_wall > 0.0 else 0.0
+    discriminant = along * along - 2.0 * strength * to_back_wall
+    if along < 0.0 and discriminant >= 0.0:
         # It runs out against the field before it turns.
-        lane.wall_x, lane.step_i = 2.0 * behind / (sqrt(inside) - along), int(-towards)
+        tracer.wall_x = 2.0 * to_back_wall / (sqrt(discriminant) - along)
+        tracer.step_i = int(-towards)
     else:
-        left = half - ahead
-        left = left if left > 0.0 else 0.0
-        reach = time_to_reach(left, along, strength) if left > 0.0 or along < 0.0 else 0.0
-        lane.wall_x, lane.step_i = reach, int(towards)
-    sign = copysign(1.0, lane.vy)
-    left = half - sign * lane.y
-    lane.wall_y = (left if left > 0.0 else 0.0) / max(abs(lane.vy), AT_REST)
-    lane.step_j = int(sign)
+        to_front_wall = half - ahead
+        to_front_wall = to_front_wall if to_front_wall > 0.0 else 0.0
+        tracer.wall_x = 0.0
+        if to_front_wall > 0.0 or along < 0.0:
+            tracer.wall_x = time_to_reach(to_front_wall, along, strength)
+        tracer.step_i = int(towards)
+    sign = copysign(1.0, tracer.vy)
+    to_side_wall = half - sign * tracer.y
+    to_side_wall = to_side_wall if to_side_wall > 0.0 else 0.0
+    tracer.wall_y = to_side_wall / max(abs(tracer.vy), AT_REST)
+    tracer.step_j = int(sign)
 
 
 @inlined
-def _meet(lane: Any, cx: float, cy: float, field: float, limit: float) -> float:
-    before = APART
-    if lane.before != APART and cx == lane.struck_x and cy == lane.struck_y:
-        before = lane.before
-    return contact_in_field((lane.x - cx, lane.y - cy), (lane.vx, lane.vy), field, limit, before)
+def _contact_time(
+    tracer: FallingTracer, disk_x: float, disk_y: float, field: float, limit: float
+) -> float:
+    """Return the time until a tracer meets a disk, NEVER if that is not before `limit`."""
+    touches = APART
+    if tracer.touches != APART and disk_x == tracer.struck_x and disk_y == tracer.struck_y:
+        touches = tracer.touches
+    place = tracer.x - disk_x, tracer.y - disk_y
+    return contact_in_field(place, (tracer.vx, tracer.vy), field, limit, touches)
 
 
 @inlined
-def next_contact(
-    lane: Any, slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    field: float,
-) -> None:  # fmt: skip
-    """Find the first disk that a lane meets in its cell; the time is NEVER if there is none.
+def find_contact_in_field(tracer: FallingTracer, cells: Cells, field: float) -> None:
+    """Find the first disk that a tracer meets in its cell; the time is NEVER if there is none.
 
     Only disks near the chord are looked at: the parabola is no farther than g t^2/8 from it.
     """
-    x, y, cell = lane.x, lane.y, lane.cell
-    first = min(lane.wall_x, lane.wall_y)
-    found, meets_x, meets_y = NEVER, 0.0, 0.0
-    ex, ey = (lane.vx + 0.5 * field * first) * first, lane.vy * first
-    reach = 1.0 + 1e-9 + 0.125 * abs(field) * first * first
-    mask = near_chord(slots, cell, (x, y), (ex, ey), reach * reach)
+    slots = cells.slots
+    links = cells.links
+    nodes = cells.nodes
+    cell = tracer.cell
+    limit = min(tracer.wall_x, tracer.wall_y)
+    contact = NEVER
+    met_x = 0.0
+    met_y = 0.0
+    place = tracer.x, tracer.y
+    chord = (tracer.vx + 0.5 * field * limit) * limit, tracer.vy * limit
+    reach = 1.0 + ROUNDING_MARGIN + 0.125 * abs(field) * limit * limit
+    candidates = near_chord(slots, cell, place, chord, reach * reach)
     slot = 0
-    while mask:
-        if mask & 1:
-            cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
-            t = _meet(lane, cx, cy, field, first)
-            if t < NEVER:
-                found, first, meets_x, meets_y = t, t, cx, cy
-        mask >>= 1
+    while candidates:
+        if candidates & 1:
+            disk_x = slots[cell, slot]
+            disk_y = slots[cell, SLOTS + slot]
+            time = _contact_time(tracer, disk_x, disk_y, field, limit)
+            if time < NEVER:
+                contact = limit = time
+                met_x = disk_x
+                met_y = disk_y
+        candidates >>= 1
         slot += 1
-    node = head[cell]
+    node = cells.head[cell]
     while node >= 0:
-        cx, cy = nodes[node, 0], nodes[node, 1]
-        t = _meet(lane, cx, cy, field, first)
-        if t < NEVER:
-            found, first, meets_x, meets_y = t, t, cx, cy
+        time = _contact_time(tracer, nodes[node, 0], nodes[node, 1], field, limit)
+        if time < NEVER:
+            contact = limit = time
+            met_x = nodes[node, 0]
+            met_y = nodes[node, 1]
         node = links[node]
-    lane.contact, lane.meets_x, lane.meets_y = found, meets_x, meets_y
+    tracer.contact = contact
+    tracer.met_x = met_x
+    tracer.met_y = met_y
 
 
 @inlined
-def move(lane: Any, lasts: float, field: float) -> None:
-    """Move a lane along its parabola for so long, within its cell."""
-    lane.x += (lane.vx + 0.5 * field * lasts) * lasts
-    lane.y += lane.vy * lasts
-    lane.vx += field * lasts
-    lane.time += lasts
-    lane.lasted += lasts
+def move_in_cell(tracer: FallingTracer, duration: float, field: float) -> None:
+    """Move a tracer along its parabola, within its cell."""
+    tracer.x += (tracer.vx + 0.5 * field * duration) * duration
+    tracer.y += tracer.vy * duration
+    tracer.vx += field * duration
+    tracer.time += duration
+    tracer.duration += duration
 
 
 @inlined
-def cross_cell(lane: Any, shape: tuple[int, ...], side: float, field: float) -> None:
-    """Move a lane along its parabola into the next cell."""
-    across = lane.wall_x <= lane.wall_y
-    move(lane, lane.wall_x if across else lane.wall_y, field)
-    if across:
-        lane.x = -0.5 * side * lane.step_i
-        enter(lane, shape, lane.step_i, 0, 0)
+def fall_into_next_cell(tracer: FallingTracer, n: int, side: float, field: float) -> None:
+    """Move a tracer along its parabola into the next cell; n: cells along the box."""
+    if tracer.wall_x <= tracer.wall_y:
+        move_in_cell(tracer, tracer.wall_x, field)
+        tracer.x = -0.5 * side * tracer.step_i
+        tracer.cell = enter_cell_in_plane(tracer, n, tracer.step_i, 0)
     else:
-        lane.y = -0.5 * side * lane.step_j
-        enter(lane, shape, 0, lane.step_j, 0)
-    lane.before = APART
-    lane.crossed += 1
+        move_in_cell(tracer, tracer.wall_y, field)
+        tracer.y = -0.5 * side * tracer.step_j
+        tracer.cell = enter_cell_in_plane(tracer, n, 0, tracer.step_j)
+    tracer.touches = APART
+    tracer.walls_crossed += 1
 
 
 @inlined
-def flown(lane: Any, field: float) -> float:
-    """Return the length of the flight of a lane so far."""
-    return length_flown(lane.first_vx, lane.vy, 0.0, lane.lasted, field)
+def flight_length(tracer: FallingTracer, field: float) -> float:
+    """Return the length of the flight of a tracer, until its last node."""
+    return length_flown(tracer.first_vx, tracer.vy, 0.0, tracer.duration, field)
 
 
 @inlined
-def collide(lane: Any, law: tuple[float, float]) -> float:
+def bounce_off_disk(tracer: FallingTracer, law: tuple[float, float]) -> float:
     """Bounce off the disk that has been met; return the normal velocity after that."""
-    lane.struck_x, lane.struck_y = lane.meets_x, lane.meets_y
-    nx, ny = lane.x - lane.struck_x, lane.y - lane.struck_y
+    tracer.struck_x = tracer.met_x
+    tracer.struck_y = tracer.met_y
+    nx = tracer.x - tracer.struck_x
+    ny = tracer.y - tracer.struck_y
     per = 1.0 / sqrt(nx * nx + ny * ny)
-    nx, ny = nx * per, ny * per
-    lane.x, lane.y = lane.struck_x + nx, lane.struck_y + ny
-    lane.normal_x, lane.normal_y = nx, ny
-    lane.vx, lane.vy, normal = bounce(lane.vx, lane.vy, nx, ny, law)
-    lane.before = STRUCK if normal > 0.0 else TANGENT
-    lane.collisions += 1
-    return normal
+    nx = nx * per
+    ny = ny * per
+    tracer.x = tracer.struck_x + nx
+    tracer.y = tracer.struck_y + ny
+    tracer.normal_x = nx
+    tracer.normal_y = ny
+    tracer.vx, tracer.vy, normal_velocity = bounce(tracer.vx, tracer.vy, nx, ny, law)
+    tracer.touches = STRUCK if normal_velocity > 0.0 else TANGENT
+    tracer.collisions += 1
+    return normal_velocity

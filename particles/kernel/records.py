@@ -1,39 +1,73 @@
-"""What a kernel records: sums, histograms and raw states at the output times."""
+"""What a kernel records: sums, histograms and raw states at the output times.
 
-from math import floor, log, log2, sqrt
-from typing import Any, NamedTuple
+States at output times wait in a queue and are entered in the sums when it is full (`enter_queue`):
+the loop of a kernel then writes to one array instead of to all of them.
+"""
+
+from math import floor, log, log2
+from typing import NamedTuple
 
 import numpy as np
 
 from particles import outputs
 from particles.compiled import called, inlined
 from particles.events import NEVER
-from particles.kernel.lane import AT_REST, record_type
+from particles.kernel.straight_flight import SHIFT, StraightTracer
+from particles.kernel.tracer import Tracer, VelocityTracer, record_type
 
-_LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
-# States at output times wait in a queue and are entered in the sums when it is full: the kernels'
-# loop then writes to one array instead of to all of them. Velocities are times Records.scales.
-OUTPUT = record_type(
-    {
-        np.float64: (
-            "x", "y", "z", "vx", "vy", "vz", "start_vx", "start_vy", "start_vz", "caught",
-        ),
-        np.int64: ("output", "tracer", "collisions"),
-    }
-)  # fmt: skip
+#: Logarithm of the factor between two units of slowness and time of a tracer.
+LN_SHIFT = log(SHIFT)
+#: The same to base 2.
+LOG2_SHIFT = log2(SHIFT)
+#: States that the queue has room for. The origin of the number is not recorded.
 QUEUE = 1024
+#: Index into `Records.filled`: states that wait in the queue.
+WAITING = 0
+#: Index into `Records.filled`: rows of `Records.traps`.
+CAUGHT = 1
+
+
+class OutputState:
+    """The state of a tracer at an output time."""
+
+    output: int  # number of the output time
+    number: int  # of the tracer
+    collisions: int
+    caught: float  # 1 for a trapped or captured tracer, else 0
+    x: float  # from the start of the tracer, in d
+    y: float
+    z: float
+    vx: float  # velocity times Records.scales
+    vy: float
+    vz: float
+    start_vx: float  # velocity at time 0
+    start_vy: float
+    start_vz: float
+
+
+#: The record of a state that waits in the queue.
+OUTPUT = record_type(OutputState)
 
 
 class Records(NamedTuple):
-    """Arrays that a kernel adds to; those not asked for are empty. Columns: `outputs`.
+    """Arrays that a kernel adds to; those that are not requested are empty. Columns: `outputs`.
 
-    times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
-    by in the sums there. grids (5, 2): log2 of the lowest edge and bins per octave of each
-    histogram. counts: of each, (n_times or 1, bins + 2), the first and the last of what lies
-    outside. positions, velocities (n_times, n, dimension) and finals: raw, in d and U. passages
-    (n,), inf, receives the times at which x first has the value depth, in d. traps: the trapped and
-    captured tracers. queue (QUEUE,): states that wait. filled (2,): how many wait, and how many
-    rows of traps are filled.
+    Parameters
+    ----------
+    times, scales : output times in d/U, and the power of 2 that velocities are multiplied by in the
+        sums there, shape (n_times,)
+    moments, field_sums : sums over tracers at each output time
+    totals, statuses : sums over tracers at their ends, and numbers of tracers
+    grids : log2 of the lowest edge and bins per octave of each histogram, shape (5, 2)
+    counts : of each histogram, shape (n_times or 1, bins + 2); the first bin is of what lies below
+        the lowest edge, the last one of what lies above the highest
+    positions, velocities, finals : raw data of each tracer in d and U, shape (n_times, n,
+        dimension) and (n, columns)
+    passages : infinite at first; receives the times at which x first has the value `depth` (in d),
+        shape (n,)
+    traps : the trapped and captured tracers
+    queue : states that wait, shape (QUEUE,)
+    filled : how many states wait, and how many rows of traps are filled, shape (2,)
     """
 
     times: np.ndarray
@@ -54,168 +88,225 @@ class Records(NamedTuple):
     filled: np.ndarray
 
 
-WAITING, CAUGHT = range(2)
+# -- histograms ------------------------------------------------------------------------------------
 
 
 @inlined
-def _log2(value: float) -> float:
-    return log2(value) if value > 0.0 else -NEVER
+def _log2(number: float) -> float:
+    return log2(number) if number > 0.0 else -NEVER
 
 
 @inlined
 def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray) -> None:
-    """Add one to the bin of a value; the first and last bins hold what is below and above."""
-    last = histogram.shape[1] - 1
+    """Add one to the bin of a value."""
+    above = histogram.shape[1] - 1
     place = floor((log2_value - grid[0]) * grid[1]) + 1.0
     if place < 1.0:
         histogram[row, 0] += 1
-    elif place >= last:
-        histogram[row, last] += 1
+    elif place >= above:
+        histogram[row, above] += 1
     else:
         histogram[row, int(place)] += 1
 
 
+class FlightHistograms(NamedTuple):
+    """The histograms of completed flights, and their grids, out of `Records`.
+
+    A kernel takes them out of its records once, as it does with all arrays that it needs in its
+    loop: there, numba would count references to all of `Records` each time.
+    """
+
+    paths: np.ndarray
+    durations: np.ndarray
+    grids: np.ndarray
+
+
 @inlined
-def count_flight(
-    paths: np.ndarray, durations: np.ndarray, grids: np.ndarray, path: float, lasts: float,
-    shifts: int,
-) -> None:  # fmt: skip
-    """Enter a completed flight; without `Records`, references to which would be counted."""
-    if paths.size:
-        _count(paths, 0, _log2(path), grids[outputs.PATH])
-    if durations.size:
-        _count(durations, 0, _log2(lasts) + 64.0 * shifts, grids[outputs.DURATION])
+def flight_histograms(records: Records) -> FlightHistograms:
+    """Return the histograms of completed flights."""
+    paths = records.counts[outputs.PATH]
+    durations = records.counts[outputs.DURATION]
+    return FlightHistograms(paths, durations, records.grids)
+
+
+@inlined
+def count_flight(histograms: FlightHistograms, path: float, duration: float, shifts: int) -> None:
+    """Enter a completed flight in the histograms; duration: times 2^(-64 shifts)."""
+    if histograms.paths.size:
+        _count(histograms.paths, 0, _log2(path), histograms.grids[outputs.PATH])
+    if histograms.durations.size:
+        log2_duration = _log2(duration) + LOG2_SHIFT * shifts
+        _count(histograms.durations, 0, log2_duration, histograms.grids[outputs.DURATION])
+
+
+# -- states at output times ------------------------------------------------------------------------
 
 
 @called
-def _next_row(lane: Any, caught: float, records: Records) -> Any:
+def _next_row(tracer: Tracer, caught: float, records: Records) -> OutputState:
     """Return the next row of the queue, with what does not change in a flight; count the output."""
     if records.filled[WAITING] == QUEUE:
         enter_queue(records)
     row = records.queue[records.filled[WAITING]]
     records.filled[WAITING] += 1
-    row.output, row.tracer, row.collisions = lane.output, lane.tracer, lane.collisions
-    row.start_vx, row.start_vy, row.start_vz = lane.start_vx, lane.start_vy, lane.start_vz
+    row.output = tracer.output
+    row.number = tracer.number
+    row.collisions = tracer.collisions
+    row.start_vx = tracer.start_vx
+    row.start_vy = tracer.start_vy
+    row.start_vz = tracer.start_vz
     row.caught = caught
-    lane.output += 1
+    tracer.output += 1
     return row
 
 
 @called
-def queue_output(lane: Any, records: Records) -> None:
-    """Queue the state of a lane at its next output time, in its flight."""
-    scale, times = records.scales[lane.output], records.times
-    row = _next_row(lane, 0.0, records)
+def queue_output(tracer: StraightTracer, records: Records) -> None:
+    """Queue the state of a tracer at its next output time, in its straight flight."""
+    times = records.times
+    scale = records.scales[tracer.output]
+    row = _next_row(tracer, 0.0, records)
     # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
-    done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
-    speed = scale * lane.unit / lane.slowness
-    row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy
-    row.z = lane.flight_z + done * lane.uz
-    row.vx, row.vy, row.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz
-    lane.next_output = times[lane.output] * lane.unit if lane.output < times.size else np.inf
+    path = max((tracer.next_output - tracer.time) / tracer.slowness, 0.0)
+    speed = scale * tracer.unit / tracer.slowness
+    row.x = tracer.flight_x + path * tracer.ux
+    row.y = tracer.flight_y + path * tracer.uy
+    row.z = tracer.flight_z + path * tracer.uz
+    row.vx = speed * tracer.ux
+    row.vy = speed * tracer.uy
+    row.vz = speed * tracer.uz
+    tracer.next_output = np.inf
+    if tracer.output < times.size:
+        tracer.next_output = times[tracer.output] * tracer.unit
 
 
 @called
-def queue_falling(lane: Any, records: Records, field: float) -> None:
-    """As `queue_output`, of a lane on its parabola in a field."""
-    row, times = _next_row(lane, 0.0, records), records.times
-    done = max(lane.next_output - lane.time, 0.0)
-    row.x = lane.flight_x + (lane.vx + 0.5 * field * done) * done
-    row.y, row.z = lane.flight_y + lane.vy * done, lane.flight_z + lane.vz * done
-    row.vx, row.vy, row.vz = lane.vx + field * done, lane.vy, lane.vz
-    lane.next_output = times[lane.output] if lane.output < times.size else np.inf
-
-
-@called
-def _note_trap(lane: Any, first: int, records: Records) -> None:
-    """Record where and when a tracer was caught, at rest where its flight began at all outputs."""
-    while lane.output < records.times.size:
-        row = _next_row(lane, 1.0, records)
-        row.x, row.y, row.z = lane.flight_x, lane.flight_y, lane.flight_z
-        row.vx = row.vy = row.vz = 0.0
-    trap = records.traps[records.filled[CAUGHT]]
-    records.filled[CAUGHT] += 1
-    trap[outputs.TRAP_TRACER] = first + lane.tracer
-    trap[outputs.TRAP_TIME] = lane.time / lane.unit
-    _keep(trap[outputs.TRAP_X :], lane.flight_x, lane.flight_y, lane.flight_z)
+def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> None:
+    """Queue the state of a tracer at its next output time, on its parabola."""
+    times = records.times
+    row = _next_row(tracer, 0.0, records)
+    t = max(tracer.next_output - tracer.time, 0.0)
+    row.x = tracer.flight_x + (tracer.vx + 0.5 * field * t) * t
+    row.y = tracer.flight_y + tracer.vy * t
+    row.z = tracer.flight_z + tracer.vz * t
+    row.vx = tracer.vx + field * t
+    row.vy = tracer.vy
+    row.vz = tracer.vz
+    tracer.next_output = times[tracer.output] if tracer.output < times.size else np.inf
 
 
 @called
 def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
-    moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
+    moments = records.moments
+    scales = records.scales
+    grids = records.grids
+    queue = records.queue
     speeds, components, distances = records.counts[: outputs.PATH]
-    positions, velocities, sums = records.positions, records.velocities, records.field_sums
+    positions = records.positions
+    velocities = records.velocities
+    field_sums = records.field_sums
     for m in range(records.filled[WAITING]):
-        row = queue[m]
-        k, x, y, z = row.output, row.x, row.y, row.z
-        vx, vy, vz = row.vx, row.vy, row.vz
-        r2 = x * x + y * y + z * z
-        v2 = vx * vx + vy * vy + vz * vz
-        moments[k, outputs.SAMPLES] += 1.0
-        moments[k, outputs.SPEED2] += v2
-        moments[k, outputs.SPEED4] += v2 * v2
-        moments[k, outputs.R2] += r2
-        moments[k, outputs.R4] += r2 * r2
-        moments[k, outputs.COLLISIONS] += row.collisions
-        moments[k, outputs.CORRELATION] += vx * row.start_vx + vy * row.start_vy + vz * row.start_vz
-        moments[k, outputs.CAUGHT] += row.caught
-        if sums.size:
-            d = 2 if sums.shape[1] == outputs.FIELD_SUMS_IN_PLANE else 3
-            _add_products(sums[k], 0, (vx, vy, vz), d)
-            _add_products(sums[k], sums.shape[1] // 2, (x, y, z), d)
+        state = queue[m]
+        k = state.output
+        scale = scales[k]
+        v2 = state.vx * state.vx + state.vy * state.vy + state.vz * state.vz
+        r2 = state.x * state.x + state.y * state.y + state.z * state.z
+        _add_moments(moments[k], state, v2, r2)
+        if field_sums.size:
+            half = field_sums.shape[1] // 2
+            dimension = 2 if field_sums.shape[1] == outputs.FIELD_SUMS_IN_PLANE else 3
+            _add_products(field_sums[k], 0, (state.vx, state.vy, state.vz), dimension)
+            _add_products(field_sums[k], half, (state.x, state.y, state.z), dimension)
         if speeds.size:
-            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[outputs.SPEED])
+            _count(speeds, k, 0.5 * _log2(v2) - log2(scale), grids[outputs.SPEED])
         if components.size:
-            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[outputs.COMPONENT])
+            _count(components, k, _log2(abs(state.vx)) - log2(scale), grids[outputs.COMPONENT])
         if distances.size:
             _count(distances, k, 0.5 * _log2(r2), grids[outputs.DISTANCE])
         if positions.size:
-            _keep(positions[k, row.tracer], x, y, z)
+            _store(positions[k, state.number], state.x, state.y, state.z)
         if velocities.size:
-            _keep(velocities[k, row.tracer], vx / scales[k], vy / scales[k], vz / scales[k])
+            velocity = velocities[k, state.number]
+            _store(velocity, state.vx / scale, state.vy / scale, state.vz / scale)
     records.filled[WAITING] = 0
 
 
 @inlined
-def _keep(place: np.ndarray, x: float, y: float, z: float) -> None:
-    place[0], place[1] = x, y
-    if place.size > 2:
-        place[2] = z
+def _add_moments(moments: np.ndarray, state: OutputState, v2: float, r2: float) -> None:
+    """Add a state to the sums of its output time; v2 and r2: squares of velocity and distance."""
+    moments[outputs.SAMPLES] += 1.0
+    moments[outputs.SPEED2] += v2
+    moments[outputs.SPEED4] += v2 * v2
+    moments[outputs.R2] += r2
+    moments[outputs.R4] += r2 * r2
+    moments[outputs.COLLISIONS] += state.collisions
+    moments[outputs.CORRELATION] += (
+        state.vx * state.start_vx + state.vy * state.start_vy + state.vz * state.start_vz
+    )
+    moments[outputs.CAUGHT] += state.caught
 
 
 @inlined
-def _add_products(sums: np.ndarray, first: int, vector: tuple[float, float, float], d: int) -> None:
-    """Add the first d components of a vector, then the products of each two, from `first` on."""
-    for a in range(d):
-        sums[first + a] += vector[a]
-    place = first + d
-    for a in range(d):
-        for b in range(a, d):
-            sums[place] += vector[a] * vector[b]
-            place += 1
+def _add_products(
+    sums: np.ndarray, column: int, vector: tuple[float, float, float], dimension: int
+) -> None:
+    """Add the components of a vector, then the products of each two of them, from a column on."""
+    for a in range(dimension):
+        sums[column + a] += vector[a]
+    product = column + dimension
+    for a in range(dimension):
+        for b in range(a, dimension):
+            sums[product] += vector[a] * vector[b]
+            product += 1
 
 
 @inlined
-def finish(lane: Any, status: int, first: int, records: Records) -> None:
-    """Enter the end of a tracer where its flight began; a trapped or captured one rests there."""
+def _store(vector: np.ndarray, x: float, y: float, z: float) -> None:
+    """Store a vector in an array of two or three numbers."""
+    vector[0] = x
+    vector[1] = y
+    if vector.size > 2:
+        vector[2] = z
+
+
+# -- ends of tracers -------------------------------------------------------------------------------
+
+
+@inlined
+def finish(tracer: Tracer, status: int, first_number: int, records: Records) -> None:
+    """Enter the end of a tracer where its flight began; a trapped or captured one rests there.
+
+    first_number: of the tracers of the batch.
+    """
     if status in (outputs.TRAPPED, outputs.CAPTURED):
-        _note_trap(lane, first, records)
-    records.totals[outputs.TRAVELLED] += lane.travelled
-    records.totals[outputs.ALL_COLLISIONS] += lane.collisions
+        _record_trap(tracer, first_number, records)
+    records.totals[outputs.TRAVELLED] += tracer.travelled
+    records.totals[outputs.ALL_COLLISIONS] += tracer.collisions
     records.statuses[status] += 1
     if records.finals.size:
-        end, shift = records.finals[lane.tracer], lane.shifts * _LN_SHIFT
-        end[outputs.LN_SPEED] = -log(lane.slowness) - shift
-        end[outputs.LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
-        end[outputs.FINAL_X], end[outputs.FINAL_Y] = lane.flight_x, lane.flight_y
-        end[outputs.FINAL_COLLISIONS] = lane.collisions
+        end = records.finals[tracer.number]
+        ln_unit = tracer.shifts * LN_SHIFT
+        end[outputs.LN_SPEED] = -log(tracer.slowness) - ln_unit
+        end[outputs.LN_TIME] = (log(tracer.time) if tracer.time > 0.0 else -NEVER) + ln_unit
+        end[outputs.FINAL_X] = tracer.flight_x
+        end[outputs.FINAL_Y] = tracer.flight_y
+        end[outputs.FINAL_COLLISIONS] = tracer.collisions
         if end.size > outputs.FINAL_Z:
-            end[outputs.FINAL_Z] = lane.flight_z
+            end[outputs.FINAL_Z] = tracer.flight_z
 
 
-@inlined
-def note_slowness(lane: Any) -> None:
-    """Give a lane with a velocity its slowness."""
-    square = lane.vx * lane.vx + (lane.vy * lane.vy + lane.vz * lane.vz)
-    lane.slowness = 1.0 / max(sqrt(square), AT_REST)
+@called
+def _record_trap(tracer: Tracer, first_number: int, records: Records) -> None:
+    """Record where and when a tracer was caught; it rests there at all outputs to come."""
+    while tracer.output < records.times.size:
+        row = _next_row(tracer, 1.0, records)
+        row.x = tracer.flight_x
+        row.y = tracer.flight_y
+        row.z = tracer.flight_z
+        row.vx = row.vy = row.vz = 0.0
+    trap = records.traps[records.filled[CAUGHT]]
+    records.filled[CAUGHT] += 1
+    trap[outputs.TRAP_TRACER] = first_number + tracer.number
+    trap[outputs.TRAP_TIME] = tracer.time / tracer.unit
+    _store(trap[outputs.TRAP_X :], tracer.flight_x, tracer.flight_y, tracer.flight_z)

@@ -15,7 +15,7 @@ import particles
 PROGRAM = """
 import numpy as np
 from particles import BoltzmannGrad, simulate
-from particles.kernel.follow import follow as kernel
+from particles.kernel.random_flights import follow_random_flights as kernel
 e = simulate(BoltzmannGrad(0.04), 0.5, times=[50.0], media=2, tracers=9, workers=1)
 print(e.thermal_speed.value[0], sum(kernel.stats.cache_hits.values()))
 """
@@ -59,7 +59,7 @@ def test_where_compiled_code_cannot_be_kept_it_is_compiled_in_every_process(
     for file in copied(tmp_path).rglob("__init__.py"):
         (file.parent / "__pycache__").write_text("")
     (tmp_path / "home").write_text("")
-    program = "import particles.placement, particles.kernel.follow"
+    program = "import particles.placement, particles.kernel.random_flights"
     said = run(tmp_path, program, HOME=str(tmp_path / "home")).stderr
     assert said.count("Warning") == 1
     assert "compiled code cannot be kept (no folder for it can be written)" in said

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from particles.events import NEVER
-from particles.kernel.falling import APART, STRUCK, TANGENT, contact_in_field
+from particles.kernel.disk_contact import APART, STRUCK, TANGENT, contact_in_field
 
 ENDLESS = 1e9
 

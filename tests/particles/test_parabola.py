@@ -8,14 +8,14 @@ import numpy as np
 from particles.kernel.parabola import (
     ACROSS2,
     ALONG,
-    GOOD,
-    LASTS,
-    PATH,
+    DURATION,
+    LENGTH,
+    QUALITY,
     ROWS,
     SPEED2,
     length_of,
-    time_of,
-    times_of,
+    time_of_length,
+    times_of_lengths,
 )
 
 ANGLES = [0.0, 1.0, 2.0, 3.0, pi - 1e-3, pi - 1e-6, pi - 1e-9, pi]
@@ -49,19 +49,19 @@ def cases() -> list[tuple[float, float, float, float]]:
 def test_a_flight_lasts_as_long_as_its_length_takes() -> None:
     for path, along, across2, field in cases():
         speed = sqrt(along * along + across2)
-        lasts = time_of(path, speed, along, across2, field)
+        lasts = time_of_length(path, speed, along, across2, field)
         exact = exact_length(lasts, along, across2, field)
         assert abs(exact / path - 1) < 2e-15, (path, along, across2, field)
         length, u, s = length_of(lasts, speed, along, across2, field)
         assert abs(length / path - 1) < 2e-15
         assert u == along + field * lasts
         assert s == sqrt(u * u + across2)
-    assert abs(time_of(2.0, 0.0, 0.0, 0.0, 3.0) - sqrt(4 / 3)) < 1e-15
+    assert abs(time_of_length(2.0, 0.0, 0.0, 0.0, 3.0) - sqrt(4 / 3)) < 1e-15
 
 
 def test_many_at_once_are_the_same_to_rounding() -> None:
     rng = np.random.default_rng(4)
-    # As in a steady state; of the other cases many are singular, and left to `time_of`.
+    # As in a steady state; of the other cases many are singular, and left to `time_of_length`.
     usual = [(p, u, w * w, 1.0) for p, u, w in zip(*rng.normal(size=(3, 400)), strict=True)]
     usual = [(p * p / 2, u + 0.5, w2, g) for p, u, w2, g in usual]
     by_field: dict[float, list] = {}
@@ -70,12 +70,12 @@ def test_many_at_once_are_the_same_to_rounding() -> None:
     for field, those in by_field.items():
         work = np.full((ROWS, len(those)), np.nan)
         for a, (path, along, across2, _) in enumerate(those):
-            work[PATH, a], work[ALONG, a], work[ACROSS2, a] = path, along, across2
+            work[LENGTH, a], work[ALONG, a], work[ACROSS2, a] = path, along, across2
             work[SPEED2, a] = along * along + across2
-        times_of(work, len(those), field)
+        times_of_lengths(work, len(those), field)
         for a, (path, along, across2, _) in enumerate(those):
-            if work[GOOD, a] >= 0.0:
-                exact = exact_length(work[LASTS, a], along, across2, field)
+            if work[QUALITY, a] >= 0.0:
+                exact = exact_length(work[DURATION, a], along, across2, field)
                 assert abs(exact / path - 1) < 4e-15, (path, along, across2, field)
         if field == 1.0:
-            assert np.sum(work[GOOD] >= 0.0) > 0.95 * len(usual)
+            assert np.sum(work[QUALITY] >= 0.0) > 0.95 * len(usual)
