@@ -20,7 +20,8 @@ from kinetics.validation import (
     whole_number,
 )
 
-#: The names of what acts on a tracer between its collisions, or at them, beside a field.
+#: The names of what acts on a tracer between its collisions, or at them, beside a field: some give
+#: it energy, others take it.
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 #: Least and largest strength of what acts, in units of U and the mean free path: powers of it are
 #: in the range of double precision.
@@ -30,11 +31,12 @@ STRENGTHS_ALLOWED = (
     f"in units of U and the mean free path it must be 0, or from {MIN_STRENGTH:g} to "
     f"{MAX_STRENGTH:g}"
 )
-#: A speed over sqrt(g l), from which on other drives keep the dependence on the direction so smooth
-#: that harmonics fall exponentially. The origin of the number is not recorded.
+#: A speed of a bath or of noise over sqrt(g l), g the field and l the mean free path, from which on
+#: f depends so smoothly on the direction that angular harmonics fall exponentially. The origin of
+#: the number is not recorded.
 STRONG_OVER_FIELD = 0.45
-#: The speed that a field gives a tracer in a free flight, over sqrt(g l). The origin of the number
-#: is not recorded.
+#: The speed over sqrt(g l) below which averages in a field vary little: a fraction of the one that
+#: the field gives in a flight, sqrt(2 g l). The origin of the number is not recorded.
 FIELD_SPEED = 0.3
 
 
@@ -46,15 +48,15 @@ class Drive:
 
     Parameters
     ----------
-    restitution : e; as a function of the impact speed; or a law of collisions, if there is no
-        bath_speed or capture_speed
+    restitution : e; or e as a function of the impact speed; or a law of collisions, where there is
+        no bath_speed and no capture_speed
     dimension : d, 2 or 3
     field : uniform acceleration along x
     bath_speed : w, standard deviation of a component of the velocity of a scatterer
     mass_ratio : of a scatterer over the tracer
     heating : D_v of white noise, <dv_i dv_j> = 2 D_v delta_ij dt
     drag : gamma in dv/dt = -gamma v
-    capture_speed : impacts whose normal speed is below it stick
+    capture_speed : impacts whose normal speed is below it stick: the tracer stays at the scatterer
     """
 
     restitution: float | ImpactRestitution | CollisionLaw
@@ -65,6 +67,14 @@ class Drive:
     heating: float = 0.0
     drag: float = 0.0
     capture_speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        has_law = isinstance(self.restitution, CollisionLaw)
+        if has_law and (self.bath_speed or self.capture_speed):
+            allowed = (
+                "with a bath_speed or capture_speed it must be a number, or of the impact speed"
+            )
+            refuse("restitution", self.restitution, allowed)
 
     @classmethod
     def checked(
@@ -83,9 +93,9 @@ class Drive:
         )
 
     def per_path(self, mean_free_path: float) -> Drive:
-        """Return the drive in units of the mean free path, from one per unit of length.
+        """Return the same drive with the mean free path as the unit of length.
 
-        InputError where an acceleration, a noise, a drag or a speed is tiny or huge then.
+        mean_free_path : in the present unit. InputError where an acceleration, a noise, a drag or a speed is tiny or huge then.
         """
         scaled = replace(
             self,
@@ -139,9 +149,12 @@ class Drive:
     # -- what a collision does --------------------------------------------------------------------
 
     def impulse(self, impact_speed: FloatArray) -> FloatArray:
-        """Return 1 + e*, the normal component that a collision takes over that before it.
+        """Return 1 + e* = (1 + e) M/(M + m), M/m the mass ratio.
 
-        impact_speed : normal impact speeds of any shape
+        It is the change of the normal velocity of the tracer over the relative one before the
+        collision. Sticking is not included.
+
+        impact_speed : normal relative speeds of any shape
         """
         reduced_mass = 1.0
         if self.mass_ratio != math.inf:
@@ -177,14 +190,24 @@ class Drive:
 
     @property
     def driven_speed(self) -> float:
-        """A speed that is given to tracers; 0 where nothing drives."""
-        of_noise = self.heating ** (1.0 / 3.0)
+        """A speed that is given to tracers, with the mean free path as the unit of length.
+
+        It is 0 where nothing gives energy.
+        """
         of_field = FIELD_SPEED * math.sqrt(self.field)
-        return max(self.bath_speed, of_noise, of_field)
+        return max(self.bath_speed, self._noise_speed, of_field)
+
+    @property
+    def _noise_speed(self) -> float:
+        """The speed that noise gives a tracer in a mean free path."""
+        return float(self.heating ** (1.0 / 3.0))
 
     @property
     def scale(self) -> float:
-        """The speed below which averages vary little; 0 where nothing sets one."""
+        """The speed below which averages of a tracer of that speed vary little with it.
+
+        With the mean free path as the unit of length; 0 where neither a drive nor sticking sets one.
+        """
         if self.driven_speed and self.capture_speed:
             return min(self.driven_speed, self.capture_speed)
         return self.driven_speed or self.capture_speed
@@ -192,7 +215,7 @@ class Drive:
     @property
     def is_field_dominated(self) -> bool:
         """Whether no bath or noise keeps directions smooth at low speeds, where a field bends."""
-        other = max(self.bath_speed, self.heating ** (1.0 / 3.0))
+        other = max(self.bath_speed, self._noise_speed)
         return other < STRONG_OVER_FIELD * math.sqrt(self.field)
 
 
