@@ -95,7 +95,9 @@ class Drive:
     def per_path(self, mean_free_path: float) -> Drive:
         """Return the same drive with the mean free path as the unit of length.
 
-        mean_free_path : in the present unit. InputError where an acceleration, a noise, a drag or a speed is tiny or huge then.
+        mean_free_path : in the present unit
+
+        InputError where an acceleration, a noise, a drag or a speed is tiny or huge then.
         """
         scaled = replace(
             self,
@@ -206,7 +208,7 @@ class Drive:
     def scale(self) -> float:
         """The speed below which averages of a tracer of that speed vary little with it.
 
-        With the mean free path as the unit of length; 0 where neither a drive nor sticking sets one.
+        With the mean free path as the unit of length; 0 where nothing sets one.
         """
         if self.driven_speed and self.capture_speed:
             return min(self.driven_speed, self.capture_speed)
