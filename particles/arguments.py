@@ -19,7 +19,14 @@ from particles.configuration import layout
 from particles.drive import Drive
 from particles.events import NEVER
 from particles.impact import check_restitution, compiled
-from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, Random, dilute_mean_path
+from particles.media import (
+    MEDIA,
+    BoltzmannGrad,
+    Medium,
+    Positions,
+    Random,
+    dilute_mean_path,
+)
 from particles.outputs import OBSERVABLES
 from particles.plan import Experiment, Plan, Recording, speeds
 from particles.values import check_number, check_whole, is_whole, real_array, refuse, short
@@ -295,6 +302,9 @@ def estimate_memory(plan: Plan, workers: int) -> dict[str, int]:
     box = 0
     if not isinstance(medium, BoltzmannGrad):
         box = box_bytes(medium.box_side / medium.diameter, medium.count, medium.dimension)
+    if isinstance(medium, Random) and medium.spacing not in (0.0, medium.diameter):
+        # Cells of their own, in which the scatterers are placed.
+        box += box_bytes(medium.box_side / medium.spacing, medium.count, medium.dimension)
     needed = {"count": threads * box, "media": 0, "times": 0, "observables": 0}
     for name, (shape, _initial) in layout(plan, media, media * plan.tracers).items():
         array = 8 * prod(shape)
