@@ -2,10 +2,11 @@
 
 Imports nothing else of the project. Begin reading with `simulate`. Files, each of which imports
 only those before it: `outputs`, `values`, `results` (estimates, datasets, plots), `media`, `impact`
-(a restitution of the impact speed), `compiled`, `events` (one collision; the collision law stands
-there alone), `streams` (random numbers), `cells` and `placement` (where the scatterers stand),
-`kernel` (the event loops), `configuration` (one configuration and its tracers), `arguments` (what
-is refused), `ensemble` (the result), `files`, `paths` (a picture), `simulate`.
+(a restitution of the impact speed), `drive` and `plan` (what is run), `compiled`, `events` (one
+collision; the collision law stands there alone), `streams` (random numbers), `cells` and
+`placement` (where the scatterers stand), `kernel` (the event loops), `configuration` (one
+configuration and its tracers), `arguments` (what is refused), `ensemble` (the result), `files`,
+`paths` (a picture), `executors` (threads), `simulate`.
 """
 
 from importlib import import_module

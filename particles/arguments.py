@@ -1,4 +1,8 @@
-"""The arguments of `simulate`, checked, as a Plan; and the memory that it needs."""
+"""The arguments of `simulate`, checked, and the memory that a run needs.
+
+Begin reading with `check_drive`, `check_experiment` and `check_recording`, which make the three
+values of a `particles.plan.Plan`.
+"""
 
 import os
 import sys
@@ -11,94 +15,155 @@ from typing import Any
 import numpy as np
 
 from particles.cells import box_bytes
-from particles.configuration import Plan, layout, speeds
+from particles.configuration import layout
+from particles.drive import Drive
 from particles.events import NEVER
 from particles.impact import check_restitution, compiled
-from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, Random, dilute_mean_path
-from particles.outputs import DRIVES, OBSERVABLES
+from particles.media import (
+    MEDIA,
+    BoltzmannGrad,
+    Medium,
+    Positions,
+    Random,
+    dilute_mean_path,
+)
+from particles.outputs import OBSERVABLES
+from particles.plan import Experiment, Plan, Recording, speeds
 from particles.values import check_number, check_whole, is_whole, real_array, refuse, short
 
-# With a field: of field times mean free path, in U^2, so that the fourth power of the speed is a
-# number; and of field times diameter, in U^2. The last also of a depth, in d.
-FIELDS = (1e-100, 1e100)
-STRONGEST = 1e30  # of what drives tracers, in its unit: fourth powers of speeds are numbers
-LEAST_MASS_RATIO = 1e-6  # a collision with a lighter scatterer hardly changes the velocity
-UNLESS_SMOOTH, AMONG = "unless tangential_restitution is 1", "among scatterers in a field"
-SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
-# Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
-# the contents of that file.
+#: Least field times mean free path, and field times d, in U^2. Derived: fourth powers of the speed
+#: are numbers.
+WEAKEST_FIELD = 1e-100
+#: Largest field times mean free path, and field times d, in U^2; also of a depth in d.
+STRONGEST_FIELD = 1e100
+#: Largest strength of what drives tracers, in its unit. Derived: fourth powers of speeds are
+#: numbers.
+STRONGEST = 1e30
+#: Least mass ratio. Chosen: a collision with a lighter scatterer hardly changes the velocity.
+LEAST_MASS_RATIO = 1e-6
+#: Least speed in U. Derived: the square of it, and of its inverse, is a number.
+SMALLEST_SPEED = 1e-150
+#: Copies of the results at the end of a run: their pieces, what these are joined to, and with a
+#: file the contents of that file.
 COPIES = 3
+#: Most media, or tracers in each. Derived: numbers of 32 bits.
+LARGEST_NUMBER = 2**31
+#: Most threads. Chosen: more than any machine has processors.
+MOST_WORKERS = 10_000
 
 
-def make_plan(
-    medium: Medium, restitution: Any, initial: Any, times: Any,
-    observables: Iterable[str] | None, tangential_restitution: float = 1.0, field: float = 0.0,
-    depth: float | None = None, mass_ratio: float = inf, bath_speed: float = 0.0,
-    heating: float = 0.0, drag: float = 0.0, capture_speed: float = 0.0,
-    part: tuple[int, int] | None = None, **whole: int | None,
-) -> Plan:  # fmt: skip
-    """Check every argument of `simulate` and return what is to be run.
-
-    whole: media, tracers, max_collisions and seed. Raises ValueError for what is not allowed.
-    """
+def check_medium(medium: Any) -> Medium:
+    """Return a medium."""
     if not isinstance(medium, Medium):
         names = [kind.__name__ for kind in MEDIA]
         refuse("medium", medium, f"it must be {', '.join(names[:-1])} or {names[-1]}")
-    restitution = check_restitution(restitution)
+    return medium
+
+
+# -- what drives -----------------------------------------------------------------------------------
+
+
+def check_drive(
+    medium: Medium, restitution: Any, tangential_restitution: Any, field: Any, mass_ratio: Any,
+    **strengths: Any,
+) -> Drive:  # fmt: skip
+    """Return what drives tracers in a medium. strengths: of `DRIVES`, by name."""
+    law = check_restitution(restitution)
     allowed = "it must be a number from 0 to 1"
     tangential = check_number("tangential_restitution", tangential_restitution, 0.0, 1.0, allowed)
-    if max(compiled(restitution)[1].min(), tangential) < SMALLEST_SPEED:
+    if max(compiled(law)[1].min(), tangential) < SMALLEST_SPEED:
         allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
         refuse("tangential_restitution", tangential_restitution, allowed)
-    media, tracers = (check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
-    if isinstance(medium, Positions) and medium.sets not in (None, media):
-        refuse("media", media, f"it must be {medium.sets}, the sets of positions given")
-    field = _check_field(field, medium)
+    acceleration = _check_field(field, medium)
     allowed = f"it must be a number, {LEAST_MASS_RATIO:g} or more, or inf (fixed scatterers)"
     mass_ratio = check_number("mass_ratio", mass_ratio, LEAST_MASS_RATIO, inf, allowed)
-    drives = zip(DRIVES, (bath_speed, heating, drag, capture_speed), strict=True)
     allowed = f"it must be a number from 0 to {STRONGEST:g}"
-    driven = {name: check_number(name, value, 0.0, STRONGEST, allowed) for name, value in drives}
-    kind, dilute = type(medium).__name__, isinstance(medium, BoltzmannGrad)
-    rough, moved, among = tangential != 1.0, mass_ratio < inf, field and not dilute
-    for name, value, forbidden, allowed in (
-        ("mass_ratio", mass_ratio, moved and not dilute, f"it must be inf for {kind}"),
-        ("mass_ratio", mass_ratio, moved and rough, f"it must be inf {UNLESS_SMOOTH}"),
-        *((name, driven[name], driven[name] and not dilute, f"it must be 0 for {kind}")
-          for name in ("bath_speed", "heating", "drag")),
-        ("bath_speed", bath_speed, bath_speed and rough, f"it must be 0 {UNLESS_SMOOTH}"),
-        ("capture_speed", capture_speed, capture_speed and (bath_speed or moved),
-         "it must be 0 unless scatterers are fixed"),
-        ("capture_speed", capture_speed, capture_speed and among, f"it must be 0 {AMONG}"),
-        ("restitution", restitution, among and not isinstance(restitution, float),
-         f"it must be a number {AMONG}"),
-        ("times", times, drag and times is None and not (field or bath_speed or heating),
-         "drag alone stops a tracer; give output times"),
-    ):  # fmt: skip
-        if forbidden:
-            refuse(name, value, allowed)
-    seed, most = check_whole("seed", whole["seed"], 0, 2**64 - 1), whole["max_collisions"]
-    may_rest = max(abs(field), bath_speed, heating) > 0.0
-    if most is None and times is None:
-        refuse("times", times, "give output times, or max_collisions, or both")
-    return Plan(
-        medium=medium,
-        restitution=restitution,
+    checked = {
+        name: check_number(name, strength, 0.0, STRONGEST, allowed)
+        for name, strength in strengths.items()
+    }
+    drive = Drive(
+        restitution=law,
         tangential_restitution=tangential,
-        monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
+        field=acceleration,
+        mass_ratio=mass_ratio,
+        **checked,
+    )
+    _require_compatible(medium, drive)
+    return drive
+
+
+def _require_compatible(medium: Medium, drive: Drive) -> None:
+    """Raise ValueError for what cannot act in a medium, or not together."""
+    kind = type(medium).__name__
+    has_places = not isinstance(medium, BoltzmannGrad)
+    is_rough = drive.tangential_restitution != 1.0
+    is_movable = drive.mass_ratio < inf
+    falls_among = has_places and drive.field != 0.0
+    unless_smooth = "unless tangential_restitution is 1"
+    among = "among scatterers in a field"
+    rules = (
+        ("mass_ratio", is_movable and has_places, f"it must be inf for {kind}"),
+        ("mass_ratio", is_movable and is_rough, f"it must be inf {unless_smooth}"),
+        ("bath_speed", drive.bath_speed and has_places, f"it must be 0 for {kind}"),
+        ("heating", drive.heating and has_places, f"it must be 0 for {kind}"),
+        ("drag", drive.drag and has_places, f"it must be 0 for {kind}"),
+        ("bath_speed", drive.bath_speed and is_rough, f"it must be 0 {unless_smooth}"),
+        (
+            "capture_speed",
+            drive.capture_speed and (drive.bath_speed or is_movable),
+            "it must be 0 unless scatterers are fixed",
+        ),
+        ("capture_speed", drive.capture_speed and falls_among, f"it must be 0 {among}"),
+        (
+            "restitution",
+            falls_among and not isinstance(drive.restitution, float),
+            f"it must be a number {among}",
+        ),
+    )
+    for name, is_forbidden, allowed in rules:
+        if is_forbidden:
+            refuse(name, getattr(drive, name), allowed)
+
+
+def _check_field(field: Any, medium: Medium) -> float:
+    """Return the field as a float; it must give speeds whose powers are numbers."""
+    largest = sys.float_info.max
+    acceleration = check_number("field", field, -largest, largest, "it must be a finite number")
+    if acceleration == 0.0:
+        return 0.0
+    speed2 = abs(acceleration) * medium.diameter
+    for square in (speed2, speed2 * dilute_mean_path(medium)):
+        if not WEAKEST_FIELD <= square <= STRONGEST_FIELD:
+            allowed = "times the mean free path, and times d, must be 0 or "
+            allowed += f"{WEAKEST_FIELD:g} to {STRONGEST_FIELD:g} U^2 in size"
+            refuse("field", field, allowed)
+    if isinstance(medium, Random) and medium.dimension == 3:
+        refuse("field", field, f"it must be 0 for {type(medium).__name__}; disks may be in a field")
+    return acceleration
+
+
+# -- what is simulated -----------------------------------------------------------------------------
+
+
+def check_experiment(
+    medium: Medium, initial: Any, media: Any, tracers: Any, seed: Any, part: Any, may_rest: bool
+) -> Experiment:
+    """Return what is simulated. may_rest: whether something moves a tracer that is at rest."""
+    media = check_whole("media", media, 1, LARGEST_NUMBER)
+    tracers = check_whole("tracers", tracers, 1, LARGEST_NUMBER)
+    if isinstance(medium, Positions) and medium.sets not in (None, media):
+        refuse("media", media, f"it must be {medium.sets}, the sets of positions given")
+    is_named = isinstance(initial, str)
+    return Experiment(
+        medium=medium,
+        monoenergetic=is_named and initial == "monoenergetic",
+        rest=is_named and initial == "rest",
         velocities=_check_initial(initial, (media, tracers, medium.dimension), may_rest),
-        times=_check_times(times),
         media=media,
         tracers=tracers,
-        max_collisions=None if most is None else check_whole("max_collisions", most, 1),
-        seed=seed,
-        observables=_check_observables(observables, field),
-        field=field,
-        rest=isinstance(initial, str) and initial == "rest",
-        depth=_check_depth(depth, field),
-        mass_ratio=mass_ratio,
+        seed=check_whole("seed", seed, 0, 2**64 - 1),
         part=_check_part(part, media),
-        **driven,
     )
 
 
@@ -113,53 +178,6 @@ def _check_part(part: Any, media: int) -> tuple[int, int] | None:
     if not 1 <= k <= n <= media:
         refuse("part", part, allowed)
     return (int(k), int(n)) if n > 1 else None
-
-
-def check_workers(workers: int | None, most: int = 10_000) -> int:
-    """Return the number of threads to use."""
-    if workers is None:
-        affinity = getattr(os, "sched_getaffinity", None)
-        return len(affinity(0)) if affinity else os.cpu_count() or 1
-    return check_whole("workers", workers, 1, most)
-
-
-def _check_times(times: Any) -> np.ndarray:
-    if times is None:
-        return np.empty(0)
-    array = real_array("times", times, "it must be a sequence of numbers")
-    if array.ndim != 1 or array.size == 0:
-        refuse("times", times, "it must be a sequence of at least one time")
-    if not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= NEVER):
-        refuse("times", times, f"it must be finite, not negative, at most {NEVER:g}")
-    if (np.diff(array) <= 0).any():
-        refuse("times", times, "must increase")
-    return array
-
-
-def _check_field(field: Any, medium: Medium) -> float:
-    """Return the field as a float; it must give speeds whose powers are numbers."""
-    largest = sys.float_info.max
-    value = check_number("field", field, -largest, largest, "it must be a finite number")
-    if value == 0.0:
-        return 0.0
-    d = medium.diameter
-    squares = abs(value) * d, abs(value) * d * dilute_mean_path(medium)
-    if not all(FIELDS[0] <= square <= FIELDS[1] for square in squares):
-        allowed = f"times the mean free path, and times d, must be 0 or {FIELDS[0]:g} to "
-        refuse("field", field, f"{allowed}{FIELDS[1]:g} U^2 in size")
-    if isinstance(medium, Random) and medium.dimension == 3:
-        refuse("field", field, f"it must be 0 for {type(medium).__name__}; disks may be in a field")
-    return value
-
-
-def _check_depth(depth: Any, field: float) -> float | None:
-    if depth is None:
-        return None
-    allowed = f"it must be a number with the sign of the field, {FIELDS[1]:g} d at most, or None"
-    number = check_number("depth", depth, -FIELDS[1], FIELDS[1], allowed)
-    if not number * field > 0.0:
-        refuse("depth", depth, allowed)
-    return number
 
 
 def _check_initial(
@@ -186,6 +204,53 @@ def _check_initial(
     return velocities
 
 
+# -- what is recorded ------------------------------------------------------------------------------
+
+
+def check_recording(
+    times: Any, max_collisions: Any, observables: Iterable[str] | None, depth: Any, drive: Drive
+) -> Recording:
+    """Return what is recorded of tracers that are driven in this way."""
+    if times is None:
+        if drive.drag and not drive.gives_energy:
+            refuse("times", times, "drag alone stops a tracer; give output times")
+        if max_collisions is None:
+            refuse("times", times, "give output times, or max_collisions, or both")
+    if max_collisions is not None:
+        max_collisions = check_whole("max_collisions", max_collisions, 1)
+    return Recording(
+        times=_check_times(times),
+        max_collisions=max_collisions,
+        observables=_check_observables(observables, drive.field),
+        depth=_check_depth(depth, drive.field),
+    )
+
+
+def _check_times(times: Any) -> np.ndarray:
+    if times is None:
+        return np.empty(0)
+    array = real_array("times", times, "it must be a sequence of numbers")
+    if array.ndim != 1 or array.size == 0:
+        refuse("times", times, "it must be a sequence of at least one time")
+    if not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= NEVER):
+        refuse("times", times, f"it must be finite, not negative, at most {NEVER:g}")
+    if (np.diff(array) <= 0).any():
+        refuse("times", times, "must increase")
+    return array
+
+
+def _check_depth(depth: Any, field: float) -> float | None:
+    if depth is None:
+        return None
+    allowed = (
+        f"it must be a number with the sign of the field, {STRONGEST_FIELD:g} d at most, or None"
+    )
+    number = check_number("depth", depth, -STRONGEST_FIELD, STRONGEST_FIELD, allowed)
+    if not number * field > 0.0:
+        refuse("depth", depth, allowed)
+    return number
+
+
 def _check_observables(observables: Iterable[str] | None, field: float) -> frozenset[str]:
     if observables is None:
         return frozenset()
@@ -201,43 +266,66 @@ def _check_observables(observables: Iterable[str] | None, field: float) -> froze
     return names
 
 
+# -- what it takes ---------------------------------------------------------------------------------
+
+
+def check_workers(workers: int | None) -> int:
+    """Return the number of threads to use."""
+    if workers is None:
+        affinity = getattr(os, "sched_getaffinity", None)
+        if affinity:
+            return len(affinity(0))
+        return os.cpu_count() or 1
+    return check_whole("workers", workers, 1, MOST_WORKERS)
+
+
 def require_memory(plan: Plan, workers: int) -> None:
     """Raise ValueError, with the estimate, for a run that needs more memory than there is."""
-    available, needed = machine_memory() / 1e9, estimate(plan, workers)
+    available = machine_memory() / 1e9
+    needed = estimate_memory(plan, workers)
     total = sum(needed.values()) / 1e9
-    if total > available:
-        name = max(needed, key=lambda name: needed[name])
-        value = getattr(plan.medium if name == "count" else plan, name)
-        what = f"the run needs about {total:.2g} GB of memory, this machine has {available:.2g} GB"
-        refuse(name, sorted(value) if name == "observables" else value, what)
+    if total <= available:
+        return
+    name = max(needed, key=lambda argument: needed[argument])
+    value = getattr(plan.medium if name == "count" else plan, name)
+    if name == "observables":
+        value = sorted(value)
+    what = f"the run needs about {total:.2g} GB of memory, this machine has {available:.2g} GB"
+    refuse(name, value, what)
 
 
-def estimate(plan: Plan, workers: int) -> dict[str, int]:
+def estimate_memory(plan: Plan, workers: int) -> dict[str, int]:
     """Return the bytes that a run needs at least, by the argument that they depend on most."""
-    medium, media = plan.medium, len(plan.configurations)
-    threads, box = min(workers, media), 0
+    medium = plan.medium
+    media = len(plan.configurations)
+    threads = min(workers, media)
+    box = 0
     if not isinstance(medium, BoltzmannGrad):
         box = box_bytes(medium.box_side / medium.diameter, medium.count, medium.dimension)
-    found = {"count": threads * box, "media": 0, "times": 0, "observables": 0}
-    for name, (shape, _) in layout(plan, media, media * plan.tracers).items():
+    if isinstance(medium, Random) and medium.spacing not in (0.0, medium.diameter):
+        # Cells of their own, in which the scatterers are placed.
+        box += box_bytes(medium.box_side / medium.spacing, medium.count, medium.dimension)
+    needed = {"count": threads * box, "media": 0, "times": 0, "observables": 0}
+    for name, (shape, _initial) in layout(plan, media, media * plan.tracers).items():
+        array = 8 * prod(shape)
         if name.startswith("histograms/"):
-            found["times"] += (threads + 2 * COPIES) * 8 * prod(shape)
+            needed["times"] += (threads + 2 * COPIES) * array
         elif name.startswith("raw/"):
-            found["observables"] += COPIES * 8 * prod(shape)
+            needed["observables"] += COPIES * array
         elif name != "traps":  # of which there are few
-            found["media"] += 8 * prod(shape)
-    return found
+            needed["media"] += array
+    return needed
 
 
 def machine_memory() -> float:
     """Return the bytes of memory that this process may have, infinite where that is not known."""
-    found = [inf]
+    limits = [inf]
     with suppress(AttributeError, OSError, ValueError):
-        found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+        limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     with suppress(OSError, ValueError):  # of a container
-        found.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
+        limits.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
     with suppress(ImportError):
         import resource
 
-        found.append(resource.getrlimit(resource.RLIMIT_AS)[0])  # -1 stands for no limit
-    return min(n for n in found if n > 0)
+        limits.append(resource.getrlimit(resource.RLIMIT_AS)[0])  # -1 stands for no limit
+    return min(limit for limit in limits if limit > 0)

@@ -1,7 +1,7 @@
 """Ensemble: the frozen result of a simulation, and the sums it is made from."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from operator import attrgetter
 from os import PathLike
@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from particles import outputs as tables
-from particles.configuration import PER_OCTAVE, Plan, Totals
+from particles.configuration import Totals
+from particles.plan import PER_OCTAVE, Plan
 from particles.results import Estimate, Histogram, Result, jackknife, share
 from particles.values import Value, check_path, frozen, refuse
 
@@ -67,14 +68,18 @@ class Ensemble(Result):
     arrays: Mapping[str, np.ndarray]
 
     medium = _of_plan("medium", "The medium asked for.")
-    restitution = _of_plan("restitution", "The coefficient of restitution, or its law.")
-    tangential_restitution = _of_plan("tangential_restitution", "The factor of what is across.")
-    mass_ratio = _of_plan("mass_ratio", "Mass of a scatterer over that of the tracer; often inf.")
-    bath_speed = _of_plan("bath_speed", "Of a component of a scatterer's velocity, in U.")
-    heating = _of_plan("heating", "D of the noise <dv_i dv_j> = 2 D delta_ij dt, in U^3/d.")
-    drag = _of_plan("drag", "gamma of the drag dv = -gamma v dt, in U/d.")
-    capture_speed = _of_plan("capture_speed", "Impact speed below which tracers stick, in U.")
-    field = _of_plan("field", "The acceleration along +x in U^2/d.")
+    restitution = _of_plan("drive.restitution", "The coefficient of restitution, or its law.")
+    tangential_restitution = _of_plan(
+        "drive.tangential_restitution", "The factor of what is across."
+    )
+    mass_ratio = _of_plan(
+        "drive.mass_ratio", "Mass of a scatterer over that of the tracer; often inf."
+    )
+    bath_speed = _of_plan("drive.bath_speed", "Of a component of a scatterer's velocity, in U.")
+    heating = _of_plan("drive.heating", "D of the noise <dv_i dv_j> = 2 D delta_ij dt, in U^3/d.")
+    drag = _of_plan("drive.drag", "gamma of the drag dv = -gamma v dt, in U/d.")
+    capture_speed = _of_plan("drive.capture_speed", "Impact speed below which tracers stick, in U.")
+    field = _of_plan("drive.field", "The acceleration along +x in U^2/d.")
     number_density = _of_plan("medium.number_density", "Scatterers per unit area, or volume.")
     times = _of_plan("times", "Output times in d/U, (n_times,).")
     tracers = _of_plan("tracers", "Number of tracers in each configuration.")
@@ -85,9 +90,9 @@ class Ensemble(Result):
         return len(self.plan.configurations)
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}={value!r}" for name, value in self.plan.told().items())
+        arguments = [f"{name}={value!r}" for name, value in self.plan.reported().items()]
         about = f"{self.statuses!r}\n  outputs: {', '.join(self.outputs)}"
-        return f"Ensemble({told}, {self.times.size} times)\n  {about}"
+        return f"Ensemble({', '.join(arguments)}, {self.times.size} times)\n  {about}"
 
     @property
     def outputs(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -233,11 +238,11 @@ class Ensemble(Result):
         named.sort(key=lambda one: one[0].plan.configurations.start)
         if not named:
             refuse("parts", [], "it must be at least one part of a run")
-        plan = replace(named[0][0].plan, part=None)
+        plan = named[0][0].plan.replaced(part=None)
         totals = Totals(plan)
         for run, name in named:
             own, done = run.plan.configurations, totals.configurations
-            if other := plan.unlike(replace(run.plan, part=None)):
+            if other := plan.difference_from(run.plan.replaced(part=None)):
                 raise ValueError(f"parts: {run.plan.part or 'the whole'}{name} is of {other}")
             if own.start < done:
                 raise ValueError(f"parts: configuration {own.start} is there twice{name}")

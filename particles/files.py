@@ -32,10 +32,11 @@ from typing import Any
 import h5py
 import numpy as np
 
-from particles.configuration import Arrays, Plan, Totals
+from particles.configuration import Arrays, Totals
 from particles.impact import Tabulated, Viscoelastic
 from particles.media import MEDIA
 from particles.outputs import DRIVES
+from particles.plan import Plan
 from particles.values import check_path, package_version, short
 
 FORMAT = "inelastic-lorentz particles 8"
@@ -75,7 +76,7 @@ def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
 
 
 def _text(plan: Plan) -> bytes:
-    """Return a plan as JSON."""
+    """Return the arguments of a plan as JSON."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, frozenset):
@@ -85,25 +86,27 @@ def _text(plan: Plan) -> bytes:
         own = {f.name: getattr(value, f.name) for f in fields(value) if f.init}
         return {"kind": type(value).__name__} | own
 
-    return json.dumps(vars(plan), default=plain).encode()
+    return json.dumps(dict(plan.arguments()), default=plain).encode()
 
 
 def _understood(text: bytes) -> Plan:
     """Return the plan that `_text` was given."""
-    found = json.loads(text)
+    arguments = json.loads(text)
     kinds = {medium.__name__: medium for medium in MEDIA}
-    medium, given, law = found["medium"], found["velocities"], found["restitution"]
+    medium = arguments["medium"]
+    arguments["medium"] = kinds[medium.pop("kind")](**medium)
+    law = arguments["restitution"]
     if isinstance(law, dict):
-        table = law.pop("kind") == "Tabulated"
-        law = Tabulated(*map(np.array, law.values())) if table else Viscoelastic(**law)
-    return Plan(**found | {
-        "restitution": law,
-        "medium": kinds[medium.pop("kind")](**medium),
-        "times": np.array(found["times"], float),
-        "velocities": None if given is None else np.array(given, float),
-        "observables": frozenset(found["observables"]),
-        "part": found["part"] and tuple(found["part"]),
-    })  # fmt: skip
+        is_table = law.pop("kind") == "Tabulated"
+        law = Tabulated(*map(np.array, law.values())) if is_table else Viscoelastic(**law)
+        arguments["restitution"] = law
+    arguments["times"] = np.array(arguments["times"], float)
+    if arguments["velocities"] is not None:
+        arguments["velocities"] = np.array(arguments["velocities"], float)
+    arguments["observables"] = frozenset(arguments["observables"])
+    if arguments["part"]:
+        arguments["part"] = tuple(arguments["part"])
+    return Plan.of_arguments(arguments)
 
 
 class Saver:
@@ -123,7 +126,7 @@ class Saver:
         if not resume:
             raise ValueError(f"{where}; it exists, resume=True (--resume) would go on from it")
         found, arrays, done = read(self.path)
-        if other := self.plan.unlike(found):
+        if other := self.plan.difference_from(found):
             raise ValueError(f"{where}; it holds {other}")
         return Totals(self.plan, arrays, done)
 
@@ -187,10 +190,10 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
             group[f"{name}/time"] = plan.times / unit
             group[f"{name}/time"].attrs["unit"] = "d U-1"
         group["id"], group["medium"] = np.arange(count), first + np.arange(count) // plan.tracers
-        law = plan.restitution  # as text where it depends on the impact speed
+        law = plan.drive.restitution  # as text where it depends on the impact speed
         file["parameters/restitution"] = law if isinstance(law, float) else repr(law)
-        for name in (name for name in DRIVES if getattr(plan, name)):
-            file[f"parameters/{name}"] = getattr(plan, name)
-        if plan.mass_ratio < inf:
-            file["parameters/mass_ratio"] = plan.mass_ratio
+        for name in (name for name in DRIVES if getattr(plan.drive, name)):
+            file[f"parameters/{name}"] = getattr(plan.drive, name)
+        if plan.drive.mass_ratio < inf:
+            file["parameters/mass_ratio"] = plan.drive.mass_ratio
     write_whole(path, image.getvalue())

@@ -8,13 +8,33 @@ from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from particles.values import Value, check_path, check_positive, check_whole, real_array, refuse
+from particles.values import (
+    Value,
+    check_number,
+    check_path,
+    check_positive,
+    check_whole,
+    real_array,
+    refuse,
+)
 
-# At lower densities flights are so long that too few digits of the impact parameter are exact.
-LEAST_DENSITY = 1e-10  # in d^-2, or d^-3
-FARTHEST = 1e12  # boxes; a coordinate so far away, modulo the box, has four digits left
-# In d. One flight must not meet a scatterer and its own image; a few diameters are enough.
+#: Least density in d^-2, or d^-3. Derived: at lower ones flights are so long that too few digits of
+#: the impact parameter are exact.
+LEAST_DENSITY = 1e-10
+#: Farthest coordinate of a scatterer, in boxes. Derived: modulo the box, it has four digits left.
+FARTHEST = 1e12
+#: Smallest side of a box, in d and in exclusions. Chosen: one flight must not meet a scatterer and
+#: its own image; a few diameters are enough.
 SMALLEST_BOX = 4.0
+#: Density times exclusion^dimension of hard scatterers up to which they can be placed: 0.51 of the
+#: area, or 0.34 of the volume. Measured: random sequential addition jams at 0.547, or 0.384, and
+#: close to that the number of attempts diverges.
+LARGEST_PACKING = 0.65
+#: Largest density of spheres in d^-3. Measured: above 0.84 the places that a tracer can be at are
+#: not connected.
+LARGEST_SPHERE_DENSITY = 1.0
+#: Largest exclusion in d. Derived: of a tracer that is a point, d is half a scatterer's diameter.
+LARGEST_EXCLUSION = 2.0
 
 
 def _require_density(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
@@ -24,32 +44,45 @@ def _require_density(name: str, value: float, in_diameters: float, dimension: in
 
 
 class Random:
-    """What scatterers at random places in a periodic box share."""
+    """What scatterers at random places in a periodic box share.
+
+    `diameter` d: distance at which a tracer collides; `spacing`: least distance between two
+    scatterers.
+    """
 
     number_density: float
     diameter: float
     count: int
-    scatterers: ClassVar[str]  # as a Scene of `kinetics` and the command line call the medium
     dimension: ClassVar[int]
-    overlapping: ClassVar[bool]
-    # Density in d^-2, or d^-3: 0.51 of the area, or 0.34 of the volume. Random sequential addition
-    # jams at 0.547, or 0.384, and close to that the number of attempts diverges.
-    largest: ClassVar[float] = 0.65
 
     def __post_init__(self) -> None:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
         count = check_whole("count", self.count, 1)
         vars(self).update(number_density=density, diameter=d, count=count)
-        in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
+        in_diameters = density * d * d
+        if self.dimension == 3:
+            in_diameters *= d
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
-        if in_diameters > self.largest:
-            most = self.largest / in_diameters * density
-            allowed = f"it must be at most {most:g} for {type(self).__name__} of diameter {d:g}"
-            refuse("number_density", self.number_density, allowed)
+        self._require_room(in_diameters)
         if self.box_side < SMALLEST_BOX * d:
             wide = f"with it the box is {self.box_side / d:.3g} d wide"
             refuse("count", self.count, f"{wide}, it must be at least {SMALLEST_BOX:g} d")
+
+    def _require_room(self, in_diameters: float) -> None:
+        """Refuse a density, also in units of d, that leaves a tracer no room."""
+        if self.dimension == 3:
+            self._require_at_most(in_diameters, LARGEST_SPHERE_DENSITY)
+
+    def _require_at_most(self, density: float, largest: float) -> None:
+        """Refuse a density that, in some unit, is larger than it may be."""
+        if density > largest:
+            most = largest / density * self.number_density
+            allowed = f"it must be at most {most:g} for {type(self).__name__} of diameter "
+            allowed += f"{self.diameter:g}"
+            if self.spacing not in (0.0, self.diameter):
+                allowed += f" and exclusion {self.spacing:g}"
+            refuse("number_density", self.number_density, allowed)
 
     @property
     def box_side(self) -> float:
@@ -60,17 +93,79 @@ class Random:
     @property
     def share_of_space(self) -> float:
         """Area, or volume, of the scatterers over that of space, overlaps counted twice."""
-        of_one = pi / 4 if self.dimension == 2 else pi / 6
-        return of_one * self.number_density * self.diameter**self.dimension
+        of_unit_diameter = pi / 4 if self.dimension == 2 else pi / 6
+        return of_unit_diameter * self.number_density * self.own_diameter**self.dimension
+
+    @property
+    def spacing(self) -> float:
+        """Least distance between two scatterers, in the unit of length of the medium."""
+        return 0.0
+
+    @property
+    def own_diameter(self) -> float:
+        """Diameter of a scatterer, in the unit of length of the medium."""
+        return self.diameter
+
+
+class Hard(Random):
+    """What scatterers share that keep a distance from each other."""
+
+    exclusion: float | None
+    name_of_equal: ClassVar[str]  # where tracers have the size of scatterers
+
+    def __post_init__(self) -> None:
+        d = check_positive("diameter", self.diameter)
+        exclusion = d
+        if self.exclusion is not None:
+            largest = LARGEST_EXCLUSION * d
+            allowed = (
+                f"it must be a number from 0 to {LARGEST_EXCLUSION:g} d = {largest:g}, or None"
+            )
+            exclusion = check_number("exclusion", self.exclusion, 0.0, largest, allowed)
+        vars(self).update(exclusion=exclusion)
+        super().__post_init__()
+        if self.box_side < SMALLEST_BOX * exclusion:
+            wide = f"with it the box is {self.box_side / exclusion:.3g} exclusions wide"
+            refuse("count", self.count, f"{wide}, it must be at least {SMALLEST_BOX:g}")
+
+    def _require_room(self, in_diameters: float) -> None:
+        """Refuse a density at which the scatterers, or a tracer, have no room."""
+        packing = self.number_density * self.spacing * self.spacing
+        if self.dimension == 3:
+            packing *= self.spacing
+        self._require_at_most(packing, LARGEST_PACKING)
+        super()._require_room(in_diameters)
+
+    @property
+    def scatterers(self) -> str:
+        """The medium as a Scene of `kinetics` and the command line call it."""
+        if self.exclusion == self.diameter:
+            return self.name_of_equal
+        return f"{self.name_of_equal} of another size"
+
+    @property
+    def spacing(self) -> float:
+        """Least distance between two scatterers: the exclusion."""
+        assert self.exclusion is not None  # since __post_init__
+        return self.exclusion
+
+    @property
+    def own_diameter(self) -> float:
+        """Diameter of a scatterer, in the unit of length of the medium: the exclusion."""
+        return self.spacing
 
 
 @dataclass(frozen=True)
-class HardDisks(Random):
+class HardDisks(Hard):
     """Disks that do not overlap, placed by random sequential addition (paper, section 2).
 
     number_density: disks per unit area, 1e-10 to 0.65 d^-2. count: their number in the periodic
     square box, whose side is at least 4 d. diameter d of a disk and of the tracer, in the unit of
-    length that density, times and results share. A tracer that is never farther from its start than
+    length that density, times and results share: a tracer collides where its centre is at this
+    distance from that of a disk. exclusion: the least distance between two disks, which is their
+    own diameter where tracers have another size (d is then half the sum of both); 0 to 2 d, and
+    number_density <= 0.65 exclusion^-2; d if None. With 0 the medium is that of Poisson. A tracer
+    that is never farther from its start than
     half the side of the box has the same path as in an unbounded plane.
 
     No disk lies within d of the box's centre, where tracers start. It is kept free while the disks
@@ -84,8 +179,9 @@ class HardDisks(Random):
     number_density: float
     count: int = 40_000
     diameter: float = 1.0
-    scatterers, dimension = "hard disks", 2
-    overlapping = False
+    exclusion: float | None = None
+    name_of_equal: ClassVar[str] = "hard disks"
+    dimension: ClassVar[int] = 2
 
     area_fraction = Random.share_of_space
 
@@ -102,26 +198,26 @@ class Poisson(Random):
     number_density: float
     count: int = 40_000
     diameter: float = 1.0
-    scatterers, dimension = "overlapping", 2
-    overlapping = True
-    largest = float("inf")
+    scatterers: ClassVar[str] = "overlapping"
+    dimension: ClassVar[int] = 2
 
     area_fraction = Random.share_of_space
 
 
 @dataclass(frozen=True)
-class HardSpheres(Random):
+class HardSpheres(Hard):
     """Spheres in three dimensions that do not overlap, placed by random sequential addition.
 
-    Arguments as of HardDisks, per unit volume, in a cubic box; so is what it says of the places
-    beside the start.
+    Arguments as of HardDisks, per unit volume, in a cubic box (number_density <= 0.65 exclusion^-3,
+    and 1 d^-3); so is what it says of the places beside the start.
     """
 
     number_density: float
     diameter: float = 1.0
     count: int = 40_000
-    scatterers, dimension = "hard spheres", 3
-    overlapping = False
+    exclusion: float | None = None
+    name_of_equal: ClassVar[str] = "hard spheres"
+    dimension: ClassVar[int] = 3
 
     volume_fraction = Random.share_of_space
 
@@ -136,9 +232,8 @@ class PoissonSpheres(Random):
     number_density: float
     diameter: float = 1.0
     count: int = 40_000
-    scatterers, dimension = "overlapping spheres", 3
-    overlapping = True
-    largest = 1.0  # above 0.84 the places that a tracer can be at are not connected
+    scatterers: ClassVar[str] = "overlapping spheres"
+    dimension: ClassVar[int] = 3
 
     volume_fraction = Random.share_of_space
 

@@ -6,15 +6,16 @@ Where paths are curved, in a field and with noise and drag, the places at many t
 instead; with noise a tracer whose outputs are at other times has another path of the same kind.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from particles import outputs
-from particles.configuration import Plan, follow_tracers, start_places
+from particles.configuration import follow_tracers, start_places
 from particles.media import BoltzmannGrad
 from particles.placement import build, placed
+from particles.plan import Plan
 from particles.values import Value, check_positive, check_whole, refuse
 
 if TYPE_CHECKING:
@@ -58,11 +59,11 @@ def trajectories(
         until = check_positive("until", until)
     elif plan.times.size:
         until = float(plan.times[-1])
-    if until == 0.0 or (until is None and (plan.field or plan.stirred)):
+    if until == 0.0 or (until is None and (plan.drive.field or plan.drive.is_noisy)):
         refuse("until", until, "it must be a time above 0, given where the run has no output times")
     velocities = None if plan.velocities is None else plan.velocities[..., :tracers, :]
-    plan = replace(plan, tracers=tracers, depth=None, velocities=velocities)
-    if plan.field or plan.stirred:
+    plan = plan.replaced(tracers=tracers, depth=None, velocities=velocities)
+    if plan.drive.field or plan.drive.is_noisy:
         return _curves(plan, configuration, until or 0.0)
     return _flights(plan, configuration, until, min(collisions, plan.max_collisions or collisions))
 
@@ -70,7 +71,7 @@ def trajectories(
 def _curves(plan: Plan, configuration: int, until: float) -> list[Trajectory]:
     """Places at equal steps of time, and the speeds between them."""
     times = np.linspace(0.0, until, CURVE_POINTS)
-    asked = replace(plan, times=times, observables=frozenset({"positions", "velocities"}))
+    asked = plan.replaced(times=times, observables=frozenset({"positions", "velocities"}))
     cells = build(plan.medium, np.uint64(plan.seed), configuration)
     found = follow_tracers(asked, configuration, cells)
     places = np.moveaxis(found["raw/positions"], 1, 0)
@@ -93,14 +94,14 @@ def _flights(
     d, dimension = plan.medium.diameter, plan.medium.dimension
     cells = build(plan.medium, np.uint64(plan.seed), configuration)
     place_of = [outputs.FINAL_X, outputs.FINAL_Y, outputs.FINAL_Z][:dimension]
-    start = replace(plan, times=np.zeros(1), observables=frozenset({"velocities"}))
+    start = plan.replaced(times=np.zeros(1), observables=frozenset({"velocities"}))
     first = follow_tracers(start, configuration, cells)["raw/velocities"][0]
     times, places = [[0.0] for _ in first], [[np.zeros(dimension)] for _ in first]
     speeds, ended = [[float(np.linalg.norm(v))] for v in first], np.zeros(len(first), bool)
     last = np.empty(0) if until is None else np.array([until])
-    asked = replace(plan, times=last, observables=frozenset({"finals"}))
+    asked = plan.replaced(times=last, observables=frozenset({"finals"}))
     for n in range(1, collisions + 1):
-        found = follow_tracers(replace(asked, max_collisions=n), configuration, cells)
+        found = follow_tracers(asked.replaced(max_collisions=n), configuration, cells)
         for k in np.nonzero(~ended)[0]:
             end = found["raw/finals"][k]
             times[k].append(float(np.exp(end[outputs.LN_TIME])) * d)

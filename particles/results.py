@@ -221,7 +221,7 @@ class Result(Value):
         ends += ["captured"] if plan.capture_speed else []
         about = {
             "status": ", ".join(f"{getattr(self.statuses, name)} {name}" for name in ends),
-            "scene": json.dumps(plan.told(), default=repr),
+            "scene": json.dumps(plan.reported(), default=repr),
             "version": package_version(),
         }
         return xarray.Dataset(found, axes, about).copy(deep=True)

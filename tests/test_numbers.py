@@ -13,7 +13,7 @@ from particles import BoltzmannGrad, simulate
 
 def ended(e: Any) -> Any:
     run = simulate(BoltzmannGrad(0.04), e, times=np.arange(1, 3), media=np.int8(2), tracers=2)
-    return run.plan.restitution
+    return run.restitution
 
 
 DOORS: dict[str, Callable[[Any], Any]] = {

@@ -102,9 +102,9 @@ def test_heated(dimension: int, e: float, drag: float, seed: int, size: int) -> 
 
 
 def test_the_error_of_the_steps_is_of_second_order_and_small(monkeypatch: Any) -> None:
-    default, found = particles.configuration.STEP, []
+    default, found = particles.configuration.NOISE_STEP, []
     for step in (0.8, 0.4):
-        monkeypatch.setattr(particles.configuration, "STEP", step)
+        monkeypatch.setattr(particles.configuration, "NOISE_STEP", step)
         run = simulate(MEDIA[2], 0.5, "rest", [6.4], media=50, tracers=2000, heating=1.0, seed=3)
         off = np.array(square(run))[:, 0] / 3.23715349447991 - [1.0, 0.0]
         assert off[0] > 5 * off[1]

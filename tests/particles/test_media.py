@@ -33,6 +33,73 @@ def test_hard_scatterers_do_not_overlap(dimension: int, density: float) -> None:
 
 
 @both
+@pytest.mark.parametrize("exclusion", [0.3, 1.5, 2.0])
+def test_scatterers_keep_their_distance_from_each_other_and_from_the_start(
+    exclusion: float, dimension: int
+) -> None:
+    d = 3.0
+    density = 0.5 / (exclusion * d) ** dimension if exclusion > 1.0 else 0.6 / d**dimension
+    medium = HARD[dimension](density, count=1500, diameter=d, exclusion=exclusion * d)
+    around, own = Around(medium), places(medium)
+    nearest = around.nearest(own, 2)[0][:, 1].min()
+    assert exclusion - 1e-12 <= nearest < 1.1 * exclusion
+    assert 1.0 <= np.linalg.norm(own, axis=1).min() < 2.0
+    assert abs(own).max() <= medium.box_side / d / 2
+
+
+@both
+def test_scatterers_without_exclusion_are_those_of_poisson(dimension: int) -> None:
+    medium = HARD[dimension](0.3, count=800, exclusion=0.0)
+    assert np.array_equal(places(medium), places(OVERLAPPING[dimension](0.3, count=800)))
+
+
+@both
+@pytest.mark.parametrize("exclusion", [0.4, 1.6])
+def test_a_tracer_of_another_size_collides_at_the_diameter(
+    exclusion: float, dimension: int
+) -> None:
+    """And its mean free path is what the space that it is free to visit makes it (Santalo).
+
+    Spheres of contact that do not reach each other, as for exclusion 2, leave a volume of 1 - n V1,
+    the surface n S1. Smaller ones overlap, and the mean path is that of Poisson for exclusion 0.
+    """
+    density = 0.05
+    paths = []
+    for medium in (
+        HARD[dimension](density, count=2000, exclusion=exclusion),
+        HARD[dimension](density, count=2000, exclusion=2.0),
+        OVERLAPPING[dimension](density, count=2000),
+    ):
+        run = simulate(medium, 1.0, "monoenergetic", [400.0], 8, 60, seed=4)
+        paths.append(run.mean_free_path)
+    between, far, none = paths
+    ball = {2: np.pi, 3: 4 * np.pi / 3}[dimension]
+    mean_chord = {2: np.pi, 3: 4.0}[dimension] / (dimension * ball)
+    expected_far = mean_chord * (1 - density * ball) / density
+    assert abs(far.value - expected_far) < 4 * far.error + 0.005 * expected_far
+    assert abs(none.value - mean_chord / density) < 4 * none.error + 0.005 * none.value
+    assert far.value < between.value < none.value
+
+
+def test_media_whose_scatterers_have_no_room_are_refused() -> None:
+    for exclusion in (-0.1, 2.1, np.nan):
+        with pytest.raises(ValueError, match=r"^exclusion: got"):
+            HardDisks(0.01, exclusion=exclusion)
+    with pytest.raises(ValueError, match=r"number_density: .* at most 0.1625"):
+        HardDisks(0.2, exclusion=2.0)
+    with pytest.raises(ValueError, match=r"number_density: .* at most 1 "):
+        HardSpheres(1.2, exclusion=0.1)
+    with pytest.raises(ValueError, match=r"^count: .* exclusions wide"):
+        HardDisks(0.1, count=6, exclusion=2.0)
+    assert HardDisks(0.2).exclusion == 1.0
+    assert HardDisks(0.05, diameter=2.0) == HardDisks(0.05, diameter=2.0, exclusion=2.0)
+
+
+def test_the_area_of_disks_is_that_of_their_own_diameter() -> None:
+    assert HardDisks(0.1, exclusion=2.0).area_fraction == pytest.approx(0.1 * np.pi)
+
+
+@both
 def test_scatterers_are_uniform(dimension: int) -> None:
     # Counts in 125 (121) parts: chi^2 of 124 +- 16; below 4 sigma = 190. Exclusion makes hard ones
     # more even, so only the upper side is theirs.

@@ -40,7 +40,7 @@ def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Any) -> None:
     tracemalloc.stop()
     assert cells is not None
     run = simulate(medium, 0.5, times=[1.0, 2.0], media=1, tracers=50, observables=RAW)
-    estimated = arguments.estimate(run.plan, 1)
+    estimated = arguments.estimate_memory(run.plan, 1)
     assert estimated["count"] == pytest.approx(taken, rel=0.25)
     raw = sum(array.nbytes for name, array in run.arrays.items() if name.startswith("raw"))
     assert estimated["observables"] == 3 * raw
