@@ -121,8 +121,10 @@ def compare_data(
     if (law.field or law.is_driven) and point is None:
         raise InputError("restitution: with a field or a drive it and the density must be given")
     media = media_of(sample, scatterers, point)
-    if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
-        media = [told["scatterers"]]
+    if scatterers == "auto" and "scatterers" in told:
+        # Of disks of another size than the tracer, or denser ones, there is no other theory.
+        has_theory = told["scatterers"] in media_of(sample, "every", point)
+        media = [told["scatterers"] if has_theory else "dilute"]
     return answered(sample, _fits(sample, restitution, path, start, media), media, explain)
 
 

@@ -181,6 +181,13 @@ def test_a_finite_density_explains_without_a_fitted_number(medium: str, e: float
         assert not [item for item in wrong.explanations if item.name == "finite density"]
 
 
+def test_disks_of_another_size_are_not_judged_by_the_theory_of_equal_ones() -> None:
+    for exclusion, medium in ((1.0, "hard disks"), (0.5, "dilute")):
+        disks = HardDisks(0.04, 400, exclusion=exclusion)
+        run = simulate(disks, 0.7, times=[1.0, 9.0, 81.0], media=20, tracers=20, seed=3)
+        assert compare(run, explain=False).medium == medium
+
+
 def test_what_is_not_told_is_found() -> None:
     for told in ({}, {"restitution": 0.75}, {"number_density": DENSITY}):
         result = compare(made(0.75), **told, explain=False)
