@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import glob
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import click
 from click import Choice, option
@@ -152,8 +152,13 @@ def make_medium(word: str, number_density: float, count: int, dimension: int | N
     if dimension not in (None, own):
         others = "dilute" + ", hard or overlapping spheres" * (own == 2)
         raise InputError(f"dimension: got {dimension}; it must be {own} unless these are {others}")
-    made = next(kind for kind in get_args(particles.Medium) if kind.scatterers == word)
-    return made(number_density, count=count)
+    kinds: dict[str, Any] = {
+        "hard disks": particles.HardDisks,
+        "overlapping": particles.Poisson,
+        "hard spheres": particles.HardSpheres,
+        "overlapping spheres": particles.PoissonSpheres,
+    }
+    return kinds[word](number_density, count=count)
 
 
 @contextmanager
