@@ -40,16 +40,18 @@ from kinetics.numerics.refinement import RefinementRules, refine_until_converged
 from kinetics.outputs import AVERAGES, DENSITIES, INITIAL_STATE
 from kinetics.scene import Scene
 
-#: The highest speed of the start in U, for the groups of times and the first resolution. Chosen:
-#: each solution takes that of the start itself.
+#: A guess of the highest speed of the start, in U (the standard deviation of a velocity component
+#: at the start). It only groups the times and sets the first resolution: a solution begins from
+#: the highest speed that its start has. Six standard deviations, chosen.
 USUAL_FASTEST_START = 6.0
 #: Resolutions whose rtol is below this fraction of the first one take steps for a larger rtol: ever
 #: shorter steps would be lost in rounding (commit 431e06f0).
 LONGER_STEPS_BELOW = 0.005
 #: The larger rtol over that of the resolution: two refinements divide it by 25.
 LONGER_STEPS_FACTOR = 25.0
-#: An error is at least this fraction of the difference before: differences that fell 23 and 48
-#: times hid errors of 3 times the tolerance, as the density bends at rest (commit 316ac4dd).
+#: The error of a solution is taken to be at least this fraction of the difference between the two
+#: coarser ones. Chosen: where the density has a kink at v = 0, differences that fell 23 and 48
+#: times in one refinement hid errors of 3 times the tolerance (commit 316ac4dd).
 MIN_RATIO_OVER_TIME = 0.3
 #: Fewest harmonics M over time: averages of second order need m = 2.
 MIN_HARMONICS_OVER_TIME = 2
@@ -67,8 +69,8 @@ OUTPUTS_WITH_DIRECTIONS = {
 class DrivenAnswer:
     """The answer to a scene with any drive; it is solved when it is needed.
 
-    Errors are relative, as those of `kinetics.driven.field_answer.FieldAnswer`; the unit of speed
-    of the solver is U, and that of length the mean free path.
+    Errors are relative. The solver counts speeds in U, the standard deviation of a velocity
+    component at the start, lengths in mean free paths l and times in l/U.
 
     Parameters
     ----------
@@ -81,7 +83,7 @@ class DrivenAnswer:
 
     @cached_property
     def _drive(self) -> Drive:
-        """What drives, in units of the mean free path."""
+        """Bath, noise, drag or field of the scene, with the mean free path as unit of length."""
         return self.scene.drive.per_path(self.scene.mean_free_path)
 
     @cached_property
@@ -94,7 +96,7 @@ class DrivenAnswer:
     @cached_property
     @one_blas_thread
     def _solution(self) -> MarchesOverTime[DrivenEvolution]:
-        """The solutions of all times."""
+        """The best solution of each group of times, with its errors."""
         times = np.asarray(self.scene.times) / self.scene.mean_free_path
         return solve_in_groups(times, self._top_speed_at, self._solve_up_to)
 
@@ -167,23 +169,24 @@ class DrivenAnswer:
 
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
-        """The status, and the message."""
+        """The status of the whole answer, and a message that names the parts that missed."""
         return judge_errors(self.errors, {**self._tolerance, INITIAL_STATE: self.rtol})
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:
-        """What was solved, and how."""
+        """How the averages and the densities were solved: resolutions and differences."""
         return self._solution.plan(self.scene, 1.0)
 
     @property
     def stats(self) -> dict[str, int]:
-        """Numbers about the work."""
+        """Harmonics and speeds of the largest solution, and the steps of all, by name."""
         return self._solution.stats
 
     # -- averages ---------------------------------------------------------------------------------
 
     @property
     def _outputs(self) -> OutputsOverTime:
+        """The outputs, of the tracers that still move where some stick."""
         averages = self._solution.columns
         if self._drive.capture_speed:
             averages = over_moving(averages)
@@ -196,7 +199,7 @@ class DrivenAnswer:
 
     @property
     def values(self) -> dict[str, FloatArray]:
-        """The arrays of the outputs, in U and d."""
+        """The arrays of the outputs, in U and the diameter d."""
         return self._outputs.arrays
 
     @property
@@ -208,7 +211,7 @@ class DrivenAnswer:
 
     @property
     def uncollided(self) -> FloatArray:
-        """Nothing is left out of densities: zeros, (n_times,)."""
+        """Share of tracers missing in the densities, (n_times,): 0, as they hold every tracer."""
         return np.zeros(np.shape(self.scene.times))
 
     def speed_density(self, v: FloatArray) -> FloatArray:
@@ -216,11 +219,14 @@ class DrivenAnswer:
         return np.array([march.speed_density(i, v) for march, i in self._solution.at_times])
 
     def component_density(self, v_x: FloatArray) -> FloatArray:
-        """Raise InputError: it is not available."""
+        """Raise InputError: the solver of driven tracers has no density of one component."""
         refuse_component_density()
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
-        """Density of the velocity in U^-d, shape (n_times, n_v, n_phi)."""
+        """Density of the velocity in U^-d, in d dimensions, shape (n_times, n_v, n_phi).
+
+        v (n_v,) are speeds in U, phi (n_phi,) the angles from the x axis in radians.
+        """
         dimension = self.scene.dimension
         densities = []
         for march, i in self._solution.at_times:

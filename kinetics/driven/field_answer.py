@@ -193,17 +193,17 @@ class FieldAnswer:
 
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
-        """The status, and the message."""
+        """The status of the whole answer, and a message that names the parts that missed."""
         return judge_errors(self.errors, {**self._tolerance, INITIAL_STATE: self.rtol})
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:
-        """What was solved, and how."""
+        """How the averages and the densities were solved: resolutions and differences."""
         return self._solution.plan(self.scene, self._speed_unit)
 
     @property
     def stats(self) -> dict[str, int]:
-        """Numbers about the work."""
+        """Harmonics and speeds of the largest solution, and the steps of all, by name."""
         return self._solution.stats
 
     # -- averages ---------------------------------------------------------------------------------
