@@ -60,11 +60,10 @@ def read_sample(
     names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
     where = ", ".join(names)
     tracks = displacements(gather_tracks(tables, options), where, options)
-    if tracks.velocity is None:
-        allowed = "with columns vx and vy (--columns): positions alone are not compared yet"
-        refuse_data(where, "no velocities", allowed)
     sample = _group(tracks, names, options)
-    impossible = impossible_steps(tracks) if check_motion and tracks.tracer is not None else []
+    impossible = []
+    if check_motion and tracks.tracer is not None and tracks.velocity is not None:
+        impossible = impossible_steps(tracks)
     return replace(
         sample,
         law=Law(dimension=options.dimension or 2),

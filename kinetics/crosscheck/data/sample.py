@@ -8,12 +8,13 @@ Begin with `Sample`; `reduce_tracks` makes it of tracks.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.frame_pairs import FramePairs, sum_over_pairs
 from kinetics.crosscheck.data.tracks import Tracks
 from kinetics.drive import DRIVES
 
@@ -116,7 +117,8 @@ class Sample:
     names : where the data came from
     times : see above
     sums : of 1, v^2, v^4, r^2, r^4, and in a field, or if all start with one velocity, of v_x, x,
-        x^2, v_y, ... too, shape (n_groups, n_times, n_sums)
+        x^2, v_y, ... too, shape (n_groups, n_times, n_sums). Without velocities those of the
+        tracers that are there at the first frame, and NaN for powers of v
     at_rest : how many have speed zero, shape (n_times,)
     grouping : what a group is made of: "medium", "tracer" or "row"
     speeds, displacements : None, or a scale (n_times,) and counts between EDGES in units of it, and
@@ -131,6 +133,9 @@ class Sample:
     units : "speed", "length" and "time": U, d and d/U in the data's unit, where they were told
     ended : tracers that are not there at a time nor later, shape (n_times,); None for a run that
         keeps sums alone
+    has_velocities : whether velocities were measured; else `times` begin at 0, the first frame
+    pairs : displacements between frames of all tracers, also of those that come later; None for
+        data that have velocities
     """
 
     names: tuple[str, ...]
@@ -148,6 +153,8 @@ class Sample:
     told: dict[str, Any] = field(default_factory=dict)
     units: dict[str, float] = field(default_factory=dict)
     ended: Counts | None = None
+    has_velocities: bool = True
+    pairs: FramePairs | None = None
 
     @property
     def is_complete(self) -> NDArray[np.bool_]:
@@ -183,10 +190,11 @@ def reduce_tracks(
     names, grouping : see :class:`Sample`
     with_axes : whether sums along each axis are needed
     """
-    velocity = tracks.velocity
-    assert velocity is not None
     group = (label % MOST_GROUPS + FILE_SHIFT * tracks.file) % MOST_GROUPS
-    needs_axes = with_axes or _is_beam(tracks.times, velocity)
+    has_velocities = tracks.velocity is not None
+    velocity = np.full_like(tracks.place, np.nan) if tracks.velocity is None else tracks.velocity
+    is_there = _is_there(tracks)
+    needs_axes = with_axes or (has_velocities and _is_beam(tracks.times, velocity))
     n_axes = tracks.place.shape[2] if needs_axes else 0
     sums = np.zeros((MOST_GROUPS, tracks.times.size, VX + 3 * n_axes))
     at_rest = np.zeros(tracks.times.size, np.int64)
@@ -195,39 +203,61 @@ def reduce_tracks(
     start = None
     straightest = StraightFlights(0.0, 1.0, 0.0)
     for index, time in enumerate(tracks.times.tolist()):
-        is_there = np.isfinite(velocity[index, :, 0])
-        r = tracks.place[index, is_there]
-        v = velocity[index, is_there]
-        groups_there = group[is_there]
+        r = tracks.place[index, is_there[index]]
+        v = velocity[index, is_there[index]]
+        groups_there = group[is_there[index]]
         speed = size_of(v)
         distance = size_of(r)
+        sums[:, index] = _sums_by_group(groups_there, speed, distance, v, r, n_axes)
+        displacement_bins.count(index, distance, groups_there)
+        if not has_velocities:
+            continue
         flights = StraightFlights.of(time, distance, speed)
         straightest = max(straightest, flights, key=lambda each: each.share)
-        sums[:, index] = _sums_by_group(groups_there, speed, distance, v, r, n_axes)
         at_rest[index] = np.count_nonzero(speed == 0)
         speed_bins.count(index, speed, groups_there)
-        displacement_bins.count(index, distance, groups_there)
         if time == 0:
             start = _start_bins(speed)
     is_used = sums[..., N].sum(axis=1) > 0
+    pairs = None
+    if not has_velocities:
+        sums[..., [V2, V4]] = np.nan
+        pairs = sum_over_pairs(tracks.times, tracks.place, group, MOST_GROUPS)
+        is_used |= pairs.sums[..., N].sum(axis=1) > 0
+        pairs = replace(pairs, sums=pairs.sums[is_used])
     return Sample(
         names=names,
         times=tracks.times,
         sums=sums[is_used],
         at_rest=at_rest,
         grouping=grouping,
-        speeds=speed_bins.of_used_groups(),
+        speeds=speed_bins.of_used_groups() if has_velocities else None,
         displacements=displacement_bins.of_used_groups(),
         start=start,
         flights=(straightest.time, straightest.ratio),
-        ended=_count_ended(np.isfinite(velocity[:, :, 0])),
+        ended=_count_ended(is_there),
+        has_velocities=has_velocities,
+        pairs=pairs,
     )
+
+
+def _is_there(tracks: Tracks) -> NDArray[np.bool_]:
+    """Return which tracers count at each time, shape (n_times, n).
+
+    Displacements from the first frame, which is all that positions alone have beside pairs of
+    frames, are those of the tracers that are there then.
+    """
+    if tracks.velocity is not None:
+        return np.isfinite(tracks.velocity[:, :, 0])
+    is_there = np.isfinite(tracks.place[:, :, 0])
+    return is_there & is_there[0]
 
 
 def _count_ended(is_there: NDArray[np.bool_]) -> Counts:
     """Return how many tracers are gone for good at each time; is_there : (n_times, n)."""
     is_there_or_later = np.maximum.accumulate(is_there[::-1], axis=0)[::-1]
-    return np.count_nonzero(~is_there_or_later, axis=1)
+    has_begun = np.any(is_there, axis=0)
+    return np.count_nonzero(has_begun & ~is_there_or_later, axis=1)
 
 
 def _is_beam(times: Array, velocity: Array) -> bool:

@@ -22,6 +22,9 @@ from kinetics.crosscheck.data.table import Table
 MAX_TIMES = 400
 #: Largest time, speed and displacement, in d/U, U and d: fourth powers of these are doubles.
 MAX_SIZE = 1e70
+#: Successive frames that are kept together where there are positions alone: a straight flight is
+#: seen in three.
+FRAMES_TOGETHER = 3
 #: Times that differ by less than this fraction, and of the mean step than the next, are one time:
 #: single precision rounds by 6e-8.
 SAME_TIME = 1e-6
@@ -209,17 +212,24 @@ def _without_gaps(rows: _Rows) -> _Rows:
 
 
 def _thinned(rows: _Rows) -> _Rows:
-    """Return the rows of at most `MAX_TIMES` times, even in the logarithm, with first and last."""
+    """Return the rows of at most `MAX_TIMES` times, even in the logarithm, with first and last.
+
+    Where there are positions alone, each of these has the frames that follow it beside it.
+    """
     count = rows.times.size
     if count <= MAX_TIMES:
         return rows
+    n_together = 1 if SPEEDS[0] in rows.columns else FRAMES_TOGETHER
+    n_wanted = MAX_TIMES // n_together - 1
     since_first = rows.times - rows.times[0]
-    wanted = np.geomspace(since_first[1], since_first[-1], MAX_TIMES - 1)
+    wanted = np.geomspace(since_first[1], since_first[-1], n_wanted)
     nearest = np.searchsorted(since_first, wanted * (1.0 - SAME_TIME))
-    chosen = np.unique(np.concatenate([[0], nearest, [count - 1]]))
+    chosen = np.concatenate([[0], nearest, [count - n_together]])
+    with_following = np.add.outer(chosen, np.arange(n_together)).ravel()
     is_chosen = np.zeros(count, bool)
-    is_chosen[chosen] = True
-    remark = f"Of {count} times {chosen.size} are used, even in the logarithm of the time."
+    is_chosen[with_following[with_following < count]] = True
+    n_chosen = np.count_nonzero(is_chosen)
+    remark = f"Of {count} times {n_chosen} are used, even in the logarithm of the time."
     return rows.select(is_chosen[rows.time_index], remark)
 
 
@@ -313,6 +323,8 @@ def displacements(tracks: Tracks, where: str, options: DataOptions) -> Tracks:
     Places that are so already are returned as they are; of others the first time is time 0.
     InputError for positions that are wrapped in a box.
     """
+    if tracks.velocity is None:
+        return _from_own_start(tracks, where, options)
     if not _are_absolute(tracks, options):
         return tracks
     if tracks.tracer is None:
@@ -336,15 +348,45 @@ def displacements(tracks: Tracks, where: str, options: DataOptions) -> Tracks:
     if options.positions == "auto":
         remarks.append("Each tracer's own place at time 0, not the origin, was subtracted.")
     has_tracers = np.any(np.isfinite(place[:, :, 0]), axis=1)
-    assert started.velocity is None or started.velocity.shape == place.shape
-    velocity = None if started.velocity is None else started.velocity[has_tracers]
+    assert started.velocity is not None
     return replace(
         started,
         times=times[has_tracers],
         place=place[has_tracers],
-        velocity=velocity,
+        velocity=started.velocity[has_tracers],
         remarks=tuple(remarks),
     )
+
+
+def _from_own_start(tracks: Tracks, where: str, options: DataOptions) -> Tracks:
+    """Return tracks without velocities: times from the first frame, places from each one's first.
+
+    Displacements that are said to begin at time 0, where no frame is, get that frame.
+    """
+    if tracks.tracer is None:
+        refuse_data(f"{where}: positions alone", "no column tracer", "with one")
+    remarks = list(tracks.remarks)
+    times = tracks.times
+    place = tracks.place
+    if options.positions == "displacement" and times[0] > 0:
+        times = np.append(0.0, times)
+        place = np.concatenate([np.zeros_like(place[:1]), place])
+    if times.size < 2:
+        refuse_data(f"{where}: positions alone", "one frame", "at two times at least")
+    if times[0] != 0:
+        remarks.append(f"The first frame is at {times[0]:.4g} d/U: it is taken for time 0.")
+        times = times - times[0]
+    is_there = np.isfinite(place[:, :, 0])
+    n_late = int(np.count_nonzero(~is_there[0]))
+    if n_late:
+        remarks.append(
+            f"{n_late} tracks begin after the first frame. One clock is taken for all: time 0 is "
+            "the first frame."
+        )
+    first_frame = np.argmax(is_there, axis=0)
+    first_place = place[first_frame, np.arange(tracks.n_tracers)]
+    _check_not_wrapped(tracks, place - first_place, where)
+    return replace(tracks, times=times, place=place - first_place, remarks=tuple(remarks))
 
 
 def _are_absolute(tracks: Tracks, options: DataOptions) -> bool:
@@ -366,17 +408,21 @@ def _check_not_wrapped(tracks: Tracks, place: NDArray[Any], where: str) -> None:
     """Raise InputError where no tracer leaves the region of time 0, though many would.
 
     Of n tracers, about n times their root mean square displacement over the side would leave it.
+    Where as many tracks end, the region is a picture, and those that leave it are not seen.
     """
-    low = tracks.place[0].min(axis=0)
-    high = tracks.place[0].max(axis=0)
     n = tracks.n_tracers
+    n_ended = np.count_nonzero(np.isnan(tracks.place[-1, :, 0]))
+    if n_ended >= MIN_LEAVING:
+        return
+    low = np.nanmin(tracks.place[0], axis=0)
+    high = np.nanmax(tracks.place[0], axis=0)
     smallest_side = float((high - low).min())
-    distance = float(np.sqrt(np.nanmax(np.nanmean(np.sum(place**2, axis=2), axis=1))))
+    mean_square = np.nanmean(np.sum(place**2, axis=2), axis=1)
+    distance = float(np.sqrt(np.nanmax(mean_square)))
     # the farthest tracer is not quite at the edge of the region that they come from
     from_middle = np.nanmax(np.abs(tracks.place - (low + high) / 2), axis=(0, 1))
     all_stay = np.all(from_middle <= (high - low) * (0.5 + EDGE_TRACERS / n))
     if all_stay and n * distance >= MIN_LEAVING * smallest_side > 0:
-        got = (
-            f"some that look wrapped in a box, within {low} to {high} d, moved by {distance:.4g} d"
-        )
+        region = f"within {low} to {high} d, moved by {distance:.4g} d"
+        got = f"some that look wrapped in a box, {region}"
         refuse_data(f"{where}: positions", got, "unwrapped")

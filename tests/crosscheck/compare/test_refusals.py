@@ -42,9 +42,6 @@ TEXTS = {
     "another label in every row": (
         "a.csv", HEAD + "0,0,0,1,0,1\n0,0,0,0,1,2\n2,2,0,1,0,3\n2,0,2,0,1,4\n", "in every row"
     ),
-    "no velocities": (
-        "a.csv", "frame,particle,x,y\n0,1,0,0\n0,2,0,0\n1,1,1,0\n1,2,0,1\n", "no velocities"
-    ),
     "not npz": ("a.npz", HEAD, "damaged"),
     "not HDF5": ("a.h5", HEAD, "damaged"),
     "not a dump": ("a.dump", HEAD, "line 1"),
