@@ -1,265 +1,406 @@
-"""The answer: fits become a Comparison, with its verdict, what the data show by themselves, the
-numbers of the theory, and a summary in words.
+"""The answer: fits become a Comparison. Begin with `answer`.
+
+Of the fits, one for each medium, the likeliest is judged; where data and theory differ, causes are
+looked for, and where one of them is another medium, that is shown.
 """
 
+from __future__ import annotations
+
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from functools import cache
-from itertools import product
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import Fit, choose, fit, hotelling
-from kinetics.crosscheck.compare.judge import histograms_of, rows_of, tests_of, worst_of
+from kinetics.crosscheck.compare.causes import NEAR_BEST, tested_causes
+from kinetics.crosscheck.compare.fit import Fit
+from kinetics.crosscheck.compare.judge import Judgement, judge
+from kinetics.crosscheck.compare.measured import Measured
+from kinetics.crosscheck.compare.noted import never_move, noted
+from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter
-from kinetics.crosscheck.compare.theory import OBSERVABLES
+from kinetics.crosscheck.compare.theory import Theory
+from kinetics.crosscheck.compare.wrong_unit import wrong_unit
 from kinetics.crosscheck.data.sample import Law, Sample
 from kinetics.crosscheck.words import Verdict, number, numeral
 
-_NO_DENSITIES = "At a finite density averages alone are compared, with an error of the theory."
-_OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
-_SYMBOLS = {
-    "e_t": "tangential_restitution", "field": "field", "M/m": "mass_ratio", "w": "bath_speed",
-    "D_v": "heating", "γ": "drag", "v_c": "capture_speed",
-}  # fmt: skip
+NO_DENSITIES = "At a finite density averages alone are compared, with an error of the theory."
+OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
+#: How what drives a tracer is written, by its name in `Law`.
+SYMBOLS = {
+    "tangential_restitution": "e_t",
+    "field": "field",
+    "mass_ratio": "M/m",
+    "bath_speed": "w",
+    "heating": "D_v",
+    "drag": "γ",
+    "capture_speed": "v_c",
+}
+#: Differences that are said to be excluded are at most this: more says nothing.
+MAX_WITHIN = 10.0
+#: Errors of the restitution, of ln l and of ln U from which on these are not known.
+UNKNOWN_FROM = {"restitution": 0.1, "path": 0.3, "speed_unit": 0.2}
+#: Share of a direction from which on a number is named as a part of it.
+NAMED_FROM = 0.3
+#: How the numbers are named in a sentence.
+NAMES = {"restitution": "e", "path": "the mean free path", "speed_unit": "U"}
 
 
-def answered(
-    sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool
-) -> Comparison:
-    """The rows, tests, verdict and explanations of the likeliest fit, or of what explains."""
-    in_medium, explanations = {one.point.scatterers: one for one in fits}, list[Explanation]()
-    seen = cache(lambda medium: _seen(in_medium[medium]))
-    wrong, best = never_move(sample) or wrong_unit(fits), _likeliest(fits, seen)
-    point, verdict = best.point, Verdict.DIFFERS if wrong else seen(best.point.scatterers)[-1]
-    if explain:
-        explanations, medium = _explained(best, verdict, wrong, media)
-        if medium in in_medium and medium != point.scatterers:  # what explains is shown
-            best, point = in_medium[medium], in_medium[medium].point
-    densities, rows, tests, found = seen(point.scatterers)
-    verdict = Verdict.DIFFERS if wrong else found
-    likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
-    first = wrong or (None if verdict is Verdict.AGREES else next(likely, None))
-    note = [_OWN_START] if point.own_start and densities else []
-    note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
-    parameters = _parameters(best, wrong)
-    return Comparison(
-        verdict=verdict, summary=_summary(best, fits, parameters, tests, verdict, first),
-        parameters=parameters, initial=point.start_in_words, samples=int(sample.samples.max()),
-        groups=sample.groups, grouping=sample.grouping, names=sample.names,
-        warnings=(*sample.warnings, *note), tests=tests, explanations=tuple(explanations),
-        numbers=rows, medium=point.scatterers,
-        covariance=tuple(map(tuple, best.covariance.tolist())),
-    )  # fmt: skip
+@dataclass(frozen=True, eq=False)
+class JudgedFit:
+    """A fit, and the judgement on it at all times of the sample."""
+
+    fitted: Fit
+    sample: Sample
+    judgement: Judgement
+
+    @classmethod
+    def of(cls, fitted: Fit, sample: Sample) -> JudgedFit:
+        """Judge a fit at all times of its sample."""
+        measured = Measured.of(sample, fitted.measured.layout.names)
+        theory = Theory(measured.layout, measured.has_velocities)
+        return cls(fitted, sample, judge(fitted, measured, theory))
+
+    @property
+    def medium(self) -> str:
+        """The scatterers of the theory."""
+        return self.fitted.point.scatterers
 
 
-def _seen(found: Fit) -> tuple[bool, Any, Any, Verdict]:
-    """Whether densities were compared, the rows, the tests, and the verdict on them."""
-    histograms = list(histograms_of(found))
-    rows, tests = tuple(rows_of(found, histograms)), tuple(tests_of(found, histograms))
-    # Rows without spread no test can hold.
-    without_scatter = [r.verdict for r in rows if r.sigmas is None]
-    tested = [test.verdict for test in tests]
-    verdict = worst_of([*tested, *without_scatter])
-    if verdict is Verdict.AGREES and tested and Verdict.AGREES not in tested:
-        verdict = Verdict.NOT_TESTED  # what is exact, or the start, agrees: no test of the rest
-    return bool(histograms), rows, tests, verdict
+def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool) -> Comparison:
+    """Return the comparison of a sample with the likeliest of its fits.
+
+    Parameters
+    ----------
+    sample : at all its times
+    fits : one for each medium that was tried, which look at some of these
+    media : that a cause is looked for in
+    explain : whether causes of a difference are looked for
+    """
+    judged = [JudgedFit.of(fitted, sample) for fitted in fits]
+    best = _likeliest(judged)
+    found_in_data = never_move(sample) or wrong_unit(fits)
+    verdict = Verdict.DIFFERS if found_in_data else best.judgement.verdict
+    explanations: list[Explanation] = [found_in_data] if found_in_data and explain else []
+    if explain and not found_in_data:
+        explanations, medium = _explained(best, verdict, media)
+        of_medium = [other for other in judged if other.medium == medium]
+        if of_medium and medium != best.medium:  # what explains is shown
+            best = of_medium[0]
+            verdict = best.judgement.verdict
+    return _comparison(sample, judged, best, verdict, found_in_data, explanations)
 
 
-def _likeliest(fits: Sequence[Fit], seen: Callable[[str], Any]) -> Fit:
-    """The likeliest of the fits that agree with the data, also in every single test, or of all.
+def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
+    """Return the likeliest of the fits that agree with the data, or of all.
 
     Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
     Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
-    fits = [f for f in fits if f.chi_square and f.chi_square.verdict is Verdict.AGREES] or fits
-    fits = [f for f in fits if seen(f.point.scatterers)[-1] is Verdict.AGREES] or fits
-    best = min(fits, key=lambda f: f.criterion)
-    if not np.isfinite(best.criterion):
+    if len(judged) == 1:
+        return judged[0]
+    alike = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES] or list(judged)
+    best = min(alike, key=lambda fit: fit.fitted.criterion)
+    least = best.fitted.criterion
+    if not np.isfinite(least) or not best.fitted.free:
         return best
-    weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
-    away = np.array([one.at - best.at for one in fits])
-    return replace(best, covariance=best.covariance + (away.T * (weight / weight.sum())) @ away)
+    weights = np.exp([(least - fit.fitted.criterion) / 2.0 for fit in alike])
+    away = np.array([fit.fitted.coordinates - best.fitted.coordinates for fit in alike])
+    spread = (away.T * (weights / weights.sum())) @ away
+    fitted = replace(best.fitted, covariance=best.fitted.covariance + spread)
+    return replace(best, fitted=fitted)
 
 
 def _explained(
-    told: Fit, verdict: Verdict, wrong: Explanation | None, media: Sequence[str]
+    best: JudgedFit, verdict: Verdict, media: Sequence[str]
 ) -> tuple[list[Explanation], str]:
-    """What explains a difference or is to be noted, the likeliest first, and in which medium."""
-    medium, law = told.point.scatterers, told.expectation.sample.law
-    if wrong or (law.is_driven and not law.field):
-        return [wrong] if wrong else [], medium
-    found = [] if law.field else list(_noted(told))
+    """Return what explains a difference or is to be noted, the likeliest first, and its medium."""
+    law = best.sample.law
+    if law.is_driven and not law.field:
+        return [], best.medium
+    medium = best.medium
+    explanations: list[Explanation] = []
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
-        from kinetics.crosscheck.compare.causes import tested_causes
-
-        tested = list(tested_causes(told, media))
-        if tested and tested[0][0].outcome == "explains":
-            medium = tested[0][1]
-        found = [*(item for item, _ in tested), *found]
-    # Python's sort keeps the order of those of one outcome: the likeliest stays first.
-    return sorted(found, key=lambda item: [*OUTCOMES].index(item.outcome)), medium
-
-
-# -- what the data show by themselves, without a fit -----------------------------------------------
-def never_move(sample: Sample) -> Explanation | None:
-    """Particles that have speed zero at every time; of late times alone, one in 100 at least."""
-    rest, most = int(sample.at_rest.min()), int(sample.samples.max())
-    late = sample.times[0] > 0 and rest < 0.01 * most
-    if not rest or late or sample.times.size < 2 or sample.law.is_driven:
-        return None
-    said = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
-    more = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
-    return Explanation("scatterers", "found", said + more, value=rest / most, headline=said)
+        tested = tested_causes(best.fitted, media)
+        if tested and tested[0].explanation.outcome == "explains":
+            medium = tested[0].fitted.point.scatterers
+        explanations += [cause.explanation for cause in tested]
+    if not law.field:
+        explanations += noted(best.fitted, best.judgement.residuals)
+    # a stable sort: the likeliest of one outcome stays first
+    order = list(OUTCOMES)
+    return sorted(explanations, key=lambda item: order.index(item.outcome)), medium
 
 
-def wrong_unit(fits: Sequence[Fit]) -> Explanation | None:
-    """What is said where units do not belong together; None where they do, or cannot be known.
-
-    Before a collision r = v t: |ln(r/(v t))| above .005 is a wrong unit, or a wrong clock. Which
-    it is, say the averages that are left with the value that this gives: all near the best.
-    """
-    sample, own_start = fits[0].expectation.sample, fits[0].point.own_start
-    (at, ratio), unit = sample.flights, sample.units.get("time", 1.0)
-    if sample.law.field or sample.law.is_driven or abs(math.log(ratio)) <= 0.005:
-        return None
-    from kinetics.crosscheck.compare.causes import NEAR_BEST
-
-    size, ahead = numeral(1 / ratio, ".5g"), at * (1 - ratio) * unit
-    words = {
-        "time offset": (at * (ratio - 1), f"the clock were {numeral(ahead, '.4g')} ahead"),
-        "time unit": (1 / ratio, f"times were {size} times too long"),
-        "speed unit": (1 / ratio, f"speeds were {size} times too high"),
-        "length unit": (ratio, f"lengths were {numeral(ratio, '.5g')} times too long"),
-    }
-    costs = dict[str, float]()
-    for told, (name, (value, _)) in product(fits, words.items()):
-        changed: Any = {name.replace(" ", "_"): value}
-        if name == "speed unit":  # the times are right, and a Gaussian may be the start
-            changed |= {"time_unit": value} | ({"start": "gaussian"} if own_start else {})
-        usable = told.usable & (sample.times > 0)
-        made = fit(told.expectation, told.point._replace(**changed), told.free, usable, [told.at])
-        if made and made.chi_square and made.chi_square.verdict is not Verdict.DIFFERS:
-            costs[name] = min(made.criterion, costs.get(name, math.inf))
-    if "speed unit" in costs and own_start:  # no start but a Gaussian is needed
-        costs.pop("time unit", None)
-    near = min(costs.values(), default=0.0) + NEAR_BEST
-    may_be = [one for one in sorted(costs, key=costs.__getitem__) if costs[one] < near] or [*words]
-    said = f"tracers that fly straight have r = {numeral(ratio, '.5g')} v t at t = "
-    said += f"{numeral(at * unit, '.4g')}, as if {' or '.join(words[one][1] for one in may_be)}"
-    more = f"{said}; shift the times, or say --time-unit, --length-unit or --speed-unit. No other "
-    value = ahead if may_be[0] == "time offset" else words[may_be[0]][0]
-    return Explanation(may_be[0], "found", more + "cause is looked for.", True, value,
-                       headline=said)  # fmt: skip
-
-
-def _noted(told: Fit) -> Iterator[Explanation]:
-    """Tracers that come to rest, and those that are missing later: the complete times tell."""
-    sample, samples = told.expectation.sample, told.expectation.sample.samples
-    most, least, rest = int(samples.max()), int(np.argmin(samples)), int(sample.at_rest.max())
-    if rest:
-        said = f"tracers come to rest ({rest}): caught between scatterers, or stopped by a program"
-        # few change densities alone: where averages differ, it is for another reason
-        agree = told.chi_square is None or told.chi_square.verdict is Verdict.AGREES
-        outcome = "found" if agree else "noted"
-        yield Explanation("traps", outcome, f"{said}.", value=rest / most, headline=said)
-    complete = sample.is_complete
-    if np.all(complete):
-        return
-    whole, part = (
-        hotelling(*told.flat(choose(told.usable & times, sample.groups)))
-        for times in (complete, ~complete)
+def _comparison(
+    sample: Sample,
+    judged: Sequence[JudgedFit],
+    best: JudgedFit,
+    verdict: Verdict,
+    found_in_data: Explanation | None,
+    explanations: Sequence[Explanation],
+) -> Comparison:
+    point = best.fitted.point
+    judgement = best.judgement
+    remarks = []
+    if point.has_own_start and judgement.has_densities:
+        remarks.append(OWN_START)
+    if point.scatterers != "dilute":
+        remarks.append(NO_DENSITIES)
+    cause = found_in_data
+    if cause is None and verdict is not Verdict.AGREES and explanations:
+        likeliest = explanations[0]
+        if likeliest.outcome in ("explains", "found") and likeliest.headline:
+            cause = likeliest
+    parameters = _parameters(best.fitted, verdict, found_in_data)
+    averages = judgement.averages
+    return Comparison(
+        verdict=verdict,
+        summary=_summary(best, parameters, verdict, cause),
+        parameters=parameters,
+        initial=point.start_in_words,
+        samples=best.fitted.measured.n_tracers,
+        groups=sample.groups,
+        grouping=sample.grouping,
+        names=sample.names,
+        warnings=(*sample.warnings, *remarks),
+        tests=judgement.tests,
+        explanations=tuple(explanations),
+        numbers=judgement.rows,
+        medium=point.scatterers,
+        covariance=_covariance_of_two(best.fitted),
+        p_value_=judgement.p_value,
+        chi_square=None if averages is None else averages.value,
+        dof=None if averages is None else averages.freedom,
+        units=dict(sample.units),
+        cannot_tell=_cannot_tell(best.fitted),
+        media=_chi_squares(judged),
+        undecided=_undecided(judged, best),
+        n_times=int(sample.times.size),
+        first_time=float(sample.times[0]),
+        last_time=float(sample.times[-1]),
+        next_step=_next_step(verdict, cause, _cannot_tell(best.fitted)),
     )
-    missing, outcome = most - int(samples[least]), "does not" if part else "noted"
-    if part is not None and part.verdict is not Verdict.AGREES:
-        alone = whole is None or whole.verdict is Verdict.AGREES
-        outcome = "explains" if alone else "in part"
-    said = f"{missing} tracers that are missing at later times"
-    text = f"{said}, of {most} at t = {numeral(sample.times[least], '.4g')}. "
-    text += "A cap on collisions takes the fast ones away."
-    left: tuple[Any, ...] = (None, None, None) if whole is None else whole[:3]
-    yield Explanation(
-        "missing tracers", outcome, text, part is not None, missing / most, None,
-        part and part.value, left[0], left[1], left[2], said,
-    )  # fmt: skip
+
+
+def _chi_squares(judged: Sequence[JudgedFit]) -> dict[str, tuple[float, int]]:
+    """Return the chi-square of all averages and its degrees of freedom, by medium."""
+    chi_squares = {}
+    for fit in judged:
+        chi_square = fit.fitted.chi_square
+        if chi_square is not None:
+            chi_squares[fit.medium] = (chi_square.value, chi_square.freedom)
+    return chi_squares
+
+
+def _undecided(judged: Sequence[JudgedFit], best: JudgedFit) -> tuple[str, ...]:
+    """Return the media that the data do not exclude, beside the one that was taken."""
+    limit = best.fitted.criterion + NEAR_BEST
+    near = [fit for fit in judged if fit.fitted.criterion <= limit]
+    return tuple(fit.medium for fit in near if fit.medium != best.medium)
+
+
+def _covariance_of_two(fitted: Fit) -> tuple[tuple[float, ...], ...]:
+    """Return the covariance of those that were fitted of e and ln l."""
+    chosen = [index for index, name in enumerate(fitted.names) if name in ("restitution", "path")]
+    return tuple(map(tuple, fitted.covariance[np.ix_(chosen, chosen)].tolist()))
+
+
+def _cannot_tell(fitted: Fit) -> tuple[str, ...]:
+    """Return a sentence for each combination of numbers that the data do not know."""
+    chosen = [index for index, name in enumerate(fitted.names) if name in UNKNOWN_FROM]
+    if not chosen:
+        return ()
+    names = [fitted.names[index] for index in chosen]
+    units = np.array([UNKNOWN_FROM[name] for name in names])
+    covariance = fitted.covariance[np.ix_(chosen, chosen)] / np.outer(units, units)
+    if not np.all(np.isfinite(covariance)):
+        return ()
+    variances, directions = np.linalg.eigh(covariance)
+    sentences = []
+    for variance, direction in zip(variances, directions.T, strict=True):
+        if variance > 1.0:
+            pairs = zip(names, np.abs(direction), strict=True)
+            named = [NAMES[name] for name, share in pairs if share > NAMED_FROM]
+            verb = "is not known" if len(named) == 1 else "cannot be told apart"
+            sentences.append(f"{' and '.join(named)} {verb} by these data.")
+    return tuple(sentences)
+
+
+def _next_step(verdict: Verdict, cause: Explanation | None, cannot_tell: tuple[str, ...]) -> str:
+    """Return what to do next, in one sentence; empty where nothing is left."""
+    if cause is not None and cause.outcome == "found":
+        return "Mend the data, or say their units, and compare again."
+    if cause is not None:
+        return "Check what the likeliest cause names, specify it, and compare again."
+    if verdict is Verdict.DIFFERS:
+        return "Look at the rows that deviate (--rows) and at how the data were made."
+    if verdict is Verdict.UNCLEAR:
+        return "Measure more tracers: half the error decides."
+    if verdict is Verdict.NOT_TESTED:
+        return "Measure more independent tracers or media."
+    if cannot_tell:
+        return "Measure closer frames at the beginning, or longer tracks, or specify a number."
+    return ""
+
+
+def _parameters(
+    fitted: Fit, verdict: Verdict, found_in_data: Explanation | None
+) -> dict[str, Parameter]:
+    """Return the numbers of the theory; those that were fitted have standard errors."""
+    no_value = ""
+    if verdict is Verdict.DIFFERS:
+        no_value = found_in_data.headline if found_in_data else "the model does not fit"
+    point = fitted.point
+    law = fitted.measured.sample.law
+    parameters = {
+        "restitution": _parameter(fitted, "restitution", point.restitution, no_value),
+        "number_density": _parameter(fitted, "path", law.free_path(point.path), no_value),
+        "mean_free_path": _parameter(fitted, "path", point.path, no_value),
+    }
+    if "path" not in fitted.names:
+        parameters["mean_free_path"] = Parameter(point.path, None, "from ρ₀")
+    units = fitted.measured.sample.units
+    if "speed_unit" in fitted.names:
+        speed = _parameter(fitted, "speed_unit", point.speed_unit, no_value)
+        parameters["speed_unit"] = _scaled(speed, units.get("speed", 1.0))
+    if "position_noise" in fitted.names:
+        deviation = math.sqrt(max(point.position_noise, 0.0))
+        variance, error = fitted.value("position_noise")
+        # of a root half the relative error; near 0 the root of the error
+        error = error / (2.0 * deviation) if variance > error else math.sqrt(error)
+        source = "fitted"
+        position_error = Parameter(deviation, error, source)
+        if no_value:
+            position_error = Parameter(None, None, f"no value: {no_value}")
+        parameters["position_error"] = _scaled(position_error, units.get("length", 1.0))
+    return parameters
+
+
+def _scaled(parameter: Parameter, unit: float) -> Parameter:
+    """Return a parameter in the data's unit."""
+    if parameter.value is None or parameter.error is None:
+        return parameter
+    return Parameter(parameter.value * unit, parameter.error * unit, parameter.source)
+
+
+def _parameter(fitted: Fit, name: str, value: Any, no_value: str) -> Parameter:
+    """Return one number: specified, fitted, or without a value."""
+    if callable(value):
+        return Parameter(None, None, f"told: {value}")
+    if name not in fitted.names:
+        return Parameter(value, None, "told")
+    if no_value:
+        shown = numeral(value, ".5g")
+        return Parameter(None, None, f"no value: {no_value}; the theory that is shown has {shown}")
+    at, error = fitted.value(name)
+    if at:
+        error = error * value / at  # the density has the relative error of the path
+    has_velocities = fitted.measured.has_velocities
+    source = "fitted to v₀ and ⟨r²⟩ over time" if has_velocities else "fitted to positions"
+    return Parameter(value, error, source)
 
 
 # -- in words --------------------------------------------------------------------------------------
-def _parameters(found: Fit, wrong: Explanation | None) -> dict[str, Parameter]:
-    """The numbers of the theory; those that were fitted have standard errors."""
-    point, left, why = found.point, found.chi_square, ""
-    if wrong or (left is not None and left.verdict is Verdict.DIFFERS):
-        why = wrong.headline if wrong else "the model does not fit"
-    density = found.expectation.sample.law.free_path(point.path)
-    values = {"restitution": point.restitution, "number_density": density}
-    values |= {"mean_free_path": point.path}
-    made = {}
-    for name, value in values.items():
-        free = "restitution" if name == "restitution" else "path"
-        made[name] = Parameter(value, None, "from ρ₀" if name == "mean_free_path" else "told")
-        if callable(value):
-            made[name] = Parameter(None, None, f"told: {value}")
-        elif free in found.free and why:
-            used = f"no value: {why}; the theory that is shown has {numeral(value, '.5g')}"
-            made[name] = Parameter(None, None, used)
-        elif free in found.free:
-            at, error = found.value(free)
-            error *= value / at if at else 1.0
-            made[name] = Parameter(value, error, "fitted to v₀ and ⟨r²⟩ over time")
-    return made
-
-
 def _summary(
-    found: Fit, fits: Sequence[Fit], parameters: dict[str, Parameter],
-    tests: Sequence[Any], verdict: Verdict, best: Explanation | None,
-) -> str:  # fmt: skip
-    """What was fitted, the verdict, what was compared, the medium and the clearest difference."""
-    within = [
-        f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
-        f"{OBSERVABLES[t.observable].short}"
-        for t in tests
-        if t.within is not None and t.verdict is Verdict.AGREES
-    ]  # fmt: skip
-    cause = f"; {best.headline} explains it" if best else ""
-    answer = {
-        Verdict.AGREES: f"No difference seen, better than {', '.join(within) or 'no average'}.",
-        Verdict.UNCLEAR: f"A difference is possible, more samples would show it{cause}.",
-        Verdict.DIFFERS: f"They differ{cause}.",
-        Verdict.NOT_TESTED: f"Not tested: {found.expectation.sample.groups} independent groups are "
-        "too few for errors this large.",
-    }.get(verdict, "Nothing could be tested.")
-    fitted = " and ".join(
-        f"{symbol} = {number(one.value, one.error)}"
-        for name, symbol in (("restitution", "e"), ("number_density", "ρ₀"))
-        if (one := parameters[name]).error is not None
+    best: JudgedFit,
+    parameters: dict[str, Parameter],
+    verdict: Verdict,
+    cause: Explanation | None,
+) -> str:
+    """Return what was fitted, the verdict, and what was compared."""
+    sentences = [_verdict_in_words(best, parameters, verdict, cause)]
+    sentences.append(_what_was_compared(best))
+    clearest = _clearest_deviation(best.judgement)
+    if clearest:
+        sentences.append(clearest)
+    return " ".join(sentences)
+
+
+def _verdict_in_words(
+    best: JudgedFit,
+    parameters: dict[str, Parameter],
+    verdict: Verdict,
+    cause: Explanation | None,
+) -> str:
+    if cause is not None and cause.outcome == "found":
+        return f"They differ. Look at the data first: {cause.headline}."
+    explains = f"; {cause.headline} explains it" if cause else ""
+    n_groups = best.sample.groups
+    words = {
+        Verdict.AGREES: f"No difference seen, better than {_excluded(best.judgement)}.",
+        Verdict.UNCLEAR: f"A difference is possible, more samples would show it{explains}.",
+        Verdict.DIFFERS: f"They differ{explains}.",
+        Verdict.NOT_TESTED: (
+            f"Not tested: {n_groups} independent groups are too few for errors this large."
+        ),
+    }
+    text = words.get(verdict, "Nothing could be tested.")
+    fitted = _fitted_in_words(parameters)
+    return f"{fitted}, fitted. {text}" if fitted else text
+
+
+def _excluded(judgement: Judgement) -> str:
+    """Return what differences the data exclude, by observable."""
+    excluded = []
+    for test in judgement.tests:
+        if test.within is not None and test.verdict is Verdict.AGREES:
+            form = ".2g" if test.within < 0.001 else ".2%"
+            within = numeral(min(test.within, MAX_WITHIN), form)
+            excluded.append(f"{within} for {OBSERVABLES[test.observable].text}")
+    return ", ".join(excluded) or "no average"
+
+
+def _fitted_in_words(parameters: dict[str, Parameter]) -> str:
+    """Return the values that were fitted."""
+    symbols = {"restitution": "e", "number_density": "ρ₀"}
+    values = []
+    for name, symbol in symbols.items():
+        parameter = parameters[name]
+        if parameter.error is not None:
+            values.append(f"{symbol} = {number(parameter.value, parameter.error)}")
+    return " and ".join(values)
+
+
+def _what_was_compared(best: JudgedFit) -> str:
+    sample = best.sample
+    point = best.fitted.point
+    first = numeral(sample.times[0], ".4g")
+    last = numeral(sample.times[-1], ".4g")
+    return (
+        f"{best.fitted.measured.n_tracers} tracers at {sample.times.size} times from {first} to "
+        f"{last} d/U, compared with the kinetic equation with {_system_in_words(best)}, from "
+        f"{point.start_in_words}."
     )
-    if best is not None and best.outcome == "found":
-        answer = f"They differ. Look at the data first: {best.headline}."
-    elif fitted:
-        answer = f"{fitted}, fitted. {answer}"
-    sample, law, point = found.expectation.sample, found.expectation.sample.law, found.point
-    told: dict[str, Any] = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
-    told |= {s: getattr(law, n) for s, n in _SYMBOLS.items() if getattr(law, n) != getattr(Law, n)}
-    said = [f"{k} = {x if callable(x) else numeral(x, '.6g')}" for k, x in told.items()]
-    first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
-    answer += f" {int(sample.samples.max())} tracers at {sample.times.size} times from {first} to "
-    answer += f"{last} d/U, compared with the kinetic equation with "
-    answer += f"{', '.join(said)}, from {point.start_in_words}."
-    if len(fits) > 1 and found.chi_square:
-        left = {
-            one.point.scatterers: f"{numeral(one.chi_square.value, '.3g')}/{one.chi_square.freedom}"
-            for one in fits if one.chi_square
-        }  # fmt: skip
-        answer += f" The medium taken: {point.scatterers} {left.pop(point.scatterers)}"
-        answer += " (chi-square/degrees of freedom; "
-        answer += f"{', '.join(f'{name} {one}' for name, one in left.items())})."
-    odd = [t for t in tests if t.verdict not in (Verdict.AGREES, Verdict.NOT_TESTED)]
-    if odd:
-        t = min(odd, key=lambda test: test.p_value)
-        at = "" if t.time is None else f" at t = {numeral(t.time, '.4g')}"
-        answer += f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is {t.observable}"
-        answer += f"{at}: chi-square {numeral(t.chi_square, '.4g')} with {t.dof} degrees of freedom"
-        answer += f", p = {numeral(t.p_value, '.2g')}."
-    return answer
+
+
+def _system_in_words(best: JudgedFit) -> str:
+    """Return the numbers of the theory in a clause."""
+    law = best.sample.law
+    point = best.fitted.point
+    values: dict[str, Any] = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
+    for name, symbol in SYMBOLS.items():
+        if getattr(law, name) != getattr(Law, name):
+            values[symbol] = getattr(law, name)
+    shown = []
+    for symbol, value in values.items():
+        text = str(value) if callable(value) else numeral(value, ".6g")
+        shown.append(f"{symbol} = {text}")
+    return ", ".join(shown)
+
+
+def _clearest_deviation(judgement: Judgement) -> str:
+    """Return the test that differs most, in a sentence; empty if all agree."""
+    alike = (Verdict.AGREES, Verdict.NOT_TESTED)
+    different = [test for test in judgement.tests if test.verdict not in alike]
+    if not different:
+        return ""
+    clearest = min(different, key=lambda test: test.p_value)
+    at = "" if clearest.time is None else f" at t = {numeral(clearest.time, '.4g')}"
+    return (
+        f"Of {len(judgement.tests)} tests {len(different)} do not agree; the clearest is "
+        f"{clearest.observable}{at}: chi-square {numeral(clearest.chi_square, '.4g')} with "
+        f"{clearest.dof} degrees of freedom, p = {numeral(clearest.p_value, '.2g')}."
+    )
+

@@ -1,11 +1,15 @@
-"""From data to a comparison: what is not given (restitution, density, start) is found in the data.
+"""From data to a comparison: what is not specified (e, density, start, U) is found in the data.
 
-`compare_data` is what the command `lorentz compare` does.
+`compare_data` is what the command `lorentz compare` does, `fit_data` what `lorentz fit` does. Both
+read the data (`data.reading`), complete what was specified (`Question`), fit the rest in each medium
+that the scatterers may be (`_fits`), and judge the fits (`answer`).
 """
+
+from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,48 +17,95 @@ from typing import Any
 import numpy as np
 
 from kinetics.collision.impact import impact_restitution
-from kinetics.crosscheck.compare.answer import answered
-from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, fit, hotelling, media_of, spread_in
+from kinetics.crosscheck.compare.answer import answer
+from kinetics.crosscheck.compare.fit import Fit, first_estimate, fit, fitted_components, told_point
+from kinetics.crosscheck.compare.measured import Layout, Measured
+from kinetics.crosscheck.compare.media import media_of
+from kinetics.crosscheck.compare.observables import averages_of
+from kinetics.crosscheck.compare.parameters import FreeParameter, free_parameter
+from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison
-from kinetics.crosscheck.compare.theory import BEAM, Expectation, Point, SampledStart, averages_of
+from kinetics.crosscheck.compare.selection import fit_times, row_times
+from kinetics.crosscheck.compare.starts import start_of
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.reading import read_sample
-from kinetics.crosscheck.data.sample import VX, X2, Law, Sample, errors
+from kinetics.crosscheck.data.sample import R2, X2, Law, N, Sample
 from kinetics.crosscheck.data.tracks import MAX_SIZE
-from kinetics.crosscheck.words import numeral
 from kinetics.errors import InputError
-from kinetics.validation import check_positive, check_restitution, one_of, refuse
+from kinetics.validation import (
+    check_positive,
+    check_restitution,
+    one_of,
+    real_number,
+    refuse,
+)
 
-_SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
+#: Restitutions from which a fit begins.
+RESTITUTIONS = (0.3, 0.6, 0.85, 0.97)
+#: The root mean square displacement at the end over the mean free path from which a fit begins, as
+#: a logarithm. It is 3 for the mean free path of tracers with velocities.
+FOLDS_OF_PATH = (-2.0, -1.0, 0.0)
+#: The same of positions alone, of which l and U are fitted together.
+FOLDS_OF_PATH_ALONE = (-2.5, -1.0)
+#: Groups that there must be for each fitted number, and beside.
+GROUPS_BESIDE = 3
+#: Times without missing tracers that a fit needs to leave the other times out.
+MIN_COMPLETE_TIMES = 3
+#: The number of a point, by the name of the argument that specifies it.
+ARGUMENT_OF = {
+    "restitution": "restitution",
+    "path": "number_density",
+    "speed_unit": "speed_unit",
+    "position_noise": "localisation_error",
+}
 
 
 def compare_data(
     data: str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Sample | Any,
-    restitution: Any = None, number_density: float | None = None, initial: str = "auto",
-    positions: str = "auto", speed_unit: float = 1.0, diameter: float = 1.0,
-    explain: bool = True, time_unit: float | None = None,
-    columns: Mapping[str, str] | str | None = None, timestep: float | None = None,
-    tangential_restitution: float | None = None, dimension: int | None = None,
-    field: float = 0.0, type: str | int | None = None, scatterers: str = "auto",
-    fitted: bool = False, bath_speed: float = 0.0, heating: float = 0.0, drag: float = 0.0,
-    capture_speed: float = 0.0, mass_ratio: float = math.inf,
-    frame_interval: float | None = None, decimal: str = ".",
-) -> Comparison:  # fmt: skip
+    restitution: Any = None,
+    number_density: float | None = None,
+    initial: str = "auto",
+    positions: str = "auto",
+    speed_unit: float | None = None,
+    diameter: float = 1.0,
+    explain: bool = True,
+    time_unit: float | None = None,
+    columns: Mapping[str, str] | str | None = None,
+    timestep: float | None = None,
+    tangential_restitution: float | None = None,
+    dimension: int | None = None,
+    field: float = 0.0,
+    type: str | int | None = None,
+    scatterers: str = "auto",
+    fitted: bool = False,
+    bath_speed: float = 0.0,
+    heating: float = 0.0,
+    drag: float = 0.0,
+    capture_speed: float = 0.0,
+    mass_ratio: float = math.inf,
+    frame_interval: float | None = None,
+    decimal: str = ".",
+    localisation_error: float | None = None,
+) -> Comparison:
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
     Parameters
     ----------
     data : a file, several files (as `lorentz compare --help` says), a DataFrame or a dictionary of
-        arrays with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and
-        medium, (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
-        dimension), and tracer and medium (n_tracers,); a run of `simulate`
+        arrays with columns time, x, y and, where they were measured, vx, vy (in space also z, vz)
+        and, where known, tracer and medium, (n,) each; arrays times (n_times,), positions and
+        velocities (n_times, n_tracers, dimension), and tracer and medium (n_tracers,); a run of
+        `simulate`
     restitution : 0 to 1, or of the impact speed as in a Scene; None: as a run says, or fitted
     number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
-    initial : "gaussian", "monoenergetic", "beam" (all with the velocity U along x), "data" (the
-        speeds at time 0), or "auto": the first of these that the velocities at time 0 allow; a
-        Gaussian, where there are none. In a field "rest"
-    positions, speed_unit, diameter, time_unit, columns, timestep, frame_interval, dimension, type,
-        decimal : of files and of columns in memory, as the options of that command
+    initial : "gaussian", "monoenergetic" (or "one speed"), "beam" (all with the velocity U along
+        x), "data" (or "first frames": the speeds at time 0), or "auto": the first of these that the
+        velocities at time 0 allow; a Gaussian, where there are none. In a field "rest"
+    speed_unit : U in the data's unit of speed; None: 1, and for positions alone fitted
+    localisation_error : for positions alone, standard deviation of the error of a component of a
+        position, in the data's unit of length; None: fitted
+    positions, diameter, time_unit, columns, timestep, frame_interval, dimension, type, decimal : of
+        files and of columns in memory, as the options of that command
     tangential_restitution : None: as a run says, or 1. With another, and in space, averages are
         compared and densities are not
     explain : test what may explain a difference; False is quicker
@@ -65,162 +116,341 @@ def compare_data(
         run says. Restitution and number_density are then needed, and no cause is looked for, but,
         in a field, whether components are exchanged
 
-    InputError (a ValueError) for data that cannot be used, or that cannot tell what is not given.
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        A ValueError: for data that cannot be used, or that cannot tell what is not specified.
     """
-    if (sources := _sources(data)) is not None:
-        sample = read_sample(
-            sources, positions=positions, speed_unit=speed_unit, diameter=diameter,
-            time_unit=time_unit, columns=columns, timestep=timestep, dimension=dimension,
-            with_axes=field != 0 or initial == "beam", type=type, frame_interval=frame_interval,
-            decimal=decimal, check_motion=not (field or bath_speed or heating),
-        )  # fmt: skip
-    else:
-        sample = data if isinstance(data, Sample) else sample_of_ensemble(data)
-    told, path = sample.told, None
-    if sample.times.size and sample.times[-1] > MAX_SIZE:  # v^4 would underflow
-        refuse("times", float(sample.times[-1]), f"they must be below {MAX_SIZE:g} d/U")
-    restitution = told.get("restitution") if restitution is None else restitution
+    reading = {
+        "positions": positions,
+        "speed_unit": 1.0 if speed_unit is None else speed_unit,
+        "diameter": diameter,
+        "time_unit": time_unit,
+        "columns": columns,
+        "timestep": timestep,
+        "dimension": dimension,
+        "type": type,
+        "frame_interval": frame_interval,
+        "decimal": decimal,
+        "with_axes": field != 0 or initial == "beam",
+        "check_motion": not (field or bath_speed or heating),
+    }
+    sources = _sources(data)
+    sample = _sample(data, sources, reading)
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
-    if (field or initial == "beam") and sample.sums.shape[2] <= X2:
-        name, value = ("field", field) if field else ("initial", initial)
-        refuse(name, value, "the data have no means along x; files and runs with velocities have")
-    impact = impact_restitution(restitution)
-    asked: Any = {
-        "field": field, "bath_speed": bath_speed, "heating": heating, "drag": drag,
-        "capture_speed": capture_speed, "mass_ratio": mass_ratio,
-    }  # fmt: skip
-    changed = {name: x for name, x in asked.items() if x != getattr(Law, name)}
-    if tangential_restitution is not None:
-        changed["tangential_restitution"] = tangential_restitution
-    law = replace(sample.law, restitution=impact, **changed)
-    initial = told.get("initial", "auto") if initial == "auto" else initial
-    sample = replace(sample, law=law)
-    start = _start(sample, initial)
-    if initial == "auto" and isinstance(start, SampledStart) and not sample.units:
-        squares, counts = start.bins
-        unit = math.sqrt(float(squares @ counts) / counts.sum() / law.dimension)
-        if abs(math.log(unit)) > 0.2:
-            said = f"Speeds at time 0 are those of U = {numeral(unit, '.4g')} of the data's unit"
-            sample = replace(sample, warnings=(*sample.warnings, f"{said}; is it --speed-unit?"))
-    if number_density is not None:
-        number_density = check_positive("number_density", number_density)
-        number_density *= (diameter if sources else 1.0) ** law.dimension
+    drives = {
+        "field": field,
+        "bath_speed": bath_speed,
+        "heating": heating,
+        "drag": drag,
+        "capture_speed": capture_speed,
+        "mass_ratio": mass_ratio,
+        "tangential_restitution": tangential_restitution,
+    }
+    sample = _with_axes(sample, field, initial)
     if fitted:
         restitution = None
-    elif number_density is None:
-        number_density = told.get("number_density")
-    if restitution is not None:
-        restitution = check_restitution(restitution) if impact is None else impact
+    elif restitution is None:
+        restitution = sample.told.get("restitution")
     if number_density is not None:
-        path = law.free_path(number_density)
-    one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
-    if scatterers not in ("auto", "dilute") and not law.smooth_disks:
-        refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
-    point = None if restitution is None or path is None else Point(restitution, path, start)
-    if (law.field or law.is_driven) and point is None:
-        raise InputError("restitution: with a field or a drive it and the density must be given")
-    media = media_of(sample, scatterers, point)
-    if scatterers == "auto" and "scatterers" in told:
-        # Of disks of another size than the tracer, or denser ones, there is no other theory.
-        has_theory = told["scatterers"] in media_of(sample, "every", point)
-        media = [told["scatterers"] if has_theory else "dilute"]
-    return answered(sample, _fits(sample, restitution, path, start, media), media, explain)
+        number_density = check_positive("number_density", number_density)
+        number_density *= (diameter if sources else 1.0) ** sample.law.dimension
+    elif not fitted:
+        number_density = sample.told.get("number_density")
+    knows_speed = sample.has_velocities or speed_unit is not None or sources is None
+    noise = _position_noise(sample, localisation_error, diameter, sources is None)
+    question = Question.of(
+        _with_law(sample, restitution, drives),
+        restitution,
+        number_density,
+        initial,
+        scatterers,
+        knows_speed,
+        noise,
+    )
+    return answer(question.sample, _fits(question), question.media, explain)
 
 
 def fit_data(data: Any, **told: Any) -> Comparison:
     """Restitution and number density of particle data, with errors: `lorentz fit`, kinetics.fit.
 
-    The same as `compare` with neither of them told, and no causes looked for. The result has
+    The same as `compare` with neither of them specified, and no causes looked for. The result has
     `parameters`, their `covariance`, the `medium` that was taken, and the figure "confidence".
     """
-    for name in {"restitution", "number_density"} & {*told}:
-        refuse(name, told[name], "it is what is fitted; compare takes it")
+    for name in ("restitution", "number_density"):
+        if name in told:
+            refuse(name, told[name], "it is what is fitted; compare takes it")
     return compare_data(data, explain=False, fitted=True, **told)
 
 
-def _sources(data: Any) -> list[Any] | None:
-    """Files as paths, and columns by name; None for what is neither."""
+# -- reading ---------------------------------------------------------------------------------------
+def _sources(data: Any) -> list[Path | Mapping[str, Any]] | None:
+    """Return files as paths and columns by name; None for what is neither."""
     if isinstance(data, list | tuple):
-        every = [_sources(one) for one in data]
-        return None if None in every else [one for found in every if found for one in found]
+        sources = []
+        for item in data:
+            of_item = _sources(item)
+            if of_item is None:
+                return None
+            sources += of_item
+        return sources
     if isinstance(data, str | PathLike):
         return [Path(data)]
     if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
-        data = {name: data[name] for name in data.columns}
+        return [{name: data[name] for name in data.columns}]
     return [data] if isinstance(data, Mapping) else None
 
 
-def _start(sample: Sample, initial: str) -> Any:
-    """The start as a Scene has it."""
-    law, names = sample.law, ("auto", "gaussian", "monoenergetic", "beam", "data", "rest")
-    gains = law.field or law.bath_speed or law.heating
-    if one_of("initial", initial, names) == "rest" and not gains:
-        refuse("initial", initial, "without a field, a bath or heating nothing would move")
-    if initial not in ("auto", "data"):
-        return BEAM if initial == "beam" else initial
-    if sample.start is None:
-        if initial == "data":
-            refuse("initial", initial, "there are no velocities at time 0")
-        return "gaussian"
-    squares = sample.start.squares
-    if squares.size == 0:
-        if not gains:
-            raise InputError("data: every speed at time 0 is zero; nothing will move")
-        return "rest"
-    if initial == "auto":
-        if np.all(np.abs(squares - 1) < 1e-6):
-            first = sample.sums[:, 0].sum(axis=0)
-            along = first.size > X2 and not law.field and first[VX] > (1 - 1e-6) * sample.samples[0]
-            return BEAM if along else "monoenergetic"
-        at_start = Expectation(sample, ("thermal_speed", "a2"))
-        away = at_start.values[:, 0] - [np.sqrt(law.dimension), 0.0]
-        test = hotelling(away, at_start.replicates[:, :, 0])
-        if squares.size > 1 and test and test.p_value >= 1e-3:
-            return "gaussian"
-    if law.field:
-        refuse("initial", initial, "in a field the start must be rest, gaussian or monoenergetic")
-    return SampledStart(sample.start)
+def _sample(
+    data: Any, sources: Sequence[Path | Mapping[str, Any]] | None, reading: dict[str, Any]
+) -> Sample:
+    """Return the sample of files or columns, of a run, or the one that the data are."""
+    if sources is not None:
+        sample = read_sample(sources, **reading)
+    elif isinstance(data, Sample):
+        sample = data
+    else:
+        sample = sample_of_ensemble(data)
+    if sample.times.size and sample.times[-1] > MAX_SIZE:  # v^4 would underflow
+        refuse("times", float(sample.times[-1]), f"they must be below {MAX_SIZE:g} d/U")
+    return sample
 
 
-def _fits(
-    sample: Sample, restitution: Any, path: float | None, start: Any, media: Sequence[str]
-) -> list[Fit]:
-    """Restitution and l, whichever is None, by a fit in each medium; or InputError."""
-    words = {"restitution": "restitution", "path": "number_density"}
-    free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
-    wanted, groups = " and ".join(words[name] for name in free), sample.groups
-    measured = Expectation(sample, averages_of(sample.law, start))
-    # not time 0: the start does not depend on what is looked for
-    usable = spread_in(errors(measured.replicates), measured.values) & (sample.times > 0)
-    complete = sample.is_complete
-    if not sample.law.capture_speed and np.count_nonzero(complete & (sample.times > 0)) >= 3:
-        usable &= complete  # the tracers that are left may be no fair sample
-    starts: list[list[float]] = [[]]
-    known = Point(restitution or 0.0, path or 1.0, start)
-    if free:
-        second = usable[np.isin(measured.names, SECOND_MOMENTS)]
-        if np.count_nonzero(second) < len(free) or groups < len(free) + 3:
-            raise InputError(f"data: too few times or groups ({groups}) to find {wanted}; give it")
-        # l to start from: a third of the largest root mean square displacement
-        msd = measured.values[measured.names.index("msd")]
-        size = math.sqrt(max(msd[np.isfinite(msd)], default=9.0)) / 3
-        guess = math.log(min(max(size, 1e-6), 1e6))
-        known = Point(0.5 if restitution is None else restitution, path or math.exp(guess), start)
-        starts = [[e] for e in _SCAN]
-        if path is None:
-            starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
-            if restitution is None:
-                starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
-        # Without the other averages, which cost more, until the place is known.
-        of_second = Expectation(sample, SECOND_MOMENTS)
-        if near := fit(of_second, known, free, second, starts, len(free)):
-            starts = [near.at.tolist()]
-    tried = (
-        fit(measured, known._replace(scatterers=medium), free, usable, starts, len(free))
-        for medium in media
-    )
-    found = [one for one in tried if one is not None and np.all(np.isfinite(one.covariance))]
-    if not found:
+def _with_axes(sample: Sample, field: float, initial: str) -> Sample:
+    """Return the sample; InputError if means along x are needed, and it has none."""
+    needs_axes = field or initial == "beam"
+    if needs_axes and sample.sums.shape[2] <= X2:
+        name = "field" if field else "initial"
+        value = field or initial
+        refuse(name, value, "the data have no means along x; files and runs with velocities have")
+    return sample
+
+
+def _with_law(sample: Sample, restitution: Any, drives: dict[str, Any]) -> Sample:
+    """Return the sample with what was specified of its system in place of what it says itself."""
+    changed = {}
+    for name, value in drives.items():
+        is_default = value is None or value == getattr(Law, name)
+        if not is_default or name == "tangential_restitution" and value is not None:
+            changed[name] = value
+    law = replace(sample.law, restitution=impact_restitution(restitution), **changed)
+    return replace(sample, law=law)
+
+
+def _position_noise(
+    sample: Sample, localisation_error: float | None, diameter: float, is_run: bool
+) -> float | None:
+    """Return the variance of a component of a position in d^2; None if it is to be fitted."""
+    if localisation_error is not None:
+        error = real_number("localisation_error", localisation_error, 0.0, MAX_SIZE)
+        if sample.has_velocities:
+            refuse(
+                "localisation_error",
+                localisation_error,
+                "it is of positions alone; with velocities noise is looked for as a cause",
+            )
+        return (error / diameter) ** 2
+    return 0.0 if sample.has_velocities or is_run else None
+
+
+# -- what is asked of the data ---------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class Question:
+    """A sample, and what was specified of it.
+
+    Parameters
+    ----------
+    sample : at the times of the rows
+    point : of the theory, in the first medium, with a guess of what is fitted
+    free : the names of the numbers of the point that are fitted
+    media : that the scatterers may be
+    """
+
+    sample: Sample
+    point: Point
+    free: tuple[str, ...]
+    media: list[str]
+
+    @classmethod
+    def of(
+        cls,
+        sample: Sample,
+        restitution: Any,
+        number_density: float | None,
+        initial: str,
+        scatterers: str,
+        knows_speed: bool,
+        position_noise: float | None,
+    ) -> Question:
+        """Complete what was specified; InputError where that is impossible.
+
+        Parameters
+        ----------
+        number_density : in d^-2 (d^-3); None if it is to be fitted
+        knows_speed : whether U is known
+        position_noise : in d^2; None if it is to be fitted
+        """
+        law = sample.law
+        sample, start = start_of(sample, initial)
+        one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
+        if scatterers not in ("auto", "dilute") and not law.smooth_disks:
+            refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
+        if restitution is not None and law.restitution is None:
+            restitution = check_restitution(restitution)
+        if law.restitution is not None:
+            restitution = law.restitution
+        specified = {
+            "restitution": restitution,
+            "path": None if number_density is None else law.free_path(number_density),
+            "speed_unit": 1.0 if knows_speed else None,
+            "position_noise": position_noise,
+        }
+        free = tuple(name for name, value in specified.items() if value is None)
+        if (law.field or law.is_driven) and free:
+            raise InputError(
+                "restitution: with a field or a drive it, the density, and for positions alone "
+                "speed_unit and localisation_error must be given"
+            )
+        point = _first_point(sample, specified, start)
+        is_specified = not {"restitution", "path"} & set(free)
+        media = media_of(sample, scatterers, point if is_specified else None)
+        told = sample.told.get("scatterers")
+        if scatterers == "auto" and told is not None:
+            # Of disks of another size than the tracer, or denser ones, there is no other theory.
+            has_theory = told in media_of(sample, "every", point if is_specified else None)
+            media = [told if has_theory else "dilute"]
+        rows = sample.at_times(row_times(sample))
+        return cls(rows, point, free, media)
+
+
+def _first_point(sample: Sample, specified: dict[str, Any], start: Any) -> Point:
+    """Return what was specified as a point, with a guess of what is to be fitted."""
+    size = _size(sample)
+    guess = {
+        "restitution": 0.7,
+        "path": size / math.e,
+        "speed_unit": _guess_of_speed(sample),
+        "position_noise": 0.0,
+    }
+    values = {name: guess[name] if x is None else x for name, x in specified.items()}
+    return Point(start=start, **values)
+
+
+def _size(sample: Sample) -> float:
+    """Return the largest root mean square displacement in d; 3 where nothing has moved."""
+    sums = sample.sums.sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        msd = sums[:, R2] / sums[:, N]
+    if sample.pairs is not None:
+        of_pairs = sample.pairs.sums.sum(axis=0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            msd = np.append(msd, of_pairs[:, 1] / of_pairs[:, 0])
+    largest = float(np.max(msd[np.isfinite(msd)], initial=0.0))
+    return math.sqrt(largest) if 1e-12 < largest < 1e12 else 3.0
+
+
+def _guess_of_speed(sample: Sample) -> float:
+    """Return U in d per unit of the data's time from the displacement in the shortest interval."""
+    pairs = sample.pairs
+    if pairs is None:
+        return 1.0
+    interval = sample.times[pairs.later] - sample.times[pairs.earlier]
+    from_start = np.flatnonzero(pairs.earlier == pairs.earlier.min())
+    first = from_start[int(np.argmin(interval[from_start]))]
+    sums = pairs.sums[:, first].sum(axis=0)
+    mean_square = float(sums[1] / sums[0]) / sample.law.dimension
+    return math.sqrt(mean_square) / float(interval[first]) if mean_square > 0.0 else 1.0
+
+
+# -- fits ------------------------------------------------------------------------------------------
+def _fits(question: Question) -> list[Fit]:
+    """Return what was specified, or the fit of the rest, in each medium; or InputError."""
+    sample = question.sample
+    measured = _measured(question)
+    if not question.free:
+        points = [question.point.with_values(scatterers=medium) for medium in question.media]
+        return [told_point(measured, point) for point in points]
+    wanted = " and ".join(ARGUMENT_OF[name] for name in question.free)
+    _check_enough(measured, question, wanted)
+    starts = _starts(question, measured)
+    fits = []
+    for medium in question.media:
+        point = question.point.with_values(scatterers=medium)
+        free = [free_parameter(name, point, measured) for name in question.free]
+        fitted = fit(measured, point, free, starts)
+        if fitted is not None and np.all(np.isfinite(fitted.covariance)):
+            fits.append(fitted)
+            starts = [p.coordinate(getattr(fitted.point, p.name)) for p in free], *starts
+    if not fits:
         raise InputError(f"data: {wanted} could not be fitted; give it")
-    return found
+    assert sample.groups
+    return fits
+
+
+def _measured(question: Question) -> Measured:
+    """Return the averages at the times that a fit and its test look at."""
+    sample = question.sample
+    complete = np.count_nonzero(sample.is_complete & (sample.times > 0.0))
+    only_complete = complete >= MIN_COMPLETE_TIMES and not sample.law.capture_speed
+    path = question.point.path
+    if "path" in question.free:  # a path that is too long only leaves early times out
+        path = _size(sample)
+    times = fit_times(sample, path, only_complete and bool(question.free))
+    names = averages_of(sample.law, question.point.starts_along_x)
+    if not sample.has_velocities:
+        names = tuple(name for name in names if name not in ("drift", "thermal_speed", "a2"))
+    return Measured.of(sample.at_times(times), names)
+
+
+def _check_enough(measured: Measured, question: Question, wanted: str) -> None:
+    """Raise InputError where there are too few times, pairs of frames, or groups for a fit."""
+    n_free = len(question.free)
+    n_groups = measured.sample.groups
+    n_components = fitted_components(measured).size
+    spare = 0 if measured.has_velocities else 1
+    if n_components < n_free + spare:
+        what = "times" if measured.has_velocities else "pairs of frames"
+        raise InputError(f"data: too few {what} ({n_components}) to find {wanted}; give it")
+    if n_groups < n_free + GROUPS_BESIDE:
+        raise InputError(f"data: too few times or groups ({n_groups}) to find {wanted}; give it")
+
+
+def _starts(question: Question, measured: Measured) -> Sequence[Sequence[float]]:
+    """Return coordinates from which a fit begins.
+
+    Of positions alone the mean square displacement from the first frame finds the place: that
+    between all pairs of frames takes the solver long.
+    """
+    point = question.point
+    size = _size(question.sample)
+    folds = FOLDS_OF_PATH if measured.has_velocities else FOLDS_OF_PATH_ALONE
+    values = {
+        "restitution": list(RESTITUTIONS),
+        "path": [size * math.exp(fold) for fold in folds],
+        "speed_unit": [point.speed_unit],
+        "position_noise": [0.0],
+    }
+    free = [free_parameter(name, point, measured) for name in question.free]
+    starts = _combinations(free, values)
+    if measured.has_velocities:
+        return starts
+    layout = Layout(("msd",), measured.layout.times, measured.layout.law)
+    from_first_frame = Measured(replace(measured.sample, pairs=None), layout)
+    estimate = first_estimate(from_first_frame, point, free, starts)
+    return starts if estimate is None else [estimate.tolist()]
+
+
+def _combinations(
+    free: Sequence[FreeParameter], values: Mapping[str, Sequence[float]]
+) -> list[list[float]]:
+    """Return all combinations of values of the free parameters, as coordinates."""
+    combinations: list[list[float]] = [[]]
+    for parameter in free:
+        coordinates = [parameter.coordinate(value) for value in values[parameter.name]]
+        combinations = [[*before, x] for before in combinations for x in coordinates]
+    return combinations

@@ -1,29 +1,64 @@
-"""What may explain a difference: each cause is a row of the table CAUSES, and one fit.
+"""What may explain a difference: each cause is a row of the table `CAUSES`, and one fit.
 
-A cause says which parameters of the theory (`theory.Point`) are other than what was told, set to a
-value or free, or that components of the data are exchanged. Each is tried in every medium that the
-scatterers may be. It explains if what it leaves agrees and its value lies clearly from what was
-told; those that explain are ranked by the likelihood that they leave (`Fit.criterion`), and only
-those near the best are said to.
+A cause says which number of the theory (`point.Point`) is other than what was specified, and fits
+it; or it is another medium, another start, or an exchange of components. Each is tried in every
+medium that the scatterers may be. It explains if what it leaves agrees and its value lies clearly
+from what was specified; those that explain are ranked by `Fit.criterion`, and only those near the
+best are said to. Begin with `tested_causes`.
 """
+
+from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
 
-from kinetics.crosscheck.compare.fit import LIMITS, ChiSquare, Fit, choose, fit, hotelling, media_of
+import numpy as np
+
+from kinetics.crosscheck.compare.fit import Fit, fit, told_point
+from kinetics.crosscheck.compare.measured import Measured
+from kinetics.crosscheck.compare.media import media_of
+from kinetics.crosscheck.compare.parameters import LIMITS, free_parameter
+from kinetics.crosscheck.compare.point import Point, SampledStart
 from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.theory import BEAM, Expectation, Point, SampledStart
+from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
-NEAR_BEST = 6.0  # -2 ln likelihood from the best up to which a cause explains as well
+#: -2 ln likelihood from the best up to which another explains as well: odds of 20.
+NEAR_BEST = 6.0
+#: A cause explains in part if T^2 falls by this, 4 sigma of one number, and by a tenth.
+MIN_GAIN = 16.0
+MIN_GAIN_SHARE = 0.1
+#: Share of the errors of a fitted value that must lie nearer to it than what was specified: 3 sigma
+#: of a Gaussian.
+CLEARLY = 0.9973
+#: Largest share of tracers at rest that explains anything: a fit that runs there has failed.
+MAX_AT_REST = 0.85
+#: The sums whose axes may have been exchanged.
+EXCHANGED_SUMS = {
+    "positions": (X, X2),
+    "velocities": (VX,),
+    "positions and velocities": (VX, X, X2),
+}
+#: Names of the axes.
+AXES = "xyz"
 
 
-class Cause(NamedTuple):
-    """A cause: its name, the parameter that is fitted and its symbol, the unit in which that is
-    said, or the kind of the data's own unit; of noise, in what it is.
+@dataclass(frozen=True)
+class Cause:
+    """A cause of a difference.
+
+    Parameters
+    ----------
+    name : of the cause
+    free : the number of a `Point` that is fitted; empty if none is
+    symbol : of that number in a sentence
+    unit : that the number is said in, if the data have d and U themselves
+    kind : of the data's own unit: "speed", "time" or "length"
+    title : of noise, what it is noise of
+    of_positions : whether it is looked for in positions alone, whose unit of time is fitted
     """
 
     name: str
@@ -32,13 +67,14 @@ class Cause(NamedTuple):
     unit: str = ""
     kind: str = ""
     title: str = ""
+    of_positions: bool = False
 
 
 CAUSES = (
-    Cause("finite density"),
-    Cause("restitution", "restitution", "e"),
-    Cause("free path", "path", "l", " d"),
-    Cause("initial speeds"),
+    Cause("finite density", of_positions=True),
+    Cause("restitution", "restitution", "e", of_positions=True),
+    Cause("free path", "path", "l", " d", of_positions=True),
+    Cause("initial speeds", of_positions=True),
     Cause("components exchanged"),
     Cause("speed unit", "speed_unit", "U", kind="speed"),
     Cause("time unit", "time_unit", "d/U", kind="time"),
@@ -46,145 +82,249 @@ CAUSES = (
     Cause("time offset", "time_offset", "the zero of the clock t₀", " d/U", "time"),
     Cause("velocity noise", "velocity_noise", unit="U", title="velocity"),
     Cause("position noise", "position_noise", unit="d", title="displacement"),
-    Cause("tracers at rest", "at_rest", "the share f of tracers that never move"),
+    Cause(
+        "tracers at rest",
+        "at_rest",
+        "the share f of tracers that never move",
+        of_positions=True,
+    ),
 )
 """Everything that may explain a difference: a new cause is one row, and a place in `_starts`."""
-_EXCHANGED = {"positions": (X, X2), "velocities": (VX,), "positions and velocities": (VX, X, X2)}
 
 
-def tested_causes(told: Fit, media: Sequence[str]) -> Iterator[tuple[Explanation, str]]:
-    """Every cause in its best medium, the likeliest first; none if too few averages have spread."""
-    # Not time 0: there a cause in the start would leave nothing that could differ.
-    usable = told.usable & (told.expectation.sample.times > 0)
-    chosen = choose(usable, told.expectation.sample.groups)
-    before = hotelling(*told.flat(chosen))
-    if chosen.size < 2 or before is None:
-        return
+@dataclass(frozen=True)
+class TestedCause:
+    """A cause, what it comes to, and its fit."""
 
-    def cost(one: Fit) -> float:  # where two are as good, the one that fits no number is first
-        return one.criterion + 2.0 * one.at.size
+    explanation: Explanation
+    fitted: Fit
 
-    def rank(pair: tuple[Explanation, Fit]) -> tuple[bool, float]:  # what explains stands first
-        return pair[0].outcome != "explains", cost(pair[1])
+    @property
+    def cost(self) -> float:
+        """The criterion; where two are as good, the one that fits no number is first."""
+        return self.fitted.criterion + 2.0 * len(self.fitted.free)
 
-    tested: list[tuple[Explanation, Fit]] = []
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """What explains stands first, then the likeliest."""
+        return self.explanation.outcome != "explains", self.cost
+
+
+def tested_causes(told: Fit, media: Sequence[str]) -> list[TestedCause]:
+    """Return every cause in its best medium, the likeliest first; none if little has spread."""
+    if told.chi_square is None or told.chi_square.freedom < 2:
+        return []
+    tested: list[TestedCause] = []
     for cause in CAUSES:
-        found: list[Fit] = []
-        for measured, point in _variants(cause, told, media):
-            free = (cause.free,) if cause.free else ()
-            starts = [[x] for x in _starts(cause, told, point)] if free else []
-            if free and found:  # begins from the fit in another medium
-                starts = [found[0].at.tolist(), starts[0]]
-            # a restitution or a density of which there is no theory
-            with suppress(ValueError):
-                made = fit(measured, point, free, usable, starts)
-                found += [made] if made and made.chi_square else []
-        judged = sorted(((_judged(told, cause, one, before), one) for one in found), key=rank)
-        every = cause.name in ("finite density", "initial speeds")
-        tested += judged if every else judged[:1]
-    tested.sort(key=rank)
-    for item, one in tested:
-        far = item.outcome == "explains" and cost(one) > cost(tested[0][1]) + NEAR_BEST
-        yield item._replace(outcome="in part") if far else item, one.point.scatterers
+        if told.measured.has_velocities or cause.of_positions:
+            tested += _tested(cause, told, media)
+    tested.sort(key=lambda item: item.rank)
+    return [_in_part_if_far(item, tested[0]) for item in tested]
 
 
-def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[Expectation, Point]]:
-    """The data and the theory, but for what is fitted, of every variant of a cause."""
-    measured, point, changes = told.expectation, told.point, list[dict[str, Any]]([{}])
-    law, start = measured.sample.law, measured.sample.start
+def _in_part_if_far(item: TestedCause, best: TestedCause) -> TestedCause:
+    """Return a cause that explains, but much less likely than the best one, as one in part."""
+    is_far = item.cost > best.cost + NEAR_BEST
+    if item.explanation.outcome == "explains" and is_far:
+        return replace(item, explanation=item.explanation._replace(outcome="in part"))
+    return item
+
+
+def _tested(cause: Cause, told: Fit, media: Sequence[str]) -> list[TestedCause]:
+    """Return a cause in its best variant, or in all of them where each says something else."""
+    fits: list[Fit] = []
+    for measured, point in _variants(cause, told, media):
+        with suppress(ValueError):  # a restitution or a density of which there is no theory
+            fitted = _fit_of(cause, told, measured, point)
+            if fitted is not None and fitted.chi_square is not None:
+                fits.append(fitted)
+    tested = [TestedCause(_judged(told, cause, fitted), fitted) for fitted in fits]
+    tested.sort(key=lambda item: item.rank)
+    if cause.name in ("finite density", "initial speeds"):
+        return tested
+    return tested[:1]
+
+
+def _fit_of(cause: Cause, told: Fit, measured: Measured, point: Point) -> Fit | None:
+    """Return the fit of a variant, with what was fitted before."""
+    names = list(told.names)
+    coordinates = [
+        parameter.coordinate(float(getattr(told.point, parameter.name))) for parameter in told.free
+    ]
+    if not cause.free and not names:
+        return told_point(measured, point)
+    free = [free_parameter(name, point, measured) for name in names]
+    if not cause.free:
+        return fit(measured, point, free, [coordinates])
+    parameter = free_parameter(cause.free, point, measured)
+    starts = [
+        [*coordinates, parameter.coordinate(value)] for value in _starts(cause, point, measured)
+    ]
+    return fit(measured, point, [*free, parameter], starts)
+
+
+def _variants(
+    cause: Cause, told: Fit, media: Sequence[str]
+) -> Iterator[tuple[Measured, Point]]:
+    """Yield the data and the point of every variant of a cause, but for what is fitted."""
+    measured = told.measured
+    point = told.point
+    if cause.free in told.names:
+        return
     if cause.name == "components exchanged":
-        yield from (
-            (measured.with_exchanged(axis, columns, what), point._replace(scatterers=medium))
-            for medium in media
-            for axis in range(1, law.dimension if "drift" in measured.names else 1)
-            for what, columns in _EXCHANGED.items()
-        )
-    if law.field or cause.name == "components exchanged":
+        yield from _with_exchanged_components(measured, point, media)
+        return
+    if measured.layout.law.field:
         return  # other causes take the solver long in a field
     if cause.name == "finite density":
-        media = [one for one in media_of(measured.sample, "every", point) if one not in media]
-    elif cause.name == "initial speeds":  # the data's own, or the other named start
-        own = [SampledStart(start)] if start is not None and not point.own_start else []
-        named = [] if start else sorted({"gaussian", "monoenergetic"} - {point.start})
-        changes = [{"start": one} for one in (*own, *named) if point.start != BEAM]
-    elif cause.name == "speed unit" and point.own_start:
+        every = media_of(measured.sample, "every", point)
+        media = [medium for medium in every if medium not in media]
+    if cause.name == "speed unit" and point.has_own_start:
         return
-    for change in changes:
-        yield from ((measured, point._replace(scatterers=x, **change)) for x in media)
+    points = [point]
+    if cause.name == "initial speeds":
+        points = _other_starts(measured, point)
+    for other in points:
+        for medium in media:
+            yield measured, other.with_values(scatterers=medium)
 
 
-def _starts(cause: Cause, told: Fit, point: Point) -> list[float]:
-    """Where the fit of a parameter, or of its logarithm, begins."""
-    name, sample, measured = cause.free, told.expectation.sample, told.expectation
-    after = sample.times > 0
-    if name == "restitution":
-        return [point.restitution, 0.9, 0.5]
-    if name == "time_offset":
-        return [share * float(sample.times[after][0]) for share in (0.3, -0.3, 3.0)]
-    if name == "at_rest":
-        return [0.0]
-    if name in ("velocity_noise", "position_noise"):
-        of = measured.names.index("thermal_speed" if name[0] == "v" else "msd")
-        square = measured.values[of] ** (2 if name[0] == "v" else 1)
-        least = float(square[after & (square > 0)].min(initial=1e9))
-        return [share * least / sample.law.dimension for share in (0.02, 0.3, 0.9)]
-    shifts = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
-    return [math.log(getattr(point, name)) + shift for shift in shifts]
+def _other_starts(measured: Measured, point: Point) -> list[Point]:
+    """Return the point with the data's own speeds at time 0, or with the other named start."""
+    if point.starts_along_x:
+        return []
+    bins = measured.sample.start
+    if bins is not None:
+        return [] if point.has_own_start else [point.with_values(start=SampledStart(bins))]
+    others = [name for name in ("gaussian", "monoenergetic") if name != point.start]
+    return [point.with_values(start=name) for name in others]
 
 
-def _judged(
-    told: Fit, cause: Cause, found: Fit, before: ChiSquare,
-    least_gain: float = 16.0, clearly: float = 0.9973,
-) -> Explanation:  # fmt: skip
-    """What a cause comes to, from the chi-square that it leaves; in part if T^2 falls by least_gain
-    (4 sigma of one parameter) and a tenth. clearly : share of the errors of a fitted value that
-    must lie nearer to it than what was told (3 sigma of a Gaussian)
-    """
-    after, outcome, clear = found.chi_square, "does not", True
+def _with_exchanged_components(
+    measured: Measured, point: Point, media: Sequence[str]
+) -> Iterator[tuple[Measured, Point]]:
+    """Yield the data with x and another axis exchanged in positions, velocities, or both."""
+    if "drift" not in measured.layout.names:
+        return
+    for axis in range(1, measured.layout.law.dimension):
+        for what, columns in EXCHANGED_SUMS.items():
+            exchanged = _exchange(measured, axis, columns, what)
+            for medium in media:
+                yield exchanged, point.with_values(scatterers=medium)
+
+
+def _exchange(measured: Measured, axis: int, columns: Sequence[int], what: str) -> Measured:
+    """Return the data with the sums of x and of another axis, 1 or 2, exchanged."""
+    sample = measured.sample
+    order = np.arange(sample.sums.shape[2])
+    for x in columns:
+        of_axis = x + 3 * axis
+        order[x] = of_axis
+        order[of_axis] = x
+    exchanged = replace(sample, sums=sample.sums[..., order])
+    words = f"x and {AXES[axis]} of the {what}"
+    return Measured(exchanged, measured.layout, words)
+
+
+def _starts(cause: Cause, point: Point, measured: Measured) -> list[float]:
+    """Return the values from which the fit of a number begins."""
+    layout = measured.layout
+    first_time = float(layout.times[layout.times > 0.0][0])
+    if cause.free == "restitution":
+        return [point.restitution, 0.95, 0.8, 0.5]
+    if cause.free == "time_offset":
+        return [0.3 * first_time, -0.3 * first_time, 3.0 * first_time]
+    if cause.free == "at_rest":
+        return [0.0, 0.1]
+    if cause.free.endswith("noise"):
+        scale = free_parameter(cause.free, point, measured).scale
+        return [0.02 * scale, 0.3 * scale, 0.9 * scale]
+    value = getattr(point, cause.free)
+    return [value * math.exp(folds) for folds in (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)]
+
+
+def _judged(told: Fit, cause: Cause, fitted: Fit) -> Explanation:
+    """Return what a cause comes to, from the chi-square that it leaves."""
+    before = told.chi_square
+    after = fitted.chi_square
+    assert before is not None
     assert after is not None
-    if cause.free:
-        value, before_it = (getattr(one.point, cause.free) for one in (found, told))
-        away = value - before_it if cause.free in LIMITS else math.log(value / before_it)
-        factor = limit_factor(told.expectation.sample.groups, clearly)
-        clear = abs(away) > factor * math.sqrt(found.covariance[0, 0])
-        clear &= 0 <= found.point.at_rest < 0.85
+    is_clear = _is_clear(told, cause, fitted)
+    gain = before.statistic - after.statistic
+    outcome = "does not"
     if after.verdict is Verdict.AGREES:
-        # Averages that agreed already need no explaining.
-        needed = before.verdict is not Verdict.AGREES
-        outcome = "explains" if clear and needed else "does not"
-    elif before.statistic - after.statistic > max(least_gain, 0.1 * before.statistic):
+        # averages that agreed already need no explaining
+        is_needed = before.verdict is not Verdict.AGREES
+        outcome = "explains" if is_clear and is_needed else "does not"
+    elif gain > max(MIN_GAIN, MIN_GAIN_SHARE * before.statistic) and is_clear:
         # components are exchanged, or not
-        outcome = "in part" if clear and cause.name != "components exchanged" else "does not"
-    headline, value, error = _words(told, cause, found)
-    if found.point.scatterers not in ("dilute", told.point.scatterers) and cause.free:
-        headline += f" (among {found.point.scatterers})"
-    numbers = [numeral(x, ".4g") for x in (before.value, after.value)]
-    text = f"{headline[0].upper()}{headline[1:]}. The averages' chi-square goes from {numbers[0]} "
-    text += f"to {numbers[1]} with {after.freedom} degrees of freedom "
-    text += f"(p = {numeral(after.p_value, '.2g')}), scatterers: {found.point.scatterers}."
+        outcome = "does not" if cause.name == "components exchanged" else "in part"
+    words = _words(told, cause, fitted)
+    headline = words.headline
+    if fitted.point.scatterers not in ("dilute", told.point.scatterers) and cause.free:
+        headline += f" (among {fitted.point.scatterers})"
+    text = (
+        f"{headline[0].upper()}{headline[1:]}. The averages' chi-square goes from "
+        f"{numeral(before.value, '.4g')} to {numeral(after.value, '.4g')} with {after.freedom} "
+        f"degrees of freedom (p = {numeral(after.p_value, '.2g')}), scatterers: "
+        f"{fitted.point.scatterers}."
+    )
     return Explanation(
-        cause.name, outcome, text, True, value, error, before.value, *after[:3], headline
+        name=cause.name,
+        outcome=outcome,
+        text=text,
+        tested=True,
+        value=words.value,
+        error=words.error,
+        chi_square_before=before.value,
+        chi_square_after=after.value,
+        dof=after.freedom,
+        p_value=after.p_value,
+        headline=headline,
     )
 
 
-def _words(told: Fit, cause: Cause, found: Fit) -> tuple[str, float | None, float | None]:
-    """The headline of a cause, its value and its error as they are said."""
+def _is_clear(told: Fit, cause: Cause, fitted: Fit) -> bool:
+    """Return whether a fitted value lies clearly from what was specified."""
     if not cause.free:
-        medium = found.point.scatterers.replace("overlapping", "overlapping disks")
+        return True
+    value = getattr(fitted.point, cause.free)
+    specified = getattr(told.point, cause.free)
+    difference = value - specified if cause.free in LIMITS else math.log(value / specified)
+    factor = limit_factor(told.measured.sample.groups, CLEARLY)
+    error = math.sqrt(fitted.covariance[-1, -1])
+    is_possible = 0.0 <= fitted.point.at_rest < MAX_AT_REST
+    return abs(difference) > factor * error and is_possible
+
+
+@dataclass(frozen=True)
+class _Words:
+    """A cause as a clause, with its value and error as they are said."""
+
+    headline: str
+    value: float | None = None
+    error: float | None = None
+
+
+def _words(told: Fit, cause: Cause, fitted: Fit) -> _Words:
+    if not cause.free:
+        medium = fitted.point.scatterers.replace("overlapping", "overlapping disks")
         named = {
             "finite density": f"the finite density of the scatterers ({medium}, no fitted number)",
-            "initial speeds": f"another start ({found.point.start_in_words})",
-            "components exchanged": f"an exchange of {found.expectation.exchanged}",
+            "initial speeds": f"another start ({fitted.point.start_in_words})",
+            "components exchanged": f"an exchange of {fitted.measured.exchanged}",
         }
-        return named[cause.name], None, None
-    value, error = found.value(cause.free)
-    if "noise" in cause.name:  # of a variance the root
+        return _Words(named[cause.name])
+    value, error = fitted.value(cause.free)
+    if cause.free.endswith("noise"):  # of a variance the root
         size = math.sqrt(max(value, 0.0))
-        width = error / (2 * size) if size else math.sqrt(error)
-        said = f"noise of {number(size, width)} {cause.unit} in each component of the {cause.title}"
-        return said, size, width
-    was = float(getattr(told.point, cause.free))
-    unit = told.expectation.sample.units.get(cause.kind, 1.0)  # in the data's own
+        width = error / (2.0 * size) if size else math.sqrt(error)
+        shown = number(size, width)
+        headline = f"noise of {shown} {cause.unit} in each component of the {cause.title}"
+        return _Words(headline, size, width)
+    specified = float(getattr(told.point, cause.free))
+    unit = told.measured.sample.units.get(cause.kind, 1.0)  # in the data's own
     name = cause.unit if unit == 1.0 else ""
-    said = f"{cause.symbol} = {number(value * unit, error * unit)}{name} in place of "
-    return f"{said}{numeral(was * unit, '.5g')}{name}", value * unit, error * unit
+    shown = number(value * unit, error * unit)
+    headline = f"{cause.symbol} = {shown}{name} in place of {numeral(specified * unit, '.5g')}{name}"
+    return _Words(headline, value * unit, error * unit)

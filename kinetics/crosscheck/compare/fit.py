@@ -1,347 +1,435 @@
-"""One least-squares fit: for what was told, for what was not, and for every cause of a difference.
+"""The fit of a point of the theory to a sample: begin with `fit`.
 
-Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: a few fast tracers
-raise a fourth moment and its variance, so that weights from the same tracers favour low values
-(Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter the chi-square that is
-left. An error of the theory adds its covariance to that of the data.
+Parameters are fitted to second moments x_k alone (v^2 and r^2 at a few times, or |r(t) - r(s)|^2
+of a few pairs of frames): fourth moments hang on a few fast tracers. With mu_k their theory and
+D = d ln mu/d theta, the estimate solves
 
-Errors are correlated, and known only from the spread of groups. Of a vector d of differences the
-covariance C is the jackknife spread of `replicates`, the same with each of G groups left out in
-turn. T^2 = d C^-1 d is then no chi-square, but T^2 (G - p)/(p (G - 1)) has the F-distribution with
-p and G - p degrees of freedom (Hotelling), for groups that are not Gaussian with `effective_groups`
-as G. What is reported is the chi-square that has its p-value.
+    D^T W g = 0,     g_k = <x_k>/mu_k - 1,
+
+which is unbiased if W does not come from the tracers that it weighs. It is the inverse of the
+covariance of g among simulated tracers (`pool`) at a first estimate. To first order theta moves by
+A g, A = (D^T W D)^-1 D^T W, and the covariance of theta is that of A g over the groups of the data:
+no covariance of the data is inverted.
 """
 
-from collections.abc import Callable, Sequence
+from __future__ import annotations
+
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import betainc, gammainccinv
 
-from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
-from kinetics.crosscheck.compare.theory import Expectation, Point, spread_of_ratio
-from kinetics.crosscheck.data.sample import Sample, effective_groups, errors
-from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas
+from kinetics.crosscheck.compare.measured import Layout, Measured
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, Array
+from kinetics.crosscheck.compare.parameters import FreeParameter
+from kinetics.crosscheck.compare.point import Point
+from kinetics.crosscheck.compare.pool import Pool, can_simulate
+from kinetics.crosscheck.compare.residuals import Influence, Residuals
+from kinetics.crosscheck.compare.selection import tested_components
+from kinetics.crosscheck.compare.statistics import ChiSquare, jackknife_covariance, whitening
+from kinetics.crosscheck.compare.theory import Theory
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SECOND_MOMENTS = ("thermal_speed", "msd")  # that are fitted to
-# of parameters that are fitted as they are; others are positive, and their logarithms fitted
-LIMITS = {
-    "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
-    "velocity_noise": (0.0, 1e3), "position_noise": (0.0, 1e6),
-}  # fmt: skip
-#: Standard error over value up to which the scatter of an exactly known average (|v| of elastic
-#: tracers) is rounding, of data in single precision or in seven digits. Above what these have.
-ROUNDING_OF_EXACT = 1e-6
-_AT_ZERO = ("drift", "thermal_speed", "a2")  # the averages that say something at time 0
+#: The averages over time that are second moments, or roots of them.
+SECOND_MOMENTS = ("thermal_speed", "msd")
+#: Rounds of pool and fit: the second pool is at an estimate that has the weights of the first.
+N_ROUNDS = 2
+#: Step of a coordinate for derivatives. The solver's 1e-7 is then 1e-4 of one.
+STEP = 1e-3
+#: Newton steps at most, the largest change of a coordinate in one, and the one that ends them.
+MAX_NEWTON_STEPS = 20
+MAX_CHANGE = 0.3
+CONVERGED_BELOW = 1e-6
+#: Starts from which the first estimate is refined: the best ones of all that are tried.
+N_REFINED_STARTS = 2
 
 
-class ChiSquare(NamedTuple):
-    """A chi-square; groups that the covariance is from, None if it is exact; statistic: T^2."""
-
-    value: float
-    freedom: int
-    p_value: float
-    groups: int | None
-    statistic: float
-
-    @property
-    def verdict(self) -> Verdict:
-        """On what is left, without a correction for the number of looks."""
-        return judge_sigmas(gaussian_sigmas(self.p_value))
-
-
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Fit:
-    """A sample beside its theory at a point, with some fitted parameters (`free`, perhaps none).
+    """A sample beside its theory at a point, with some fitted parameters, perhaps none.
 
-    Given: theory (n_names, n_times); known: the covariance of its own error, None for 0; at (k,):
-    the parameters, or their logarithms, with their covariance; slope: d(theory)/d(at); influence
-    (k, p) on `at` of the averages `fitted` (p,).
-
-    Of these, (n_names, n_times) each: difference of data and theory; error (with the theory's own),
-    and bars, that of rows; shaped: the difference as `Expectation.stabilised`, with its replicates
-    (G, ...), and sigmas; effective groups; compared: where there is something to compare; usable:
-    and where it has spread. chi_square of those tested; criterion: Akaike's, -2 ln likelihood + 2
-    len(free) + const.
+    Parameters
+    ----------
+    measured : the data, at the times that the fit looks at
+    theory : of their components
+    point : with the fitted numbers
+    free : what was fitted
+    covariance : of the numbers themselves, or of their logarithms where these are fitted
+    slopes : of the theory in these, shape (n_components, n_free)
+    gain : change of the fitted numbers for a relative change of the second moments, (n_free, p)
+    indices : the components that the parameters are fitted to, shape (p,)
+    residuals : data less theory, at the point
     """
 
-    expectation: Expectation
+    measured: Measured
+    theory: Theory
     point: Point
-    theory: Array
-    known: Array | None
-    free: tuple[str, ...]
-    at: Array
+    free: tuple[FreeParameter, ...]
     covariance: Array
-    slope: Array
-    influence: Array
-    fitted: Indices
-    chi_square: ChiSquare | None = None
-    criterion: float = np.inf
+    slopes: Array
+    gain: Array
+    indices: Indices
+    residuals: Residuals
 
-    def __post_init__(self) -> None:
-        measured, sample, theory = self.expectation, self.expectation.sample, self.theory
-        least = np.where(measured.exact(self.point), ROUNDING_OF_EXACT, 1e-9)
-        early = np.isin(measured.names, () if self.point.own_start else _AT_ZERO)[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            self.difference = measured.values - theory
-            self.shaped = measured.stabilised(theory, self.difference)
-            self.steady = steadied(measured, theory, measured.spread_of_a2(self.point))
-            self.replicates = self._moved(self.steady)
-            plain = measured.replicates - theory
-            error = errors(self._moved(plain))
-            own = 0.0 if self.known is None else np.diagonal(self.known).reshape(error.shape)
-            self.sigmas = self.shaped / np.sqrt(errors(self.replicates) ** 2 + own)
-            self.error = np.sqrt(error**2 + own)
-            # as the verdicts have it, whose replicates are steadied
-            scatter = errors(measured.stabilised(theory, plain))
-            wider = errors(self.steady) / scatter
-            # of rounding noise there is no ratio
-            is_scatter = spread_in(scatter, measured.values, theory, least=least)
-            wider = np.where(is_scatter & np.isfinite(wider), wider, 1)
-            self.bars = np.sqrt((error * wider) ** 2 + own)
-        self.compared = np.isfinite(self.difference) & (early | (sample.times > 0))
-        self.usable = self.compared & spread_in(error, measured.values, theory, least=least)
-        self.effective = effective_groups(self.replicates)
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the fitted numbers."""
+        return tuple(parameter.name for parameter in self.free)
 
-    def _moved(self, replicates: Array) -> Array:
-        """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
-        flat = replicates.reshape(len(replicates), -1)[:, self.fitted]
-        shift = (flat - flat.mean(axis=0)) @ self.influence.T
-        return np.asarray(replicates - (shift @ self.slope.T).reshape(replicates.shape))
+    @property
+    def coordinates(self) -> Array:
+        """The fitted numbers, or their logarithms."""
+        values = [float(getattr(self.point, name)) for name in self.names]
+        is_logarithm = [parameter.is_logarithm for parameter in self.free]
+        logs = zip(values, is_logarithm, strict=True)
+        return np.array([np.log(value) if is_log else value for value, is_log in logs])
 
-    def flat(self, chosen: Indices) -> tuple[Array, Array, Array | None]:
-        """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
-        known = None if self.known is None else self.known[np.ix_(chosen, chosen)]
-        replicates = self.replicates.reshape(len(self.replicates), -1)[:, chosen]
-        return self.shaped.ravel()[chosen], replicates, known
+    @cached_property
+    def chi_square(self) -> ChiSquare | None:
+        """The one test of all averages together."""
+        return self.residuals.test(tested_components(self.measured))
+
+    @property
+    def criterion(self) -> float:
+        """By how much the data are unlikely: T^2, and 2 for each fitted number (Akaike)."""
+        if self.chi_square is None:
+            return np.inf
+        return self.chi_square.statistic + 2.0 * len(self.free)
 
     def value(self, name: str) -> tuple[float, float]:
-        """A fitted parameter and its standard error."""
-        k, value = self.free.index(name), float(getattr(self.point, name))
-        error = float(np.sqrt(self.covariance[k, k]))
-        return value, error if name in LIMITS else value * error
+        """Return a fitted number and its standard error."""
+        index = self.names.index(name)
+        value = float(getattr(self.point, name))
+        error = float(np.sqrt(self.covariance[index, index]))
+        return value, value * error if self.free[index].is_logarithm else error
+
+    def residuals_of(self, measured: Measured, theory: Theory) -> Residuals:
+        """Return the residuals of the same sample at all its times.
+
+        The pool has the components of the fit among its own, so that both move together.
+        """
+        pool = pool_at(measured, self.point, for_test=True)
+        influence = None
+        if self.free:
+            indices = _same_components(self.measured, measured, self.indices)
+            slopes = _slopes_of(theory, self.point, self.free)
+            of_theory = theory.values(self.point)
+            influence = _influence(measured, indices, slopes, self.gain, of_theory)
+        return Residuals.at(measured, theory, self.point, pool, influence)
 
 
-def choose(usable: NDArray[np.bool_], groups: int, parameters: int = 1) -> Indices:
-    """Which components (n_names, n_times) can be tested together, evenly over time: flat."""
-    most = max(most_freedom(groups), min(2 * parameters, groups - 2))
-    rows = [(k, np.flatnonzero(row)) for k, row in enumerate(usable) if np.any(row)]
-    share = max(1, most // max(len(rows), 1))
-    at = [k * usable.shape[1] + row[spread_out(row.size, share)] for k, row in rows]
-    return np.concatenate([np.empty(0, np.int64), *at])[:most]
+def pool_at(measured: Measured, point: Point, *, for_test: bool) -> Pool | None:
+    """Return simulated tracers at a point, for a test or for weights; None where there are none."""
+    layout = measured.layout
+    if not can_simulate(point, layout.law, float(layout.times[-1])):
+        return None
+    n_data = measured.n_tracers if for_test else 0
+    return Pool(layout, point, measured.has_velocities, n_data)
+
+
+def told_point(measured: Measured, point: Point) -> Fit:
+    """Return the sample beside the theory of a point without fitted numbers."""
+    theory = Theory(measured.layout, measured.has_velocities)
+    residuals = Residuals.at(measured, theory, point, pool_at(measured, point, for_test=True))
+    nothing = np.empty((0, 0))
+    slopes = np.empty((measured.layout.size, 0))
+    no_indices = np.empty(0, np.int64)
+    return Fit(measured, theory, point, (), nothing, slopes, nothing, no_indices, residuals)
 
 
 def fit(
-    expectation: Expectation, told: Point, free: Sequence[str], usable: NDArray[np.bool_],
-    starts: Sequence[Any] = (), parameters: int = 1,
-) -> Fit | None:  # fmt: skip
-    """Least squares from the best starts; None where nothing converges, or only at a limit.
+    measured: Measured,
+    point: Point,
+    free: Sequence[FreeParameter],
+    starts: Sequence[Sequence[float]],
+    n_rounds: int = N_ROUNDS,
+) -> Fit | None:
+    """Fit some numbers of a point to data.
 
-    told: the point whose parameters `free` are fitted, none or more, from `starts` (see `Fit.at`).
-    usable: the averages (n_names, n_times) that can be tested, as many as for so many `parameters`.
+    Parameters
+    ----------
+    measured : the data, at the times that the fit looks at
+    point : has the numbers that are not fitted, and the medium
+    free : what is fitted, one number at least
+    starts : coordinates to begin from, shape (n_starts, n_free)
+    n_rounds : of pool and fit
+
+    Returns
+    -------
+    Fit; None where nothing converges, or only at a limit
     """
-    groups, theory_of = expectation.sample.groups, expectation.theory
-    second = usable & np.isin(expectation.names, SECOND_MOMENTS)[:, None]
-    chosen, tested = (choose(one, groups, parameters) for one in (second, usable))
-    replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
-    values, low_high = expectation.values.ravel()[chosen], [_ends(name, told) for name in free]
-    low, high = np.array(low_high).reshape(-1, 2).T
-
-    def point(at: Array) -> Point:
-        both = zip(free, at.tolist(), strict=True)
-        changed: Any = {n: x if n in LIMITS else float(np.exp(x)) for n, x in both}
-        return told._replace(**changed)
-
-    def difference(at: Array) -> Array:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(np.log(values) - np.log(theory_of(point(at)).ravel()[chosen]))
-
-    def weights(at: Array) -> Array:
-        theory = theory_of(point(at))
-        known, size = expectation.own_covariance(point(at), theory), theory.ravel()[chosen]
-        extra = 0.0 if known is None else known[np.ix_(chosen, chosen)] / np.outer(size, size)
-        return whitening(covariance(np.log(replicates)) + extra)
-
-    best, white = np.empty(0), np.empty((0, 0))
-    if free:
-        if chosen.size < len(free) or not np.all(replicates > 0):
+    estimation = _Estimation.of(measured, point, tuple(free))
+    if estimation is None:
+        return None
+    with suppress(ValueError, np.linalg.LinAlgError):  # no theory there, or it is not finite
+        at = estimation.first_estimate(starts)
+        if at is None:
             return None
+        weights = np.eye(estimation.indices.size)
+        for _ in range(n_rounds):
+            pool = pool_at(estimation.measured, estimation.point(at), for_test=False)
+            if pool is None:
+                break
+            weights = estimation.weights(pool)
+            at = estimation.solve(at, weights)
+        if any(p.is_at_limit(x) for p, x in zip(free, at, strict=True)):
+            return None
+        return estimation.result(at, weights, measured)
+    return None
+
+
+def first_estimate(
+    measured: Measured,
+    point: Point,
+    free: Sequence[FreeParameter],
+    starts: Sequence[Sequence[float]],
+) -> Array | None:
+    """Return the coordinates of the least squares of all logarithms alike; None if it fails."""
+    estimation = _Estimation.of(measured, point, tuple(free))
+    if estimation is None:
+        return None
+    with suppress(ValueError, np.linalg.LinAlgError):
+        return estimation.first_estimate(starts)
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Estimation:
+    """The second moments that are fitted, and their theory as a function of the coordinates.
+
+    Parameters
+    ----------
+    measured : the averages that are second moments, alone: others take the solver longer
+    theory : of these
+    indices : the components, shape (p,)
+    powers : a second moment is the component to this power, 2 for the thermal speed
+    moments : the second moments of the data, shape (p,)
+    """
+
+    measured: Measured
+    theory: Theory
+    told: Point
+    free: tuple[FreeParameter, ...]
+    indices: Indices
+    powers: Array
+    moments: Array
+
+    @classmethod
+    def of(
+        cls, whole: Measured, told: Point, free: tuple[FreeParameter, ...]
+    ) -> _Estimation | None:
+        """Choose the components; None where they are fewer than the parameters."""
+        names = [name for name in whole.layout.names if name in SECOND_MOMENTS]
+        if whole.layout.pairs is not None:
+            names = []
+        pairs = whole.layout.pairs
+        layout = Layout(tuple(names), whole.layout.times, whole.layout.law, pairs)
+        measured = Measured(whole.sample, layout)
+        theory = Theory(measured.layout, whole.has_velocities)
+        indices = fitted_components(measured)
+        if indices.size < len(free):
+            return None
+        is_speed = measured.layout.is_of("thermal_speed")[indices]
+        powers = np.where(is_speed, 2.0, 1.0)
+        moments = measured.values[indices] ** powers
+        return cls(measured, theory, told, free, indices, powers, moments)
+
+    @property
+    def low(self) -> Array:
+        return np.array([parameter.low for parameter in self.free])
+
+    @property
+    def high(self) -> Array:
+        return np.array([parameter.high for parameter in self.free])
+
+    def point(self, at: Array) -> Point:
+        """Return the point at some coordinates."""
+        pairs = zip(self.free, at.tolist(), strict=True)
+        return self.told.with_values(**{p.name: p.value(x) for p, x in pairs})
+
+    def log_theory(self, at: Array) -> Array:
+        """Return the logarithms of the second moments in theory, shape (p,)."""
+        values = self.theory.values(self.point(at))[self.indices]
+        return np.asarray(self.powers * np.log(values))
+
+    def slopes(self, at: Array) -> Array:
+        """Return the derivatives of the logarithms, shape (p, n_free)."""
+        return _derivatives(self.log_theory, at, self.low, self.high)
+
+    def log_difference(self, at: Array) -> Array:
+        """Return the logarithms of data over theory, shape (p,)."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(np.log(self.moments) - self.log_theory(at))
+
+    def first_estimate(self, starts: Sequence[Sequence[float]]) -> Array | None:
+        """Return the least squares of all logarithms alike; None where nothing is finite."""
         from scipy.optimize import least_squares
 
-        tried, reached = [], []
+        width = np.minimum(1.0, self.high - self.low)
+        inner_low = self.low + 1e-4 * width
+        inner_high = self.high - 1e-4 * width
+        tried = []
         for start in starts:
-            at = np.clip(np.asarray(start, float), low, high)
-            if np.all(np.isfinite(left := difference(at))):
-                found = weights(at)
-                tried.append((float(np.sum((found @ left) ** 2)), at, found))
-        for _, at, found in sorted(tried, key=lambda one: one[0])[:2]:
-            with suppress(ValueError, np.linalg.LinAlgError):  # the theory is not finite there
-                reached.append(least_squares(
-                    lambda at, white: white @ difference(at), at,
-                    lambda at, white: white @ _slopes(difference, at, low, high),
-                    (low, high), "dogbox", ftol=1e-5, xtol=1e-6, max_nfev=50, args=(found,),
-                ))  # fmt: skip
-        if not reached:
+            at = np.clip(np.asarray(start, float), inner_low, inner_high)
+            cost = float(np.sum(self.log_difference(at) ** 2))
+            if np.isfinite(cost):
+                tried.append((cost, at))
+        tried.sort(key=lambda pair: pair[0])
+        refined = [
+            least_squares(
+                self.log_difference,
+                at,
+                lambda x: -self.slopes(x),
+                bounds=(self.low, self.high),
+                x_scale="jac",
+                xtol=1e-5,
+                ftol=1e-7,
+                max_nfev=50,
+            )
+            for _, at in tried[:N_REFINED_STARTS]
+        ]
+        if not refined:
             return None
-        best = min(reached, key=lambda one: one.cost).x
-        margin = np.where([n in LIMITS for n in free], -1.0, 0.01 * (high - low))
-        if np.any((best <= low + margin) | (best >= high - margin)):
-            return None
-        white = weights(best)
-    at, theory = point(best), theory_of(point(best))
-    known = expectation.own_covariance(at, theory)
-    slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
-    spread: Array = np.zeros((0, 0))
-    if free:
-        slope = _slopes(lambda p: theory_of(point(p)).ravel(), best, low, high)
-        size = theory.ravel()[chosen]
-        steep: Any = white @ (slope[chosen] / size[:, None])
-        # A parameter that is held at a limit does not follow the data.
-        inside = (best > low) & (best < high)
-        influence = np.linalg.pinv(steep * inside) @ white / size
-        # weights from a covariance that is estimated make errors larger
-        rest = min(len(white) - best.size, groups - 3)
-        spread = np.linalg.pinv(steep.T @ steep)
-        spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
-    made = Fit(expectation, at, theory, known, tuple(free), best, spread, slope, influence, chosen)
-    # What a fit follows exactly has only rounding left: no covariance to test it by.
-    tested = tested[made.usable.ravel()[tested]]
-    shaped, left_of, own = made.flat(tested)
-    widening = 0.0  # ln(det(C + M)/det C) of the chi-square, M the theory's own covariance
-    if known is not None and own is not None:
-        # of the data themselves: the same for all that is fitted in a medium
-        axes = whitening(covariance(made.steady.reshape(groups, -1)[:, tested]))
-        widening = float(np.linalg.slogdet(np.eye(len(axes)) + axes @ own @ axes.T)[1])
-        passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
-        passed[:, chosen] -= slope[tested] @ influence
-        own = passed @ known @ passed.T
-    made.chi_square = hotelling(shaped, left_of, own)
-    if made.chi_square is not None:
-        made.criterion = made.chi_square.value + widening + 2 * len(free)
-    return made
+        best = min(refined, key=lambda result: float(result.cost))
+        return np.asarray(best.x)
+
+    def weights(self, pool: Pool) -> Array:
+        """Return the inverse of the covariance of the relative second moments of the pool."""
+        covariance = np.cov(self._relative(pool).T).reshape(self.indices.size, -1)
+        share = np.sqrt(self.measured.counts[self.indices] / self.measured.n_tracers)
+        axes = whitening(covariance / np.outer(share, share))
+        return np.asarray(axes.T @ axes)
+
+    def _relative(self, pool: Pool) -> Array:
+        """Return what each tracer of a pool adds to each second moment, relative to it."""
+        values = pool.values[self.indices]
+        return np.asarray(self.powers * pool.influence[:, self.indices] / values)
+
+    def solve(self, at: Array, weights: Array) -> Array:
+        """Return the solution of D^T W g = 0 near some coordinates."""
+        for _ in range(MAX_NEWTON_STEPS):
+            slopes = self.slopes(at)
+            relative = np.expm1(self.log_difference(at))
+            gain = _gain(slopes, weights)
+            change = np.clip(gain @ relative, -MAX_CHANGE, MAX_CHANGE)
+            new = np.clip(at + change, self.low, self.high)
+            is_converged = np.abs(new - at).max() < CONVERGED_BELOW
+            at = new
+            if is_converged:
+                break
+        return at
+
+    def result(self, at: Array, weights: Array, measured: Measured) -> Fit:
+        """Return the fit of all averages at its solution, with the covariance of the parameters."""
+        point = self.point(at)
+        theory = Theory(measured.layout, measured.has_velocities)
+        scales = np.array([1.0 if p.is_logarithm else p.scale for p in self.free])
+        # a parameter that is held at a limit does not follow the data
+        is_inside = (at > self.low) & (at < self.high)
+        slopes = self.slopes(at)
+        gain = np.zeros((at.size, self.indices.size))
+        gain[is_inside] = _gain(slopes[:, is_inside], weights)
+        gain = scales[:, None] * gain
+        indices = _same_components(self.measured, measured, self.indices)
+        plain_slopes = _slopes_of(theory, point, self.free)
+        influence = _influence(measured, indices, plain_slopes, gain, theory.values(point))
+        pool = pool_at(measured, point, for_test=True)
+        residuals = Residuals.at(measured, theory, point, pool, influence)
+        own = residuals.own
+        covariance = self._covariance(gain, point, own if own is None else own[np.ix_(indices, indices)])
+        return Fit(
+            measured,
+            theory,
+            point,
+            self.free,
+            covariance,
+            plain_slopes,
+            gain,
+            indices,
+            residuals,
+        )
+
+    def _covariance(self, gain: Array, point: Point, own: Array | None) -> Array:
+        """Return the covariance of the parameters, from the groups and the theory's own error."""
+        relative = self.powers / self.theory.values(point)[self.indices]
+        replicates = self.measured.replicates[:, self.indices] * relative
+        n_groups = len(replicates)
+        covariance = jackknife_covariance(replicates @ gain.T)
+        covariance = covariance * (n_groups - 1) / max(n_groups - len(self.free), 1)
+        if own is not None:
+            covariance = covariance + gain @ (own * np.outer(relative, relative)) @ gain.T
+        return np.asarray(covariance)
 
 
-def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:
-    """The media that the scatterers may be; of dense ones there is a theory for smooth disks.
-
-    "every" has overlapping disks too, which differ from hard ones by a twentieth of the density.
-    """
-    if asked not in ("auto", "every"):
-        return [asked]
-    dense = sample.law.smooth_disks and not sample.free
-    if point is not None and dense:
-        dense &= sample.law.free_path(point.path) <= HIGHEST_DENSITY
-        dense &= point.restitution >= LEAST_RESTITUTION
-    return ["dilute", "hard disks", "overlapping"][: 1 + dense + (dense and asked == "every")]
-
-
-def _ends(name: str, told: Point, widest: float = 12.0) -> tuple[float, float]:
-    """Between what a parameter is looked for, or its logarithm, `widest` from what was told."""
-    low, high = LIMITS.get(name, (-np.inf, np.inf))
-    if name not in LIMITS:
-        middle = float(np.log(getattr(told, name)))
-        low, high = middle - widest, middle + widest
-    least = {"restitution": LEAST_RESTITUTION, "path": -np.log(2 * HIGHEST_DENSITY)}
-    return low if told.scatterers == "dilute" else max(low, least.get(name, low)), high
-
-
-def _slopes(
-    function: Callable[[Array], Array], at: Array, low: Array, high: Array, step: float = 1e-4
-) -> Array:
-    """Derivatives (p, k), centred where there is room; the solver's 1e-7 is 1e-3 of a slope."""
-    steps = step * np.eye(at.size)
-    ends = [(np.minimum(at + one, high), np.maximum(at - one, low)) for one in steps]
-    made = [(function(up) - function(down)) / np.sum(up - down) for up, down in ends]
-    return np.stack(made, axis=1)
-
-
-def steadied(measured: Expectation, theory: Array, spread_of_a2: Array | None = None) -> Array:
-    """The replicates of differences, as `stabilised`, where the error of a2 and of the kurtosis is
-    a mean of theirs and of that of independent tracers: of 500 tracers few make <v^8> and <r^8>.
-
-    That of a2 is the kinetic equation's; that of the kurtosis is of a Gaussian of random width
-    (gamma-distributed, so that it has the theory's kurtosis) in each component, good to 20 %. The
-    mean is by (effective) groups (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3 (2004)): 10 of the
-    kurtosis, 20 of a2, whose error never becomes less, as tracers may share scatterers.
-    """
-    found = measured.stabilised(theory, measured.replicates - theory)
-    known = [] if spread_of_a2 is None else [("a2", spread_of_a2, 20.0, 1.0)]
-    if "kurtosis" in measured.names:
-        x, d = theory[measured.names.index("kurtosis")], measured.sample.law.dimension
-        wider = x / measured.sample.law.gaussian - 1
-        sixth = (d + 2) * (d + 4) / d**2 * (1 + wider) * (1 + 2 * wider)
-        variance = spread_of_ratio(x, sixth, sixth * (d + 6) / d * (1 + 3 * wider))
-        known.append(("kurtosis", np.where(wider >= 0, variance, np.nan), 10.0, 0.0))
-    for name, variance, groups, least in known:
-        k = measured.names.index(name)
-        own, mine = errors(found[:, k]), effective_groups(found[:, k])
-        ratio = np.maximum(np.sqrt(variance / measured.sample.samples) / own, least)
-        factor = np.sqrt((mine + groups * ratio**2) / (mine + groups))
-        factor, middle = np.where(np.isfinite(factor), factor, 1.0), found[:, k].mean(axis=0)
-        found[:, k] = middle + factor * (found[:, k] - middle)
-    return found
-
-
-# -- chi-squares -----------------------------------------------------------------------------------
-def covariance(replicates: Array) -> Array:
-    """Covariance from delete-one replicates (G, p): (p, p)."""
-    n, deviation = len(replicates), replicates - replicates.mean(axis=0)
-    return np.asarray((n - 1) / n * (deviation.T @ deviation))
-
-
-def most_freedom(groups: int) -> int:
-    """Components that a chi-square from so many groups may have."""
-    return max(1, (groups - 1) // 4)  # or the covariance is too uncertain
-
-
-def spread_out(count: int, most: int) -> list[int]:
-    """At most so many of the indices 0 .. count - 1, evenly, with the last."""
-    if count <= most:
-        return list(range(count))
-    return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
-
-
-def spread_in(error: Array, *values: Array, least: float | Array = 1e-9) -> NDArray[np.bool_]:
-    """Where standard errors are more than rounding: over the value at least `least`."""
+def fitted_components(measured: Measured) -> Indices:
+    """Return the second moments that a fit looks at: pairs of frames, or v0 and <r^2> over time."""
+    layout = measured.layout
+    wanted = layout.is_of("thermal_speed", "msd") & (layout.time > 0.0)
+    if layout.pairs is not None:
+        wanted = layout.is_of(BETWEEN_FRAMES)
+    values = measured.values
     with np.errstate(invalid="ignore"):
-        size = np.max(np.abs(values), axis=0)
-        return np.asarray((error > least * size) & np.isfinite(error))
+        wanted &= np.isfinite(values) & (values > 0.0)
+        wanted &= np.all(measured.replicates > 0.0, axis=0)
+    return np.flatnonzero(wanted)
 
 
-def whitening(matrix: Array, least: float = 1e-9) -> Array:
-    """W with W C W^T = 1 on the components that C has: (rank, p).
-
-    least: eigenvalue of correlations, to the largest, below which two components are the same.
-    """
-    scale = np.sqrt(np.diagonal(matrix))
-    scale = np.where(scale > 0, scale, np.inf)
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    kept = values > least * values.max(initial=1e-300)
-    return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
+def _gain(slopes: Array, weights: Array) -> Array:
+    """Return A = (D^T W D)^-1 D^T W."""
+    weighted = slopes.T @ weights
+    return np.asarray(np.linalg.pinv(weighted @ slopes) @ weighted)
 
 
-def hotelling(difference: Array, replicates: Array, known: Array | None = None) -> ChiSquare | None:
-    """Test of a difference (p,) with its replicates (G, p); None without freedom.
+def _influence(
+    measured: Measured, indices: Indices, slopes: Array, gain: Array, theory: Array
+) -> Influence:
+    """Return how the theory moves with the data of the fitted components."""
+    is_speed = measured.layout.is_of("thermal_speed")[indices]
+    relative = np.where(is_speed, 2.0, 1.0) / theory[indices]
+    return Influence(indices, slopes @ (gain * relative))
 
-    known (p, p): the covariance of an error of the theory, which is added.
-    """
-    groups = len(replicates)
-    if difference.size == 0:
-        return None
-    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
-    white = axes @ difference
-    freedom, statistic = white.size, float(white @ white)
-    if freedom == 0 or groups <= freedom:
-        return None
-    effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
-    # the upper tail of the F-distribution; a p-value below doubles is 0
-    share = 1 / (1 + statistic / (effective - 1))
-    p_value = float(betainc((effective - freedom) / 2, freedom / 2, share))
-    value = 2 * float(gammainccinv(freedom / 2, p_value)) if p_value > 1e-300 else statistic
-    return ChiSquare(value, freedom, p_value, groups, statistic)
+
+def _slopes_of(theory: Theory, point: Point, free: Sequence[FreeParameter]) -> Array:
+    """Return the derivatives of the theory in the numbers, or their logarithms, (n, n_free)."""
+    at = np.array([p.coordinate(float(getattr(point, p.name))) for p in free])
+
+    def values(coordinates: Array) -> Array:
+        pairs = zip(free, coordinates.tolist(), strict=True)
+        return theory.values(point.with_values(**{p.name: p.value(x) for p, x in pairs}))
+
+    low = np.array([parameter.low for parameter in free])
+    high = np.array([parameter.high for parameter in free])
+    scales = np.array([1.0 if p.is_logarithm else p.scale for p in free])
+    return _derivatives(values, at, low, high) / scales
+
+
+def _derivatives(function: object, at: Array, low: Array, high: Array) -> Array:
+    """Return the derivatives (p, n_free) of a function of coordinates, centred where there is room."""
+    assert callable(function)
+    columns = []
+    for index in range(at.size):
+        above = at.copy()
+        below = at.copy()
+        above[index] = min(at[index] + STEP, high[index])
+        below[index] = max(at[index] - STEP, low[index])
+        columns.append((function(above) - function(below)) / (above[index] - below[index]))
+    return np.stack(columns, axis=1)
+
+
+def _same_components(part: Measured, whole: Measured, indices: Indices) -> Indices:
+    """Return where components of some times of a sample are among those of all its times."""
+    layout = whole.layout
+    place = {}
+    for index in range(layout.size):
+        earlier = layout.times[layout.earlier_index[index]]
+        place[str(layout.observable[index]), float(earlier), float(layout.time[index])] = index
+    chosen = []
+    for index in indices:
+        earlier = part.layout.times[part.layout.earlier_index[index]]
+        name = str(part.layout.observable[index])
+        chosen.append(place[name, float(earlier), float(part.layout.time[index])])
+    return np.array(chosen, np.int64)

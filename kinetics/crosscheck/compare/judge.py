@@ -1,18 +1,27 @@
-"""Data and theory side by side, in numbers: rows, histograms, and tests with their verdicts."""
+"""The judgement: rows, tests, and the one p-value that the verdict is on. Begin with `judge`.
+
+Data and theory are looked at in several ways: all averages together, each average alone, each
+density, and each row for an outlier. The p-value of the verdict is the smallest of these times the
+number of looks (Bonferroni): once for the tests, and once for all rows.
+"""
+
+from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.special import gammaincc
 
-from kinetics import Solution, SolverStatus
-from kinetics.crosscheck.compare.fit import ChiSquare, Fit, hotelling, most_freedom, spread_out
+from kinetics.crosscheck.compare.densities import Histogram, histograms_of
+from kinetics.crosscheck.compare.fit import Fit
+from kinetics.crosscheck.compare.measured import Measured
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES
+from kinetics.crosscheck.compare.residuals import Residuals
 from kinetics.crosscheck.compare.result import ComparisonTest, Row
-from kinetics.crosscheck.compare.theory import BEAM, DISPLACEMENT, SPEED
-from kinetics.crosscheck.data.sample import EDGES, effective_groups
+from kinetics.crosscheck.compare.selection import tested_components
+from kinetics.crosscheck.compare.statistics import ChiSquare
+from kinetics.crosscheck.compare.theory import Theory
 from kinetics.crosscheck.words import (
     Verdict,
     can_differ,
@@ -21,258 +30,313 @@ from kinetics.crosscheck.words import (
     judge_sigmas,
     limit_factor,
 )
-from kinetics.numerics.gauss import panels_between
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-
-class Histogram(NamedTuple):
-    """A density at a time: edges (n + 1,), 0 to infinity; share of samples, error, theory (n,)."""
-
-    name: str
-    time: float
-    edges: Array
-    share: Array
-    error: Array
-    theory: Array
-    samples: int
-    groups: int
-    chi_square: ChiSquare | None
+#: Tolerances of the solver by which data without scatter may be off: the data are rounded too.
+TOLERANCES_OF_EXACT = 10.0
+#: An average near 0 that is off by less than this is no different.
+LEAST_DIFFERENCE = 1e-15
 
 
-def histograms_of(found: Fit) -> Iterator[Histogram]:
-    """Of the speeds, and of displacements at late times from a named start."""
-    expectation, point = found.expectation, found.point
-    sample = expectation.sample
-    later = sample.times[sample.times > 0]
-    if not sample.law.smooth_disks or point.scatterers != "dilute" or not later.size:
-        return
-    times = later[spread_out(later.size, 6)]  # each takes the solver some 0.1 s
-    solved = [(SPEED, sample.speeds, expectation.solved(point, times, (SPEED,), 1e-6))]
-    # before three l/U sharp fronts take the solver long, and few tracers have collided; from
-    # hundreds of single speeds it would take long
-    late = times[times > 3 * point.path][-3:]
-    if late.size and isinstance(point.start, str):
-        known = expectation.solved(point, late, (DISPLACEMENT,), 1e-4)
-        if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
-            solved.append((DISPLACEMENT, sample.displacements, known))
-    every = ((*one, at) for one in solved if one[1] for at in range(one[2].times.size))
-    for name, counted, solution, at in every:
-        made = _histogram(found, name, counted, solution, at)
-        if made is not None:
-            yield made
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What a comparison comes to.
 
-
-def _histogram(
-    found: Fit, name: str, counted: Any, solution: Solution, at: int, most_bins: int = 40
-) -> Histogram | None:
-    """The sample's histogram against a solution's density at its time of the index `at`."""
-    sample, time = found.expectation.sample, float(solution.times[at])
-    index = int(np.argmin(np.abs(sample.times - time)))
-    fine, by_group = counted[0][index] * EDGES, counted[1][:, index].astype(float)
-    samples, shares = int(by_group.sum()), bin_shares(solution, name, at, fine)
-    shares, behind = shares / shares.sum(), len(by_group)
-    independent = sample.grouping != "medium" or sample.free
-    most = most_bins if independent else min(most_bins, most_freedom(behind) + 1)
-    peak = None
-    if found.point.start in ("monoenergetic", BEAM):
-        peak = 1.0 if name == SPEED else time
-    starts = _merged(shares * samples, samples, most, fine, peak)
-    if starts.size < 2:
-        return None
-    theory, groups = np.add.reduceat(shares, starts), np.add.reduceat(by_group, starts, axis=1)
-    counts = groups.sum(axis=0)
-    share = counts / samples
-    spread = groups - share * groups.sum(axis=1, keepdims=True)
-    error = np.sqrt(behind / (behind - 1) * np.sum(spread**2, axis=0)) / samples
-    # The spread of a bin that is emptier than expected is too small: at least binomial.
-    error = np.maximum(error, np.sqrt(theory * (1 - theory) / samples))
-    if independent:
-        expected, freedom = theory * samples, counts.size - 1
-        value = float(np.sum((counts - expected) ** 2 / expected))  # Pearson's
-        p_value = float(gammaincc(freedom / 2, value / 2))
-        chi_square: ChiSquare | None = ChiSquare(value, freedom, p_value, None, value)
-    else:
-        rest = counts - groups  # left out in turn: the counts of all but one group
-        replicates = rest / rest.sum(axis=1, keepdims=True) - theory
-        chi_square = hotelling((share - theory)[:-1], replicates[:, :-1])
-    edges = np.concatenate([[0.0], fine[starts[1:] - 1], [np.inf]])
-    return Histogram(name, time, edges, share, error, theory, samples, behind, chi_square)
-
-
-def bin_shares(solution: Solution, name: str, index: int, edges: Array) -> Array:
-    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,)."""
-    every = np.concatenate([[0.0], edges])
-    if name == DISPLACEMENT:
-        shares = solution.position_fraction(every)[index]
-        return np.append(shares, max(1 - shares.sum(), 0.0))
-    pieces = 1 if solution.scene.state.smooth else 120  # of the finest nodes in ln v
-    fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
-    x, weight = panels_between(fine, 3)
-    each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)
-    shares = np.maximum(each, 0.0).reshape(-1, pieces).sum(axis=1)
-    peak = float(solution.uncollided[index])
-    if peak > 0:  # tracers of a start with one speed that have not collided
-        speed = float(getattr(solution.scene.state, "speed", 1.0))
-        shares[min(np.searchsorted(every, speed, side="right"), shares.size) - 1] += peak
-    return np.append(shares, max(1 - shares.sum(), 0.0))
-
-
-def _merged(
-    expected: Array, samples: int, most: int, edges: Array, peak: float | None, least: float = 50.0
-) -> Indices:
-    """The first fine bin of each bin, which is expected to hold `least`, to be nearly Gaussian."""
-    widest = max(samples / 12, samples / most * 2, least)  # no bin is made wider
-    starts, held, before = [0], 0.0, 0.0
-    for k, count in enumerate(expected[:-1].tolist()):
-        held += count
-        target = min(max(min(before, (samples - before) / 2), least), widest)
-        on_peak = peak is not None and abs(edges[min(k, edges.size - 1)] - peak) < 1e-6 * peak
-        if held >= target and samples - before - held >= least and not on_peak:
-            starts.append(k + 1)
-            before += held
-            held = 0.0
-    while len(starts) > most:  # where the tails alone are too many, every second edge goes
-        starts = starts[::2]
-    return np.array(starts)
-
-
-def rows_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[Row]:
-    """One row per observable and time, and per bin of a density; see `Comparison.rows`."""
-    measured, sample = found.expectation, found.expectation.sample
-    exact = measured.exact(found.point)
-    for i, name in enumerate(measured.names):
-        looks = int(found.usable[i].sum())
-        sizes = _sizes(found, i)
-        for k in np.flatnonzero(found.compared[i]).tolist():
-            parts = (sample.times, measured.values[i], found.bars[i], found.theory[i])
-            time, value, error, theory = (float(part[k]) for part in parts)
-            sigmas, corrected, count = None, None, int(sample.samples[k])
-            if found.usable[i, k]:
-                sigmas = float(found.difference[i, k] / error)
-                shaped, groups = float(found.sigmas[i, k]), float(found.effective[i, k])
-                corrected = corrected_sigmas(shaped, groups, looks)
-                verdict = judge_sigmas(corrected)
-                relative = error / float(sizes[k])
-                if verdict is Verdict.AGREES and not can_differ(relative, groups):
-                    verdict = Verdict.NOT_TESTED
-            else:
-                error = 0.0
-                verdict = _without_scatter(found, value, theory, float(sizes[k]), exact[i, k], k)
-            yield Row(name, time, value, error, theory, sigmas, verdict, corrected, count)
-    for h in histograms:
-        looks = sum(other.share.size for other in histograms if other.name == h.name)
-        wide = np.where(np.isfinite(h.edges[1:]), np.diff(h.edges), 1.0)
-        sigma, testable = (h.share - h.theory) / h.error, _has_testable_bin(h)
-        columns = h.share / wide, h.error / wide, h.theory / wide, sigma, h.edges[:-1], h.edges[1:]
-        for value, error, theory, z, low, high in np.transpose(columns).tolist():
-            corrected = corrected_sigmas(z, h.groups, looks)
-            end, verdict = high if np.isfinite(high) else None, judge_sigmas(corrected)
-            if verdict is Verdict.AGREES and not testable:
-                verdict = Verdict.NOT_TESTED
-            yield Row(h.name, h.time, value, error, theory, z, verdict, corrected, h.samples, low,
-                      end)  # fmt: skip
-
-
-def _sizes(found: Fit, i: int) -> Array:
-    """What differences of an average are relative to, (n_times,): |theory|, and 1 + a2 for a2."""
-    name = found.expectation.names[i]
-    size = np.abs(found.theory[i] + (name == "a2"))
-    if "drift" in found.expectation.names:  # signed, or from rest
-        usable = found.usable[i]
-        size = np.full_like(size, size[usable].max() if np.any(usable) else size.max())
-    return np.asarray(np.where(size > 0, size, np.inf))
-
-
-def _without_scatter(
-    found: Fit, value: float, theory: float, size: float, exact: bool, k: int
-) -> Verdict:
-    """Verdict on an average that is the same in every group, at the time of the index ``k``.
-
-    The solver is given a tolerance, and data are rounded: ten of these are no difference. What is
-    exact in theory must be as near. Else the theory has some tracers that have collided where the
-    data have none: a share p of N tracers is missed with the probability exp(-N p), and one
-    collision changes an average at most to its double.
+    Parameters
+    ----------
+    residuals : data less theory, at all times
+    rows : one for each observable and time, pair of frames, or bin
+    tests : one for each average, over its times, and for each density and time
+    averages : the test of all averages together; None where nothing scatters
+    has_densities : whether densities were compared
+    p_value : of the verdict; 1 where nothing could be tested
+    verdict : on everything
     """
-    sample = found.expectation.sample
-    if math.isclose(value, theory, rel_tol=10 * sample.law.rtol, abs_tol=1e-15):
+
+    residuals: Residuals
+    rows: tuple[Row, ...]
+    tests: tuple[ComparisonTest, ...]
+    averages: ChiSquare | None
+    has_densities: bool
+    p_value: float
+    verdict: Verdict
+
+
+def judge(fitted: Fit, measured: Measured, theory: Theory) -> Judgement:
+    """Return the judgement on a fit.
+
+    Parameters
+    ----------
+    fitted : the fit, which looks at some of the times
+    measured, theory : of all times of the same sample
+    """
+    residuals = fitted.residuals_of(measured, theory)
+    histograms = list(histograms_of(measured.sample, fitted.point))
+    rows = [*rows_of_averages(residuals), *rows_of_densities(histograms)]
+    tests = tests_of(fitted, residuals, histograms)
+    p_value = _one_p_value(fitted.chi_square, tests, rows)
+    return Judgement(
+        residuals=residuals,
+        rows=tuple(rows),
+        tests=tuple(tests),
+        averages=fitted.chi_square,
+        has_densities=bool(histograms),
+        p_value=p_value,
+        verdict=_verdict(p_value, tests, rows),
+    )
+
+
+def _one_p_value(
+    averages: ChiSquare | None, tests: Sequence[ComparisonTest], rows: Sequence[Row]
+) -> float:
+    """Return the smallest p-value of all looks times their number."""
+    of_tests = [test.p_value for test in tests]
+    if averages is not None:
+        of_tests.append(averages.p_value)
+    of_rows = [
+        math.erfc(abs(row.corrected_sigmas) / math.sqrt(2.0))
+        for row in rows
+        if row.corrected_sigmas is not None
+    ]
+    n_observables = len({row.observable for row in rows})
+    looks = [len(of_tests) * p_value for p_value in of_tests]
+    # each of these is corrected for the rows of its observable
+    looks += [n_observables * p_value for p_value in of_rows]
+    return min([1.0, *(2.0 * p_value for p_value in looks)])
+
+
+def _verdict(
+    p_value: float, tests: Sequence[ComparisonTest], rows: Sequence[Row]
+) -> Verdict:
+    """Return the verdict of a p-value, and of rows without scatter, which no test can hold."""
+    verdicts = [row.verdict for row in rows if row.sigmas is None]
+    if tests:
+        verdicts.append(judge_sigmas(gaussian_sigmas(p_value)))
+    verdict = worst_of(verdicts)
+    is_tested = any(test.verdict is not Verdict.NOT_TESTED for test in tests)
+    if verdict is Verdict.AGREES and tests and not is_tested:
+        return Verdict.NOT_TESTED  # what is exact, or the start, agrees: no test of the rest
+    return verdict
+
+
+def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
+    """Return the worst of some; not tested only where nothing was, undefined without any."""
+    order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES, Verdict.NOT_TESTED)
+    return next((verdict for verdict in order if verdict in verdicts), Verdict.UNDEFINED)
+
+
+# -- rows ------------------------------------------------------------------------------------------
+def rows_of_averages(residuals: Residuals) -> list[Row]:
+    """Return one row for each average and time, and for each pair of frames."""
+    layout = residuals.measured.layout
+    sizes = layout.sizes(residuals.theory)
+    rows = []
+    for name in layout.all_names:
+        indices = layout.indices_of(name)
+        n_looks = int(np.count_nonzero(residuals.is_usable[indices]))
+        for index in indices[residuals.is_compared[indices]].tolist():
+            rows.append(_row(residuals, index, float(sizes[index]), n_looks))
+    return rows
+
+
+def _row(residuals: Residuals, index: int, size: float, n_looks: int) -> Row:
+    layout = residuals.measured.layout
+    name = str(layout.observable[index])
+    value = float(residuals.measured.values[index])
+    theory = float(residuals.theory[index])
+    error = 0.0
+    sigmas = None
+    corrected = None
+    if residuals.is_usable[index]:
+        error = float(residuals.error[index])
+        sigmas = float(residuals.sigmas[index])
+        groups = float(residuals.effective_groups[index])
+        corrected = corrected_sigmas(sigmas, groups, n_looks)
+        verdict = judge_sigmas(corrected)
+        if verdict is Verdict.AGREES and not can_differ(error / size, groups):
+            verdict = Verdict.NOT_TESTED
+    else:
+        verdict = _verdict_without_scatter(residuals, index, size)
+    since = None
+    if name == BETWEEN_FRAMES:
+        since = float(layout.times[layout.earlier_index[index]])
+    return Row(
+        observable=name,
+        time=float(layout.time[index]),
+        value=value,
+        error=error,
+        theory=theory,
+        sigmas=sigmas,
+        verdict=verdict,
+        corrected_sigmas=corrected,
+        samples=int(residuals.measured.counts[index]),
+        since=since,
+    )
+
+
+def _verdict_without_scatter(residuals: Residuals, index: int, size: float) -> Verdict:
+    """Return the verdict on an average that is the same in every group.
+
+    The solver has a tolerance, and data are rounded: ten of these are no difference. What is exact
+    in theory must be as near. Else the theory has some tracers that have collided where the data
+    have none: a share p of N tracers is missed with the probability exp(-N p), and one collision
+    changes an average at most to its double.
+    """
+    sample = residuals.measured.sample
+    time = float(residuals.measured.layout.time[index])
+    value = float(residuals.measured.values[index])
+    theory = float(residuals.theory[index])
+    is_exact = bool(residuals.is_exact[index])
+    relative = TOLERANCES_OF_EXACT * sample.law.rtol
+    if math.isclose(value, theory, rel_tol=relative, abs_tol=LEAST_DIFFERENCE):
         verdict = Verdict.AGREES
-    elif exact or sample.times[k] == 0:
+    elif is_exact or time == 0.0:
         return Verdict.DIFFERS
     else:
-        missed_share = abs(value - theory) / size / 2
-        verdict = judge_sigmas(gaussian_sigmas(math.exp(-sample.samples[k] * missed_share)))
-    if exact:
+        missed_share = abs(value - theory) / size / 2.0
+        n_tracers = int(residuals.measured.counts[index])
+        verdict = judge_sigmas(gaussian_sigmas(math.exp(-n_tracers * missed_share)))
+    if is_exact:
         return verdict
     if sample.groups < 3:  # one tracer is always like itself
         return Verdict.NOT_TESTED
-    if (sample.law.field or sample.law.is_driven) and sample.times[k] > 0:
+    if (sample.law.field or sample.law.is_driven) and time > 0.0:
         return Verdict.UNDEFINED  # a tracer falls before its first collision as others do
     return verdict
 
 
-def _has_testable_bin(h: Histogram) -> bool:
-    """Whether in some bin a density that is wrong by its own value would be seen."""
-    errors = h.error / np.maximum(h.theory, 1e-300)
-    return can_differ(float(errors.min()), h.groups)
+def rows_of_densities(histograms: Sequence[Histogram]) -> list[Row]:
+    """Return one row for each bin: shares over the width of the bin, of the last bin shares."""
+    rows = []
+    for histogram in histograms:
+        alike = [other for other in histograms if other.name == histogram.name]
+        n_looks = sum(other.share.size for other in alike)
+        rows += _rows_of_histogram(histogram, n_looks)
+    return rows
 
 
-def _has_testable_time(found: Fit, i: int) -> bool:
-    """Whether at some time an average that is wrong by its own value would be seen."""
-    at = found.usable[i]
-    relative = (found.error[i] / _sizes(found, i))[at].tolist()
-    pairs = zip(relative, found.effective[i, at].tolist(), strict=True)
-    return any(can_differ(error, groups) for error, groups in pairs)
-
-
-def tests_of(found: Fit, histograms: Sequence[Histogram]) -> Iterator[ComparisonTest]:
-    """One chi-square per average, over all its times, and per density and time."""
-    names = found.expectation.names
-    averages = [(name, None, _over_times(found, i)) for i, name in enumerate(names)]
-    every = [*averages, *((h.name, h.time, h.chi_square) for h in histograms)]
-    known = [(name, time, c) for name, time, c in every if c is not None]
-    for name, time, c in known:
-        sigmas, within = gaussian_sigmas(min(1.0, c.p_value * len(known))), None
-        verdicts = [judge_sigmas(sigmas)]
-        if time is None:  # the time that differs most, of all times of all averages, counts too
-            i, looks = names.index(name), 2 * int(found.usable.sum())
-            at = found.usable[i]
-            each = zip(found.sigmas[i, at].tolist(), found.effective[i, at].tolist(), strict=True)
-            verdicts += [judge_sigmas(corrected_sigmas(z, groups, looks)) for z, groups in each]
-            # what the data exclude at every time, at 95 %
-            factors = np.array([limit_factor(groups) for groups in found.effective[i, at]])
-            seen = np.abs(found.difference[i, at]) + factors * found.error[i, at]
-            within = float(np.max(seen / _sizes(found, i)[at]))
-            testable = _has_testable_time(found, i)
-        else:
-            density = next(h for h in histograms if (h.name, h.time) == (name, time))
-            testable = c.groups is None or _has_testable_bin(density)
-        verdict = worst_of(verdicts)
-        if verdict is Verdict.AGREES and not testable:
+def _rows_of_histogram(histogram: Histogram, n_looks: int) -> list[Row]:
+    is_testable = _has_testable_bin(histogram)
+    rows = []
+    for index in range(histogram.share.size):
+        low = float(histogram.edges[index])
+        high = float(histogram.edges[index + 1])
+        has_end = math.isfinite(high)
+        width = high - low if has_end else 1.0
+        error = float(histogram.error[index])
+        sigmas = float(histogram.share[index] - histogram.theory[index]) / error
+        corrected = corrected_sigmas(sigmas, histogram.groups, n_looks)
+        verdict = judge_sigmas(corrected)
+        if verdict is Verdict.AGREES and not is_testable:
             verdict = Verdict.NOT_TESTED
-        yield ComparisonTest(
-            name, time, c.value, c.freedom, c.p_value, c.groups, sigmas, verdict, within
+        rows.append(
+            Row(
+                observable=histogram.name,
+                time=histogram.time,
+                value=float(histogram.share[index]) / width,
+                error=error / width,
+                theory=float(histogram.theory[index]) / width,
+                sigmas=sigmas,
+                verdict=verdict,
+                corrected_sigmas=corrected,
+                samples=histogram.samples,
+                low=low,
+                high=high if has_end else None,
+            )
         )
+    return rows
 
 
-def _over_times(found: Fit, i: int) -> ChiSquare | None:
-    """The chi-square of one average; neighbouring times together, where the groups are few."""
-    times = np.flatnonzero(found.usable[i])
-    if not times.size:
-        return None
-    difference, replicates, known = found.flat(times + i * found.usable.shape[1])
-    effective = float(effective_groups(replicates).mean())
-    count = min(times.size, most_freedom(int(effective)))
-    together = np.zeros((count, times.size))
-    at = np.arange(times.size)
-    together[at * count // times.size, at] = 1 / found.error[i, times]
-    known = None if known is None else together @ known @ together.T
-    return hotelling(together @ difference, replicates @ together.T, known)
+def _has_testable_bin(histogram: Histogram) -> bool:
+    """Return whether in some bin a density that is wrong by its own value would be seen."""
+    is_expected = histogram.theory > 0.0
+    relative = histogram.error[is_expected] / histogram.theory[is_expected]
+    return can_differ(float(relative.min(initial=math.inf)), histogram.groups)
 
 
-def worst_of(verdicts: Iterable[Verdict]) -> Verdict:
-    """The worst of some verdicts; not tested only where nothing was, undefined without any."""
-    order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES, Verdict.NOT_TESTED)
-    found = {*verdicts}
-    return next((verdict for verdict in order if verdict in found), Verdict.UNDEFINED)
+# -- tests -----------------------------------------------------------------------------------------
+def tests_of(
+    fitted: Fit, residuals: Residuals, histograms: Sequence[Histogram]
+) -> list[ComparisonTest]:
+    """Return one test for each average, over times, and for each density and time.
+
+    Parameters
+    ----------
+    fitted : the averages at the times that a test looks at
+    residuals : at all times
+    histograms : of the densities
+    """
+    of_averages = []
+    for name in fitted.measured.layout.all_names:
+        chi_square = _test_over_times(fitted, name)
+        if chi_square is not None:
+            of_averages.append((name, chi_square))
+    of_densities = [
+        (histogram, histogram.chi_square)
+        for histogram in histograms
+        if histogram.chi_square is not None
+    ]
+    n_tests = len(of_averages) + len(of_densities)
+    tests = [_average_test(residuals, name, test, n_tests) for name, test in of_averages]
+    tests += [_density_test(histogram, test, n_tests) for histogram, test in of_densities]
+    return tests
+
+
+def _test_over_times(fitted: Fit, name: str) -> ChiSquare | None:
+    """Return the test of one average at the times of the fit."""
+    layout = fitted.measured.layout
+    indices = tested_components(fitted.measured)
+    of_name = indices[layout.observable[indices] == name]
+    if of_name.size == 0:  # <r^2> from the first frame, which is among the pairs of frames
+        of_name = layout.indices_of(name)
+    return fitted.residuals.test(of_name)
+
+
+def _average_test(
+    residuals: Residuals, name: str, chi_square: ChiSquare, n_tests: int
+) -> ComparisonTest:
+    layout = residuals.measured.layout
+    indices = layout.indices_of(name)
+    indices = indices[residuals.is_usable[indices]]
+    relative = (residuals.error / layout.sizes(residuals.theory))[indices]
+    groups = residuals.effective_groups[indices]
+    is_testable = any(
+        can_differ(error, n) for error, n in zip(relative.tolist(), groups.tolist(), strict=True)
+    )
+    # what the data exclude at every time
+    factors = np.array([limit_factor(n) for n in groups.tolist()])
+    relative_difference = np.abs(residuals.difference / layout.sizes(residuals.theory))[indices]
+    within = float(np.max(relative_difference + factors * relative, initial=0.0))
+    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
+    verdict = judge_sigmas(sigmas)
+    if verdict is Verdict.AGREES and not is_testable:
+        verdict = Verdict.NOT_TESTED
+    return ComparisonTest(
+        observable=name,
+        time=None,
+        chi_square=chi_square.value,
+        dof=chi_square.freedom,
+        p_value=chi_square.p_value,
+        groups=chi_square.groups,
+        sigmas=sigmas,
+        verdict=verdict,
+        within=within,
+    )
+
+
+def _density_test(histogram: Histogram, chi_square: ChiSquare, n_tests: int) -> ComparisonTest:
+    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
+    verdict = judge_sigmas(sigmas)
+    is_testable = chi_square.groups is None or _has_testable_bin(histogram)
+    if verdict is Verdict.AGREES and not is_testable:
+        verdict = Verdict.NOT_TESTED
+    return ComparisonTest(
+        observable=histogram.name,
+        time=histogram.time,
+        chi_square=chi_square.value,
+        dof=chi_square.freedom,
+        p_value=chi_square.p_value,
+        groups=chi_square.groups,
+        sigmas=sigmas,
+        verdict=verdict,
+    )
+

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import pandas as pd
 
-from kinetics.crosscheck.compare.theory import OBSERVABLES
+from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain, rendered
 from kinetics.crosscheck.words import LIMIT_SHARE, MEANING, Verdict, limit_factor, number, numeral
 from kinetics.results.record import stored_class
@@ -42,6 +42,7 @@ class Row(NamedTuple):
     samples: int
     low: float | None = None
     high: float | None = None
+    since: float | None = None
 
 
 class ComparisonTest(NamedTuple):
@@ -124,6 +125,17 @@ class Comparison(Result):
     numbers: tuple[Row, ...] = field(repr=False)
     medium: str = "dilute"
     covariance: tuple[tuple[float, ...], ...] = ()
+    p_value_: Any = None
+    chi_square: Any = None
+    dof: Any = None
+    units: Any = None
+    cannot_tell: Any = ()
+    media: Any = None
+    undecided: Any = ()
+    n_times: int = 0
+    first_time: float = 0.0
+    last_time: float = 0.0
+    next_step: str = ""
 
     @property
     def rows(self) -> Any:
@@ -298,7 +310,7 @@ def draw(result: Any, figure: str, ax: Any) -> None:
             y_of_ellipse = path * np.exp(radius * away[1])
             ax.plot(x_of_ellipse, y_of_ellipse, label=f"{100 * share:.0f} %")
         ax.plot(e, path, "ko", ms=4, label="fitted")
-    elif OBSERVABLES[name].measured is None:
+    elif OBSERVABLES[name].measure is None:
         seen = OBSERVABLES[name]
         title, y_scale = seen.title, "log"
         x, y = f"{seen.symbol} / {seen.unit}", f"density / (1/{seen.unit})"

@@ -1,281 +1,238 @@
-"""What is compared (OBSERVABLES), and what the kinetic equation says of it at a Point."""
+"""What the kinetic equation says of the components of a `Layout` at a `Point`: begin with `Theory`."""
+
+from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics import Scene, Solution, solve
-from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
+from kinetics.crosscheck.compare.frames_theory import mean_square_between_frames
+from kinetics.crosscheck.compare.measured import Layout
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, OBSERVABLES, Array
+from kinetics.crosscheck.compare.point import Point
+from kinetics.crosscheck.data.sample import Law
 from kinetics.errors import ToleranceWarning
-from kinetics.states.kinds import Beam
-from kinetics.states.state import LogMeasure, State
 
-Array = NDArray[np.float64]
+#: Solutions that a theory keeps. Chosen: a fit looks at some tens of points.
+MAX_KEPT = 64
+#: Mean free paths before which the errors of the theory of dense disks are the early ones.
+LATE_AFTER = 30.0
+#: An error of the theory has grown to 1 - 1/e of its size after this many mean free paths: there is
+#: none before there are collisions. Chosen: simulations show it in full from 0.1 l/U on.
+ERROR_GROWS_IN = 0.1
+#: Correlation of the errors of v0 and of <r^2>: both are one error of the collision rate. Measured,
+#: with `Observable.theory_error`.
+RATE_CORRELATION = 0.9
+#: Errors of the theory at two times are correlated by exp(-3 x^2), x the decades between them.
+#: Measured as above: they are smooth over 0.4 of a decade.
+DECAY_OF_CORRELATION = 3.0
+#: The error of the collision rate among overlapping disks over that among hard ones. Measured.
+OVERLAPPING_OVER_HARD = 2.0
 
-SPEED, DISPLACEMENT = "speed_density", "position_density"
-BEAM = Beam()  # all tracers start with the velocity U along x
+
+def solve_at(
+    point: Point, law: Law, times: Array, outputs: Sequence[str], rtol: float | None = None
+) -> Solution:
+    """Solve the equation of a point; times in d/U; those who ask look at the status.
+
+    Parameters
+    ----------
+    outputs : names of outputs of a Scene
+    rtol : of the solver; None for that of averages
+    """
+    system = {name: value for name, value in vars(law).items() if name != "restitution"}
+    scene = Scene(
+        restitution=point.restitution,
+        number_density=law.free_path(point.path),
+        initial=point.start,
+        times=times,
+        scatterers=point.scatterers,
+        outputs=tuple(dict.fromkeys(outputs)),
+        **system,
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ToleranceWarning)
+        return solve(scene, rtol=law.rtol if rtol is None else rtol)
 
 
-class Observable(NamedTuple):
-    """How an observable is written (title, symbol, unit, in a text), how it is measured from means
-    m over tracers (None: a density), where it is compared ("field", "free" or "both"; "along": in
-    a field and from a beam), the output of a Solution, if of another name, and its component.
+class Theory:
+    """The theory of some components; it keeps the solutions of the last `MAX_KEPT` motions.
 
-    power: x^power, or ln x for 0, has an error that hardly depends on x (x is 1 + a2 for a2).
-    own_error: standard deviation of simulations from the theory of hard disks, of x (of v0 for the
-    drift) and divided by n = rho d^2, from .1 to 30 l/U and from then on; of v0 and <r^2> among
-    overlapping disks twice that: tests/kinetics/measurements/density.py, rounded up.
+    Parameters
+    ----------
+    layout : what the components are
+    has_velocities : whether velocities were measured: then a position error is one of the
+        displacement, of positions alone it is one of each position
     """
 
-    title: str
-    symbol: str
-    unit: str
-    short: str
-    measured: Callable[[Any, Law], Any] | None = None
-    where: str = "free"
-    output: str = ""
-    component: tuple[int, ...] = ()
-    power: int | None = None
-    own_error: tuple[float, float] = (0.0, 0.0)
+    def __init__(self, layout: Layout, has_velocities: bool = True) -> None:
+        self.layout = layout
+        self.has_velocities = has_velocities
+        self._motions: dict[tuple[Any, ...], Array] = {}
 
+    def values(self, point: Point) -> Array:
+        """Return the theory of each component, as the data have it, shape (n_components,)."""
+        return self._as_measured(self._motion(point), point)
 
-OBSERVABLES = {name: Observable(*words) for name, *words in (
-    ("drift", "Mean velocity along x", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
-     lambda m, law: m[VX], "along", "mean_velocity", (0,), None, (0.05, 0.05)),
-    ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
-     lambda m, law: np.sqrt(m[V2]), "both", "", (), 0, (0.03, 0.02)),
-    ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
-     lambda m, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1, "free", "", (), -3, (0.08, 0.15)),
-    ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
-     lambda m, law: m[R2], "free", "", (), 0, (0.05, 0.04)),
-    ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
-     "⟨r⁴⟩/⟨r²⟩²", lambda m, law: m[R4] / m[R2] ** 2, "free", "", (), -3, (0.12, 0.1)),
-    ("mean_displacement", "Mean displacement along x", r"$\langle x\rangle$", "d", "⟨x⟩",
-     lambda m, law: m[X], "along", "", (0,), None, (0.2, 0.2)),
-    ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "var x",
-     lambda m, law: m[X2] - m[X] ** 2, "field", "displacement_tensor", (0, 0)),
-    ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "var y",
-     # across the field the mean is 0
-     lambda m, law: (m[R2] - m[X2]) / (law.dimension - 1), "field",
-     "displacement_tensor", (1, 1)),
-    (SPEED, "Speed density", "speed $v$", "U", "mean over a bin"),
-    (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
-)}  # fmt: skip
-"""Everything that is compared, in the order of the page: a new average is one row."""
+    def _motion(self, point: Point) -> Array:
+        """Return the theory of the motion itself, in d and U; units of the data enter its clock."""
+        key = (
+            point.restitution,
+            point.path,
+            id(point.start),
+            point.scatterers,
+            point.clock,
+            point.time_offset,
+        )
+        if key not in self._motions:
+            if len(self._motions) >= MAX_KEPT:
+                self._motions.pop(next(iter(self._motions)))
+            self._motions[key] = self._solve_motion(point)
+        return self._motions[key]
 
+    def true_times(self, point: Point) -> Array:
+        """Return the times of the layout on the true clock, in d/U; 0 stays 0."""
+        times = self.layout.times
+        return np.maximum(times * point.clock + point.time_offset * (times > 0.0), 0.0)
 
-def averages_of(law: Law, start: Any = "gaussian") -> tuple[str, ...]:
-    """The averages that are compared under a law: of driven tracers without the kurtosis."""
-    where = {"both", "field" if law.field else "free"}
-    where |= {"along"} if law.field or start == BEAM else set()
-    every = [k for k, x in OBSERVABLES.items() if x.measured and x.where in where]
-    if law.capture_speed:  # places are not those of all that move
-        every = [k for k in every if k in ("drift", "thermal_speed", "a2")]
-    return tuple(k for k in every if k != "kurtosis" or not law.is_driven)
-
-
-@dataclass(frozen=True, eq=False)
-class SampledStart(State):
-    """The speeds of a sample at time 0, as it has them: isotropic."""
-
-    bins: StartBins
-
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Any:
-        """One point per bin."""
-        if m:
-            return None
-        counts = self.bins.counts
-        return LogMeasure(0.5 * np.log(self.bins.squares), counts / counts.sum())
-
-
-class Point(NamedTuple):
-    """Every number that a theory of data has; a cause of a difference is another value of some.
-
-    restitution, start, scatterers: as in a Scene; path: 1/(2 d rho) in d, among dense ones too;
-    units: U, d/U and d of the data in what was told; at_rest: share of the tracers that never move;
-    time_offset: in d/U, of the data's clock behind the true one; noise: variance of a component, in
-    U^2 and d^2.
-    """
-
-    restitution: Any
-    path: float
-    start: Any
-    scatterers: str = "dilute"
-    speed_unit: float = 1.0
-    time_unit: float = 1.0
-    length_unit: float = 1.0
-    at_rest: float = 0.0
-    time_offset: float = 0.0
-    velocity_noise: float = 0.0
-    position_noise: float = 0.0
-
-    @property
-    def own_start(self) -> bool:
-        """Whether the theory starts from the speeds of the sample at time 0."""
-        return isinstance(self.start, SampledStart)
-
-    @property
-    def start_in_words(self) -> str:
-        """The start as the middle of a sentence."""
-        if self.own_start:
-            return "the data's own speeds at time 0"
-        named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
-        return named.get(self.start, "a beam along x" if self.start == BEAM else str(self.start))
-
-
-def spread_of_ratio(fourth: Array, sixth: Array, eighth: Array) -> Array:
-    """N times the variance of <x^4>/<x^2>^2 of N samples, from moments in units of <x^2>."""
-    return eighth - fourth**2 - 4 * fourth * (sixth - fourth) + 4 * fourth**2 * (fourth - 1)
-
-
-class Expectation:
-    """What is measured of a sample, values (n_names, n_times) of all of it and replicates (G, ...)
-    with each group left out; and what is expected. exchanged: which components are, in words.
-    """
-
-    def __init__(self, sample: Sample, names: Sequence[str]) -> None:
-        self.sample, self.names, self.exchanged = sample, tuple(names), ""
-        self._solved: dict[Any, tuple[Array, Solution]] = {}
-        total = sample.sums.sum(axis=0)
-        made: Any = [OBSERVABLES[name].measured for name in names]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            self.values, self.replicates = (
-                np.stack([measured(means, sample.law) for measured in made], axis=-2)
-                for sums in (total, total - sample.sums)
-                for means in [np.moveaxis(sums / sums[..., N, None], -1, 0)]
+    def _solve_motion(self, point: Point) -> Array:
+        layout = self.layout
+        times = self.true_times(point)
+        outputs = [OBSERVABLES[name].output or name for name in layout.names]
+        parts: list[Array] = []
+        if layout.names:
+            solution = solve_at(point, layout.law, times, outputs)
+            for name, output in zip(layout.names, outputs, strict=True):
+                components = np.asarray(getattr(solution, output))
+                parts.append(components[(..., *OBSERVABLES[name].component)])
+        if layout.pairs is not None:
+            pairs = layout.pairs
+            squares = mean_square_between_frames(
+                point, layout.law, times[pairs.earlier], times[pairs.later], solve_at
             )
+            parts.append(squares)
+        return np.concatenate(parts)
 
-    def with_exchanged(self, axis: int, columns: Sequence[int], what: str) -> "Expectation":
-        """The same of tracers whose x and another axis, 1 or 2, are exchanged in these sums."""
-        order = np.arange(self.sample.sums.shape[2])
-        for x in columns:
-            order[[x, x + 3 * axis]] = x + 3 * axis, x
-        made = Expectation(replace(self.sample, sums=self.sample.sums[..., order]), self.names)
-        made.exchanged, made._solved = f"x and {'xyz'[axis]} of the {what}", self._solved
-        return made
+    def _as_measured(self, motion: Array, point: Point) -> Array:
+        """Return the theory as data in other units, with noise or with tracers at rest have it."""
+        layout = self.layout
+        moving = 1.0 - point.at_rest
+        values = motion.copy()
+        values[layout.is_of("drift")] *= moving * point.speed_unit
+        values[layout.is_of("mean_displacement")] *= moving * point.length_unit
+        is_later = layout.time > 0.0
+        noise_of_speed = point.velocity_noise * is_later
+        noise_of_place = point.position_noise * is_later
+        if not self.has_velocities:  # of both positions
+            noise_of_place = 2.0 * noise_of_place
 
-    def solved(
-        self, point: Point, times: Array, names: Sequence[str], rtol: float = 0.0
-    ) -> Solution:
-        """The solution that has these observables; rtol 0 is that of averages."""
-        law = self.sample.law
-        scene = Scene(
-            restitution=point.restitution, number_density=law.free_path(point.path),
-            initial=point.start, times=times, scatterers=point.scatterers,
-            outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
-            **{name: value for name, value in vars(law).items() if name != "restitution"},
-        )  # fmt: skip
-        with warnings.catch_warnings():  # those who ask look at the status
-            warnings.simplefilter("ignore", ToleranceWarning)
-            return solve(scene, rtol=rtol or law.rtol)
+        speed = layout.is_of("thermal_speed")
+        square = motion[speed] ** 2
+        values[speed] = np.sqrt(self._second(square, noise_of_speed[speed], point.speed_unit, moving))
+        a2 = layout.is_of("a2")
+        if np.any(a2):
+            gaussian = layout.law.gaussian
+            ratio = gaussian * (motion[a2] + 1.0)
+            noise = noise_of_speed[a2]
+            changed = self._ratio(ratio, square, noise, point.speed_unit, moving)
+            values[a2] = changed / gaussian - 1.0
+        msd = layout.is_of("msd")
+        square = motion[msd]
+        values[msd] = self._second(square, noise_of_place[msd], point.length_unit, moving)
+        kurtosis = layout.is_of("kurtosis")
+        if np.any(kurtosis):
+            noise = noise_of_place[kurtosis]
+            ratio = motion[kurtosis]
+            values[kurtosis] = self._ratio(ratio, square, noise, point.length_unit, moving)
+        frames = layout.is_of(BETWEEN_FRAMES)
+        values[frames] = self._second(
+            motion[frames], noise_of_place[frames], point.length_unit, moving
+        )
+        return values
 
-    def theory(self, point: Point) -> Array:
-        """Theory (n_names, n_times)."""
-        values = self._answer(point)[0]
-        told = point[4:8] == (1.0, 1.0, 1.0, 0.0) and point[9:] == (0.0, 0.0)
-        return values if told else self._measured(values, point)
+    def _second(self, square: Array, noise: Array, unit: float, moving: float) -> Array:
+        """Return a mean square in the data's unit, with noise of each component, of all tracers."""
+        return np.asarray(moving * unit**2 * square + self.layout.law.dimension * noise)
 
-    def _answer(self, point: Point) -> tuple[Array, Solution]:
-        """The theory of the motion, in what was told."""
-        # units of length, noise and tracers at rest change no motion: these are solved once
-        clock, times = point.speed_unit / point.time_unit, self.sample.times
-        key = (*point[:2], id(point.start), point.scatterers, clock, point.time_offset)
-        if key not in self._solved:
-            times = np.maximum(times * clock + point.time_offset * (times > 0), 0.0)
-            solution = self.solved(point, times, self.names)
-            rows: Any = [(name, OBSERVABLES[name]) for name in self.names]
-            self._solved[key] = np.stack([
-                np.asarray(getattr(solution, row.output or name))[(..., *row.component)]
-                for name, row in rows
-            ]), solution  # fmt: skip
-        return self._solved[key]
+    def _ratio(
+        self, ratio: Array, square: Array, noise: Array, unit: float, moving: float
+    ) -> Array:
+        """Return <x^4>/<x^2>^2 with Gaussian noise of each component, of all tracers."""
+        if moving == 1.0 and not np.any(noise):
+            return ratio
+        d = self.layout.law.dimension
+        second = moving * unit**2 * square
+        fourth = moving * unit**4 * ratio * square**2
+        fourth = fourth + 2.0 * (d + 2) * second * noise + d * (d + 2) * noise**2
+        total = self._second(square, noise, unit, moving)
+        positive = np.where(total > 0.0, total, np.inf)
+        return np.where(total > 0.0, fourth / positive**2, ratio)
 
-    def exact(self, point: Point) -> NDArray[np.bool_]:
-        """Where an average has no scatter in theory: of elastic tracers that have one speed."""
-        if isinstance(point.start, SampledStart):
-            has_one_speed = point.start.bins.squares.size == 1
-        else:
-            has_one_speed = point.start in ("monoenergetic", BEAM)
-        law = self.sample.law
-        conserves_speed = point.restitution == 1.0 and law.tangential_restitution == 1.0
-        conserves_speed &= not law.field and not law.is_driven
-        unchanged = point.at_rest == 0.0 and point.velocity_noise == 0.0
-        of_speed = np.isin(self.names, ("thermal_speed", "a2"))[:, None]
-        shape = (len(self.names), self.sample.times.size)
-        return np.broadcast_to(of_speed & has_one_speed & conserves_speed & unchanged, shape)
+    def is_exact(self, point: Point) -> NDArray[np.bool_]:
+        """Return where an average has no scatter: speeds of elastic tracers that have one speed."""
+        law = self.layout.law
+        conserves_speed = (
+            point.restitution == 1.0
+            and law.tangential_restitution == 1.0
+            and not law.field
+            and not law.is_driven
+        )
+        is_changed = bool(point.at_rest or point.velocity_noise)
+        if not (conserves_speed and point.has_one_speed) or is_changed:
+            return np.zeros(self.layout.size, bool)
+        return self.layout.is_of("thermal_speed", "a2")
 
-    def spread_of_a2(self, point: Point) -> Array | None:
-        """N times the variance (n_times,) of a2 of N independent tracers; None where unknown."""
-        law = self.sample.law
-        if law.field or law.is_driven or "a2" not in self.names:
-            return None
-        moment = self._answer(point)[1].moment
-        parts = (moment(p) / moment(2.0) ** (p / 2) for p in (4.0, 6.0, 8.0))
-        return np.asarray(spread_of_ratio(*parts) / law.gaussian**2)
+    def own_covariance(self, point: Point, values: Array) -> Array | None:
+        """Return the covariance of the error of the theory itself; None among dilute scatterers.
 
-    def _measured(self, values: Array, point: Point) -> Array:
-        """The same as data in other units, with noise or with tracers at rest have them."""
-        law, left, changed = self.sample.law, 1 - point.at_rest, values.copy()
-        d, after = law.dimension, self.sample.times > 0
-        of_v, of_r = point.velocity_noise * after, point.position_noise * after
-        for name, unit in (("drift", point.speed_unit), ("mean_displacement", point.length_unit)):
-            if name in self.names:
-                changed[self.names.index(name)] *= left * unit
-        for second, fourth, ratio, power, unit, noise in (
-            ("thermal_speed", "a2", law.gaussian, 2, point.speed_unit, of_v),
-            ("msd", "kurtosis", 1.0, 1, point.length_unit, of_r),
-        ):
-            at = self.names.index(second)
-            square = values[at] ** power
-            moved = left * unit**2 * square + d * noise
-            changed[at] = moved ** (1 / power)
-            if fourth in self.names:
-                at, one = self.names.index(fourth), float(second == "thermal_speed")
-                quartic = left * unit**4 * ratio * (values[at] + one) * square**2
-                quartic += (2 * (d + 2) * left * unit**2 * square + d * (d + 2) * noise) * noise
-                still = np.where(moved > 0, moved, np.inf)
-                changed[at] = np.where(moved > 0, quartic / (ratio * still**2) - one, values[at])
-        return changed
-
-    def stabilised(self, theory: Array, difference: Array) -> Array:
-        """Differences (..., n_names, n_times) of functions whose errors hardly depend on the value,
-        over their slope at the theory: see `Observable`.
-        """
-        found = difference.copy()
-        for k, name in enumerate(self.names):
-            if (power := OBSERVABLES[name].power) is not None:
-                x = theory[k] + (name == "a2")
-                with np.errstate(divide="ignore", invalid="ignore"):
-                    logs = np.log1p(difference[..., k, :] / x)
-                    moved = x * (np.expm1(power * logs) / power if power else logs)
-                # a replicate in which all is at rest has none of these: it stays
-                found[..., k, :] = np.where(np.isfinite(moved), moved, difference[..., k, :])
-        return found
-
-    def own_covariance(self, point: Point, theory: Array) -> Array | None:
-        """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages. None
-        for dilute scatterers. Of v0 and <r^2> it is one error, of the collision rate.
+        It is of shape (n_components, n_components). Fitted to simulations of the package's own
+        particles (`Observable.theory_error`).
         """
         if point.scatterers == "dilute":
             return None
-        times, names = self.sample.times, self.names
-        late = times >= 30 * point.path
-        share = np.array([np.where(late, *OBSERVABLES[name].own_error[::-1]) for name in names])
-        size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
-        if "drift" in names:
-            size[names.index("drift")] = theory[names.index("thermal_speed")]
-        pair = [names.index(x) for x in ("thermal_speed", "msd")]
+        layout = self.layout
+        is_late = layout.time >= LATE_AFTER * point.path
+        relative = np.zeros(layout.size)
+        for name in layout.all_names:
+            early, late = OBSERVABLES[name].theory_error
+            chosen = layout.observable == name
+            relative[chosen] = np.where(is_late, late, early)[chosen]
+        rate = layout.is_of("thermal_speed", "msd")
         if point.scatterers == "overlapping":
-            share[pair] *= 2
-        begun = -np.expm1(-10 * times / point.path)  # nothing before there are collisions
-        error = (share * size * begun / (2 * point.path)).ravel()
-        # smooth over 0.4 of a decade of time, as simulations have it
-        logs = np.log10(np.where(times > 0, times, 1.0))
-        correlation = np.exp(-3 * (logs[:, None] - logs) ** 2)
-        between = np.eye(len(names))
-        between[pair, pair[::-1]] = 0.9
-        return np.asarray(np.kron(between, correlation) * np.outer(error, error))
+            relative[rate] *= OVERLAPPING_OVER_HARD
+        relative = relative * self._share_that_can_be_wrong(values, point)
+        sizes = layout.sizes(values)
+        drift = layout.is_of("drift")
+        if np.any(drift):
+            sizes[drift] = values[layout.is_of("thermal_speed")]
+        density = layout.law.free_path(point.path)
+        error = relative * np.where(np.isfinite(sizes), sizes, 0.0) * density
+        decades = np.log10(np.where(layout.time > 0.0, layout.time, 1.0))
+        correlation = np.exp(-DECAY_OF_CORRELATION * (decades[:, None] - decades) ** 2)
+        same = layout.observable[:, None] == layout.observable
+        correlation = np.where(same, correlation, 0.0) + np.where(
+            (rate[:, None] & rate) & ~same, RATE_CORRELATION * correlation, 0.0
+        )
+        return np.asarray(correlation * np.outer(error, error))
+
+    def _share_that_can_be_wrong(self, values: Array, point: Point) -> Array:
+        """Return the share of its error that each component has.
+
+        Before there are collisions there is none, and none of the speed where it is not lost: the
+        logarithm of v0 = V/(1 + a n t) has the slope 1 - v0/V in ln n.
+        """
+        layout = self.layout
+        share = -np.expm1(-layout.time / (ERROR_GROWS_IN * point.path))
+        speeds = values[layout.is_of("thermal_speed")]
+        if speeds.size == layout.times.size and not layout.law.field:
+            initial = np.sqrt(layout.law.dimension) * point.speed_unit
+            lost = np.clip(1.0 - speeds / max(initial, float(np.nanmax(speeds))), 0.0, 1.0)
+            for name in layout.names:
+                if OBSERVABLES[name].of_speed:
+                    chosen = layout.observable == name
+                    share[chosen] = share[chosen] * lost
+        return np.asarray(share)

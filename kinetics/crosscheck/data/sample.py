@@ -156,6 +156,24 @@ class Sample:
     has_velocities: bool = True
     pairs: FramePairs | None = None
 
+    def at_times(self, indices: NDArray[np.int64]) -> Sample:
+        """Return the averages of some of the times, which hold all frames of its pairs."""
+        pairs = self.pairs
+        if pairs is not None:
+            earlier = np.searchsorted(indices, pairs.earlier)
+            later = np.searchsorted(indices, pairs.later)
+            pairs = replace(pairs, earlier=earlier, later=later)
+        return replace(
+            self,
+            times=self.times[indices],
+            sums=self.sums[:, indices],
+            at_rest=self.at_rest[indices],
+            speeds=_bins_at(self.speeds, indices),
+            displacements=_bins_at(self.displacements, indices),
+            ended=None if self.ended is None else self.ended[indices],
+            pairs=pairs,
+        )
+
     @property
     def is_complete(self) -> NDArray[np.bool_]:
         """Whether no tracer has ended at a time; those with a gap come back. Shape (n_times,)."""
@@ -172,6 +190,16 @@ class Sample:
     def samples(self) -> Counts:
         """Tracers at each time, (n_times,)."""
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
+
+
+def _bins_at(
+    counted: tuple[Array, Counts] | None, indices: NDArray[np.int64]
+) -> tuple[Array, Counts] | None:
+    """Return the scales and counts of some of the times."""
+    if counted is None:
+        return None
+    scales, counts = counted
+    return scales[indices], counts[:, indices]
 
 
 def reduce_tracks(

@@ -1,0 +1,110 @@
+r"""The theory of the mean square displacement between two frames, M(s, t) = <|r(t) - r(s)|^2>.
+
+Among dilute scatterers it is that of `Solution.displacement_between_frames`. Among hard disks
+
+    M(s, t) = int f(v, s') B(v, t - s) dv,
+
+with B the mean square displacement among hard disks of tracers of one speed, and f the density of
+the speed among dilute ones at the time s' when these have the thermal speed that tracers among hard
+disks have at s. What a tracer met before s and meets again after it is not in it: the result is
+within 1 % of simulations at n = 0.04, e = 0.7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from kinetics import Solution
+from kinetics.crosscheck.compare.observables import Array
+from kinetics.crosscheck.compare.point import Point
+from kinetics.crosscheck.data.sample import Law
+from kinetics.numerics.gauss import panels_between
+
+#: Relative accuracy of the averages and densities: far below the error of any data.
+RTOL = 1e-6
+#: Relative accuracy of the density of the speed.
+DENSITY_RTOL = 1e-5
+#: Times of the table of B in l/U, from and to what, and how many. B = v^2 t^2 below. Chosen: with
+#: half as many points M changes by less than 1e-5.
+SHORTEST_TIME = 1e-3
+LONGEST_SPEED = 12.0
+N_TIMES = 240
+#: Speeds of the quadrature in U, from and to what, in so many panels with so many points. Chosen:
+#: of a density in the plane 1e-12 is below the first, and exp(-32) above the last speed.
+LOWEST_SPEED = 1e-6
+HIGHEST_SPEED = 8.0
+N_PANELS = 59
+POINTS_PER_PANEL = 8
+#: Times of the table of the dilute thermal speed.
+N_SPEED_TIMES = 300
+
+#: Solves a point: `theory.solve_at`.
+Solver = Callable[..., Solution]
+
+
+def mean_square_between_frames(
+    point: Point, law: Law, earlier: Array, later: Array, solve_at: Solver
+) -> Array:
+    """Return M(s, t) in d^2 for pairs of times in d/U, shape (n_pairs,)."""
+    if point.scatterers == "dilute":
+        times, index = np.unique(np.concatenate([earlier, later]), return_inverse=True)
+        solution = solve_at(point, law, times, ("speed_density",), RTOL)
+        squares = solution.displacement_between_frames()
+        return np.asarray(squares[index[: earlier.size], index[earlier.size :]])
+    return _among_dense_scatterers(point, law, earlier, later, solve_at)
+
+
+def _among_dense_scatterers(
+    point: Point, law: Law, earlier: Array, later: Array, solve_at: Solver
+) -> Array:
+    from scipy.interpolate import CubicSpline
+
+    path = point.path
+    longest = LONGEST_SPEED * max(float(later.max()), path)
+    table_times = np.geomspace(SHORTEST_TIME * path, longest, N_TIMES)
+    of_one_speed = point.with_values(start="monoenergetic")
+    msd = np.asarray(solve_at(of_one_speed, law, table_times, ("msd",), RTOL).msd)
+    log_ratio = CubicSpline(np.log(table_times), np.log(msd / table_times**2))
+
+    def squared_displacement(flown: Array) -> Array:
+        """Return B of v t."""
+        within = np.clip(flown, table_times[0], table_times[-1])
+        return np.asarray(flown**2 * np.exp(log_ratio(np.log(within))))
+
+    different, index = np.unique(earlier, return_inverse=True)
+    dilute_times = _dilute_times(point, law, different, solve_at)
+    edges = np.geomspace(LOWEST_SPEED, HIGHEST_SPEED, N_PANELS + 1)
+    speeds, weights = panels_between(edges, POINTS_PER_PANEL)
+    order = np.argsort(dilute_times)
+    solution = solve_at(
+        point.with_values(scatterers="dilute"),
+        law,
+        dilute_times[order],
+        ("speed_density",),
+        DENSITY_RTOL,
+    )
+    shares = np.empty((different.size, speeds.size))
+    uncollided = np.empty(different.size)
+    shares[order] = solution.speed_density(speeds) * weights
+    uncollided[order] = solution.uncollided
+    total = shares.sum(axis=1) + uncollided
+    squares = np.empty(earlier.size)
+    for pair, (start, duration) in enumerate(zip(index, later - earlier, strict=True)):
+        mean = shares[start] @ squared_displacement(speeds * duration)
+        mean += uncollided[start] * float(squared_displacement(np.array(duration)))
+        squares[pair] = mean / total[start]
+    return squares
+
+
+def _dilute_times(point: Point, law: Law, times: Array, solve_at: Solver) -> Array:
+    """Return when dilute tracers have the thermal speed that those of a point have at times."""
+    if point.restitution == 1.0 and law.tangential_restitution == 1.0:
+        return times
+    fine = np.geomspace(SHORTEST_TIME * point.path, 3.0 * float(times.max()) + point.path, N_SPEED_TIMES)
+    fine = np.concatenate([[0.0], fine])
+    dilute = point.with_values(scatterers="dilute")
+    dilute_speed = np.asarray(solve_at(dilute, law, fine, ("thermal_speed",), RTOL).thermal_speed)
+    speed = np.asarray(solve_at(point, law, times, ("thermal_speed",), RTOL).thermal_speed)
+    return np.interp(-speed, -dilute_speed, fine)

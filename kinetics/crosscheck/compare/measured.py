@@ -1,0 +1,203 @@
+"""What is measured of a sample, as a flat list of components: begin with `Measured`.
+
+A component is an average at a time, or the mean square displacement between two frames. All arrays
+of components are flat, (n_components,), in the order of `Layout`: one average after another, each
+at all times of the sample, then the pairs of frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.compare.observables import (
+    BETWEEN_FRAMES,
+    OBSERVABLES,
+    Array,
+    shaped_difference,
+)
+from kinetics.crosscheck.data.sample import FramePairs, Law, N, Sample
+
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+#: Columns of the sums over pairs of frames.
+PAIR_N = 0
+PAIR_R2 = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Which average, and of which times, each component is.
+
+    Parameters
+    ----------
+    names : of the averages over time, in the order of `OBSERVABLES`
+    times : of the sample, in d/U, shape (n_times,)
+    law : what the system has
+    pairs : of frames, or None
+    """
+
+    names: tuple[str, ...]
+    times: Array
+    law: Law
+    pairs: FramePairs | None = None
+
+    @cached_property
+    def observable(self) -> NDArray[np.str_]:
+        """The name of the observable of each component."""
+        n_pairs = 0 if self.pairs is None else self.pairs.earlier.size
+        over_time = np.repeat(np.array(self.names, dtype="U40"), self.times.size)
+        return np.concatenate([over_time, np.full(n_pairs, BETWEEN_FRAMES, dtype="U40")])
+
+    @cached_property
+    def time_index(self) -> Indices:
+        """The index of the time of each component, of the later frame of a pair."""
+        over_time = np.tile(np.arange(self.times.size), len(self.names))
+        later = np.empty(0, np.int64) if self.pairs is None else self.pairs.later
+        return np.concatenate([over_time, later]).astype(np.int64)
+
+    @cached_property
+    def earlier_index(self) -> Indices:
+        """The index of the earlier frame of a pair; 0 for averages over time."""
+        over_time = np.zeros(self.times.size * len(self.names), np.int64)
+        earlier = np.empty(0, np.int64) if self.pairs is None else self.pairs.earlier
+        return np.concatenate([over_time, earlier]).astype(np.int64)
+
+    @cached_property
+    def time(self) -> Array:
+        """The time of each component in d/U."""
+        return np.asarray(self.times[self.time_index])
+
+    @property
+    def size(self) -> int:
+        """The number of components."""
+        return int(self.time_index.size)
+
+    @property
+    def all_names(self) -> tuple[str, ...]:
+        """The observables that have components."""
+        return self.names if self.pairs is None else (*self.names, BETWEEN_FRAMES)
+
+    def is_of(self, *names: str) -> Mask:
+        """Return which components are of these observables."""
+        return np.isin(self.observable, names)
+
+    def indices_of(self, name: str) -> Indices:
+        """Return the components of an observable, in the order of time."""
+        return np.flatnonzero(self.observable == name)
+
+    def restricted_to(self, time_indices: Indices) -> Layout:
+        """Return the layout of the averages over some of the times, without pairs of frames."""
+        return Layout(self.names, self.times[time_indices], self.law)
+
+    def measure(self, sums: Array, pair_sums: Array | None) -> Array:
+        """Return the components of sums over tracers.
+
+        Parameters
+        ----------
+        sums : as those of a `Sample`, summed over tracers, shape (..., n_times, n_sums)
+        pair_sums : as those of `FramePairs`, shape (..., n_pairs, n_sums); None without pairs
+
+        Returns
+        -------
+        array of shape (..., n_components)
+        """
+        parts = []
+        with np.errstate(invalid="ignore", divide="ignore"):
+            means = np.moveaxis(sums / sums[..., N, None], -1, 0)
+            for name in self.names:
+                measure = OBSERVABLES[name].measure
+                assert measure is not None
+                parts.append(measure(means, self.law))
+            if pair_sums is not None:
+                parts.append(pair_sums[..., PAIR_R2] / pair_sums[..., PAIR_N])
+        return np.concatenate(parts, axis=-1)
+
+    def shaped(self, theory: Array, difference: Array) -> Array:
+        """Return differences (..., n_components) as `observables.shaped_difference`."""
+        shaped = np.array(difference, dtype=float)
+        for name in self.all_names:
+            row = OBSERVABLES[name]
+            chosen = self.observable == name
+            shaped[..., chosen] = shaped_difference(
+                row.shape, theory[chosen], difference[..., chosen], row.offset
+            )
+        return shaped
+
+    def sizes(self, theory: Array) -> Array:
+        """Return what relative differences are relative to: |theory|, and 1 + a2 for a2.
+
+        Of a mean along x, which may be near 0, it is the largest at any time.
+        """
+        sizes = np.abs(theory)
+        for name in self.all_names:
+            chosen = self.observable == name
+            sizes[chosen] = np.abs(theory[chosen] + OBSERVABLES[name].offset)
+            if name in ("drift", "mean_displacement"):
+                sizes[chosen] = np.nanmax(sizes[chosen], initial=0.0)
+        return np.where(sizes > 0.0, sizes, np.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """The averages of a sample, with each group left out in turn.
+
+    Parameters
+    ----------
+    sample : the data
+    layout : what each component is
+    exchanged : which components of vectors are exchanged, in words; empty if none
+    """
+
+    sample: Sample
+    layout: Layout
+    exchanged: str = ""
+
+    @classmethod
+    def of(cls, sample: Sample, names: Sequence[str]) -> Measured:
+        """Measure averages over time, and all pairs of frames that the sample has."""
+        return cls(sample, Layout(tuple(names), sample.times, sample.law, sample.pairs))
+
+    @cached_property
+    def values(self) -> Array:
+        """The averages of all tracers, shape (n_components,)."""
+        pairs = self.sample.pairs
+        pair_sums = None if pairs is None else pairs.sums.sum(axis=0)
+        return self.layout.measure(self.sample.sums.sum(axis=0), pair_sums)
+
+    @cached_property
+    def replicates(self) -> Array:
+        """The averages with each group left out in turn, shape (n_groups, n_components)."""
+        pairs = self.sample.pairs
+        sums = self.sample.sums
+        pair_sums = None if pairs is None else pairs.sums.sum(axis=0) - pairs.sums
+        return self.layout.measure(sums.sum(axis=0) - sums, pair_sums)
+
+    @cached_property
+    def counts(self) -> Indices:
+        """The tracers in each component, shape (n_components,)."""
+        counts = self.sample.samples[self.layout.time_index]
+        if self.sample.pairs is not None:
+            of_pairs = np.rint(self.sample.pairs.sums[:, :, PAIR_N].sum(axis=0))
+            counts[self.layout.is_of(BETWEEN_FRAMES)] = of_pairs
+        return counts
+
+    @property
+    def n_tracers(self) -> int:
+        """The number of tracers, at the time that has most."""
+        return int(self.counts.max(initial=0))
+
+    @property
+    def is_independent(self) -> bool:
+        """Whether tracers, and not the media that some of them share, are independent."""
+        return self.sample.free or self.sample.grouping != "medium"
+
+    @property
+    def has_velocities(self) -> bool:
+        """Whether velocities were measured."""
+        return self.sample.has_velocities

@@ -1,0 +1,96 @@
+"""The numbers of a `Point` that can be fitted, and their limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
+from kinetics.crosscheck.compare.measured import Measured
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES
+from kinetics.crosscheck.compare.point import Point
+
+#: Limits of the numbers that are fitted as they are; others are positive, and their logarithms are
+#: fitted.
+LIMITS = {
+    "restitution": (0.0, 1.0),
+    "at_rest": (-0.5, 0.9),
+    "time_offset": (-1e3, 1e3),
+    "velocity_noise": (0.0, 1e3),
+    "position_noise": (0.0, 1e6),
+}
+#: Folds of e by which a positive number may differ from the one that it begins from.
+MAX_FOLDS = 12.0
+#: Share of the smallest mean square that noise may be at most: it is below what is measured.
+MAX_NOISE_SHARE = 0.98
+
+
+@dataclass(frozen=True)
+class FreeParameter:
+    """A number of a point that is fitted, by a coordinate of order 1.
+
+    Parameters
+    ----------
+    name : of the number, as in `Point`
+    low, high : limits of the coordinate: the logarithm of a positive number, others over `scale`
+    scale : unit of the coordinate of numbers that are fitted as they are
+    """
+
+    name: str
+    low: float
+    high: float
+    scale: float = 1.0
+
+    @property
+    def is_logarithm(self) -> bool:
+        """Whether the coordinate is the logarithm of the number."""
+        return self.name not in LIMITS
+
+    def value(self, coordinate: float) -> float:
+        """Return the number at a coordinate."""
+        return math.exp(coordinate) if self.is_logarithm else coordinate * self.scale
+
+    def coordinate(self, value: float) -> float:
+        """Return the coordinate of a number."""
+        return math.log(value) if self.is_logarithm else value / self.scale
+
+    def is_at_limit(self, coordinate: float) -> bool:
+        """Whether a fit has run into a limit that is none of the number itself."""
+        margin = 0.01 * (self.high - self.low) if self.is_logarithm else -1.0
+        return coordinate <= self.low + margin or coordinate >= self.high - margin
+
+
+def free_parameter(name: str, point: Point, measured: Measured) -> FreeParameter:
+    """Return a number of a point as one that is fitted to data."""
+    if name in LIMITS:
+        low, high = LIMITS[name]
+        scale = _scale(name, measured)
+        if name == "restitution" and point.scatterers != "dilute":
+            low = LEAST_RESTITUTION
+        if name.endswith("noise"):
+            high = min(high, MAX_NOISE_SHARE * scale)
+        return FreeParameter(name, low / scale, high / scale, scale)
+    middle = math.log(getattr(point, name))
+    low = middle - MAX_FOLDS
+    high = middle + MAX_FOLDS
+    if name == "path" and point.scatterers != "dilute":
+        low = max(low, -math.log(2.0 * HIGHEST_DENSITY))
+    return FreeParameter(name, low, high)
+
+
+def _scale(name: str, measured: Measured) -> float:
+    """Return the unit of a coordinate: of noise, the smallest mean square of a component."""
+    layout = measured.layout
+    is_later = layout.time > 0.0
+    if name == "time_offset":
+        return float(layout.times[layout.times > 0.0].min(initial=math.inf))
+    if name == "velocity_noise":
+        squares = measured.values[layout.is_of("thermal_speed") & is_later] ** 2
+        noises = layout.law.dimension
+    elif name == "position_noise":
+        squares = measured.values[layout.is_of("msd", BETWEEN_FRAMES) & is_later]
+        noises = layout.law.dimension * (1 if measured.has_velocities else 2)
+    else:
+        return 1.0
+    positive = squares[squares > 0.0]
+    return float(positive.min(initial=1e9)) / noises
