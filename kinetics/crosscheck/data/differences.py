@@ -62,8 +62,10 @@ def quotient_of_velocities(tracks: Tracks, units: Units) -> str | None:
         return None
     for name, quotient in candidates.items():
         unit = _unit_of(measured[is_turn], quotient[is_turn])
+        if unit <= 0:
+            continue
         difference = _length(measured - unit * quotient)
-        allowed = SAME_VELOCITY * _length(measured) + abs(unit) * rounding + speed_resolution
+        allowed = SAME_VELOCITY * _length(measured) + unit * rounding + speed_resolution
         is_quotient = difference <= allowed
         if np.mean(is_quotient[is_turn]) >= MIN_SHARE:
             return name

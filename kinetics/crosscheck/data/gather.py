@@ -34,8 +34,8 @@ MIN_CLOCKS = 10
 SAME_TIME = 1e-6
 #: The same as a fraction of the mean step, for times that are long after 0. Origin not recorded.
 SAME_TIME_OF_STEP = 1e-3
-#: Times at which velocities are needed to be of use: fewer, and positions alone tell more.
-MIN_TIMES_WITH_VELOCITIES = 3
+#: Times at which velocities are needed to be of use: at one, positions alone tell more.
+MIN_TIMES_WITH_VELOCITIES = 2
 #: Numbers of the tracks from which it is told whether velocities are differences of positions.
 N_SAMPLED = 1_000_000
 #: Labels that say which tracer a row is of.
