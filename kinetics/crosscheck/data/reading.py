@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.formats import name_of, read_source
@@ -49,6 +50,8 @@ def read_sample(
     tables: list[Table] = []
     for source in sources:
         table = read_source(source, options)
+        if isinstance(table, AveragesTable):
+            refuse_data(name_of(source), "averages at times", "tracks of particles")
         if not isinstance(table, Table):
             if len(sources) > 1:
                 refuse_data(name_of(source), "an Ensemble of several", "the only file")
