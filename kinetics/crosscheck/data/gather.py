@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
 from kinetics.crosscheck.data.differences import quotient_of_velocities
+from kinetics.crosscheck.data.frames import Frame, common_box, unwrap_frames
 from kinetics.crosscheck.data.memory import require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table
@@ -80,6 +81,9 @@ class _Rows:
     @classmethod
     def of(cls, tables: Sequence[Table], where: str) -> _Rows:
         """Put the rows of tables together."""
+        has_one_time_each = _hold_one_time_each(tables)
+        if has_one_time_each:
+            tables = _unwrapped(tables, where)
         for table in tables:
             for label in (*IDENTITY_LABELS, *AXES, *SPEEDS):
                 if table.has(label) != tables[0].has(label):
@@ -92,7 +96,7 @@ class _Rows:
         sizes = [table.n_rows for table in tables]
         file = np.repeat(np.arange(len(tables)), sizes)
         remarks = [remark for table in tables for remark in table.remarks]
-        if _hold_one_time_each(tables):
+        if has_one_time_each:
             if "tracer" not in columns:
                 refuse_data(where, "files of one time each", "with a column tracer, to join them")
             file = np.zeros_like(file)
@@ -144,6 +148,19 @@ def _hold_one_time_each(tables: Sequence[Table]) -> bool:
         return False
     rising = np.sort([float(time[0]) for time in times])
     return bool(np.all(np.diff(rising) > SAME_TIME * rising[1:]))
+
+
+def _unwrapped(tables: Sequence[Table], where: str) -> Sequence[Table]:
+    """Return tables of one time each, with positions that are unwrapped from one to the next."""
+    box = common_box(where, [table.box for table in tables])
+    if box is None:
+        return tables
+    frames = [Frame(float(table.columns["time"][0]), dict(table.columns)) for table in tables]
+    frames.sort(key=lambda frame: frame.time)
+    axes = [axis for axis in AXES if tables[0].has(axis)]
+    unwrapped = unwrap_frames(where, frames, box, axes)
+    remarks = tuple(remark for table in tables for remark in table.remarks)
+    return [Table(where, frame.columns, remarks) for frame in unwrapped]
 
 
 def _first_times(columns: dict[str, NDArray[Any]], file: NDArray[Any]) -> NDArray[Any]:

@@ -12,11 +12,11 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.box import Box, common_box, unwrap_frames
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.frames import Box, Frame, common_box
 from kinetics.crosscheck.data.memory import require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
-from kinetics.crosscheck.data.table import Frame, Table, table_of_frames
+from kinetics.crosscheck.data.table import Table, table_of_frames
 from kinetics.errors import short
 
 #: Characters of a line at most.
@@ -107,7 +107,7 @@ def read_lammps(path: Path, where: str, options: DataOptions) -> Table:
     """Read a LAMMPS text dump: unwrapped places xu, yu, or x, y, with image flags or not."""
     reader = _LammpsReader(_Lines(path, where), where, options)
     frames, box = reader.read()
-    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+    return table_of_frames(where, frames, options, box)
 
 
 class _LammpsReader:
@@ -231,7 +231,7 @@ def read_xyz(path: Path, where: str, options: DataOptions) -> Table:
         columns = {"tracer": np.arange(count)} | columns
         frames.append(Frame(time, columns))
     box = common_box(where, boxes)
-    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+    return table_of_frames(where, frames, options, box)
 
 
 def _property_columns(lines: _Lines, stated: dict[str, str]) -> list[str]:
@@ -305,7 +305,7 @@ def read_gsd(path: Path, where: str, options: DataOptions) -> Table:
             frames.append(_frame_of_gsd(where, snapshot, stated[index], has_images, options))
             boxes.append(_box_of_gsd(where, snapshot))
     box = None if has_images else common_box(where, boxes)
-    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+    return table_of_frames(where, frames, options, box)
 
 
 def _stated_in_gsd(file: Any, index: int) -> set[str]:

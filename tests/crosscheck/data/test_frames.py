@@ -149,3 +149,22 @@ def test_image_flags_in_some_frames_of_lammps_are_refused(tmp_path: Path, tracks
     (tmp_path / "a.dump").write_text("\n".join(lines) + "\n")
     with pytest.raises(InputError, match="some frames alone"):
         read_sample([tmp_path / "a.dump"], timestep=1.0)
+
+
+@pytest.mark.parametrize("step", [1, 30])
+def test_a_dump_of_each_step_is_unwrapped_from_one_to_the_next(
+    tmp_path: Path, tracks: Tracks, step: int
+) -> None:
+    place = tracks[0][::step, :200]
+    files = []
+    for index, r in enumerate(wrapped(place)[0]):
+        lines = ["ITEM: TIMESTEP", str(index * step), "ITEM: NUMBER OF ATOMS", str(len(r))]
+        lines += ["ITEM: BOX BOUNDS pp pp pp", "-30 30", "-30 30", "0 1", "ITEM: ATOMS id x y"]
+        lines += [f"{k} {x!r} {y!r}" for k, (x, y) in enumerate(r.tolist())]
+        files.append(tmp_path / f"{index}.dump")
+        files[-1].write_text("\n".join(lines) + "\n")
+    if step == 1:
+        require_displacements(read_sample(files, timestep=1.0), tracks[0][:, :200])
+        return
+    with pytest.raises(InputError, match="periodic box"):
+        read_sample(files, timestep=1.0)

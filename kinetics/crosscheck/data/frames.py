@@ -1,17 +1,18 @@
-"""Boxes of simulations: positions are unwrapped where that is certain, and refused where not.
+"""Frames of a trajectory, and their box: positions are unwrapped where that is certain.
 
-One rule for all formats. Positions with image flags are unwrapped by these. Others, in a box that
-is periodic along an axis that is used, are taken as they are if some are further apart than its
-side: a program wrapped none. Else they are unwrapped by the nearest image where no tracer can go
-half a box between two frames. Velocities tell it, or the steps to the nearest images: if none is
-longer than a third of the side, a longer step must have been longer than two thirds, and then
-others would lie between. What a frame does not state is as in the others.
+Where it is not, they are refused. One rule holds for all formats. Positions with image flags are
+unwrapped by these. Others, in a box that is periodic along an axis that is used, are taken as they
+are if some are further apart than its side: a program wrapped none. Else they are unwrapped by the
+nearest image where no tracer can go half a box between two frames. Velocities tell it, or the steps
+to the nearest images: if none is longer than a third of the side, a longer step must have been
+longer than two thirds, and then others would lie between. What a frame does not state is as in the
+others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -20,7 +21,6 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
 from kinetics.crosscheck.data.options import refuse_data
-from kinetics.crosscheck.data.table import Frame
 
 #: Positions further apart than a side by more than this fraction of it are not rounding.
 OUTSIDE = 1e-4
@@ -30,6 +30,25 @@ SURELY_SHORT = 1.0 / 3.0
 MIN_STEPS = 100
 #: A step of this fraction of a side, or more, cannot be told from one around the other way.
 HALF_BOX = 0.5
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The particles at one time; a quantity that a frame does not state is missing.
+
+    Parameters
+    ----------
+    time : in the data's unit
+    columns : by our names, shape (n,) each
+    """
+
+    time: float
+    columns: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def n_rows(self) -> int:
+        """The number of particles."""
+        return max((values.size for values in self.columns.values()), default=0)
 
 
 @dataclass(frozen=True)
