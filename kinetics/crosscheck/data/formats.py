@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kinetics.crosscheck.data.averages import AveragesTable, are_averages, table_of_averages
 from kinetics.crosscheck.data.containers import (
     member_of,
     read_hdf5_arrays,
@@ -22,7 +23,7 @@ from kinetics.crosscheck.data.containers import (
 from kinetics.crosscheck.data.h5md import read_h5md
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table
-from kinetics.crosscheck.data.text_table import read_text_table
+from kinetics.crosscheck.data.text_table import column_names, read_text_table
 from kinetics.crosscheck.data.trajectories import read_gsd, read_lammps, read_xyz
 from kinetics.errors import InputError, short
 
@@ -82,20 +83,34 @@ def name_of(source: Path | Mapping[str, Any]) -> str:
     return " ".join(printable.split())[-MAX_NAME:] or "''"
 
 
-def read_source(source: Path | Mapping[str, Any], options: DataOptions) -> Table | Ensemble:
+def read_source(
+    source: Path | Mapping[str, Any], options: DataOptions
+) -> Table | AveragesTable | Ensemble:
     """Return the table, or the run, that a file or a mapping of arrays holds; or InputError."""
     where = name_of(source)
     try:
         if not isinstance(source, Path):
+            if are_averages(source, options):
+                return table_of_averages(where, source, options)
             return table_of_mapping(where, source, options)
         read = _reader_of(source, where)
-        result: Table | Ensemble = read(source, where, options)
+        result: Table | AveragesTable | Ensemble = read(source, where, options)
         return result
     except InputError:
         raise
     except Exception as error:  # the libraries raise errors of nearly any class
         reason = getattr(error, "strerror", None) or short(str(error), MAX_NAME)
         raise InputError(f"{where}: is damaged, or not of this format ({reason})") from None
+
+
+def column_names_of(source: Path | Mapping[str, Any], options: DataOptions) -> tuple[str, ...]:
+    """Return the names of the columns of a text file or a mapping; none of other files."""
+    if not isinstance(source, Path):
+        return tuple(str(name) for name in source)
+    where = name_of(source)
+    if _reader_of(source, where) is not read_text_table:
+        return ()
+    return column_names(source, where, options)
 
 
 def _reader_of(path: Path, where: str) -> Callable[[Path, str, DataOptions], Any]:

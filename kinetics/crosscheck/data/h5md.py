@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.box import Box, unwrap_frames
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
 from kinetics.crosscheck.data.containers import member_of, numbers_of
+from kinetics.crosscheck.data.frames import Box, Frame
 from kinetics.crosscheck.data.missing import without_mask
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
-from kinetics.crosscheck.data.table import Frame, Table, table_of_frames
+from kinetics.crosscheck.data.table import Table, table_of_frames
 
 #: Elements that are labels of particles, and our names; this package writes `medium`.
 LABEL_OF_ELEMENT = {"id": "tracer", "medium": "medium", "species": "type"}
@@ -32,7 +32,7 @@ def read_h5md(file: Any, where: str, options: DataOptions) -> Table:
         columns["position"] = _unwrapped_by_images(where, group, positions, box)
         box = None
     frames = [_frame(columns, labels, index, time) for index, time in enumerate(times)]
-    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+    return table_of_frames(where, frames, options, box)
 
 
 def _group_of_particles(where: str, particles: Any) -> Any:

@@ -14,20 +14,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.averages import AveragesTable
+from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.formats import name_of, read_source
+from kinetics.crosscheck.data.gather import gather_tracks
+from kinetics.crosscheck.data.identity import MIN_SHARE, share_in_order
+from kinetics.crosscheck.data.motion import impossible_motion
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.sample import Law, Sample, reduce_tracks
 from kinetics.crosscheck.data.table import Table
-from kinetics.crosscheck.data.tracks import Tracks, displacements, gather_tracks
+from kinetics.crosscheck.data.tracks import Tracks, displacements
 from kinetics.crosscheck.words import numeral
-
-#: Speed rises, and steps longer than the speed allows, beyond this fraction are no rounding.
-IMPOSSIBLE_BEYOND = 0.02
-#: If more than this share of steps is impossible, the data are noisy throughout: no switches.
-MAX_SHARE_OF_SWITCHES = 0.2
-#: Impossible steps that are named.
-MAX_STEPS_NAMED = 3
 
 
 def read_sample(
@@ -52,6 +50,8 @@ def read_sample(
     tables: list[Table] = []
     for source in sources:
         table = read_source(source, options)
+        if isinstance(table, AveragesTable):
+            refuse_data(name_of(source), "averages at times", "tracks of particles")
         if not isinstance(table, Table):
             if len(sources) > 1:
                 refuse_data(name_of(source), "an Ensemble of several", "the only file")
@@ -59,11 +59,12 @@ def read_sample(
         tables.append(table)
     names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
     where = ", ".join(names)
-    tracks = displacements(gather_tracks(tables, options), where, options)
+    seen = gather_tracks(tables, options)
+    tracks = displacements(without_biased_ends(seen), where, options)
+    impossible: list[str] = []
+    if _are_tracers_known(tracks, where) and check_motion:
+        impossible = impossible_motion(seen, where, options.units)
     sample = _group(tracks, names, options)
-    impossible = []
-    if check_motion and tracks.tracer is not None and tracks.velocity is not None:
-        impossible = impossible_steps(tracks)
     return replace(
         sample,
         law=Law(dimension=options.dimension or 2),
@@ -81,6 +82,23 @@ def _check_sources(sources: Sequence[Path | Mapping[str, Any]]) -> None:
     if len(set(paths)) < len(paths):
         names = ", ".join(name_of(path) for path in paths)
         refuse_data("data", f"a file twice in {names}", allowed)
+
+
+def _are_tracers_known(tracks: Tracks, where: str) -> bool:
+    """Return whether rows belong to tracers, by their labels or by their order.
+
+    InputError where neither tells, and no configurations are there, whose averages at all times
+    are needed for the errors. (In one configuration, or none, a tracer is what is independent.)
+    """
+    if tracks.tracer is not None or tracks.times.size < 2:
+        return True
+    share = share_in_order(tracks)
+    if share is None or share >= MIN_SHARE:
+        return True
+    if tracks.medium is None or np.unique(tracks.medium).size < 2:
+        found = "no column tracer, and rows in another order at each time"
+        refuse_data(where, found, "with a label for each tracer (--columns tracer=...)")
+    return False
 
 
 def _group(tracks: Tracks, names: tuple[str, ...], options: DataOptions) -> Sample:
@@ -127,36 +145,4 @@ def _missing_tracers(sample: Sample) -> list[str]:
         f"At t = {numeral(sample.times[fewest], '.4g')} d/U, {n_missing} of {most} tracers are "
         "missing. If the reason depends on their speed (a cap on collisions, a box that fast ones "
         "leave), those that survive are not a fair sample."
-    ]
-
-
-def impossible_steps(tracks: Tracks) -> list[str]:
-    """Return what is to be said of steps that no tracer can make where nothing drives it.
-
-    No tracer gets faster, and none goes further than its speed allows: v(t) <= v(s) and
-    |r(t) - r(s)| <= v(s) (t - s) hold for each, exactly.
-    """
-    velocity = tracks.velocity
-    assert velocity is not None
-    if tracks.times.size < 2:
-        return []
-    speed = np.sqrt(np.sum(velocity**2, axis=2))
-    step = np.sqrt(np.sum(np.diff(tracks.place, axis=0) ** 2, axis=2))
-    longest = speed[:-1] * np.diff(tracks.times)[:, None]
-    margin = 1.0 + IMPOSSIBLE_BEYOND
-    with np.errstate(invalid="ignore"):
-        is_faster = speed[1:] > margin * speed[:-1]
-        is_further = step > margin * longest
-    is_impossible = is_faster & is_further
-    n_impossible = int(np.count_nonzero(is_impossible))
-    if not 0 < n_impossible < MAX_SHARE_OF_SWITCHES * is_impossible.size:
-        return []
-    examples = []
-    for index, tracer in np.argwhere(is_impossible)[:MAX_STEPS_NAMED].tolist():
-        label = tracer if tracks.tracer is None else tracks.tracer[tracer]
-        examples.append(f"tracer {label} at time {tracks.times[index + 1]:.4g}")
-    return [
-        f"{n_impossible} steps are impossible without a drive: the tracer gets faster, and goes "
-        f"further than its speed allows ({', '.join(examples)}). Two tracers may have been "
-        "exchanged, or positions wrapped."
     ]

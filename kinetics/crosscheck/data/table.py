@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.columns import AXES, LABELS, SPEEDS, ColumnName, find_columns
+from kinetics.crosscheck.data.frames import Box, Frame, unwrap_frames
 from kinetics.crosscheck.data.missing import without_mask
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.errors import short
@@ -34,11 +35,14 @@ class Table:
     where : names the source in messages
     columns : by our names, shape (n_rows,) each; times, places and velocities are floats
     remarks : what a reader should know of how it was read
+    box : in which positions may be wrapped, where the source has one time alone: they can be
+        unwrapped only with those of other times
     """
 
     where: str
     columns: Mapping[str, NDArray[Any]]
     remarks: tuple[str, ...] = ()
+    box: Box | None = None
 
     @property
     def n_rows(self) -> int:
@@ -48,30 +52,11 @@ class Table:
     def select(self, rows: NDArray[np.bool_]) -> Table:
         """Return some of the rows."""
         chosen = {name: values[rows] for name, values in self.columns.items()}
-        return Table(self.where, chosen, self.remarks)
+        return replace(self, columns=chosen)
 
     def has(self, name: str) -> bool:
         """Return whether there is a column of this name."""
         return name in self.columns
-
-
-@dataclass(frozen=True)
-class Frame:
-    """The particles at one time; a quantity that a frame does not state is missing.
-
-    Parameters
-    ----------
-    time : in the data's unit
-    columns : by our names, shape (n,) each
-    """
-
-    time: float
-    columns: dict[str, NDArray[Any]] = field(default_factory=dict)
-
-    @property
-    def n_rows(self) -> int:
-        """The number of particles."""
-        return max((values.size for values in self.columns.values()), default=0)
 
 
 def needed_columns(options: DataOptions) -> tuple[str, ...]:
@@ -118,6 +103,7 @@ def _check_units(where: str, found: Mapping[str, ColumnName], options: DataOptio
 
 def _checked(where: str, arrays: dict[str, NDArray[Any]], options: DataOptions) -> Table:
     """Return a table of arrays by our names: types, the type of the tracers, and the plane."""
+    _check_shapes(where, arrays)
     columns = {}
     for name, values in arrays.items():
         if name in LABELS:
@@ -167,7 +153,7 @@ def _of_type(table: Table, type_name: str) -> Table:
     if not np.any(is_chosen):
         known = ", ".join(np.unique(types)[:MAX_TYPES_SHOWN])
         refuse_data(f"{table.where}: type", short(type_name), f"one of {known}")
-    return Table(table.where, columns, table.remarks).select(is_chosen)
+    return replace(table, columns=columns).select(is_chosen)
 
 
 def _in_dimension(table: Table, options: DataOptions) -> Table:
@@ -183,25 +169,40 @@ def _in_dimension(table: Table, options: DataOptions) -> Table:
         missing = next(name for name in SPEEDS if name not in columns)
         allowed = f"all of {', '.join(SPEEDS[: len(options.axes)])}, or none of them"
         refuse_data(table.where, f"no column {missing!r} beside {velocities[0]!r}", allowed)
-    return Table(table.where, columns, table.remarks)
+    return replace(table, columns=columns)
 
 
-def table_of_frames(where: str, frames: Sequence[Frame], options: DataOptions) -> Table:
-    """Return the table of frames; what only some of them state is missing in the others."""
+def table_of_frames(
+    where: str, frames: Sequence[Frame], options: DataOptions, box: Box | None = None
+) -> Table:
+    """Return the table of frames; what only some of them state is missing in the others.
+
+    Parameters
+    ----------
+    where, options : see the module
+    frames : in the order of time
+    box : in which positions may be wrapped
+    """
     if not frames:
         refuse_data(where, "no frames", "a file of this format")
+    frames = unwrap_frames(where, frames, box, options.axes)
     names = dict.fromkeys(name for frame in frames for name in frame.columns)
     columns: dict[str, NDArray[Any]] = {}
     for name in names:
         columns[name] = np.concatenate([_column_of_frame(frame, name) for frame in frames])
     repeats = [frame.n_rows for frame in frames]
     columns["time"] = np.repeat([frame.time for frame in frames], repeats)
-    numbers = [columns[name] for name in (*AXES, *SPEEDS) if name in columns]
-    has_any = ~np.all([np.isnan(column) for column in numbers], axis=0)
-    if not np.all(has_any):  # tracers without any number have ended
-        columns = {name: values[has_any] for name, values in columns.items()}
-    _check_shapes(where, columns)
-    return _checked(where, columns, options)
+    table = _checked(where, _without_empty_rows(columns), options)
+    return replace(table, box=box if len(frames) == 1 else None)
+
+
+def _without_empty_rows(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the rows with some number of a place or a velocity: others are of ended tracers."""
+    numbers = [columns[name].astype(float) for name in (*AXES, *SPEEDS) if name in columns]
+    has_any = ~np.all(np.isnan(numbers), axis=0)
+    if np.all(has_any):
+        return columns
+    return {name: values[has_any] for name, values in columns.items()}
 
 
 def _column_of_frame(frame: Frame, name: str) -> NDArray[Any]:
@@ -249,12 +250,7 @@ def table_of_arrays(
     missing = [name for name in needed_columns(options) if name not in columns]
     if missing:
         refuse_data(where, f"no {missing[0]}", f"with {', '.join(needed_columns(options))}")
-    frame_like = {name: values for name, values in columns.items()}
-    numbers = [frame_like[name] for name in (*AXES, *SPEEDS) if name in frame_like]
-    has_any = ~np.all([np.isnan(column.astype(float)) for column in numbers], axis=0)
-    kept = {name: values[has_any] for name, values in frame_like.items()}
-    _check_shapes(where, kept)
-    return _checked(where, kept, options)
+    return _checked(where, _without_empty_rows(columns), options)
 
 
 def _check_array_shapes(

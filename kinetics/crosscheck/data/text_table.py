@@ -22,6 +22,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.averages import (
+    AVERAGE_NAMES,
+    AveragesTable,
+    are_averages,
+    table_of_averages,
+)
 from kinetics.crosscheck.data.columns import KNOWN_NAMES, LABELS, ColumnName, find_columns
 from kinetics.crosscheck.data.memory import require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
@@ -56,18 +62,23 @@ MISSING_NUMBERS = frozenset({"na", "nan", "n/a", "null", "none"})
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 
 
-def read_text_table(path: Path, where: str, options: DataOptions) -> Table:
+def read_text_table(path: Path, where: str, options: DataOptions) -> Table | AveragesTable:
     """Read a delimited text file, which may be packed by gzip."""
     require_memory(where, BYTES_OF_CHARACTER * path.stat().st_size)
     encoding = _encoding_of(path, where)
     layout = _find_layout(path, where, encoding, options)
-    wanted = find_columns(where, layout.names, options.columns, needed_columns(options))
-    frame = _read_columns(path, where, encoding, layout, wanted, options)
-    columns = {column.original: frame[column.original] for column in wanted.values()}
-    for name, column in wanted.items():
-        if name not in LABELS:
-            columns[column.original] = _as_numbers(where, layout, column, frame, options)
+    if are_averages(layout.names, options):
+        wanted = [ColumnName.of(name) for name in layout.names if name]
+        columns = _read_columns(path, where, encoding, layout, wanted, options)
+        return table_of_averages(where, columns, options)
+    ours = find_columns(where, layout.names, options.columns, needed_columns(options))
+    columns = _read_columns(path, where, encoding, layout, list(ours.values()), options)
     return table_of_columns(where, columns, options)
+
+
+def column_names(path: Path, where: str, options: DataOptions) -> tuple[str, ...]:
+    """Return the names of the columns of a delimited text file."""
+    return _find_layout(path, where, _encoding_of(path, where), options).names
 
 
 # -- bytes and lines -------------------------------------------------------------------------------
@@ -157,7 +168,10 @@ def _find_layout(path: Path, where: str, encoding: str, options: DataOptions) ->
         separator = _separator_of(line, options.decimal)
         cells = _split(line, separator)
         is_comment = line.lstrip().startswith("#")
-        if not is_comment and _is_row_of_numbers(cells, options.decimal):
+        is_row = _is_row_of_numbers(cells, options.decimal) or _is_row_of_average(
+            cells, head, options
+        )
+        if not is_comment and is_row:
             names = _names_above(where, head, separator, cells, options)
             return _Layout(separator, names, len(head), has_comments="#" not in line)
         head.append(line)
@@ -216,6 +230,14 @@ def _is_row_of_numbers(cells: Sequence[str], decimal: str) -> bool:
     return n_numbers >= 3 and n_numbers > n_missing
 
 
+def _is_row_of_average(cells: Sequence[str], head: Sequence[str], options: DataOptions) -> bool:
+    """Return whether two cells are numbers below the names of a time and of an average."""
+    if len(cells) != 2 or not head or not all(_is_number(cell, options.decimal) for cell in cells):
+        return False
+    names = _split(head[-1].lstrip("#"), _separator_of(head[-1], options.decimal))
+    return len(names) == 2 and are_averages(names, options)
+
+
 def _names_above(
     where: str, head: Sequence[str], separator: str, row: Sequence[str], options: DataOptions
 ) -> tuple[str, ...]:
@@ -250,7 +272,7 @@ def _names_above(
 def _count_known(names: Sequence[str], options: DataOptions) -> int:
     """Return how many cells are names of columns that we know, or that the user gave."""
     known = {*KNOWN_NAMES, *options.columns.values()}
-    for other_names in KNOWN_NAMES.values():
+    for other_names in (*KNOWN_NAMES.values(), *AVERAGE_NAMES.values()):
         known.update(other_names)
     columns = [ColumnName.of(name) for name in names]
     return sum(column.plain in known or column.bare in known for column in columns)
@@ -264,11 +286,40 @@ def _read_columns(
     where: str,
     encoding: str,
     layout: _Layout,
-    wanted: dict[str, ColumnName],
+    wanted: Sequence[ColumnName],
+    options: DataOptions,
+) -> dict[str, Any]:
+    """Return the wanted columns by the names of the file: numbers, and labels as they are."""
+    frame = _parsed(path, where, encoding, layout, wanted, options)
+    columns: dict[str, Any] = {}
+    for column in wanted:
+        columns[column.original] = frame[column.original]
+        if not _is_label(column, options):
+            columns[column.original] = _as_numbers(where, layout, column, frame, options)
+    return columns
+
+
+def _is_label(column: ColumnName, options: DataOptions) -> bool:
+    """Return whether a column is one of labels, which may be texts."""
+    for name in LABELS:
+        names = (name, *KNOWN_NAMES[name])
+        if name in options.columns:
+            names = (options.columns[name],)
+        if any(column.is_called(each) for each in names):
+            return True
+    return False
+
+
+def _parsed(
+    path: Path,
+    where: str,
+    encoding: str,
+    layout: _Layout,
+    wanted: Sequence[ColumnName],
     options: DataOptions,
 ) -> pd.DataFrame:
     """Return the wanted columns; texts where not all cells of one are numbers."""
-    originals = [column.original for column in wanted.values()]
+    originals = [column.original for column in wanted]
     places = sorted(layout.names.index(original) for original in originals)
     chunks = []
     n_bytes = 0.0

@@ -12,11 +12,11 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.box import Box, unwrap_frames
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
+from kinetics.crosscheck.data.frames import Box, Frame, common_box
 from kinetics.crosscheck.data.memory import require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
-from kinetics.crosscheck.data.table import Frame, Table, table_of_frames
+from kinetics.crosscheck.data.table import Table, table_of_frames
 from kinetics.errors import short
 
 #: Characters of a line at most.
@@ -107,7 +107,7 @@ def read_lammps(path: Path, where: str, options: DataOptions) -> Table:
     """Read a LAMMPS text dump: unwrapped places xu, yu, or x, y, with image flags or not."""
     reader = _LammpsReader(_Lines(path, where), where, options)
     frames, box = reader.read()
-    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+    return table_of_frames(where, frames, options, box)
 
 
 class _LammpsReader:
@@ -121,7 +121,7 @@ class _LammpsReader:
         self.time: float | None = None
         self.count: int | None = None
         self.box: Box | None = None
-        self.wrapped_box: Box | None = None
+        self.wrapped_boxes: list[Box | None] = []
 
     def read(self) -> tuple[list[Frame], Box | None]:
         """Return the frames, and the box of positions that may be wrapped."""
@@ -146,7 +146,10 @@ class _LammpsReader:
                 frames.append(self._read_atoms(words))
         if not is_between_frames:
             refuse_data(self.where, "a last frame without atoms", "whole frames")
-        return frames, self.wrapped_box
+        are_wrapped = {box is not None for box in self.wrapped_boxes}
+        if len(are_wrapped) > 1:
+            refuse_data(self.where, "image flags in some frames alone", "in all frames, or in none")
+        return frames, common_box(self.where, self.wrapped_boxes)
 
     def _read_box(self, words: list[str]) -> Box:
         """Read the bounds of a box, two on a line."""
@@ -177,9 +180,11 @@ class _LammpsReader:
             columns[axis] = atoms[name]
             if axis in images and self.box is not None:
                 columns[axis] = columns[axis] + self.box.sides[axis] * atoms[images[axis]]
+        wrapped_box = None
         if self.box is not None and set(wrapped) - set(images):
             periodic = self.box.periodic & (set(wrapped) - set(images))
-            self.wrapped_box = Box(self.box.sides, frozenset(periodic))
+            wrapped_box = Box(self.box.sides, frozenset(periodic))
+        self.wrapped_boxes.append(wrapped_box)
         return Frame(self._time_of_frame(), columns)
 
     def _time_of_frame(self) -> float:
@@ -210,7 +215,7 @@ _PROPERTIES: dict[str, tuple[str, ...]] = {
 def read_xyz(path: Path, where: str, options: DataOptions) -> Table:
     """Read extended XYZ, whose second lines say Properties=...:pos:R:3:vel:R:3 and Time=..."""
     frames = []
-    box = None
+    boxes = []
     lines = _Lines(path, where)
     for line in lines:
         count = lines.whole_number(line)
@@ -218,14 +223,15 @@ def read_xyz(path: Path, where: str, options: DataOptions) -> Table:
         stated = {key.lower(): value.strip('"') for key, value in pairs}
         names = _property_columns(lines, stated)
         time = _time_of_xyz(lines, where, stated, options)
-        box = _box_of_xyz(lines, stated)
+        boxes.append(_box_of_xyz(lines, stated))
         types = [] if options.type is None else ["type"]
         speeds = [name for name in SPEEDS if name in names]
         tracer = [name for name in ("tracer",) if name in names]
         columns = lines.columns(count, names, [*options.axes, *speeds, *tracer, *types])
         columns = {"tracer": np.arange(count)} | columns
         frames.append(Frame(time, columns))
-    return table_of_frames(where, unwrap_frames(where, frames, box, options.axes), options)
+    box = common_box(where, boxes)
+    return table_of_frames(where, frames, options, box)
 
 
 def _property_columns(lines: _Lines, stated: dict[str, str]) -> list[str]:
@@ -255,9 +261,12 @@ def _time_of_xyz(lines: _Lines, where: str, stated: dict[str, str], options: Dat
 
 
 def _box_of_xyz(lines: _Lines, stated: dict[str, str]) -> Box | None:
-    """Return the box of a frame, if it says its lattice and along which axes it is periodic."""
+    """Return the box of a frame, if it says its lattice.
+
+    It is periodic along all axes if nothing else is said, as extended XYZ has it.
+    """
     lattice = stated.get("lattice", "").split()
-    flags = stated.get("pbc", "").split()
+    flags = stated.get("pbc", "T T T").split()
     if len(lattice) != 9 or len(flags) != 3:
         return None
     cell = np.array([lines.number(text) for text in lattice]).reshape(3, 3)
@@ -272,41 +281,64 @@ def _box_of_xyz(lines: _Lines, stated: dict[str, str]) -> Box | None:
 
 
 def read_gsd(path: Path, where: str, options: DataOptions) -> Table:
-    """Read frames as HOOMD-blue writes them, unwrapped by their image flags.
+    """Read frames as HOOMD-blue writes them.
 
-    A frame states only what is not as in the first one: velocities that it does not state are
-    missing, as tracers do not keep them.
+    A frame states only what is not as in the first one, and by default HOOMD leaves out velocities
+    and images whatever they are; a reader then returns those of the first frame. So what a frame
+    does not state is missing. Images are as in the first frame only if some later frame states its
+    own; else they are unknown, and positions are unwrapped by the box.
     """
     try:
         import gsd.hoomd
     except ImportError:
         refuse_data(where, "a file of another package", "installed: pip install gsd")
-    frames = []
-    box = None
-    has_images = False
     with gsd.hoomd.open(str(path), "r") as file:
-        for index in range(len(file)):
+        n_frames = len(file)
+        stated = [_stated_in_gsd(file.file, index) for index in range(n_frames)]
+        has_images = any("image" in names for names in stated[1:])
+        frames = []
+        boxes = []
+        for index in range(n_frames):
+            if "position" not in stated[index]:
+                continue
             snapshot = file[index]
-            has_velocities = file.file.chunk_exists(frame=index, name="particles/velocity")
-            has_images |= file.file.chunk_exists(frame=index, name="particles/image")
-            frames.append(_frame_of_gsd(where, snapshot, has_velocities, options))
-            sides = dict(zip(AXES, np.asarray(snapshot.configuration.box, float)[:3], strict=True))
-            box = Box(sides, frozenset(AXES))
-    unwrapped = unwrap_frames(where, frames, None if has_images else box, options.axes)
-    return table_of_frames(where, unwrapped, options)
+            frames.append(_frame_of_gsd(where, snapshot, stated[index], has_images, options))
+            boxes.append(_box_of_gsd(where, snapshot))
+    box = None if has_images else common_box(where, boxes)
+    return table_of_frames(where, frames, options, box)
 
 
-def _frame_of_gsd(where: str, snapshot: Any, has_velocities: bool, options: DataOptions) -> Frame:
-    """Return one frame by our names."""
-    n_axes = 3 if snapshot.configuration.dimensions == 3 else 2
+def _stated_in_gsd(file: Any, index: int) -> set[str]:
+    """Return the quantities of particles that a frame states; in the first, positions are."""
+    names = {"position", "velocity", "image"}
+    stated = {name for name in names if file.chunk_exists(frame=index, name=f"particles/{name}")}
+    if index == 0:
+        stated.add("position")  # those that are not written are zero
+    return stated
+
+
+def _box_of_gsd(where: str, snapshot: Any) -> Box:
+    """Return the box of a frame; it is periodic, and as in the first frame if none is stated."""
     box = np.asarray(snapshot.configuration.box, float)
     if np.any(box[3:] != 0):
         refuse_data(where, "a slanted box", "rectangular")
+    sides = dict(zip(AXES, box[:3].tolist(), strict=True))
+    return Box(sides, frozenset(AXES))
+
+
+def _frame_of_gsd(
+    where: str, snapshot: Any, stated: set[str], has_images: bool, options: DataOptions
+) -> Frame:
+    """Return one frame by our names, of what it states."""
+    n_axes = 3 if snapshot.configuration.dimensions == 3 else 2
     particles = snapshot.particles
-    positions = np.asarray(particles.position, float) + np.asarray(particles.image) * box[:3]
-    columns = {"tracer": np.arange(int(particles.N))}
+    positions = np.asarray(particles.position, float)
+    if has_images:
+        sides = np.asarray(snapshot.configuration.box, float)[:3]
+        positions = positions + np.asarray(particles.image) * sides
+    columns: dict[str, NDArray[Any]] = {"tracer": np.arange(int(particles.N))}
     columns |= dict(zip(AXES[:n_axes], positions.T, strict=False))
-    if has_velocities:
+    if "velocity" in stated:
         velocities = np.asarray(particles.velocity, float)
         columns |= dict(zip(SPEEDS[:n_axes], velocities.T, strict=False))
     if options.type is not None:

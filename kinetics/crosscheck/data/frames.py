@@ -1,15 +1,18 @@
-"""Boxes of simulations: positions are unwrapped where that is certain, and refused where not.
+"""Frames of a trajectory, and their box: positions are unwrapped where that is certain.
 
-One rule for all formats. Positions with image flags are unwrapped by these. Others, in a box that
-is periodic along an axis that is used, are taken as they are if some are further apart than its
-side: a program wrapped none. Else they are unwrapped by the nearest image where no tracer can go
-half a box between two frames, which its velocities tell.
+Where it is not, they are refused. One rule holds for all formats. Positions with image flags are
+unwrapped by these. Others, in a box that is periodic along an axis that is used, are taken as they
+are if some are further apart than its side: a program wrapped none. Else they are unwrapped by the
+nearest image where no tracer can go half a box between two frames. Velocities tell it, or the steps
+to the nearest images: if none is longer than a third of the side, a longer step must have been
+longer than two thirds, and then others would lie between. What a frame does not state is as in the
+others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -18,12 +21,34 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
 from kinetics.crosscheck.data.options import refuse_data
-from kinetics.crosscheck.data.table import Frame
 
 #: Positions further apart than a side by more than this fraction of it are not rounding.
 OUTSIDE = 1e-4
+#: Steps to the nearest image that are all shorter than this fraction of a side are the true ones.
+SURELY_SHORT = 1.0 / 3.0
+#: So many steps are needed to tell: of evenly spread ones (2/3)^100 are all that short.
+MIN_STEPS = 100
 #: A step of this fraction of a side, or more, cannot be told from one around the other way.
 HALF_BOX = 0.5
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The particles at one time; a quantity that a frame does not state is missing.
+
+    Parameters
+    ----------
+    time : in the data's unit
+    columns : by our names, shape (n,) each
+    """
+
+    time: float
+    columns: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def n_rows(self) -> int:
+        """The number of particles."""
+        return max((values.size for values in self.columns.values()), default=0)
 
 
 @dataclass(frozen=True)
@@ -43,6 +68,16 @@ class Box:
         """Return whether places along an axis are no further apart than a side of the box."""
         extent = np.nanmax(places) - np.nanmin(places)
         return bool(extent <= (1.0 + OUTSIDE) * self.sides[axis])
+
+
+def common_box(where: str, boxes: Sequence[Box | None]) -> Box | None:
+    """Return the box of all frames, those that state none too; InputError if it changes."""
+    stated = [box for box in boxes if box is not None]
+    if not stated:
+        return None
+    if any(box != stated[0] for box in stated):
+        refuse_data(f"{where}: box", "one that changes", "one that is always the same")
+    return stated[0]
 
 
 def unwrap_frames(
@@ -75,23 +110,29 @@ def _unwrap_axis(where: str, frames: list[Frame], axis: str, side: float) -> lis
     """Return frames unwrapped along one axis by the nearest image."""
     speed_name = SPEEDS[AXES.index(axis)]
     result = [frames[0]]
+    longest_allowed = 0.0
+    longest_seen = 0.0
+    n_steps = 0
     for previous, frame in pairwise(frames):
-        longest = _longest_step(previous, frame, speed_name)
-        if not longest < HALF_BOX * side:
-            got = "those in a periodic box"
-            allowed = "unwrapped, or with image flags, or frames that are closer in time"
-            refuse_data(f"{where}: positions", got, allowed)
         before = _aligned(where, result[-1], frame, axis)
         step = frame.columns[axis] - before
         step = step - side * np.round(step / side)
         result.append(replace(frame, columns=frame.columns | {axis: before + step}))
+        longest_allowed = max(longest_allowed, _longest_step(previous, frame, speed_name))
+        longest_seen = max(longest_seen, float(np.max(np.abs(step), initial=0.0)))
+        n_steps += step.size
+    is_surely_short = longest_seen < SURELY_SHORT * side and n_steps >= MIN_STEPS
+    if not (longest_allowed < HALF_BOX * side or is_surely_short):
+        got = "those in a periodic box"
+        allowed = "unwrapped, or with image flags, or frames that are closer in time"
+        refuse_data(f"{where}: positions", got, allowed)
     return result
 
 
 def _longest_step(previous: Frame, frame: Frame, speed_name: str) -> float:
     """Return how far a tracer may go between two frames; infinite where there are no velocities."""
     if speed_name not in previous.columns:
-        return np.inf
+        return float("inf")
     speeds = [previous.columns[name] for name in SPEEDS if name in previous.columns]
     fastest = float(np.sqrt(np.nanmax(np.sum(np.square(speeds), axis=0))))
     return fastest * (frame.time - previous.time)

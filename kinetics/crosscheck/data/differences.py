@@ -1,0 +1,87 @@
+"""Velocities that are differences of positions: they know no more than these, and less well.
+
+A camera gives positions. The difference quotient of two frames is the mean velocity between them,
+which is slower than the tracer if it collides meanwhile, and has the error of two places.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.options import Units
+from kinetics.crosscheck.data.rounding import resolution_of
+from kinetics.crosscheck.data.tracks import Tracks
+
+Array = NDArray[Any]
+
+#: Rows that are needed where a tracer turns between the frame before and the one after. On a
+#: straight flight the difference is the velocity.
+MIN_TURNS = 20
+#: A tracer turns where the quotients before and after differ by this fraction of their mean.
+TURN = 0.02
+#: Velocities are a quotient where so many of the turns have it. Of true velocities at close frames
+#: some half are the quotient before, and half the one after.
+MIN_SHARE = 0.9
+#: A velocity is a quotient if they differ by less than this fraction, beside the rounding.
+SAME_VELOCITY = 1e-3
+
+
+def quotient_of_velocities(tracks: Tracks, units: Units) -> str | None:
+    """Return which difference quotient the velocities are: "forward", ...; None for measured ones.
+
+    Parameters
+    ----------
+    tracks : places in d and velocities in U, at all frames
+    units : of the data; that of time need not belong to the velocities
+    """
+    velocity = tracks.velocity
+    if velocity is None or tracks.times.size < 3:
+        return None
+    place = tracks.place
+    durations = np.diff(tracks.times)[:, None, None]
+    quotients = np.diff(place, axis=0) / durations
+    before = quotients[:-1]
+    after = quotients[1:]
+    weight = durations[1:] / (durations[:-1] + durations[1:])
+    candidates = {
+        "forward": after,
+        "backward": before,
+        "central": weight * after + (1.0 - weight) * before,
+        "second-order": (1.0 - weight) * after + weight * before,  # as numpy.gradient has it
+    }
+    measured = velocity[1:-1]
+    place_resolution = resolution_of(place * units.length) / units.length
+    speed_resolution = resolution_of(velocity * units.speed) / units.speed
+    shortest = np.minimum(durations[:-1], durations[1:])[:, :, 0]
+    rounding = 2.0 * place_resolution / shortest
+    is_turn = _length(after - before) > TURN * _length(after + before) / 2.0 + 4.0 * rounding
+    if np.count_nonzero(is_turn) < MIN_TURNS:
+        return None
+    for name, quotient in candidates.items():
+        unit = _unit_of(measured[is_turn], quotient[is_turn])
+        if unit <= 0:
+            continue
+        difference = _length(measured - unit * quotient)
+        allowed = SAME_VELOCITY * _length(measured) + unit * rounding + speed_resolution
+        is_quotient = difference <= allowed
+        if np.mean(is_quotient[is_turn]) >= MIN_SHARE:
+            return name
+    return None
+
+
+def _unit_of(velocity: Array, quotient: Array) -> float:
+    """Return the median ratio of velocities to quotients along them, of vectors (n, d)."""
+    along = np.sum(velocity * quotient, axis=1)
+    square = np.sum(quotient**2, axis=1)
+    is_moving = square > 0
+    if not np.any(is_moving):
+        return 1.0
+    return float(np.median(along[is_moving] / square[is_moving]))
+
+
+def _length(vectors: Array) -> Array:
+    """Return the lengths of vectors (..., d)."""
+    return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))
