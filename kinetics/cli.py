@@ -26,7 +26,7 @@ COMMANDS = {
     "simulate": "simulate",
     "merge": "simulate",
     "compare": "compare",
-    "fit": "compare",
+    "fit": "fit",
     "explore": "explore",
     "derive": "derive",
     "bench": "bench",

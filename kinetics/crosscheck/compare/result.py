@@ -1,35 +1,51 @@
-"""Comparison: the result of comparing a sample with the kinetic equation, as a value, as tables for
-the terminal, as figures, and as a page.
+"""The result of holding data against the kinetic equation, as a value: begin with `Comparison`.
+
+Its other forms are functions of it: the answer in words (`text`), tables (`tables`), figures
+(`figures`) and a page (`page`).
 """
 
-import io
+from __future__ import annotations
+
 import json
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 import pandas as pd
 
 from kinetics.crosscheck.compare.observables import OBSERVABLES
-from kinetics.crosscheck.files import dumps, plain, rendered
-from kinetics.crosscheck.words import LIMIT_SHARE, MEANING, Verdict, limit_factor, number, numeral
+from kinetics.crosscheck.compare.writing import LINE_WIDTH
+from kinetics.crosscheck.files import dumps, plain
+from kinetics.crosscheck.words import Verdict
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
 from kinetics.validation import refuse
 
-_STATISTICAL = (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS, Verdict.NOT_TESTED)
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+#: The format of the JSON document. Keys may be added within it.
 SCHEMA = "inelastic-lorentz/comparison/1"
-# what an explanation comes to, in words; in the order in which they are shown
+#: What an explanation comes to, in words; in the order in which they are shown.
 OUTCOMES = {
-    "explains": "explains the difference", "found": "found in the data",
-    "in part": "explains part of it", "does not": "does not explain it", "noted": "noted",
-}  # fmt: skip
+    "explains": "explains the difference",
+    "found": "found in the data",
+    "in part": "explains part of it",
+    "does not": "does not explain it",
+    "noted": "noted",
+}
 
 
 class Row(NamedTuple):
-    """An observable at a time, or in a bin of a density; see `Comparison.rows`."""
+    """An observable at a time, or in a bin of a density; see `Comparison.rows`.
+
+    `since` is the time of the earlier frame of a mean square displacement between two frames, and
+    `time` that of the later one; None for all other observables.
+    """
 
     observable: str
     time: float
@@ -46,11 +62,12 @@ class Row(NamedTuple):
 
 
 class ComparisonTest(NamedTuple):
-    """All rows of an observable (of a density: at one time) by one chi-square.
+    """All rows of an observable (of a density: at one time) tested by one chi-square.
 
-    `groups` gave the covariance, None where it is known. `verdict` looks at `sigmas`, of the
-    p-value times the number of tests, and, for an average, at the time that differs most. `within`:
-    the relative difference (of 1 + a2) that the data exclude at every time, at 95 %.
+    `groups` is the number of groups that gave the covariance, None where it is known. `verdict` is
+    on `sigmas`, those of the p-value times the number of tests, and, for an average, on the time
+    that differs most. `within` is the relative difference (of 1 + a2 for a2) that the data exclude
+    at every time, at 95 %.
     """
 
     observable: str
@@ -65,7 +82,7 @@ class ComparisonTest(NamedTuple):
 
 
 class Parameter(NamedTuple):
-    """A number of the theory: given (error None), or found; value None where no model fits."""
+    """A number of the theory: specified (error None) or fitted; value None where no model fits."""
 
     value: float | None
     error: float | None
@@ -75,8 +92,9 @@ class Parameter(NamedTuple):
 class Explanation(NamedTuple):
     """Something that may explain a difference; chi-squares are of all averages.
 
-    outcome: "explains" (what is left agrees, no other cause is much likelier), "in part" (T^2 falls
+    outcome: "explains" (what remains agrees, no other cause is much likelier), "in part" (T^2 falls
     by 16 and a tenth), "does not", "noted" (not tested) or "found" (in the data themselves).
+    `headline` is the explanation in few words, `medium` the one in which it was tested.
     """
 
     name: str
@@ -90,6 +108,25 @@ class Explanation(NamedTuple):
     dof: int | None = None
     p_value: float | None = None
     headline: str = ""
+    medium: str = ""
+
+
+RowOrTest = TypeVar("RowOrTest", Row, ComparisonTest)
+
+#: Columns of `Comparison.rows` that are no numbers with a missing value.
+COLUMNS_OF_OTHER_TYPES = ("observable", "verdict", "samples")
+#: Fields of a Comparison that its document has under "data".
+FIELDS_OF_DATA = (
+    "names",
+    "samples",
+    "groups",
+    "grouping",
+    "n_times",
+    "first_time",
+    "last_time",
+    "units",
+    "unit_names",
+)
 
 
 @stored_class
@@ -100,7 +137,9 @@ class Comparison(Result):
     Attributes
     ----------
     verdict, summary : on everything, and in a sentence or two
-    parameters : "restitution", "number_density", "mean_free_path" as Parameter
+    parameters : "restitution", "number_density", "mean_free_path" as Parameter, in d; where they
+        were fitted also "speed_unit", U in the data's unit of speed, and "position_error", the
+        standard deviation of the error of a component of a position, in the data's unit of length
     initial : the start of the theory, in words
     samples, groups : tracers at most, and independent groups that the errors are from
     grouping : what a group is made of: "medium", "tracer" or "row"
@@ -109,6 +148,17 @@ class Comparison(Result):
     explanations : Explanation; empty where nothing needs one
     medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
     covariance : of those that were fitted of restitution and ln(mean free path)
+    p_value : of everything that was tested, on which the verdict rests; None where nothing was
+    chi_square, dof : of all averages together, and its degrees of freedom
+    units : "length", "speed" and "time": d, U and d/U in the data's units; empty if the data are in
+        d and U
+    unit_names : names of the data's units ("mm", "mm/s", "s"), where the data say them
+    dimension : 2 in the plane, 3 in space
+    cannot_tell : sentences on what the data cannot tell
+    media : chi-square and degrees of freedom of the fit in each medium that was tried
+    undecided : media that the data do not exclude, beside `medium`
+    n_times, first_time, last_time : the times of the data that were used
+    next_step : what to do next, in one sentence; empty if there is nothing to do
     """
 
     verdict: Verdict
@@ -125,85 +175,112 @@ class Comparison(Result):
     numbers: tuple[Row, ...] = field(repr=False)
     medium: str = "dilute"
     covariance: tuple[tuple[float, ...], ...] = ()
-    p_value_: Any = None
-    chi_square: Any = None
-    dof: Any = None
-    units: Any = None
-    cannot_tell: Any = ()
-    media: Any = None
-    undecided: Any = ()
+    p_value: float | None = None
+    chi_square: float | None = None
+    dof: int | None = None
+    units: Mapping[str, float] = field(default_factory=dict)
+    unit_names: Mapping[str, str] = field(default_factory=dict)
+    dimension: int = 2
+    cannot_tell: tuple[str, ...] = ()
+    media: Mapping[str, tuple[float, int]] = field(default_factory=dict)
+    undecided: tuple[str, ...] = ()
     n_times: int = 0
     first_time: float = 0.0
     last_time: float = 0.0
     next_step: str = ""
 
     @property
-    def rows(self) -> Any:
+    def rows(self) -> pd.DataFrame:
         """Every number: a row for each observable and time (and bin of a density), as a new table.
 
         `value` is the data's, `theory` the equation's, `error` the standard error of the
-        difference, `sigmas` the difference in it, NaN where all speeds are equal. A bin is from
-        `low` to `high`; the last has none (NaN), and shares of the samples. `verdict` looks at
-        `corrected_sigmas`, which allow for the number of rows of the observable.
+        difference. `sigmas` is the difference in standard errors, NaN where all groups are equal.
+        `verdict` is on `corrected_sigmas`, which allow for the number of rows of the observable. A
+        bin is from `low` to `high`; the last has no end (NaN), and holds shares of the samples.
+        `since` is the earlier time of a displacement between two frames.
         """
         frame = pd.DataFrame(self.numbers, columns=Row._fields)
         frame["verdict"] = frame["verdict"].map(str)
-        others = ("observable", "verdict", "samples")
-        return frame.astype({name: float for name in Row._fields if name not in others})
+        numeric = [name for name in Row._fields if name not in COLUMNS_OF_OTHER_TYPES]
+        return frame.astype(dict.fromkeys(numeric, float))
 
-    def p_value(self, observable: str, time: float | None = None) -> float:
-        """The p-value of an average, or of a density at a time; KeyError where there is none."""
-        return {(test.observable, test.time): test.p_value for test in self.tests}[observable, time]
+    def p_value_of(self, observable: str, time: float | None = None) -> float:
+        """Return the p-value of an average, or of a density at a time.
+
+        Raises
+        ------
+        KeyError
+            There is no such test.
+        """
+        for test in self.tests:
+            if (test.observable, test.time) == (observable, time):
+                return test.p_value
+        raise KeyError(observable, time)
+
+    @property
+    def is_fitted(self) -> bool:
+        """Whether numbers of the theory were fitted to the data."""
+        has_errors = any(item.error is not None for item in self.parameters.values())
+        return has_errors or len(self.covariance) > 0
 
     @property
     def title(self) -> str:
-        """What was compared."""
-        return f"{', '.join(self.names)}: compared with the kinetic equation"
+        """What was done with which data."""
+        work = "fitted" if self.is_fitted else "compared"
+        return f"{', '.join(self.names)}: {work} with the kinetic equation"
 
     @property
     def figures(self) -> list[str]:
         """What `plot` draws: each observable, and "confidence", of e and l, if both were fitted."""
-        rows = self.rows[self.rows["time"] > 0]
-        averages = rows["low"].isna()
-        bins = rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)
-        seen = {*rows[averages | bins]["observable"]}
-        found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
-        both = np.shape(self.covariance) == (2, 2) and self.parameters["restitution"].value
-        return found + (["confidence"] if both else [])
+        from kinetics.crosscheck.compare.figures import figure_names
+
+        return figure_names(self)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
-        parts = {one.name: getattr(self, one.name) for one in fields(self)}
-        for name in ("tests", "explanations", "numbers"):
-            parts[name] = [item._asdict() for item in parts[name]]
-        parts["parameters"] = {k: one._asdict() for k, one in self.parameters.items()}
-        data = {name: parts.pop(name) for name in ("names", "samples", "groups", "grouping")}
-        rows = parts.pop("numbers")
-        made = {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
-        return plain(made)
+        """Return everything as plain lists, dictionaries, numbers and texts: the JSON document."""
+        values = {attribute.name: getattr(self, attribute.name) for attribute in fields(self)}
+        values["tests"] = [test._asdict() for test in self.tests]
+        values["explanations"] = [item._asdict() for item in self.explanations]
+        values["parameters"] = {
+            name: parameter._asdict() for name, parameter in self.parameters.items()
+        }
+        values["rows"] = [row._asdict() for row in values.pop("numbers")]
+        data = {name: values.pop(name) for name in FIELDS_OF_DATA}
+        document: dict[str, Any] = plain(
+            {"schema": SCHEMA, "title": self.title, "data": data, **values}
+        )
+        return document
 
     def to_json(self) -> str:
-        """The document as strict JSON."""
+        """Return the document as strict JSON."""
         return dumps(self.to_dict())
 
-    def to_dataframe(self, name: str | None = None, **points: Any) -> Any:
-        """The rows, or those of one observable."""
+    def to_dataframe(self, name: str | None = None, **points: Any) -> pd.DataFrame:
+        """Return the rows, or those of one observable."""
         rows = self.rows
-        return rows if name is None else rows[rows["observable"] == name].reset_index(drop=True)
+        if name is None:
+            return rows
+        return rows[rows["observable"] == name].reset_index(drop=True)
 
-    def _dataset(self, only: Any = None, **points: Any) -> Any:
-        """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
+    def _dataset(self, only: Any = None, **points: Any) -> xarray.Dataset:
+        """Return the rows with the dimension "row"; verdict and parameters are attributes."""
         from kinetics import __version__
 
-        made = self.rows.rename_axis("row").to_xarray()
+        dataset = self.rows.rename_axis("row").to_xarray()
         units = [OBSERVABLES[name].unit or "1" for name in self.rows["observable"]]
-        made["units"] = "row", units, {"long_name": "unit of value, error and theory"}
-        scene = json.dumps(self.to_dict()["parameters"])
-        about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
-        return made.assign_attrs(**about, scene=scene, version=__version__)
+        dataset["units"] = "row", units, {"long_name": "unit of value, error and theory"}
+        return dataset.assign_attrs(
+            title=self.title,
+            status=str(self.verdict),
+            summary=self.summary,
+            scene=json.dumps(self.to_dict()["parameters"]),
+            version=__version__,
+        )
 
-    def plot(self, name: str | None = None, ax: Any = None, **points: Any) -> Any:
+    def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned."""
+        from kinetics.crosscheck.compare.figures import draw
+
         if name is None:
             return super().plot(None, ax)
         figure = str(name).replace("_", "-")
@@ -216,134 +293,27 @@ class Comparison(Result):
         draw(self, figure, ax)
         return ax
 
-    def plot_all(self, **points: Any) -> Any:
-        """Draw every one of `figures`, each in a figure of its own; an array of axes."""
+    def plot_all(self, **points: Any) -> NDArray[Any]:
+        """Draw each of `figures` in a figure of its own; returns an array of axes."""
         return np.array([self.plot(name) for name in self.figures])
 
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        found, kinds = {**parts}, {"tests": ComparisonTest, "numbers": Row}
-        for name, kind in kinds.items():
-            made = (kind(*row) for row in found[name])
-            found[name] = tuple(one._replace(verdict=Verdict(one.verdict)) for one in made)
-        found["explanations"] = tuple(Explanation(*row) for row in found["explanations"])
-        found["parameters"] = {k: Parameter(*one) for k, one in found["parameters"].items()}
-        return cls(**found | {"verdict": Verdict(found["verdict"])})
+        """Build the value of its stored fields; those of older versions have fewer."""
+        values = dict(parts)
+        values["verdict"] = Verdict(values["verdict"])
+        values["tests"] = tuple(_with_verdict(ComparisonTest(*test)) for test in values["tests"])
+        values["numbers"] = tuple(_with_verdict(Row(*row)) for row in values["numbers"])
+        values["explanations"] = tuple(Explanation(*item) for item in values["explanations"])
+        values["parameters"] = {
+            name: Parameter(*parameter) for name, parameter in values["parameters"].items()
+        }
+        return cls(**values)
 
     def __repr__(self) -> str:
-        return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", 100)
+        return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", LINE_WIDTH)
 
 
-# -- for a reader ----------------------------------------------------------------------------------
-def cells_of(result: Any) -> tuple[dict[str, str], list[list[str]], list[list[str]]]:
-    """What was compared, by name; the chi-squares, and the rows, a line each below the heads."""
-    made = f"from {result.groups} groups, by {result.grouping}"
-    told = {n: f"{number(p.value, p.error)} ({p.source})" for n, p in result.parameters.items()}
-    tests = [["chi-square", "t [d/U]", "value", "dof", "p", "sigmas", "better than", "verdict"]]
-    for t in result.tests:
-        within = "" if t.within is None else f"{numeral(100 * t.within, '.2g')} %"
-        tests.append([
-            t.observable, "all" if t.time is None else numeral(t.time, ".4g"),
-            numeral(t.chi_square, ".4g"), str(t.dof), numeral(t.p_value, ".2g"),
-            numeral(t.sigmas, ".1f"), within * (t.verdict is Verdict.AGREES), str(t.verdict),
-        ])  # fmt: skip
-    rows = [["observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict"]]
-    for r in result.numbers:
-        ends = ("∞" if end is None else numeral(end, ".4g") for end in (r.low, r.high))
-        rows.append([
-            r.observable, numeral(r.time, ".4g"), "" if r.low is None else " to ".join(ends),
-            number(r.value, r.error), number(r.theory),
-            "" if r.sigmas is None else numeral(r.sigmas, "+.1f"), str(r.verdict),
-        ])  # fmt: skip
-    return told | {"start": result.initial, "errors": made}, tests, rows
-
-
-def tables(result: Any) -> str:
-    """The answer, parameters, tests, averages over time, odd bins, and explanations, as text."""
-    told, tests, rows = cells_of(result)
-    shown = [row for row in rows if not row[2] or row[-1] != Verdict.AGREES]
-    wrapped = textwrap.TextWrapper(100, subsequent_indent="  ", break_on_hyphens=False).fill
-    aligned = list[str]()
-    for lines in (tests, shown):
-        wide = [max(map(len, column)) for column in zip(*lines, strict=True)]
-        padded = ([cell.ljust(w) for cell, w in zip(line, wide, strict=True)] for line in lines)
-        aligned.append("\n".join("  ".join(cells).rstrip() for cells in padded))
-    if hidden := len(rows) - len(shown):
-        aligned[1] += f"\n({hidden} bins of densities that agree are left out; --json has them)"
-    return "\n\n".join([
-        wrapped(result.summary), *(wrapped(f"note: {text}") for text in result.warnings),
-        "\n".join(wrapped(f"{name}: {text}") for name, text in told.items()), *aligned,
-        *(wrapped(f"{x.name} ({OUTCOMES[x.outcome]}): {x.text}") for x in result.explanations),
-    ])  # fmt: skip
-
-
-def render(result: Any, json_name: str) -> str:
-    """The page, with nothing beside it."""
-    from markupsafe import Markup
-
-    svg = drawn(result, result.figures).decode() if result.figures else ""
-    told, tests, rows = cells_of(result)
-    return rendered(
-        "comparison.html.j2", result=result, outcomes=OUTCOMES, scene=told, tests=tests, rows=rows,
-        meanings={v: MEANING[v] for v in _STATISTICAL},
-        svg=Markup(svg[svg.find("<svg") :]), json_name=json_name,
-    )  # fmt: skip
-
-
-# -- the figures, drawn from the rows: data beside theory, and all deviations ----------------------
-def draw(result: Any, figure: str, ax: Any) -> None:
-    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
-    from matplotlib.ticker import LogLocator
-
-    name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
-    mine, bars = rows[rows["observable"] == name], {"fmt": "o", "ms": 4, "lw": 1}
-    x, x_scale, y_scale = "time $t$ / (d/U)", "log", "linear"
-    if name == "confidence":
-        title, x_scale = "Restitution and mean free path together", "linear"
-        x, y = "restitution $e$", "mean free path $l$ / d"
-        e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
-        angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
-        away = root @ np.stack([np.cos(angle), np.sin(angle)])
-        for share in (0.6827, LIMIT_SHARE):
-            radius = limit_factor(result.groups, share, numbers=2)
-            x_of_ellipse = e + radius * away[0]
-            y_of_ellipse = path * np.exp(radius * away[1])
-            ax.plot(x_of_ellipse, y_of_ellipse, label=f"{100 * share:.0f} %")
-        ax.plot(e, path, "ko", ms=4, label="fitted")
-    elif OBSERVABLES[name].measure is None:
-        seen = OBSERVABLES[name]
-        title, y_scale = seen.title, "log"
-        x, y = f"{seen.symbol} / {seen.unit}", f"density / (1/{seen.unit})"
-        bins = mine[(mine["low"] > 0) & mine["high"].notna() & (mine["value"] > 0)]
-        for k, (at, part) in enumerate(bins.groupby("time")):
-            middle, mark = np.sqrt(part["low"] * part["high"]), {"color": f"C{k}"}
-            ax.plot(middle, part["theory"], **mark)
-            mark["label"] = f"t = {at:.4g}"
-            ax.errorbar(middle, part["value"], part["error"], **mark, **bars)
-    else:
-        seen, both = OBSERVABLES[name], mine[["value", "theory"]].to_numpy()
-        title, y = seen.title, f"{seen.symbol} / {seen.unit}" if seen.unit else seen.symbol
-        if both.min() > 0 and both.max() > 30 * both.min():
-            y_scale = "log"
-        ax.plot(mine["time"], mine["theory"], label="kinetic equation")
-        shown = {"color": "black", "label": "data", **bars}
-        ax.errorbar(mine["time"], mine["value"], mine["error"], **shown)
-    ax.set(xlabel=x, ylabel=y, xscale=x_scale, yscale=y_scale)
-    if x_scale == "log":  # labels of every unit would overlap in a decade
-        ax.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
-    ax.set_title(title, fontsize="medium")
-    ax.legend(fontsize="small", frameon=False)
-
-
-def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
-    """Figures in two columns as one picture, in a format of matplotlib's."""
-    from matplotlib.figure import Figure
-
-    wide = min(2, len(names))
-    high = -(-len(names) // wide)
-    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
-    for k, name in enumerate(names, 1):
-        draw(result, name, figure.add_subplot(high, wide, k))
-    dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
-    figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
-    return buffer.getvalue()
+def _with_verdict(record: RowOrTest) -> RowOrTest:
+    """Return a row or a test whose verdict was stored as a word."""
+    return record._replace(verdict=Verdict(record.verdict))

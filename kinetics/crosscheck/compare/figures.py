@@ -1,0 +1,186 @@
+"""The figures of a comparison: lines for the theory, points with standard errors for the data.
+
+Begin with `draw`; `picture` makes a file of several.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, OBSERVABLES, Observable
+from kinetics.crosscheck.words import LIMIT_SHARE, limit_factor
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+    from kinetics.crosscheck.compare.result import Comparison
+
+#: The name of the figure of e and l together.
+CONFIDENCE = "confidence"
+#: The share of a Gaussian within one standard deviation.
+ONE_SIGMA_SHARE = 0.6827
+#: Points of an ellipse: a polygon of so many sides looks smooth.
+POINTS_OF_ELLIPSE = 121
+#: An average that changes by more than this factor is drawn on a logarithmic ordinate. Chosen.
+LOGARITHMIC_ABOVE = 30.0
+#: Width in inches of one of several figures in a picture. Chosen.
+WIDTH_OF_FIGURE = 4.6
+#: Height in inches of one of several figures in a picture. Chosen.
+HEIGHT_OF_FIGURE = 3.2
+#: Dots per inch of a PNG.
+RESOLUTION = 150
+#: Metadata without which files of two runs are the same.
+WITHOUT_DATE: dict[str, dict[str, None]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
+#: Columns of figures in a picture at most.
+MAX_COLUMNS = 2
+#: How data are drawn.
+POINTS: dict[str, Any] = {"fmt": "o", "ms": 4, "lw": 1}
+#: Multiples of powers of ten that have ticks beside these: labels of all would overlap.
+MINOR_TICKS = [2.0, 5.0]
+
+
+def figure_names(comparison: Comparison) -> list[str]:
+    """Return the names of the figures: of each observable, and of e and l if both were fitted."""
+    rows = _rows_over_time(comparison)
+    is_average = rows["low"].isna()
+    drawn = {*rows[is_average | _has_place_on_logarithmic_axes(rows)]["observable"]}
+    names = [name.replace("_", "-") for name in OBSERVABLES if name in drawn]
+    are_two_fitted = np.shape(comparison.covariance) == (2, 2)
+    if are_two_fitted and comparison.parameters["restitution"].value:
+        names.append(CONFIDENCE)
+    return names
+
+
+def draw(comparison: Comparison, figure: str, ax: Axes) -> None:
+    """Draw one figure on matplotlib's axes."""
+    if figure == CONFIDENCE:
+        _draw_confidence(comparison, ax)
+    else:
+        _draw_observable(comparison, figure.replace("-", "_"), ax)
+    if ax.get_xscale() == "log":
+        _thin_out_ticks(ax)
+    ax.legend(fontsize="small", frameon=False)
+
+
+def picture(comparison: Comparison, names: Sequence[str], kind: str = "svg") -> bytes:
+    """Return figures in two columns as one picture, in a format of matplotlib's."""
+    from matplotlib.figure import Figure
+
+    n_columns = min(MAX_COLUMNS, len(names))
+    n_rows = -(-len(names) // n_columns)
+    size = (WIDTH_OF_FIGURE * n_columns, HEIGHT_OF_FIGURE * n_rows)
+    figure = Figure(figsize=size, layout="constrained")
+    for position, name in enumerate(names, start=1):
+        draw(comparison, name, figure.add_subplot(n_rows, n_columns, position))
+    buffer = io.BytesIO()
+    metadata: Any = WITHOUT_DATE.get(kind)
+    figure.savefig(buffer, format=kind, dpi=RESOLUTION, metadata=metadata)
+    return buffer.getvalue()
+
+
+def _rows_over_time(comparison: Comparison) -> pd.DataFrame:
+    """Return the rows that have a place on a logarithmic axis of time."""
+    rows = comparison.rows
+    return rows[rows["time"] > 0]
+
+
+def _has_place_on_logarithmic_axes(rows: pd.DataFrame) -> pd.Series:
+    """Return which rows are bins with two ends and with samples."""
+    return rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)
+
+
+def _draw_observable(comparison: Comparison, name: str, ax: Axes) -> None:
+    """Draw an average over time, or a density at its times."""
+    rows = _rows_over_time(comparison)
+    rows = rows[rows["observable"] == name]
+    observable = OBSERVABLES[name]
+    label = f"kinetic equation, {comparison.medium}"
+    if name == BETWEEN_FRAMES:
+        _draw_between_frames(observable, rows, label, ax)
+    elif rows["low"].notna().any():
+        _draw_density(observable, rows[_has_place_on_logarithmic_axes(rows)], label, ax)
+    else:
+        _draw_average(observable, rows, label, ax)
+    ax.set_xscale("log")
+    ax.set_title(observable.title, fontsize="medium")
+
+
+def _draw_average(observable: Observable, rows: pd.DataFrame, label: str, ax: Axes) -> None:
+    """Draw an average over time."""
+    ax.plot(rows["time"], rows["theory"], label=label)
+    ax.errorbar(rows["time"], rows["value"], rows["error"], color="black", label="data", **POINTS)
+    values = rows[["value", "theory"]].to_numpy()
+    if values.min() > 0 and values.max() > LOGARITHMIC_ABOVE * values.min():
+        ax.set_yscale("log")
+    ax.set_xlabel("time $t$ / (d/U)")
+    ax.set_ylabel(_with_unit(observable))
+
+
+def _draw_between_frames(observable: Observable, rows: pd.DataFrame, label: str, ax: Axes) -> None:
+    """Draw the mean square displacement over the time between frames, a colour for each first."""
+    for index, (since, of_first_frame) in enumerate(rows.groupby("since")):
+        ordered = of_first_frame.sort_values("time")
+        elapsed = ordered["time"] - ordered["since"]
+        color = f"C{index}"
+        theory_label = label if index == 0 else None
+        ax.plot(elapsed, ordered["theory"], color=color, label=theory_label)
+        data_label = f"data, s = {since:.4g}"
+        values = ordered["value"]
+        ax.errorbar(elapsed, values, ordered["error"], color=color, label=data_label, **POINTS)
+    ax.set_yscale("log")
+    ax.set_xlabel("time between frames $t-s$ / (d/U)")
+    ax.set_ylabel(_with_unit(observable))
+
+
+def _draw_density(observable: Observable, bins: pd.DataFrame, label: str, ax: Axes) -> None:
+    """Draw a density in its bins, a colour for each time."""
+    for index, (time, at_time) in enumerate(bins.groupby("time")):
+        middle = np.sqrt(at_time["low"] * at_time["high"])
+        color = f"C{index}"
+        theory_label = label if index == 0 else None
+        ax.plot(middle, at_time["theory"], color=color, label=theory_label)
+        data_label = f"data, t = {time:.4g}"
+        values = at_time["value"]
+        ax.errorbar(middle, values, at_time["error"], color=color, label=data_label, **POINTS)
+    ax.set_yscale("log")
+    ax.set_xlabel(_with_unit(observable))
+    ax.set_ylabel(f"density / (1/{observable.unit})")
+
+
+def _draw_confidence(comparison: Comparison, ax: Axes) -> None:
+    """Draw the ellipses within which e and ln l are with a probability."""
+    restitution = comparison.parameters["restitution"].value
+    path = comparison.parameters["mean_free_path"].value
+    assert restitution is not None
+    assert path is not None
+    angle = np.linspace(0.0, 2.0 * np.pi, POINTS_OF_ELLIPSE)
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    ellipse = np.linalg.cholesky(comparison.covariance) @ circle
+    for share in (ONE_SIGMA_SHARE, LIMIT_SHARE):
+        radius = limit_factor(comparison.groups, share, numbers=2)
+        restitutions = restitution + radius * ellipse[0]
+        paths = path * np.exp(radius * ellipse[1])
+        ax.plot(restitutions, paths, label=f"{100 * share:.0f} %")
+    ax.plot(restitution, path, "ko", ms=4, label=f"fitted, {comparison.medium}")
+    ax.set_xlabel("restitution $e$")
+    ax.set_ylabel("mean free path $l$ / d")
+    ax.set_title("Restitution and mean free path together", fontsize="medium")
+
+
+def _with_unit(observable: Observable) -> str:
+    """Return the label of an axis: the symbol over its unit."""
+    if not observable.unit:
+        return observable.symbol
+    return f"{observable.symbol} / {observable.unit}"
+
+
+def _thin_out_ticks(ax: Axes) -> None:
+    """Label only some of the ticks between powers of ten."""
+    from matplotlib.ticker import LogLocator
+
+    ax.xaxis.set_minor_locator(LogLocator(subs=MINOR_TICKS))
