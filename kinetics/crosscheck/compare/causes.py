@@ -281,6 +281,7 @@ def _judged(told: Fit, cause: Cause, fitted: Fit) -> Explanation:
         dof=after.freedom,
         p_value=after.p_value,
         headline=headline,
+        medium=fitted.point.scatterers,
     )
 
 

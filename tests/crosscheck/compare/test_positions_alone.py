@@ -1,0 +1,141 @@
+"""Tracks of positions alone: e, l, U and the error of a position are found, or said to be unknown."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import compare, fit
+from particles import BoltzmannGrad, HardDisks, simulate
+
+RESTITUTION = 0.7
+DENSITY = 0.04
+PATH = 12.5
+NOISE = 0.05
+#: 24 frames, the first two closer than the mean free time, in d/U.
+FRAMES = np.concatenate([[0.0], np.geomspace(0.5, 400.0, 23)])
+
+
+@cache
+def tracks(kind: str, n_tracers: int = 600, seed: int = 1) -> dict[str, Any]:
+    """Positions of tracers, each among scatterers of its own, with an error of each position."""
+    medium = HardDisks(DENSITY, 1000) if kind == "hard disks" else BoltzmannGrad(DENSITY)
+    run = simulate(
+        medium,
+        RESTITUTION,
+        times=FRAMES,
+        media=n_tracers,
+        tracers=1,
+        seed=seed,
+        workers=1,
+        observables=("positions",),
+    )
+    random = np.random.default_rng(seed)
+    place = np.asarray(run.positions) + random.uniform(0.0, 50.0, (1, n_tracers, 2))
+    place = place + NOISE * random.normal(size=place.shape)
+    return {"times": FRAMES, "positions": place, "tracer": np.arange(n_tracers)}
+
+
+def within_errors(parameter: Any, truth: float, most: float = 4.0) -> bool:
+    return abs(parameter.value - truth) < most * parameter.error
+
+
+def test_all_four_numbers_are_found() -> None:
+    """Each within four of its errors, and as well known as 600 tracks can."""
+    result = fit(tracks("dilute"), scatterers="dilute")
+    assert result.verdict == "agrees"
+    parameters = result.parameters
+    for name, truth, error in (
+        ("restitution", RESTITUTION, 0.03),
+        ("mean_free_path", PATH, 0.06 * PATH),
+        ("speed_unit", 1.0, 0.05),
+        ("position_error", NOISE, 0.1 * NOISE),
+    ):
+        assert within_errors(parameters[name], truth)
+        assert parameters[name].error < error
+    assert result.cannot_tell == ()
+
+
+def test_a_wrong_restitution_is_seen_and_named() -> None:
+    result = compare(tracks("dilute"), 0.9, DENSITY, scatterers="dilute")
+    assert result.verdict == "differs"
+    item = next(item for item in result.explanations if item.name == "restitution")
+    assert item.outcome == "explains"
+    assert within_errors(item, RESTITUTION)
+
+
+def test_what_is_specified_is_held() -> None:
+    """U and the error of a position, in the data's unit of length."""
+    data = tracks("dilute")
+    millimetres = data | {"positions": 3.0 * data["positions"]}
+    result = fit(
+        millimetres,
+        scatterers="dilute",
+        diameter=3.0,
+        speed_unit=3.0,
+        localisation_error=3.0 * NOISE,
+    )
+    assert "speed_unit" not in result.parameters
+    assert "position_error" not in result.parameters
+    assert within_errors(result.parameters["restitution"], RESTITUTION)
+    assert within_errors(result.parameters["mean_free_path"], PATH)
+
+
+def test_units_of_the_data_are_those_of_the_answer() -> None:
+    """Lengths in mm and times in ms: U is in mm/ms, the error of a position in mm."""
+    data = tracks("dilute")
+    other = {
+        "times": 0.1 * data["times"],
+        "positions": 3.0 * data["positions"],
+        "tracer": data["tracer"],
+    }
+    result = fit(other, scatterers="dilute", diameter=3.0)
+    assert within_errors(result.parameters["mean_free_path"], PATH)
+    assert within_errors(result.parameters["speed_unit"], 30.0)
+    assert within_errors(result.parameters["position_error"], 3.0 * NOISE)
+
+
+def test_coarse_frames_cannot_tell_everything() -> None:
+    """Without a frame in the first 25 mean free times l and U are known by their product."""
+    data = tracks("dilute")
+    late = np.concatenate([[0], np.flatnonzero(FRAMES > 300.0)])
+    chosen = {"times": FRAMES[late], "positions": data["positions"][late], "tracer": data["tracer"]}
+    with pytest.raises(ValueError, match="too few pairs of frames"):
+        fit(chosen, scatterers="dilute")
+    late = np.concatenate([[0], np.flatnonzero(FRAMES > 100.0)])
+    chosen = {"times": FRAMES[late], "positions": data["positions"][late], "tracer": data["tracer"]}
+    result = fit(chosen, scatterers="dilute", localisation_error=NOISE)
+    assert result.cannot_tell
+
+
+def test_gaps_are_no_displacements() -> None:
+    """A fifth of all places is missing at random: fewer data, the same numbers."""
+    data = tracks("dilute")
+    place = data["positions"].copy()
+    place[np.random.default_rng(3).random(place.shape[:2]) < 0.2] = np.nan
+    result = fit(data | {"positions": place}, scatterers="dilute")
+    assert result.verdict == "agrees"
+    assert within_errors(result.parameters["restitution"], RESTITUTION)
+    assert within_errors(result.parameters["mean_free_path"], PATH)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["dilute", "hard disks"])
+def test_errors_of_positions_alone_are_honest(kind: str) -> None:
+    """Over 16 sets of 1,000 tracks: pulls with means within 0.75 (three standard errors), none
+    beyond 4, and at least one value in each."""
+    truths = (
+        ("restitution", RESTITUTION),
+        ("mean_free_path", PATH),
+        ("speed_unit", 1.0),
+        ("position_error", NOISE),
+    )
+    pulls = []
+    for seed in range(16):
+        parameters = fit(tracks(kind, 1000, 100 + seed)).parameters
+        pulls.append([(parameters[n].value - x) / parameters[n].error for n, x in truths])
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 0.75)
+    assert np.max(np.abs(pulls)) < 4.0
