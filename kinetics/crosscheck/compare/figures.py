@@ -32,6 +32,8 @@ LOGARITHMIC_ABOVE = 30.0
 WIDTH_OF_FIGURE = 4.6
 #: Height in inches of one of several figures in a picture. Chosen.
 HEIGHT_OF_FIGURE = 3.2
+#: Space above and below ellipses, of their height, so that the legend covers none of them.
+SPACE_FOR_LEGEND = 0.2
 #: Dots per inch of a PNG.
 RESOLUTION = 150
 #: Metadata without which files of two runs are the same.
@@ -64,7 +66,6 @@ def draw(comparison: Comparison, figure: str, ax: Axes) -> None:
         _draw_observable(comparison, figure.replace("-", "_"), ax)
     if ax.get_xscale() == "log":
         _thin_out_ticks(ax)
-    ax.legend(fontsize="small", frameon=False)
 
 
 def picture(comparison: Comparison, names: Sequence[str], kind: str = "svg") -> bytes:
@@ -108,6 +109,7 @@ def _draw_observable(comparison: Comparison, name: str, ax: Axes) -> None:
         _draw_average(observable, rows, label, ax)
     ax.set_xscale("log")
     ax.set_title(observable.title, fontsize="medium")
+    ax.legend(fontsize="small", frameon=False)
 
 
 def _draw_average(observable: Observable, rows: pd.DataFrame, label: str, ax: Axes) -> None:
@@ -170,6 +172,8 @@ def _draw_confidence(comparison: Comparison, ax: Axes) -> None:
     ax.set_xlabel("restitution $e$")
     ax.set_ylabel("mean free path $l$ / d")
     ax.set_title("Restitution and mean free path together", fontsize="medium")
+    ax.margins(y=SPACE_FOR_LEGEND)
+    ax.legend(loc="upper center", ncols=3, fontsize="small", frameon=False)
 
 
 def _with_unit(observable: Observable) -> str:
