@@ -84,10 +84,10 @@ def statements(comparison: Comparison) -> list[Statement]:
 def _statements_of_quantities(comparison: Comparison) -> list[Statement]:
     """Return the numbers of the theory; what is said of the source of several is said once."""
     lines = []
-    said: set[str] = set()
+    stated: set[str] = set()
     for quantity in quantities(comparison):
-        clauses = [clause for clause in quantity.source.split("; ") if clause not in said]
-        said.update(clauses)
+        clauses = [clause for clause in quantity.source.split("; ") if clause not in stated]
+        stated.update(clauses)
         source = "; ".join(clauses)
         text = quantity.text
         if source:
@@ -215,8 +215,9 @@ def explanation_text(item: Explanation) -> str:
     """Return an explanation with the chi-squares of all averages without it and with it."""
     if item.chi_square_before is None or item.chi_square_after is None or item.p_value is None:
         return item.text
-    before = numeral(item.chi_square_before, ".4g")
-    after = numeral(item.chi_square_after, ".4g")
+    original = numeral(item.chi_square_before, ".4g")
+    remaining = numeral(item.chi_square_after, ".4g")
     medium = f", {item.medium}" if item.medium else ""
     p_value = numeral(item.p_value, ".2g")
-    return f"{_headline(item)}{medium}; chi-square {before} → {after}/{item.dof}, p = {p_value}"
+    chi_squares = f"chi-square {original} → {remaining}/{item.dof}"
+    return f"{_headline(item)}{medium}; {chi_squares}, p = {p_value}"
