@@ -6,8 +6,8 @@ Begin with `draw`; `picture` makes a file of several.
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -17,8 +17,6 @@ from kinetics.crosscheck.words import LIMIT_SHARE, limit_factor
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
-
-    from kinetics.crosscheck.compare.result import Comparison
 
 #: The name of the figure of e and l together.
 CONFIDENCE = "confidence"
@@ -32,6 +30,8 @@ LOGARITHMIC_ABOVE = 30.0
 WIDTH_OF_FIGURE = 4.6
 #: Height in inches of one of several figures in a picture. Chosen.
 HEIGHT_OF_FIGURE = 3.2
+#: Space above and below ellipses, of their height, so that the legend covers none of them.
+SPACE_FOR_LEGEND = 0.2
 #: Dots per inch of a PNG.
 RESOLUTION = 150
 #: Metadata without which files of two runs are the same.
@@ -44,7 +44,39 @@ POINTS: dict[str, Any] = {"fmt": "o", "ms": 4, "lw": 1}
 MINOR_TICKS = [2.0, 5.0]
 
 
-def figure_names(comparison: Comparison) -> list[str]:
+class HasValue(Protocol):
+    """A number of the theory, of which the figures need the value."""
+
+    @property
+    def value(self) -> float | None:
+        """The value; None where no model fits."""
+
+
+class Drawable(Protocol):
+    """What the figures need of a `Comparison`, whose attributes these are."""
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """The rows of all observables."""
+
+    @property
+    def medium(self) -> str:
+        """The scatterers of the theory."""
+
+    @property
+    def groups(self) -> int:
+        """The number of independent groups."""
+
+    @property
+    def covariance(self) -> tuple[tuple[float, ...], ...]:
+        """The covariance of those that were fitted of e and ln l."""
+
+    @property
+    def parameters(self) -> Mapping[str, HasValue]:
+        """The numbers of the theory by name."""
+
+
+def figure_names(comparison: Drawable) -> list[str]:
     """Return the names of the figures: of each observable, and of e and l if both were fitted."""
     rows = _rows_over_time(comparison)
     is_average = rows["low"].isna()
@@ -56,7 +88,7 @@ def figure_names(comparison: Comparison) -> list[str]:
     return names
 
 
-def draw(comparison: Comparison, figure: str, ax: Axes) -> None:
+def draw(comparison: Drawable, figure: str, ax: Axes) -> None:
     """Draw one figure on matplotlib's axes."""
     if figure == CONFIDENCE:
         _draw_confidence(comparison, ax)
@@ -64,10 +96,9 @@ def draw(comparison: Comparison, figure: str, ax: Axes) -> None:
         _draw_observable(comparison, figure.replace("-", "_"), ax)
     if ax.get_xscale() == "log":
         _thin_out_ticks(ax)
-    ax.legend(fontsize="small", frameon=False)
 
 
-def picture(comparison: Comparison, names: Sequence[str], kind: str = "svg") -> bytes:
+def picture(comparison: Drawable, names: Sequence[str], kind: str = "svg") -> bytes:
     """Return figures in two columns as one picture, in a format of matplotlib's."""
     from matplotlib.figure import Figure
 
@@ -83,7 +114,7 @@ def picture(comparison: Comparison, names: Sequence[str], kind: str = "svg") -> 
     return buffer.getvalue()
 
 
-def _rows_over_time(comparison: Comparison) -> pd.DataFrame:
+def _rows_over_time(comparison: Drawable) -> pd.DataFrame:
     """Return the rows that have a place on a logarithmic axis of time."""
     rows = comparison.rows
     return rows[rows["time"] > 0]
@@ -94,7 +125,7 @@ def _has_place_on_logarithmic_axes(rows: pd.DataFrame) -> pd.Series:
     return rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)
 
 
-def _draw_observable(comparison: Comparison, name: str, ax: Axes) -> None:
+def _draw_observable(comparison: Drawable, name: str, ax: Axes) -> None:
     """Draw an average over time, or a density at its times."""
     rows = _rows_over_time(comparison)
     rows = rows[rows["observable"] == name]
@@ -108,6 +139,7 @@ def _draw_observable(comparison: Comparison, name: str, ax: Axes) -> None:
         _draw_average(observable, rows, label, ax)
     ax.set_xscale("log")
     ax.set_title(observable.title, fontsize="medium")
+    ax.legend(fontsize="small", frameon=False)
 
 
 def _draw_average(observable: Observable, rows: pd.DataFrame, label: str, ax: Axes) -> None:
@@ -152,7 +184,7 @@ def _draw_density(observable: Observable, bins: pd.DataFrame, label: str, ax: Ax
     ax.set_ylabel(f"density / (1/{observable.unit})")
 
 
-def _draw_confidence(comparison: Comparison, ax: Axes) -> None:
+def _draw_confidence(comparison: Drawable, ax: Axes) -> None:
     """Draw the ellipses within which e and ln l are with a probability."""
     restitution = comparison.parameters["restitution"].value
     path = comparison.parameters["mean_free_path"].value
@@ -170,6 +202,8 @@ def _draw_confidence(comparison: Comparison, ax: Axes) -> None:
     ax.set_xlabel("restitution $e$")
     ax.set_ylabel("mean free path $l$ / d")
     ax.set_title("Restitution and mean free path together", fontsize="medium")
+    ax.margins(y=SPACE_FOR_LEGEND)
+    ax.legend(loc="upper center", ncols=3, fontsize="small", frameon=False)
 
 
 def _with_unit(observable: Observable) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from typing import TYPE_CHECKING
+
 from kinetics.crosscheck.compare.figures import picture
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison
 from kinetics.crosscheck.compare.tables import (
@@ -18,6 +21,12 @@ from kinetics.crosscheck.compare.text import (
 )
 from kinetics.crosscheck.files import rendered
 
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+#: Where an SVG names one of its elements, or refers to it.
+NAME_OF_ELEMENT = re.compile(r'(\bid="|href="#|url\(#)')
+
 
 def render(comparison: Comparison, json_name: str) -> str:
     """Return the page as HTML.
@@ -26,12 +35,6 @@ def render(comparison: Comparison, json_name: str) -> str:
     ----------
     json_name : name of the file beside it that has every number
     """
-    from markupsafe import Markup
-
-    svg = ""
-    if comparison.figures:
-        drawing = picture(comparison, comparison.figures).decode()
-        svg = drawing[drawing.find("<svg") :]  # without the declaration of XML
     return rendered(
         "comparison.html.j2",
         result=comparison,
@@ -45,6 +48,18 @@ def render(comparison: Comparison, json_name: str) -> str:
         rows=table_of_rows(comparison.numbers, comparison.numbers),
         meaning=MEANING_OF_COLUMNS,
         meaning_of_explanations=MEANING_OF_EXPLANATIONS,
-        svg=Markup(svg),
+        figures=[_svg_element(comparison, name) for name in comparison.figures],
         json_name=json_name,
     )
+
+
+def _svg_element(comparison: Comparison, name: str) -> Markup:
+    """Return a figure as an element of a page, in which no other figure has names of its elements.
+
+    Matplotlib gives the same glyph the same name in all figures.
+    """
+    from markupsafe import Markup
+
+    drawing = picture(comparison, [name]).decode()
+    element = drawing[drawing.index("<svg") :]  # without the declaration of XML
+    return Markup(NAME_OF_ELEMENT.sub(rf"\1{name}-", element))

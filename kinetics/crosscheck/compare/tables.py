@@ -40,11 +40,10 @@ MEANING_OF_EXPLANATIONS = (
 def tables(comparison: Comparison) -> str:
     """Return all tests, averages, bins that do not agree, and explanations as text."""
     shown = [row for row in comparison.numbers if _is_worth_a_line(row)]
-    blocks = [
-        wrapped(MEANING_OF_COLUMNS),
-        aligned(table_of_tests(comparison.tests)),
-        aligned(table_of_rows(comparison.numbers, shown)),
-    ]
+    blocks = [wrapped(MEANING_OF_COLUMNS)]
+    if comparison.tests:
+        blocks.append(aligned(table_of_tests(comparison.tests)))
+    blocks.append(aligned(table_of_rows(comparison.numbers, shown)))
     n_hidden = len(comparison.numbers) - len(shown)
     if n_hidden:
         blocks[-1] += f"\n({n_hidden} bins of densities that agree are left out; --json has them)"

@@ -82,14 +82,16 @@ def statements(comparison: Comparison) -> list[Statement]:
 
 
 def _statements_of_quantities(comparison: Comparison) -> list[Statement]:
-    """Return the numbers of the theory, a source that several have in a row once."""
+    """Return the numbers of the theory; what is said of the source of several is said once."""
     lines = []
-    previous_source = ""
+    stated: set[str] = set()
     for quantity in quantities(comparison):
-        text = quantity.text if quantity.has_value else quantity.source
-        if quantity.has_value and quantity.source not in ("", previous_source):
-            text += f" ({quantity.source})"
-        previous_source = quantity.source
+        clauses = [clause for clause in quantity.source.split("; ") if clause not in stated]
+        stated.update(clauses)
+        source = "; ".join(clauses)
+        text = quantity.text
+        if source:
+            text = f"{text} ({source})" if quantity.has_value else source
         lines.append(Statement(quantity.name, text))
     return lines
 
@@ -119,11 +121,12 @@ def _data_text(comparison: Comparison) -> str:
 def _p_value_text(comparison: Comparison) -> str:
     """Return the p-value, and the chi-square of all averages together."""
     assert comparison.p_value is not None
-    text = numeral(comparison.p_value, ".2g")
+    text = f"{numeral(comparison.p_value, '.2g')}, of everything that was tested"
     if comparison.chi_square is None:
         return text
     chi_square = numeral(comparison.chi_square, ".4g")
-    return f"{text} (chi-square {chi_square} with {comparison.dof} degrees of freedom)"
+    freedom = f"{comparison.dof} degrees of freedom"
+    return f"{text}; all averages together have chi-square {chi_square} with {freedom}"
 
 
 def _largest_deviation(comparison: Comparison) -> str:
@@ -212,8 +215,9 @@ def explanation_text(item: Explanation) -> str:
     """Return an explanation with the chi-squares of all averages without it and with it."""
     if item.chi_square_before is None or item.chi_square_after is None or item.p_value is None:
         return item.text
-    before = numeral(item.chi_square_before, ".4g")
-    after = numeral(item.chi_square_after, ".4g")
+    original = numeral(item.chi_square_before, ".4g")
+    remaining = numeral(item.chi_square_after, ".4g")
     medium = f", {item.medium}" if item.medium else ""
     p_value = numeral(item.p_value, ".2g")
-    return f"{_headline(item)}{medium}; chi-square {before} → {after}/{item.dof}, p = {p_value}"
+    chi_squares = f"chi-square {original} → {remaining}/{item.dof}"
+    return f"{_headline(item)}{medium}; {chi_squares}, p = {p_value}"

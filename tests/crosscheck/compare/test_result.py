@@ -85,7 +85,7 @@ def row(observable: str, value: float, error: float, theory: float, **changed: A
 
 @pytest.fixture
 def positions_alone() -> Comparison:
-    """Tracks in millimetres and seconds, to which e, l, U and the error of a position are fitted."""
+    """Tracks in mm and s, to which e, l, U and the error of a position were fitted."""
     source = "fitted to positions"
     between_frames = [
         row("displacement_between_frames", 4.0 * (time - since), 0.1, 4.0, time=time, since=since)
@@ -253,7 +253,8 @@ def test_the_answer_says_what_the_fields_of_the_comparison_say(positions_alone: 
         positions_alone.next_step,
         "do not exclude hard disks",
         "1000 tracers at 40 times",
-        "0.31 (chi-square 23 with 20 degrees of freedom)",
+        "p-value: 0.31",
+        "chi-square 23 with 20 degrees of freedom",
     ):
         assert words in text
 
@@ -391,6 +392,9 @@ def test_the_page_stands_alone_and_begins_with_the_answer(differing: Comparison)
     page = Page(render(differing, "page.json"))
     assert all(reference.startswith("#") for reference in page.references)
     assert "script" not in page.tags
+    assert page.tags.count("svg") == len(differing.figures)
+    assert len(page.ids) == len(set(page.ids))
+    assert {reference[1:] for reference in page.references} <= set(page.ids)
     words = page.words
     headline = differing.explanations[0].headline
     assert words.index("differ") < words.index(headline) < words.index("Tests")
