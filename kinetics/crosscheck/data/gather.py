@@ -37,8 +37,8 @@ SAME_TIME = 1e-6
 SAME_TIME_OF_STEP = 1e-3
 #: Times at which velocities are needed to be of use: at one, positions alone tell more.
 MIN_TIMES_WITH_VELOCITIES = 2
-#: Numbers of the tracks from which it is told whether velocities are differences of positions.
-N_SAMPLED = 1_000_000
+#: Rows from which it is told whether velocities are differences of positions, about.
+N_SAMPLED = 100_000
 #: Labels that say which tracer a row is of.
 IDENTITY_LABELS = ("tracer", "medium")
 #: The place of a row among those of its time: what tells tracers apart that have no label.
@@ -208,7 +208,7 @@ def _without_useless_velocities(rows: _Rows, options: DataOptions) -> _Rows:
     if SPEEDS[0] not in rows.columns:
         return rows
     is_stated = ~np.isnan(rows.columns[SPEEDS[0]])
-    n_times = np.unique(rows.time_index[is_stated]).size
+    n_times = np.count_nonzero(np.bincount(rows.time_index[is_stated]))
     if n_times < min(MIN_TIMES_WITH_VELOCITIES, rows.times.size):
         reason = f"Velocities are stated at {n_times} of {rows.times.size} times"
     else:
@@ -223,10 +223,12 @@ def _without_useless_velocities(rows: _Rows, options: DataOptions) -> _Rows:
 
 def _quotient_of_sample(rows: _Rows, options: DataOptions) -> str | None:
     """Return which difference quotient the velocities of some tracers are; None for measured."""
-    number, n_tracers = _tracer_numbers(rows)
-    every = n_tracers * rows.times.size // N_SAMPLED + 1
-    sampled = rows.select(number % every == 0, "")
-    return quotient_of_velocities(_dense(sampled, options), options.units)
+    labels = rows.columns["tracer" if "tracer" in rows.columns else RANK]
+    n_tracers = N_SAMPLED // rows.times.size + 1
+    sampled_labels = labels[:: labels.size // n_tracers + 1]
+    is_sampled = np.asarray(pd.Series(labels).isin(sampled_labels))
+    tracks = _dense(rows.select(is_sampled, ""), options)
+    return quotient_of_velocities(tracks, options.units)
 
 
 def _without_gaps(rows: _Rows) -> _Rows:
