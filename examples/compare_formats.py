@@ -80,4 +80,4 @@ with tempfile.TemporaryDirectory() as folder:
 
 if __name__ == "__main__":
     for name, result in RESULTS.items():
-        print(f"{name}: {result.verdict}, <r^2> p = {result.p_value_of('msd'):.4g}")
+        print(f"{name}: {result.verdict}, <r^2> p = {result.p_value('msd'):.4g}")

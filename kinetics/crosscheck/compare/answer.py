@@ -19,7 +19,7 @@ from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.noted import never_move, noted
 from kinetics.crosscheck.compare.observables import OBSERVABLES
-from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter
+from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter, Row
 from kinetics.crosscheck.compare.theory import Theory
 from kinetics.crosscheck.compare.wrong_unit import wrong_unit
 from kinetics.crosscheck.data.sample import Law, Sample
@@ -155,6 +155,8 @@ def _comparison(
             cause = likeliest
     parameters = _parameters(best.fitted, verdict, found_in_data)
     averages = judgement.averages
+    clock = _fitted_clock(best.fitted)
+    cannot_tell = _cannot_tell(best.fitted)
     return Comparison(
         verdict=verdict,
         summary=_summary(best, parameters, verdict, cause),
@@ -165,24 +167,55 @@ def _comparison(
         grouping=sample.grouping,
         names=sample.names,
         warnings=(*sample.warnings, *remarks),
-        tests=judgement.tests,
+        tests=tuple(test._replace(time=_scaled_time(test.time, clock)) for test in judgement.tests),
         explanations=tuple(explanations),
-        numbers=judgement.rows,
+        numbers=tuple(_row_on_clock(row, clock) for row in judgement.rows),
         medium=point.scatterers,
         covariance=_covariance_of_two(best.fitted),
-        p_value=judgement.p_value,
+        overall_p_value=judgement.p_value,
         chi_square=None if averages is None else averages.value,
         dof=None if averages is None else averages.freedom,
-        units=dict(sample.units),
+        units=_units(sample, clock),
         dimension=sample.law.dimension,
-        cannot_tell=_cannot_tell(best.fitted),
+        cannot_tell=cannot_tell,
         media=_chi_squares(judged),
         undecided=_undecided(judged, best),
         n_times=int(sample.times.size),
-        first_time=float(sample.times[0]),
-        last_time=float(sample.times[-1]),
-        next_step=_next_step(verdict, cause, _cannot_tell(best.fitted)),
+        first_time=clock * float(sample.times[0]),
+        last_time=clock * float(sample.times[-1]),
+        next_step=_next_step(verdict, cause, cannot_tell),
     )
+
+
+def _fitted_clock(fitted: Fit) -> float:
+    """Return the times in d/U over those of the sample, where U was fitted; else 1.
+
+    Until U is known, the times of positions alone are in the d/U of a U that is 1 in the data.
+    """
+    return fitted.point.clock if "speed_unit" in fitted.names else 1.0
+
+
+def _scaled_time(time: float | None, clock: float) -> float | None:
+    return None if time is None else time * clock
+
+
+def _row_on_clock(row: Row, clock: float) -> Row:
+    """Return a row with its times in d/U of the fitted U."""
+    if clock == 1.0:
+        return row
+    return row._replace(time=row.time * clock, since=_scaled_time(row.since, clock))
+
+
+def _units(sample: Sample, clock: float) -> dict[str, float]:
+    """Return d, U and d/U in the data's units; none if the data have them themselves."""
+    units = dict(sample.units)
+    if clock == 1.0:
+        return units
+    return {
+        "length": units.get("length", 1.0),
+        "speed": units.get("speed", 1.0) * clock,
+        "time": units.get("time", 1.0) / clock,
+    }
 
 
 def _chi_squares(judged: Sequence[JudgedFit]) -> dict[str, tuple[float, int]]:
@@ -367,8 +400,9 @@ def _fitted_in_words(parameters: dict[str, Parameter]) -> str:
 def _what_was_compared(best: JudgedFit) -> str:
     sample = best.sample
     point = best.fitted.point
-    first = numeral(sample.times[0], ".4g")
-    last = numeral(sample.times[-1], ".4g")
+    clock = _fitted_clock(best.fitted)
+    first = numeral(clock * sample.times[0], ".4g")
+    last = numeral(clock * sample.times[-1], ".4g")
     return (
         f"{best.fitted.measured.n_tracers} tracers at {sample.times.size} times from {first} to "
         f"{last} d/U, compared with the kinetic equation with {_system_in_words(best)}, from "

@@ -310,18 +310,35 @@ class _Estimation:
         return np.asarray(self.powers * pool.influence[:, self.indices] / values)
 
     def solve(self, at: Array, weights: Array) -> Array:
-        """Return the solution of D^T W g = 0 near some coordinates."""
+        """Return the solution of D^T W g = 0 near some coordinates, within their limits."""
         for _ in range(MAX_NEWTON_STEPS):
             slopes = self.slopes(at)
             relative = np.expm1(self.log_difference(at))
-            gain = _gain(slopes, weights)
-            change = np.clip(gain @ relative, -MAX_CHANGE, MAX_CHANGE)
+            change = self._change_within_limits(at, slopes, weights, relative)
             new = np.clip(at + change, self.low, self.high)
             is_converged = np.abs(new - at).max() < CONVERGED_BELOW
             at = new
             if is_converged:
                 break
         return at
+
+    def _change_within_limits(
+        self, at: Array, slopes: Array, weights: Array, relative: Array
+    ) -> Array:
+        """Return a Newton step of the coordinates that are not held at a limit.
+
+        A coordinate that would leave its limits is held there, and the others are solved for
+        without it.
+        """
+        is_free = np.ones(at.size, bool)
+        while True:
+            change = np.zeros(at.size)
+            change[is_free] = _gain(slopes[:, is_free], weights) @ relative
+            change = np.clip(change, -MAX_CHANGE, MAX_CHANGE)
+            leaves = ((at <= self.low) & (change < 0.0)) | ((at >= self.high) & (change > 0.0))
+            if not np.any(leaves):
+                return change
+            is_free &= ~leaves
 
     def result(self, at: Array, weights: Array, measured: Measured) -> Fit:
         """Return the fit of all averages at its solution, with the covariance of the parameters."""

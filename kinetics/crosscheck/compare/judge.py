@@ -1,8 +1,7 @@
 """The judgement: rows, tests, and the one p-value that the verdict is on. Begin with `judge`.
 
 Data and theory are looked at in several ways: all averages together, each average alone, each
-density, and each row for an outlier. The p-value of the verdict is the smallest of these times the
-number of looks (Bonferroni): once for the tests, and once for all rows.
+density, and each row for an outlier. The p-value of the verdict allows for the number of looks.
 """
 
 from __future__ import annotations
@@ -88,20 +87,24 @@ def judge(fitted: Fit, measured: Measured, theory: Theory) -> Judgement:
 def _one_p_value(
     averages: ChiSquare | None, tests: Sequence[ComparisonTest], rows: Sequence[Row]
 ) -> float:
-    """Return the smallest p-value of all looks times their number."""
+    """Return the p-value of everything that was tested.
+
+    The test of all averages together has half of the level, all tests of one average or density a
+    quarter, and the rows the other quarter, each divided by their number.
+    """
     of_tests = [test.p_value for test in tests]
-    if averages is not None:
-        of_tests.append(averages.p_value)
-    of_rows = [
+    n_observables = len({row.observable for row in rows})
+    of_rows = [  # corrected for the rows of an observable already
         math.erfc(abs(row.corrected_sigmas) / math.sqrt(2.0))
         for row in rows
         if row.corrected_sigmas is not None
     ]
-    n_observables = len({row.observable for row in rows})
-    looks = [len(of_tests) * p_value for p_value in of_tests]
-    # each of these is corrected for the rows of its observable
-    looks += [n_observables * p_value for p_value in of_rows]
-    return min([1.0, *(2.0 * p_value for p_value in looks)])
+    candidates = [1.0]
+    if averages is not None:
+        candidates.append(2.0 * averages.p_value)
+    candidates += [4.0 * len(of_tests) * p_value for p_value in of_tests]
+    candidates += [4.0 * n_observables * p_value for p_value in of_rows]
+    return min(candidates)
 
 
 def _verdict(

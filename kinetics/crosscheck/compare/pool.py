@@ -25,7 +25,7 @@ N_TRACERS = 4000
 #: tracers, and a pool must have more of these than the data. Measured: with 4,000 the kurtosis of
 #: 5,000 tracers was 3.5 of its errors too low.
 TRACERS_OVER_DATA = 4
-MAX_TRACERS = 20_000
+MAX_TRACERS = 12_000
 #: Configurations that they are divided among; Boltzmann-Grad tracers share nothing.
 N_MEDIA = 20
 #: Collisions of all tracers of a pool at most: about a second. Of fewer tracers, if need be.
@@ -38,6 +38,8 @@ COLLISION_RATE = 1.25
 SEED = 20
 #: Sets of tracers that are drawn from a pool.
 N_DRAWS = 1000
+#: Tracers of a set up to which they are drawn one by one: means of more are taken for Gaussian.
+MAX_DRAWN = 3000
 
 
 def can_simulate(point: Point, law: Law, last_time: float) -> bool:
@@ -106,20 +108,27 @@ class Pool:
         return np.asarray(self.influence.T @ self.influence / (self.n_tracers - 1))
 
     def draws(self, n: int) -> Array:
-        """Return shaped deviations of means of n tracers drawn from it, (N_DRAWS, n_components).
-
-        Each tracer is drawn as often as a Poisson number says: of all together n, and a few more or
-        less, which no mean knows.
-        """
+        """Return shaped deviations of means of n tracers drawn from it, (N_DRAWS, n_components)."""
         random = np.random.default_rng(SEED)
-        counts = random.poisson(n / self.n_tracers, (N_DRAWS, self.n_tracers))
-        weights = counts.astype(float)
+        if n > MAX_DRAWN:
+            return gaussian_vectors(self.covariance / n, N_DRAWS, random)
+        drawn = random.integers(0, self.n_tracers, (N_DRAWS, n))
+        drawn += self.n_tracers * np.arange(N_DRAWS)[:, None]
+        counts = np.bincount(drawn.ravel(), minlength=N_DRAWS * self.n_tracers)
+        weights = counts.reshape(N_DRAWS, self.n_tracers).astype(float)
         sums = np.tensordot(weights, self._sums, axes=1)
         pair_sums = None
         if self._pair_sums is not None:
             pair_sums = np.tensordot(weights, self._pair_sums, axes=1)
         deviation = self.layout.measure(sums, pair_sums) - self.values
         return self.layout.shaped(self.values, deviation)
+
+
+def gaussian_vectors(covariance: Array, n: int, random: np.random.Generator) -> Array:
+    """Return n Gaussian vectors of mean 0 with a covariance (p, p), shape (n, p)."""
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    return np.asarray(random.normal(size=(n, len(covariance))) @ root.T)
 
 
 def _simulated_sums(

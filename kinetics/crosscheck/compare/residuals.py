@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.observables import Array
 from kinetics.crosscheck.compare.point import Point
-from kinetics.crosscheck.compare.pool import SEED, Pool
+from kinetics.crosscheck.compare.pool import SEED, Pool, gaussian_vectors
 from kinetics.crosscheck.compare.statistics import (
     ROUNDING,
     ChiSquare,
@@ -227,7 +227,8 @@ class Residuals:
             return test_by_groups(white, groups @ axes.T, axes @ own @ axes.T)
         draws = self._draws[:, indices]
         if self.own is not None:
-            draws = draws + _gaussian(own, len(draws))
+            random = np.random.default_rng(SEED + 1)
+            draws = draws + gaussian_vectors(own, len(draws), random)
         return test_by_simulation(white, draws @ axes.T)
 
     @cached_property
@@ -246,10 +247,3 @@ class Residuals:
         passed = self.influence.remaining(np.eye(self.theory.size))
         return np.asarray(passed.T @ self.own @ passed)
 
-
-def _gaussian(covariance: Array, n: int) -> Array:
-    """Return n Gaussian vectors of mean 0 with a covariance, (n, p)."""
-    random = np.random.default_rng(SEED + 1)
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    return np.asarray(random.normal(size=(n, len(covariance))) @ root.T)

@@ -148,7 +148,7 @@ class Comparison(Result):
     explanations : Explanation; empty where nothing needs one
     medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
     covariance : of those that were fitted of restitution and ln(mean free path)
-    p_value : of everything that was tested, on which the verdict rests; None where nothing was
+    overall_p_value : of everything that was tested, on which the verdict rests; None where nothing was
     chi_square, dof : of all averages together, and its degrees of freedom
     units : "length", "speed" and "time": d, U and d/U in the data's units; empty if the data are in
         d and U
@@ -175,7 +175,7 @@ class Comparison(Result):
     numbers: tuple[Row, ...] = field(repr=False)
     medium: str = "dilute"
     covariance: tuple[tuple[float, ...], ...] = ()
-    p_value: float | None = None
+    overall_p_value: float | None = None
     chi_square: float | None = None
     dof: int | None = None
     units: Mapping[str, float] = field(default_factory=dict)
@@ -204,7 +204,7 @@ class Comparison(Result):
         numeric = [name for name in Row._fields if name not in COLUMNS_OF_OTHER_TYPES]
         return frame.astype(dict.fromkeys(numeric, float))
 
-    def p_value_of(self, observable: str, time: float | None = None) -> float:
+    def p_value(self, observable: str, time: float | None = None) -> float:
         """Return the p-value of an average, or of a density at a time.
 
         Raises

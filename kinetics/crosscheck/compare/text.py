@@ -73,7 +73,7 @@ def statements(comparison: Comparison) -> list[Statement]:
     lines += [Statement("cannot tell", sentence) for sentence in comparison.cannot_tell]
     lines.append(Statement("theory", _theory_text(comparison)))
     lines.append(Statement("data", _data_text(comparison)))
-    if comparison.p_value is not None:
+    if comparison.overall_p_value is not None:
         lines.append(Statement("p-value", _p_value_text(comparison)))
     deviation = _largest_deviation(comparison)
     if deviation:
@@ -120,8 +120,8 @@ def _data_text(comparison: Comparison) -> str:
 
 def _p_value_text(comparison: Comparison) -> str:
     """Return the p-value, and the chi-square of all averages together."""
-    assert comparison.p_value is not None
-    text = f"{numeral(comparison.p_value, '.2g')}, of everything that was tested"
+    assert comparison.overall_p_value is not None
+    text = f"{numeral(comparison.overall_p_value, '.2g')}, of everything that was tested"
     if comparison.chi_square is None:
         return text
     chi_square = numeral(comparison.chi_square, ".4g")

@@ -63,7 +63,7 @@ def test_columns_in_memory_are_read_as_files(run: Run) -> None:
     told: Any = {"restitution": 0.75, "number_density": 0.04, "explain": False}
     found = [compare(one, **told) for one in (data, pd.DataFrame(data), frames)]
     assert found[0] == found[1]
-    assert {(c.grouping, c.p_value_of("msd") > 1e-3) for c in found} == {("medium", True)}
+    assert {(c.grouping, c.p_value("msd") > 1e-3) for c in found} == {("medium", True)}
 
 
 @pytest.mark.parametrize("order", ["shuffled", "by tracer"])

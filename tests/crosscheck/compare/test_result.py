@@ -39,7 +39,7 @@ KEYS = {
     "rows",
     "medium",
     "covariance",
-    "p_value",
+    "overall_p_value",
     "chi_square",
     "dof",
     "dimension",
@@ -112,7 +112,7 @@ def positions_alone() -> Comparison:
         explanations=(),
         numbers=tuple(between_frames),
         covariance=((1e-4, 0.0), (0.0, 2e-3)),
-        p_value=0.31,
+        overall_p_value=0.31,
         chi_square=23.0,
         dof=20,
         units={"length": 2.0, "speed": 3.0, "time": 2.0 / 3.0},
@@ -153,12 +153,12 @@ def test_a_saved_comparison_is_loaded_equal(name: str, request: Any, tmp_path: P
 def test_files_without_the_later_fields_are_loaded(positions_alone: Comparison) -> None:
     """As versions before 2026 wrote them: twelve fields, rows of eleven numbers."""
     stored = positions_alone._to_storage()
-    later = ["p_value", "chi_square", "dof", "units", "unit_names", "dimension", "cannot_tell"]
+    later = ["overall_p_value", "chi_square", "dof", "units", "unit_names", "dimension", "cannot_tell"]
     later += ["media", "undecided", "n_times", "first_time", "last_time", "next_step"]
     old = {name: value for name, value in stored.items() if name not in later}
     old["numbers"] = tuple(tuple(numbers)[:11] for numbers in old["numbers"])
     loaded = Comparison._from_storage(old)
-    assert loaded.p_value is None
+    assert loaded.overall_p_value is None
     assert loaded.rows["since"].isna().all()
     assert loaded.parameters == positions_alone.parameters
 
@@ -196,9 +196,9 @@ def test_rows_are_a_data_frame_and_a_dataset(differing: Comparison) -> None:
 
 def test_p_values_are_found_by_observable_and_time(differing: Comparison) -> None:
     for test in differing.tests:
-        assert differing.p_value_of(test.observable, test.time) == test.p_value
+        assert differing.p_value(test.observable, test.time) == test.p_value
     with pytest.raises(KeyError):
-        differing.p_value_of("msd", 3.0)
+        differing.p_value("msd", 3.0)
 
 
 def test_the_document_is_strict_json(positions_alone: Comparison) -> None:
