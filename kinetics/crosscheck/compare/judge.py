@@ -150,7 +150,7 @@ def _row(residuals: Residuals, index: int, size: float, n_looks: int) -> Row:
     sigmas = None
     corrected = None
     if residuals.is_usable[index]:
-        error = float(residuals.error[index])
+        error = float(residuals.plain_error[index])
         sigmas = float(residuals.sigmas[index])
         groups = float(residuals.effective_groups[index])
         corrected = corrected_sigmas(sigmas, groups, n_looks)

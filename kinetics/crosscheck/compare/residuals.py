@@ -185,6 +185,18 @@ class Residuals:
             return np.asarray(self.shaped / self.error)
 
     @cached_property
+    def plain_error(self) -> Array:
+        """The standard error of the plain difference, towards the side on which it lies.
+
+        Averages of few tracers are skewed: a plain difference over this is the shaped one over its
+        own error.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stretch = self.difference / self.shaped
+        is_known = np.isfinite(stretch) & (stretch > 0.0)
+        return np.asarray(self.error * np.where(is_known, stretch, 1.0))
+
+    @cached_property
     def is_compared(self) -> NDArray[np.bool_]:
         """Whether there is something to compare: not the start of the data with itself."""
         layout = self.measured.layout
