@@ -174,9 +174,9 @@ def _check_times(where: str, times: Array) -> None:
     """Raise InputError unless each row has a time of its own."""
     if times.size == 0:
         refuse_data(where, "no rows", "one for each time")
-    bad = ~np.isfinite(times) | (times < 0)
-    if np.any(bad):
-        row = int(np.argmax(bad))
+    is_refused = ~np.isfinite(times) | (times < 0)
+    if np.any(is_refused):
+        row = int(np.argmax(is_refused))
         refuse_data(f"{where}: row {row}", f"time = {times[row]}", "a number, not negative")
     if np.unique(times).size < times.size:
         refuse_data(f"{where}: time", "one that is there twice", "one row of averages for each")
@@ -184,11 +184,11 @@ def _check_times(where: str, times: Array) -> None:
 
 def _check_values(where: str, name: str, values: Array, errors: Array) -> None:
     """Raise InputError for averages that are infinite, or errors that are negative."""
-    bad = np.isinf(values) | np.isinf(errors) | (errors < 0)
-    if np.any(bad):
-        row = int(np.argmax(bad))
-        found = f"{name} = {values[row]:g} +- {errors[row]:g}"
-        refuse_data(f"{where}: row {row} by time", found, "finite, with an error above 0")
+    is_refused = np.isinf(values) | np.isinf(errors) | (errors < 0)
+    if np.any(is_refused):
+        row = int(np.argmax(is_refused))
+        number = f"{name} = {values[row]:g} +- {errors[row]:g}"
+        refuse_data(f"{where}: row {row} by time", number, "finite, with an error above 0")
     negative = values < 0
     if name != "a2" and np.any(negative):
         row = int(np.argmax(negative))
@@ -216,8 +216,8 @@ def _use_thermal_speed(values: dict[str, Array], errors: dict[str, Array]) -> No
 
 def _remarks_on(errors: Mapping[str, Array]) -> tuple[str, ...]:
     """Return what is to be said of averages without standard errors."""
-    without = [name for name, values in errors.items() if not np.any(values > 0)]
-    if not without:
+    names_without = [name for name, values in errors.items() if not np.any(values > 0)]
+    if not names_without:
         return ()
-    names = ", ".join(without)
-    return (f"No standard errors of {names}: give columns such as {without[0]}_error.",)
+    names = ", ".join(names_without)
+    return (f"No standard errors of {names}: give columns such as {names_without[0]}_error.",)

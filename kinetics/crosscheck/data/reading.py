@@ -19,7 +19,7 @@ from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.formats import name_of, read_source
 from kinetics.crosscheck.data.gather import gather_tracks
-from kinetics.crosscheck.data.identity import MIN_SHARE, share_in_order
+from kinetics.crosscheck.data.identity import MIN_SHARE_IN_ORDER, share_in_order
 from kinetics.crosscheck.data.motion import impossible_motion
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.sample import Law, Sample, reduce_tracks
@@ -59,11 +59,11 @@ def read_sample(
         tables.append(table)
     names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
     where = ", ".join(names)
-    seen = gather_tracks(tables, options)
-    tracks = displacements(without_biased_ends(seen), where, options)
+    gathered = gather_tracks(tables, options)
+    tracks = displacements(without_biased_ends(gathered), where, options)
     impossible: list[str] = []
     if _are_tracers_known(tracks, where) and check_motion:
-        impossible = impossible_motion(seen, where, options.units)
+        impossible = impossible_motion(gathered, where, options.units)
     sample = _group(tracks, names, options)
     return replace(
         sample,
@@ -93,11 +93,11 @@ def _are_tracers_known(tracks: Tracks, where: str) -> bool:
     if tracks.tracer is not None or tracks.times.size < 2:
         return True
     share = share_in_order(tracks)
-    if share is None or share >= MIN_SHARE:
+    if share is None or share >= MIN_SHARE_IN_ORDER:
         return True
     if tracks.medium is None or np.unique(tracks.medium).size < 2:
-        found = "no column tracer, and rows in another order at each time"
-        refuse_data(where, found, "with a label for each tracer (--columns tracer=...)")
+        rows = "no column tracer, and rows in another order at each time"
+        refuse_data(where, rows, "with a label for each tracer (--columns tracer=...)")
     return False
 
 
