@@ -1,15 +1,14 @@
 """Tables of averages: what a paper has, a digitised curve, or the table of another program.
 
 One row for each time, with columns such as `t, v0, v0_error, msd, msd_error`. Nothing is known of
-how the averages of different times vary together: their errors are taken for independent. Begin
-with `read_averages`.
+how the averages of different times vary together: their errors are taken for independent.
+`reading.read_averages` reads them; begin with `table_of_averages`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -71,29 +70,6 @@ class AveragesTable:
     def has_errors(self) -> bool:
         """Whether some standard error is stated."""
         return bool(np.any(self.errors > 0))
-
-
-def read_averages(source: Path | Mapping[str, Any], **arguments: Any) -> AveragesTable | None:
-    """Read a table of averages; None if the source is something else.
-
-    Parameters
-    ----------
-    source : a file of text, or columns in memory
-    arguments : of :meth:`DataOptions.checked`
-
-    Raises
-    ------
-    InputError
-        It is a table of averages that cannot be used.
-    """
-    from kinetics.crosscheck.data.formats import column_names_of, read_source
-
-    options = DataOptions.checked(**arguments)
-    if not are_averages(column_names_of(source, options), options):
-        return None
-    table = read_source(source, options)
-    assert isinstance(table, AveragesTable)
-    return table
 
 
 def are_averages(names: Iterable[Any], options: DataOptions) -> bool:

@@ -1,6 +1,6 @@
-"""read_sample(sources): one sample from files or tables in memory, or from one saved run.
+"""Read data: `read_sample` one sample of tracks, `read_averages` a table of averages.
 
-source -> `formats` -> table -> `tracks` -> displacements -> `sample`.
+source -> `formats` -> table -> `gather` -> tracks -> displacements -> `sample`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.averages import AveragesTable
+from kinetics.crosscheck.data.averages import AveragesTable, are_averages
 from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
-from kinetics.crosscheck.data.formats import name_of, read_source
+from kinetics.crosscheck.data.formats import column_names_of, name_of, read_source
 from kinetics.crosscheck.data.gather import gather_tracks
 from kinetics.crosscheck.data.identity import MIN_SHARE_IN_ORDER, share_in_order
 from kinetics.crosscheck.data.motion import impossible_motion
@@ -71,6 +71,27 @@ def read_sample(
         units=options.units.by_name(),
         warnings=(*tracks.remarks, *sample.warnings, *impossible),
     )
+
+
+def read_averages(source: Path | Mapping[str, Any], **arguments: Any) -> AveragesTable | None:
+    """Read a table of averages; None if the source is something else.
+
+    Parameters
+    ----------
+    source : a file of text, or columns in memory
+    arguments : of :meth:`DataOptions.checked`
+
+    Raises
+    ------
+    InputError
+        It is a table of averages that cannot be used.
+    """
+    options = DataOptions.checked(**arguments)
+    if not are_averages(column_names_of(source, options), options):
+        return None
+    table = read_source(source, options)
+    assert isinstance(table, AveragesTable)
+    return table
 
 
 def _check_sources(sources: Sequence[Path | Mapping[str, Any]]) -> None:
