@@ -69,6 +69,7 @@ def read_sample(
         sample,
         law=Law(dimension=options.dimension or 2),
         units=options.units.by_name(),
+        unit_names=_common_unit_names(tables),
         warnings=(*tracks.remarks, *sample.warnings, *impossible),
     )
 
@@ -103,6 +104,14 @@ def _check_sources(sources: Sequence[Path | Mapping[str, Any]]) -> None:
     if len(set(paths)) < len(paths):
         names = ", ".join(name_of(path) for path in paths)
         refuse_data("data", f"a file twice in {names}", allowed)
+
+
+def _common_unit_names(tables: Sequence[Table]) -> dict[str, str]:
+    """Return the names of the units on which all tables agree."""
+    common = set(tables[0].unit_names.items())
+    for table in tables[1:]:
+        common &= set(table.unit_names.items())
+    return dict(common)
 
 
 def _are_tracers_known(tracks: Tracks, where: str) -> bool:

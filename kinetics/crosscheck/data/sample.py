@@ -8,7 +8,7 @@ Begin with `Sample`; `reduce_tracks` makes it of tracks.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -139,6 +139,8 @@ class Sample:
     has_velocities : whether velocities were measured; else `times` begin at 0, the first frame
     pairs : displacements between frames of all tracers, also of those that come later; None for
         data that have velocities
+    unit_names : "length", "speed" and "time": names of the data's units, where their columns say
+        them ("mm", "mm/s", "s")
     """
 
     names: tuple[str, ...]
@@ -158,6 +160,25 @@ class Sample:
     ended: Counts | None = None
     has_velocities: bool = True
     pairs: FramePairs | None = None
+    unit_names: dict[str, str] = field(default_factory=dict)
+
+    def at_times(self, indices: NDArray[np.int64]) -> Sample:
+        """Return the averages of some of the times, which hold all frames of its pairs."""
+        pairs = self.pairs
+        if pairs is not None:
+            earlier = np.searchsorted(indices, pairs.earlier)
+            later = np.searchsorted(indices, pairs.later)
+            pairs = replace(pairs, earlier=earlier, later=later)
+        return replace(
+            self,
+            times=self.times[indices],
+            sums=self.sums[:, indices],
+            at_rest=self.at_rest[indices],
+            speeds=_bins_at(self.speeds, indices),
+            displacements=_bins_at(self.displacements, indices),
+            ended=None if self.ended is None else self.ended[indices],
+            pairs=pairs,
+        )
 
     @property
     def is_complete(self) -> NDArray[np.bool_]:
@@ -175,6 +196,16 @@ class Sample:
     def samples(self) -> Counts:
         """Tracers at each time, (n_times,)."""
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
+
+
+def _bins_at(
+    counted: tuple[Array, Counts] | None, indices: NDArray[np.int64]
+) -> tuple[Array, Counts] | None:
+    """Return the scales and counts of some of the times."""
+    if counted is None:
+        return None
+    scales, counts = counted
+    return scales[indices], counts[:, indices]
 
 
 def reduce_tracks(

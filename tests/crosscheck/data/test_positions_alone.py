@@ -251,3 +251,9 @@ def test_velocities_in_a_field_are_measured(initial: str, times: Any) -> None:
     )
     arrays = {"times": run.times, "positions": run.positions, "velocities": run.velocities}
     assert read_sample([arrays], check_motion=False).has_velocities
+
+
+def test_units_in_the_names_of_columns_are_kept(tracks: Tracks) -> None:
+    frame = table_of(tracks[0]).rename(columns={"time": "t [s]", "x": "x (mm)", "y": "y (mm)"})
+    assert sample_of(frame).unit_names == {"length": "mm", "time": "s"}
+    assert sample_of(table_of(tracks[0])).unit_names == {}
