@@ -75,7 +75,7 @@ CAUSES = (
     Cause("finite density", of_positions=True),
     Cause("restitution", "restitution", "e", of_positions=True),
     Cause("free path", "path", "l", " d", of_positions=True),
-    Cause("initial speeds", of_positions=True),
+    Cause("initial speeds"),
     Cause("components exchanged"),
     Cause("speed unit", "speed_unit", "U", kind="speed"),
     Cause("time unit", "time_unit", "d/U", kind="time"),
@@ -83,12 +83,7 @@ CAUSES = (
     Cause("time offset", "time_offset", "the zero of the clock t₀", " d/U", "time"),
     Cause("velocity noise", "velocity_noise", unit="U", title="velocity"),
     Cause("position noise", "position_noise", unit="d", title="displacement"),
-    Cause(
-        "tracers at rest",
-        "at_rest",
-        "the share f of tracers that never move",
-        of_positions=True,
-    ),
+    Cause("tracers at rest", "at_rest", "the share f of tracers that never move"),
 )
 """Everything that may explain a difference: a new cause is one row, and a place in `_starts`."""
 
@@ -230,6 +225,8 @@ def _exchange(measured: Measured, axis: int, columns: Sequence[int], what: str) 
 def _starts(cause: Cause, point: Point, measured: Measured) -> list[float]:
     """Return the values from which the fit of a number begins."""
     layout = measured.layout
+    if not measured.has_velocities:  # pairs of frames take the solver long
+        return [float(getattr(point, cause.free))]
     first_time = float(layout.times[layout.times > 0.0][0])
     if cause.free == "restitution":
         return [point.restitution, 0.95, 0.8, 0.5]

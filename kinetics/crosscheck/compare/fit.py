@@ -32,7 +32,7 @@ from kinetics.crosscheck.compare.pool import (
     Pool,
     can_simulate,
 )
-from kinetics.crosscheck.compare.residuals import Influence, Residuals
+from kinetics.crosscheck.compare.residuals import Influence, Residuals, covariance_with_gaps
 from kinetics.crosscheck.compare.selection import tested_components
 from kinetics.crosscheck.compare.statistics import ChiSquare, jackknife_covariance, whitening
 from kinetics.crosscheck.compare.theory import Theory
@@ -296,18 +296,23 @@ class _Estimation:
                 ftol=1e-7,
                 max_nfev=50,
             )
-            for _, at in tried[:N_REFINED_STARTS]
+            for _, at in tried[: self._n_refined]
         ]
         if not refined:
             return None
         best = min(refined, key=lambda result: float(result.cost))
         return np.asarray(best.x)
 
+    @property
+    def _n_refined(self) -> int:
+        """How many starts are refined: of pairs of frames, which take the solver long, the best."""
+        return N_REFINED_STARTS if self.measured.layout.pairs is None else 1
+
     def weights(self, pool: Pool) -> Array:
         """Return the inverse of the covariance of the relative second moments of the pool."""
         covariance = np.cov(self._relative(pool).T).reshape(self.indices.size, -1)
-        share = np.sqrt(self.measured.counts[self.indices] / self.measured.n_tracers)
-        axes = whitening(covariance / np.outer(share, share))
+        shares = self.measured.counts[self.indices] / self.measured.n_tracers
+        axes = whitening(covariance_with_gaps(covariance, shares))
         return np.asarray(axes.T @ axes)
 
     def _relative(self, pool: Pool) -> Array:
@@ -351,9 +356,10 @@ class _Estimation:
         point = self.point(at)
         theory = Theory(measured.layout, measured.has_velocities)
         scales = np.array([1.0 if p.is_logarithm else p.scale for p in self.free])
-        # a parameter that is held at a limit does not follow the data
+        # a parameter that is held at a limit does not follow the data, but it has an error
         is_inside = (at > self.low) & (at < self.high)
         slopes = self.slopes(at)
+        without_limits = scales[:, None] * _gain(slopes, weights)
         gain = np.zeros((at.size, self.indices.size))
         gain[is_inside] = _gain(slopes[:, is_inside], weights)
         gain = scales[:, None] * gain
@@ -363,7 +369,7 @@ class _Estimation:
         pool = pool_at(measured, point, n_pool)
         residuals = Residuals.at(measured, theory, point, pool, influence)
         own = residuals.own
-        covariance = self._covariance(gain, point, own if own is None else own[np.ix_(indices, indices)])
+        covariance = self._covariance(without_limits, point, own if own is None else own[np.ix_(indices, indices)])
         return Fit(
             measured,
             theory,

@@ -300,7 +300,7 @@ def _average_test(
     layout = residuals.measured.layout
     indices = layout.indices_of(name)
     indices = indices[residuals.is_usable[indices]]
-    relative = (residuals.error / layout.sizes(residuals.theory))[indices]
+    relative = (residuals.plain_error / layout.sizes(residuals.theory))[indices]
     groups = residuals.effective_groups[indices]
     is_testable = any(
         can_differ(error, n) for error, n in zip(relative.tolist(), groups.tolist(), strict=True)

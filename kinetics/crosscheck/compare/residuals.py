@@ -37,8 +37,23 @@ OF_START = ("drift", "thermal_speed", "a2")
 #: Standard error over value up to which the scatter of an exactly known average (|v| of elastic
 #: tracers) is rounding, of data in single precision or in seven digits. Above what these have.
 ROUNDING_OF_EXACT = 1e-6
+#: Share of the tracers that are in a component from which on gaps do not matter.
+MIN_SHARE_PRESENT = 0.98
 #: The groups that an error is from which is that of the theory: as good as infinitely many.
 MANY_GROUPS = 1e9
+
+
+def covariance_with_gaps(covariance: Array, shares: Array) -> Array:
+    """Return N times the covariance of means of which each has a share of N tracers.
+
+    Gaps are taken to be independent: a share s_k s_l of the tracers is in two components.
+
+    Parameters
+    ----------
+    covariance : of one tracer, (p, p)
+    shares : shape (p,)
+    """
+    return np.asarray(covariance + np.diag(np.diagonal(covariance) * (1.0 / shares - 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,10 +134,9 @@ class Residuals:
         return deviations if self.influence is None else self.influence.remaining(deviations)
 
     @cached_property
-    def _weights(self) -> Array:
-        """Root of the share of the tracers that are in each component: errors are 1/root larger."""
-        counts = self.measured.counts / max(self.measured.n_tracers, 1)
-        return np.sqrt(counts)
+    def _shares(self) -> Array:
+        """The share of the tracers that are in each component; those with gaps are not in all."""
+        return np.asarray(self.measured.counts / max(self.measured.n_tracers, 1))
 
     @cached_property
     def _pool_influence(self) -> Array:
@@ -144,11 +158,15 @@ class Residuals:
         """The standard error of each component by the pool, 0 without one."""
         if self.pool is None:
             return np.zeros(self.theory.size)
-        return np.asarray(self._draws.std(axis=0) / np.where(self._weights > 0.0, self._weights, 1.0))
+        shares = np.where(self._shares > 0.0, self._shares, 1.0)
+        return np.asarray(self._draws.std(axis=0) / np.sqrt(shares))
 
     @property
     def _looks_at_groups(self) -> bool:
-        return self.pool is None or not self.measured.is_independent
+        """Whether the data scatter otherwise than simulated tracers: they share media, or have gaps."""
+        if self.pool is None or not self.measured.is_independent:
+            return True
+        return bool(np.any(self._shares[self.is_compared] < MIN_SHARE_PRESENT))
 
     @cached_property
     def _group_error(self) -> Array:
@@ -171,10 +189,9 @@ class Residuals:
     @cached_property
     def effective_groups(self) -> Array:
         """The groups that each error is as good as from."""
-        many = np.full(self.theory.size, MANY_GROUPS)
         if not self._looks_at_groups:
-            return many
-        return np.where(self._group_error >= self._pool_error, effective_groups(self.replicates), many)
+            return np.full(self.theory.size, MANY_GROUPS)
+        return effective_groups(self.replicates)
 
     @cached_property
     def sigmas(self) -> Array:
@@ -215,31 +232,34 @@ class Residuals:
         indices = np.asarray(indices)[self.is_usable[indices]]
         if indices.size == 0:
             return None
-        weights = self._weights[indices]
-        difference = self.shaped[indices] * weights
+        difference = self.shaped[indices]
         own = np.zeros((indices.size, indices.size))
         if self.own is not None:
-            own = self._own_after_fit[np.ix_(indices, indices)] * np.outer(weights, weights)
-        if self.pool is None:
-            groups = self.replicates[:, indices] * weights
-            axes = np.diag(1.0 / np.sqrt(np.diagonal(jackknife_covariance(groups) + own)))
-        else:
-            influence = self._pool_influence[:, indices]
-            covariance = influence.T @ influence / len(influence) / self.measured.n_tracers
-            axes = whitening(covariance + own)
+            own = self._own_after_fit[np.ix_(indices, indices)]
+        axes = self._whitening_axes(indices, own)
         if len(axes) == 0:
             return None
         white = axes @ difference
         if self._looks_at_groups:
             if self.measured.sample.groups < 2:
                 return None
-            groups = self.replicates[:, indices] * weights
+            groups = self.replicates[:, indices]
             return test_by_groups(white, groups @ axes.T, axes @ own @ axes.T)
         draws = self._draws[:, indices]
         if self.own is not None:
             random = np.random.default_rng(SEED + 1)
             draws = draws + gaussian_vectors(own, len(draws), random)
         return test_by_simulation(white, draws @ axes.T)
+
+    def _whitening_axes(self, indices: Indices, own: Array) -> Array:
+        """Return axes on which the differences have unit covariance; without a pool, unit scale."""
+        if self.pool is None:
+            of_groups = jackknife_covariance(self.replicates[:, indices])
+            return np.diag(1.0 / np.sqrt(np.diagonal(of_groups + own)))
+        influence = self._pool_influence[:, indices]
+        covariance = influence.T @ influence / len(influence)
+        covariance = covariance_with_gaps(covariance, self._shares[indices])
+        return whitening(covariance / self.measured.n_tracers + own)
 
     @cached_property
     def _draws(self) -> Array:

@@ -125,7 +125,9 @@ def test_by_groups(white: Array, white_groups: Array, white_own: Array) -> ChiSq
         trace_of_square = excess / ((freedom - 1) * (freedom + 2))
     trace_of_square = max(trace_of_square, trace**2 / white.size)
     size = np.sum((white_groups - white_groups.mean(axis=0)) ** 2, axis=1)
-    effective = min(2.0 * n_groups * float(size.mean() ** 2 / size.var()), float(freedom))
+    effective = float(freedom)
+    if size.var() > 0.0:
+        effective = min(2.0 * n_groups * float(size.mean() ** 2 / size.var()), effective)
     effective = max(effective, 1.0)
     p_value = float(fdtrc(trace**2 / trace_of_square, effective, statistic / trace))
     return ChiSquare.of(statistic, white.size, p_value, n_groups)

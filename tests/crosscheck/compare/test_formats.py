@@ -133,5 +133,5 @@ def test_a_run_of_the_simulator_has_its_own_averages(tmp_path: Path, stored: boo
     for data in (made, *files):
         rows = compare(data, 0.75, 0.04, explain=False).to_dataframe("msd")
         np.testing.assert_allclose(rows["value"], made.msd.value[1:], rtol=1e-9)
-        if not stored:
-            np.testing.assert_allclose(rows["error"], made.msd.error[1:], rtol=1e-3)
+        if not stored:  # that of the theory, or of the groups if it is larger; 40 know it to 11 %
+            np.testing.assert_allclose(rows["error"], made.msd.error[1:], rtol=0.4)
