@@ -147,3 +147,10 @@ def test_in_units() -> None:
         assert getattr(found, name) == pytest.approx(getattr(state, name) * unit, rel=1e-14)
     figures = path, math.sqrt(path / 9.81), state.mean_speed * math.sqrt(9.81 / path)
     assert (found.mean_free_path, found.time, found.collision_rate) == pytest.approx(figures)
+
+
+def test_points_of_a_dataset_that_are_none_are_the_usual_ones() -> None:
+    state = solve_field(0.7, rtol=1e-4)
+    specified = state.to_xarray(speeds=None, angles=None)
+    assert specified.equals(state.to_xarray())
+    assert specified.title == repr(state).split("\n")[0]
