@@ -16,7 +16,7 @@ import numpy as np
 
 from kinetics.driven.averages import COLUMNS, INTEGRAL_ROWS
 from kinetics.driven.march import TimeMarch
-from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE
+from kinetics.driven.starts import measures_of_start
 from kinetics.errors import InputError, PlanStep
 from kinetics.numerics import FloatArray
 from kinetics.outputs import ALL_OUTPUTS, AVERAGES, DENSITIES
@@ -69,8 +69,7 @@ def tolerances(scene: Scene, rtol: float) -> dict[str, float]:
 def error_of_start(state: State, rtol: float) -> float:
     """Return the relative error of averages over the start, of a density that is not resolved."""
     highest = state.highest_harmonic or 0
-    tolerance = START_SHARE_OF_TOLERANCE * rtol
-    measures = [state.harmonic(m, tolerance, 0.0, HIGHEST_POWER) for m in range(highest + 1)]
+    measures = measures_of_start(state, rtol, highest)
     return max((measure.error for measure in measures if measure is not None), default=0.0)
 
 
