@@ -44,29 +44,29 @@ ANGLES_AFTER_COLLISION = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])
 #: interval is half as wide as the next. Origin not recorded. With intervals half or twice
 #: as wide the density of the speed moves by 2e-11 of its largest.
 ANGLES_WITHOUT_COLLISION = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
-#: Speeds at which two solutions are compared, over sqrt(<v^2>) at that time. Chosen: more of them
-#: at low speeds, where f is steep. With half or twice as many the difference is 0.6 to 1.2
-#: times as large.
+#: Speeds at which two solutions are compared, over sqrt(<v^2>) at that time; more of them are
+#: at low speeds, where f is steep. Origin not recorded. With half or twice as many the difference
+#: is 0.6 to 1.2 times as large.
 COMPARED_SPEEDS_IN_FIELD = np.array(
     [0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2, 1.6, 2.0]
 )
-#: Angles to the field in radians at which two solutions are compared. Chosen: one next to the
-#: field, and others that are no fractions of pi, on both sides, because f of a start that is not
-#: symmetric differs there. On the ray along the field f may be infinite.
+#: Angles to the field in radians at which two solutions are compared: one next to the field, and
+#: others on both sides, because f of a start that is not symmetric differs there. On the ray along
+#: the field f may be infinite. Origin not recorded. With half or twice as many the difference is
+#: 0.8 to 1.1 times as large.
 COMPARED_ANGLES = np.array([0.05, -0.5, 1.3, -2.2, 3.0])
-#: Speeds over sqrt(<v^2>) at that time at which a density may not be below zero. Chosen: they are
-#: evenly spread over the bulk, where fronts of a sharp start pass. With half or twice as many
+#: Speeds over sqrt(<v^2>) at that time at which a density may not be below zero, evenly spread over
+#: the bulk, where fronts of a sharp start pass. Origin not recorded. With half or twice as many
 #: `VelocityDensity.negative` is 0.6 to 1 times as large for tracers of one speed, and from rest up
 #: to 3e-2 in place of 6e-4, which is less than the difference of two solutions there, 0.2.
 CHECKED_SPEEDS = np.linspace(0.1, 2.5, 17)
 #: Angles to the field in radians at which a density may not be below zero: the ray along the field
-#: too. Chosen.
+#: and those that are compared. Origin not recorded.
 CHECKED_ANGLES = np.append(0.0, COMPARED_ANGLES)
 #: Least speed over U at which the density of the start is evaluated, so that its direction is
-#: defined. Chosen: any speed that is far below all others will do.
+#: defined. Any speed that is far below all others will do.
 MIN_SPEED_OF_PROFILE = 1e-12
-#: Stands for 0 where a difference is divided by the largest density. Chosen: close to the smallest
-#: number.
+#: Stands for 0 where a difference is divided by the largest density: close to the smallest number.
 LEAST_SCALE = 1e-300
 
 #: A function of a time, and of velocities along and across the field, (n,) each, that returns a
