@@ -1,4 +1,4 @@
-"""The initial state as weighted points: those harmonics of it that averages need."""
+"""The initial state as weighted points of ln(v/U): those angular harmonics that averages need."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Collection
 from kinetics.numerics.cache import Cache
 from kinetics.states.state import LogMeasure, State
 
-#: Harmonics that are kept: averages need m = 0, 1, 2 and the one of a moment that is asked for.
+#: Number of harmonics that are kept. Chosen: averages need m = 0, 1, 2 and the one of a moment that
+#: is asked for.
 HARMONICS_KEPT = 8
 
 
