@@ -78,8 +78,10 @@ def component_densities(
     for i, unit in enumerate(typical_speed.tolist()):
         g = _SpeedDensityAt(profile, i)
         densities[i] = _smooth_density(g, x, unit, LOG_EDGES, dimension)
-        for j in np.flatnonzero(x < OWN_PANELS_BELOW * unit):
+        for j in np.flatnonzero((x > 0.0) & (x < OWN_PANELS_BELOW * unit)):
             densities[i, j] = _density_next_to_rest(g, float(x[j]), unit, dimension)
+        if np.any(x == 0.0) and not _vanishes_at_rest(g, unit):
+            densities[i, x == 0.0] = math.inf
     if profile.peak_speed is not None and profile.peak_weight is not None:
         density_of_peak = _component_density_of_one_speed(x, profile.peak_speed, dimension)
         densities += profile.peak_weight.real[:, None] * density_of_peak
@@ -112,21 +114,20 @@ def _smooth_density(
 
 
 def _density_next_to_rest(g: _SpeedDensityAt, x: float, unit: float, dimension: int) -> float:
-    """Return the density of v_x at one |v_x| = x far below a typical speed, in 1/U.
+    """Return the density of v_x at one |v_x| = x far below a typical speed, above 0, in 1/U.
 
-    It is infinite at x = 0 if g does not vanish at rest. The arguments are those of
-    `_smooth_density`.
+    The arguments are those of `_smooth_density`.
     """
-    if x == 0.0:
-        slow, slower = g(unit * np.exp(LOG_EDGES[0] * np.array([1.0, 2.0])))
-        if slower > 0.0 and abs(slow - slower) < CONSTANT_WITHIN * slower:
-            return math.inf
-        log_edges = LOG_EDGES
-    else:
-        lowest = math.log(x) - math.log(unit) + LOG_EDGES[0]
-        n_panels = math.ceil((LOG_EDGES[-1] - lowest) / PANEL_WIDTH)
-        log_edges = LOG_EDGES[-1] + PANEL_WIDTH * np.arange(-float(n_panels), 1.0)
+    lowest = math.log(x) - math.log(unit) + LOG_EDGES[0]
+    n_panels = math.ceil((LOG_EDGES[-1] - lowest) / PANEL_WIDTH)
+    log_edges = LOG_EDGES[-1] + PANEL_WIDTH * np.arange(-float(n_panels), 1.0)
     return float(_smooth_density(g, np.array([x]), unit, log_edges, dimension)[0])
+
+
+def _vanishes_at_rest(g: _SpeedDensityAt, unit: float) -> bool:
+    """Return whether g goes to 0 at rest; unit is a speed of the order of the thermal one in U."""
+    slow, slower = g(unit * np.exp(LOG_EDGES[0] * np.array([1.0, 2.0])))
+    return not (slower > 0.0 and abs(slow - slower) < CONSTANT_WITHIN * slower)
 
 
 def _component_density_of_one_speed(x: FloatArray, speed: float, dimension: int) -> FloatArray:
