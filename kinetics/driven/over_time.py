@@ -7,6 +7,7 @@ which makes the outputs, and `solve_in_groups`, which solves all times of a scen
 from __future__ import annotations
 
 import bisect
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -67,10 +68,15 @@ def tolerances(scene: Scene, rtol: float) -> dict[str, float]:
 
 
 def error_of_start(state: State, rtol: float) -> float:
-    """Return the relative error of averages over the start, of a density that is not resolved."""
+    """Return the relative error of averages over the start, of a density that is not resolved.
+
+    It is infinite where the error of a harmonic is not a number.
+    """
     highest = state.highest_harmonic or 0
     measures = measures_of_start(state, rtol, highest)
-    return max((measure.error for measure in measures if measure is not None), default=0.0)
+    errors = [measure.error for measure in measures if measure is not None]
+    largest = float(np.max(errors, initial=0.0))
+    return math.inf if math.isnan(largest) else largest
 
 
 def refuse_component_density() -> NoReturn:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 from kinetics.numerics.cache import Cache
@@ -45,10 +46,16 @@ class StartHarmonics:
         return points
 
     def error(self, harmonics: Collection[int]) -> float:
-        """Return the relative error estimate of what is not resolved of these harmonics."""
+        """Return the relative error estimate of what is not resolved of these harmonics.
+
+        It is infinite where one of them has an error that is not a number.
+        """
         largest = 0.0
         for m in harmonics:
             points = self.harmonic(m)
-            if points is not None:
-                largest = max(largest, points.error)
+            if points is None:
+                continue
+            if math.isnan(points.error):
+                return math.inf
+            largest = max(largest, points.error)
         return largest
