@@ -16,6 +16,7 @@ from particles.values import (
     check_whole,
     real_array,
     refuse,
+    set_fields,
 )
 
 #: Least density in d^-2, or d^-3. Derived: at lower ones flights are so long that too few digits of
@@ -59,7 +60,7 @@ class Random:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
         count = check_whole("count", self.count, 1)
-        vars(self).update(number_density=density, diameter=d, count=count)
+        set_fields(self, number_density=density, diameter=d, count=count)
         in_diameters = density * d * d
         if self.dimension == 3:
             in_diameters *= d
@@ -122,7 +123,7 @@ class Hard(Random):
                 f"it must be a number from 0 to {LARGEST_EXCLUSION:g} d = {largest:g}, or None"
             )
             exclusion = check_number("exclusion", self.exclusion, 0.0, largest, allowed)
-        vars(self).update(exclusion=exclusion)
+        set_fields(self, exclusion=exclusion)
         super().__post_init__()
         if self.box_side < SMALLEST_BOX * exclusion:
             wide = f"with it the box is {self.box_side / exclusion:.3g} exclusions wide"
@@ -257,7 +258,7 @@ class BoltzmannGrad:
         dimension = check_whole("dimension", self.dimension, 2, 3)
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        vars(self).update(number_density=density, diameter=d, dimension=dimension)
+        set_fields(self, number_density=density, diameter=d, dimension=dimension)
         in_diameters = density * d * d
         if dimension == 3:
             in_diameters *= d
@@ -318,8 +319,8 @@ class Positions(Value):
         density = array.shape[-2] / (box * box)
         _require_density("box_side", self.box_side, density * d * d)
         start = tuple(origin.tolist())
-        vars(self).update(positions=array, box_side=box, diameter=d, start=start)
-        vars(self).update(number_density=density)
+        set_fields(self, positions=array, box_side=box, diameter=d, start=start)
+        set_fields(self, number_density=density)
         super().__post_init__()
 
     def __repr__(self) -> str:
