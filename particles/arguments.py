@@ -18,7 +18,7 @@ from particles.cells import box_bytes
 from particles.configuration import layout
 from particles.drive import Drive
 from particles.events import NEVER
-from particles.impact import check_restitution, compiled
+from particles.impact import check_restitution, tabulate
 from particles.media import (
     MEDIA,
     BoltzmannGrad,
@@ -71,7 +71,7 @@ def check_drive(
     law = check_restitution(restitution)
     allowed = "it must be a number from 0 to 1"
     tangential = check_number("tangential_restitution", tangential_restitution, 0.0, 1.0, allowed)
-    if max(compiled(law)[1].min(), tangential) < SMALLEST_SPEED:
+    if max(tabulate(law)[1].min(), tangential) < SMALLEST_SPEED:
         allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
         refuse("tangential_restitution", tangential_restitution, allowed)
     acceleration = _check_field(field, medium)

@@ -5,19 +5,18 @@ Both are imported when they are asked for. Begin reading with `make_dataset`.
 
 import json
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from particles.outputs import ESTIMATES, OF_FLIGHTS, VARIABLES
-from particles.results import Estimate, Histogram
+from particles.plan import Plan
+from particles.results import Estimate, Histogram, Statuses
 from particles.values import package_version
 
 if TYPE_CHECKING:
     import pandas
     import xarray
-
-    from particles.ensemble import Ensemble
 
 #: Names of coordinates, as they are in the names of columns and as values of the axis `component`.
 COORDINATES = "xyz"
@@ -27,43 +26,59 @@ DatasetEntry = tuple[tuple[str, ...], np.ndarray | list[str], dict[str, str]]
 DatasetEntries = dict[str, DatasetEntry]
 
 
-def dataset_names(ensemble: "Ensemble") -> list[str]:
-    """Return the names of the estimates and histograms of an ensemble."""
-    return [name for name in ensemble.outputs if name in ESTIMATES or name in VARIABLES]
+class RunResult(Protocol):
+    """What datasets and pictures are made of: an Ensemble, with its estimates as attributes."""
+
+    @property
+    def plan(self) -> Plan:
+        """What was run."""
+
+    @property
+    def statuses(self) -> Statuses:
+        """How the tracers ended."""
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the estimates, histograms and raw data."""
 
 
-def make_dataset(ensemble: "Ensemble", names: Iterable[str]) -> "xarray.Dataset":
+def dataset_names(result: RunResult) -> list[str]:
+    """Return the names of the estimates and histograms of a run."""
+    return [name for name in result.outputs if name in ESTIMATES or name in VARIABLES]
+
+
+def make_dataset(result: RunResult, names: Iterable[str]) -> "xarray.Dataset":
     """Return estimates and histograms, each with `<name>_error`, and what was run."""
     import xarray
 
     variables: DatasetEntries = {}
-    axes: DatasetEntries = {"time": (("time",), ensemble.times, {"units": "d/U"})}
+    axes: DatasetEntries = {"time": (("time",), result.plan.times, {"units": "d/U"})}
     for name in names:
         if name in ESTIMATES:
-            _add_estimate(ensemble, name, variables, axes)
+            _add_estimate(result, name, variables, axes)
         else:
-            _add_histogram(ensemble, name, variables, axes)
-    return xarray.Dataset(variables, axes, _describe_run(ensemble)).copy(deep=True)
+            _add_histogram(result, name, variables, axes)
+    return xarray.Dataset(variables, axes, _describe_run(result)).copy(deep=True)
 
 
 def _add_estimate(
-    ensemble: "Ensemble", name: str, variables: DatasetEntries, axes: DatasetEntries
+    result: RunResult, name: str, variables: DatasetEntries, axes: DatasetEntries
 ) -> None:
     """Add an estimate over time, of vectors and tensors with their components as more axes."""
-    estimate: Estimate = getattr(ensemble, name)
+    estimate: Estimate = getattr(result, name)
     dimensions = ("time", "component", "component2")[: estimate.value.ndim]
     for axis in dimensions[1:]:
-        axes[axis] = (axis,), list(COORDINATES[: ensemble.medium.dimension]), {}
+        axes[axis] = (axis,), list(COORDINATES[: result.plan.medium.dimension]), {}
     average = ESTIMATES[name]
     attributes = {"units": average.unit, "long_name": average.words}
     _add_with_error(name, estimate, dimensions, attributes, variables)
 
 
 def _add_histogram(
-    ensemble: "Ensemble", name: str, variables: DatasetEntries, axes: DatasetEntries
+    result: RunResult, name: str, variables: DatasetEntries, axes: DatasetEntries
 ) -> None:
     """Add the density of a histogram over the middles of its bins, and their edges."""
-    histogram: Histogram = getattr(ensemble, name)
+    histogram: Histogram = getattr(result, name)
     variable = VARIABLES[name]
     edges = histogram.edges
     axis = f"{variable.symbol}_bin"
@@ -93,18 +108,18 @@ def _add_with_error(
     variables[f"{name}_error"] = dimensions, estimate.error, of_error
 
 
-def _describe_run(ensemble: "Ensemble") -> dict[str, str]:
+def _describe_run(result: RunResult) -> dict[str, str]:
     """Return the attributes of a dataset: how tracers ended, what was run, and with which version.
 
     Whether tracers stuck is told of runs in which they may.
     """
     endings = ["finished", "collision_cap", "trapped", "escaped"]
-    if ensemble.capture_speed:
+    if result.plan.capture_speed:
         endings.append("captured")
-    counts = [f"{getattr(ensemble.statuses, ending)} {ending}" for ending in endings]
+    counts = [f"{getattr(result.statuses, ending)} {ending}" for ending in endings]
     return {
         "status": ", ".join(counts),
-        "scene": json.dumps(ensemble.plan.reported(), default=repr),
+        "scene": json.dumps(result.plan.reported(), default=repr),
         "version": package_version(),
     }
 
@@ -114,13 +129,13 @@ def density_unit(unit: str) -> str:
     return "U/d" if unit == "d/U" else f"1/{unit}"
 
 
-def make_dataframe(ensemble: "Ensemble") -> "pandas.DataFrame":
+def make_dataframe(result: RunResult) -> "pandas.DataFrame":
     """Return a table with a row for each time: each estimate, or component, and its error."""
     import pandas
 
-    names = [name for name in ensemble.outputs if name in ESTIMATES]
-    dataset = make_dataset(ensemble, names)
-    columns = {"time": ensemble.times}
+    names = [name for name in result.outputs if name in ESTIMATES]
+    dataset = make_dataset(result, names)
+    columns = {"time": result.plan.times}
     units = {"time": "d/U"}
     for variable in dataset.values():
         for column, values in component_columns(variable).items():

@@ -5,7 +5,7 @@ What is computed of these sums is a table in `particles.outputs`; how, with stan
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, NamedTuple, overload
@@ -19,7 +19,7 @@ from particles.impact import Law
 from particles.media import Medium
 from particles.plan import PER_OCTAVE, Plan
 from particles.plots import draw_all_outputs, draw_output
-from particles.results import Estimate, Histogram, estimate_shares, jackknife
+from particles.results import Estimate, Histogram, Statuses, estimate_shares, jackknife
 from particles.values import Value, check_path, read_only, refuse
 
 if TYPE_CHECKING:
@@ -28,32 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from particles.paths import Trajectory
-
-
-@dataclass(frozen=True, eq=False)
-class Statuses(Value):
-    """How many tracers ended in each way, and where and when the trapped ones did.
-
-    finished: reached the last output time. collision_cap: made max_collisions collisions first.
-    trapped: caught in a corner between scatterers, where infinitely many collisions follow within
-    1e-9 d or so, or at rest after a head-on collision at e = 0. In a field at rest in a corner of
-    two disks that opens against the field; with a tangential restitution below 1, where it would
-    slide along a disk; and at rest on the very top of a disk. escaped: flew 1e6 mean free paths
-    without a collision. captured: struck a scatterer with a normal velocity below capture_speed.
-    trap_times (trapped + captured,) in d/U: when it was declared. With tangential restitution 1 the
-    collisions end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
-    trap_places (.., dimension) from the tracer's start, in d; trap_tracers (.., 2): configuration
-    and tracer.
-    """
-
-    finished: int
-    collision_cap: int
-    trapped: int
-    escaped: int
-    trap_times: np.ndarray = field(repr=False)
-    trap_places: np.ndarray = field(repr=False)
-    trap_tracers: np.ndarray = field(repr=False)
-    captured: int = 0
 
 
 def _estimate(name: str) -> "cached_property[Estimate]":

@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from particles.datasets import component_columns, dataset_names, density_unit, make_dataset
+from particles.datasets import (
+    RunResult,
+    component_columns,
+    dataset_names,
+    density_unit,
+    make_dataset,
+)
 from particles.outputs import ESTIMATES, OF_FLIGHTS, VARIABLES
 from particles.results import Estimate, Histogram
 from particles.values import refuse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from particles.ensemble import Ensemble
 
 #: Last over first time from which on the axis of times is logarithmic. The origin of the number is
 #: not recorded.
@@ -32,33 +36,33 @@ MARKER_SIZE = 3.5
 LINE_WIDTH = 0.8
 
 
-def draw_all_outputs(ensemble: "Ensemble") -> list["Axes"]:
+def draw_all_outputs(result: RunResult) -> list["Axes"]:
     """Draw in one figure all that depends on time, and all histograms; return the axes."""
-    names = [name for name in dataset_names(ensemble) if _has_axis(ensemble, name)]
+    names = [name for name in dataset_names(result) if _has_axis(result, name)]
     all_axes = _new_axes(len(names))
     for name, axes in zip(names, all_axes, strict=True):
-        draw_output(ensemble, name, axes)
+        draw_output(result, name, axes)
     return all_axes
 
 
-def _has_axis(ensemble: "Ensemble", name: str) -> bool:
+def _has_axis(result: RunResult, name: str) -> bool:
     """Tell whether an estimate or a histogram can be drawn; without times only those of flights."""
-    if ensemble.times.size == 0:
+    if result.plan.times.size == 0:
         return name in OF_FLIGHTS
-    return name in VARIABLES or getattr(ensemble, name).value.ndim > 0
+    return name in VARIABLES or getattr(result, name).value.ndim > 0
 
 
-def draw_output(ensemble: "Ensemble", name: str, axes: "Axes | None" = None) -> "Axes":
+def draw_output(result: RunResult, name: str, axes: "Axes | None" = None) -> "Axes":
     """Draw an estimate over time, or the density of a histogram, on axes, new ones if None."""
-    output: Estimate | Histogram = getattr(ensemble, name)
+    output: Estimate | Histogram = getattr(result, name)
     if isinstance(output, Estimate) and output.value.ndim == 0:
         refuse("name", name, "it is one number; plot draws what depends on the time")
     if axes is None:
         (axes,) = _new_axes(1)
     if isinstance(output, Histogram):
-        _draw_histogram(output, name, ensemble.times, axes)
+        _draw_histogram(output, name, result.plan.times, axes)
     else:
-        _draw_over_time(ensemble, name, axes)
+        _draw_over_time(result, name, axes)
     axes.legend()
     return axes
 
@@ -75,10 +79,10 @@ def _draw_histogram(histogram: Histogram, name: str, times: np.ndarray, axes: "A
     axes.set(xscale="log", yscale="log")
 
 
-def _draw_over_time(ensemble: "Ensemble", name: str, axes: "Axes") -> None:
+def _draw_over_time(result: RunResult, name: str, axes: "Axes") -> None:
     """Draw an estimate, each component of a vector or a tensor, with standard errors."""
-    times = ensemble.times
-    dataset = make_dataset(ensemble, [name])
+    times = result.plan.times
+    dataset = make_dataset(result, [name])
     values = component_columns(dataset[name])
     errors = component_columns(dataset[f"{name}_error"])
     for (label, line), error in zip(values.items(), errors.values(), strict=True):

@@ -1,4 +1,4 @@
-"""Estimates with standard errors, and how they are made from sums over configurations.
+"""Estimates with standard errors, how they are made from sums, and how tracers ended.
 
 Tracers of one configuration share their scatterers and are not independent; configurations are. So
 every error is the spread over configurations: the delete-one jackknife, and the ratio estimator's
@@ -8,7 +8,7 @@ Begin reading with `Estimate` and `jackknife`.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -81,6 +81,32 @@ class Histogram(Value):
     def density(self) -> Estimate:
         """Probability per unit of the variable, (n_times, n_bins)."""
         return self.probability.divided(np.diff(self.edges))
+
+
+@dataclass(frozen=True, eq=False)
+class Statuses(Value):
+    """How many tracers ended in each way, and where and when the trapped ones did.
+
+    finished: reached the last output time. collision_cap: made max_collisions collisions first.
+    trapped: caught in a corner between scatterers, where infinitely many collisions follow within
+    1e-9 d or so, or at rest after a head-on collision at e = 0. In a field at rest in a corner of
+    two disks that opens against the field; with a tangential restitution below 1, where it would
+    slide along a disk; and at rest on the very top of a disk. escaped: flew 1e6 mean free paths
+    without a collision. captured: struck a scatterer with a normal velocity below capture_speed.
+    trap_times (trapped + captured,) in d/U: when it was declared. With tangential restitution 1 the
+    collisions end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
+    trap_places (.., dimension) from the tracer's start, in d; trap_tracers (.., 2): configuration
+    and tracer.
+    """
+
+    finished: int
+    collision_cap: int
+    trapped: int
+    escaped: int
+    trap_times: np.ndarray = field(repr=False)
+    trap_places: np.ndarray = field(repr=False)
+    trap_tracers: np.ndarray = field(repr=False)
+    captured: int = 0
 
 
 def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) -> Estimate:
