@@ -305,7 +305,7 @@ class Positions(Value):
             allowed = f"it must be two finite numbers, at most {FARTHEST:g} boxes away"
             refuse("start", self.start, allowed)
 
-        is_near = (abs(array) <= FARTHEST * box).all(axis=-1)
+        is_near = np.asarray(np.all(abs(array) <= FARTHEST * box, axis=-1))
         _require_positions(array, is_near, f"it must be finite, at most {FARTHEST:g} boxes away")
         offset = array - origin
         offset -= box * np.round(offset / box)  # from the start to the nearest image
