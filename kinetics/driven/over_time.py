@@ -35,6 +35,7 @@ AVERAGES_OF_OUTPUT: Mapping[str, set[str]] = {
     "a2": {"v^4"},
     "collisions": {"collisions"},
     "msd": {"x^2", "y^2"},
+    "diffusion_coefficient": {"v_x x", "v_y y"},
     "mean_displacement": {"x", "y", "x^2", "y^2"},
     "mean_velocity": {"v_x", "v_y"},
     "velocity_tensor": {"v^2 cos 2", "v_x v_y"},
