@@ -10,18 +10,16 @@ import bisect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, NoReturn, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from kinetics.driven.averages import COLUMNS, INTEGRAL_ROWS
 from kinetics.driven.march import TimeMarch
-from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE
-from kinetics.errors import InputError, PlanStep
+from kinetics.errors import PlanStep
 from kinetics.numerics import FloatArray
 from kinetics.outputs import ALL_OUTPUTS, AVERAGES, DENSITIES
 from kinetics.scene import Scene
-from kinetics.states.state import State
 
 #: Least error of a density that is aimed at, over its maximum. Its origin is not recorded.
 MIN_ERROR_OF_DENSITY = 1e-4
@@ -57,30 +55,6 @@ def needed_averages(scene: Scene) -> frozenset[str]:
 def needs_density(scene: Scene) -> bool:
     """Return whether an output of a scene is a density of the velocity."""
     return any(output.step == DENSITIES for output in ALL_OUTPUTS if output.name in scene.outputs)
-
-
-def tolerances(scene: Scene, rtol: float) -> dict[str, float]:
-    """Return how large the error of each part of the result that is solved may be."""
-    tolerance = {AVERAGES: rtol}
-    if needs_density(scene):
-        tolerance[DENSITIES] = max(rtol, MIN_ERROR_OF_DENSITY)
-    return tolerance
-
-
-def error_of_start(state: State, rtol: float) -> float:
-    """Return the relative error of averages over the start, of a density that is not resolved."""
-    highest = state.highest_harmonic or 0
-    tolerance = START_SHARE_OF_TOLERANCE * rtol
-    measures = [state.harmonic(m, tolerance, 0.0, HIGHEST_POWER) for m in range(highest + 1)]
-    return max((measure.error for measure in measures if measure is not None), default=0.0)
-
-
-def refuse_component_density() -> NoReturn:
-    """Raise InputError: the density of a component is not solved."""
-    raise InputError(
-        "velocity_component_density: it is not available in a field, nor of driven tracers; "
-        "integrate velocity_density"
-    )
 
 
 @dataclass(frozen=True)
