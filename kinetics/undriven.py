@@ -49,7 +49,7 @@ from kinetics.scene import Scene
 from kinetics.validation import refuse
 
 #: Least relative error that is stated of averages: sums over the initial state, and from panel to
-#: panel, leave rounding of this size. Its origin is not recorded.
+#: panel, leave rounding of this size. Chosen: some hundred roundings.
 ROUNDING_OF_AVERAGES = 1e-13
 #: Least error of G(R) that is aimed at: for less, wave numbers are needed that take minutes.
 MIN_ERROR_OF_POSITION_DENSITY = 1e-8

@@ -46,9 +46,10 @@ MIN_PANEL_LENGTH = 1e-3
 SURVIVAL_BEYOND_FOLDS = 8.0
 #: Most samples of a law. Chosen: each costs some kilobytes on every panel.
 MAX_SAMPLES = 20_000
-#: Largest difference from 1 of the sum of weights that a user gives. The origin is not recorded.
+#: Largest difference from 1 of the sum of weights that a user gives. Chosen: more than the rounding
+#: of a sum of many.
 MAX_ERROR_OF_WEIGHTS = 1e-9
-#: Largest excess over 1 of a cosine that counts as rounding. The origin is not recorded.
+#: Largest excess over 1 of a cosine that counts as rounding. Chosen: some thousand roundings.
 ROUNDING_OF_COSINE = 1e-12
 
 

@@ -42,16 +42,17 @@ SCATTERERS = ("dilute", "overlapping", "hard disks")
 #: The orders of the theory, see the module.
 ORDERS = ("leading", "first", "second")
 
-#: Largest n = rho d^2 that is allowed. The origin is not recorded.
+#: Largest n = rho d^2 that is allowed. Chosen: three times the largest tested one; the theory is of
+#: first order in n.
 HIGHEST_DENSITY = 0.3
-#: Smallest one: below, n^2 underflows. The origin of the number is not recorded.
+#: Smallest one. Chosen: so that the mean free path, of the order of d/n, is finite.
 LEAST_DENSITY = 1e-300
 #: Largest n at which the theory was compared with simulations (examples/docs/validation.md).
 TESTED_DENSITY = 0.1
 #: Smallest e of the constants of the first order: below they are held. It is where the table ends.
 LEAST_RESTITUTION = 0.2
-#: How fast near loops are cut off, per l: exp(-R (1 + |delta|/4)) averaged. The origin of the
-#: number is not recorded.
+#: How fast near loops are cut off, per l: exp(-R (1 + |delta|/4)) averaged. Chosen: a rate of the
+#: order of 1/l; at twice <v(0).v(t)> at late times, which is small, moves by 0.1 of itself.
 CORRIDOR = 0.6
 #: Largest eps. Chosen: returns of returns must add up, eps |lambda| < 1, and lambda is 2 at most.
 #: It is reached above the tested densities only.

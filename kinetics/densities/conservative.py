@@ -28,11 +28,11 @@ from kinetics.numerics import FOLDS, LARGEST_LOG, FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.state import LogMeasure, State
 
-#: First spacing in ln v that is tried; each next one is half of the one before. The origin is not
-#: recorded; with half or twice of it the same last spacing is found.
+#: First spacing in ln v that is tried; each next one is half of the one before. Chosen: with half
+#: or twice of it the same last spacing is found.
 COARSEST_SPACING = 0.128
-#: Finest spacing that the solver chooses by itself: after eight halvings. The origin is not
-#: recorded; the limit of the work often ends the halvings before.
+#: Finest spacing that the solver chooses by itself: after eight halvings. Chosen: the limit of the
+#: work often ends the halvings before.
 FINEST_SPACING = COARSEST_SPACING / 2**8
 #: Margin, for rounding, by which a spacing is taken to be the finest one. Chosen: spacings differ
 #: by factors of two.
@@ -51,8 +51,8 @@ LEAST_SHARE_OF_ERROR = 1e-9
 #: 1e-3).
 MAX_RTOL_OF_START = 1e-6
 #: The axis ends so many e-folds below the slowest speed that matters, l/t, or the slowest one of
-#: the start. The origin is not recorded; at half the shares of tracers slower than v move by 3e-15
-#: (e = 0 and 0.7, one speed and a table with edges, t up to 1e3, rtol 1e-2), with 0.7 of the nodes.
+#: the start. Chosen: at half the shares of tracers slower than v move by 3e-15 (e = 0 and 0.7, one
+#: speed and a table with edges, t up to 1e3, rtol 1e-2), with 0.7 of the nodes.
 DEPTH_OF_AXIS = 12.0
 #: Nodes on top of those that span the axis: an empty one above the fastest tracers, and both ends.
 #: Derived.
@@ -60,11 +60,10 @@ MORE_NODES = 3
 #: Radians of s^z on one cell, z a wave number, so that the losses of the collision quadrature lie a
 #: tenth of a cell apart. Chosen. At half and at twice these shares move by 2e-6.
 RADIANS_PER_CELL = 16.0
-#: Equal pieces into which a cell is cut, for the steps of a density. The origin is not recorded; at
-#: half and at twice these shares move by 3e-4 and 2e-4, the estimates being 7e-3 to 2e-2.
+#: Equal pieces into which a cell is cut, for the steps of a density. Chosen: at half and at twice
+#: these shares move by 3e-4 and 2e-4, the estimates being 7e-3 to 2e-2.
 PIECES_OF_CELL = 8
-#: Gauss points of such a piece. The origin is not recorded; with 2 and with 8 these shares move by
-#: 3e-6 and 4e-4.
+#: Gauss points of such a piece. Chosen: with 2 and with 8 these shares move by 3e-6 and 4e-4.
 PIECE_POINTS = 4
 #: If the cells catch less than this fraction of the mass of the start, its density lies between
 #: their Gauss points, and its own points are shared between the nodes instead. The origin is not

@@ -30,16 +30,16 @@ from numpy.polynomial import chebyshev
 
 from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import Profile
+from kinetics.densities.log_panels import LogPanels
 from kinetics.densities.sharp_tracers import SharpTracers
 from kinetics.densities.speed_shares import SpeedShares
 from kinetics.numerics import FloatArray
 from kinetics.states.state import State
 
-#: Chebyshev points of the time at T = 0. Origin not recorded; with half or twice as many the shares
-#: of flights move by 3e-12 (e = 0.4 and 1, T = 3 and 100 l/U).
+#: Least number of Chebyshev points of the time. Chosen: at half and at twice shares of flights move
+#: by 3e-10 (e = 0.4 and 1, four starts, T up to 100 l/U).
 MIN_POINTS = 32
-#: How many more points there are for each e-fold of 1 + T, T the last time in l/U. Origin not
-#: recorded; with half or twice as many the same shares move by 1e-12.
+#: More of them for each e-fold of 1 + t. Chosen: at half and at twice they move by 3e-10.
 POINTS_PER_FOLD = 4.0
 
 
@@ -55,12 +55,14 @@ class Flights:
         are the coefficients of Chebyshev polynomials in y, where y from -1 to 1 is ln(1 + t) from
         t = 0 to the last time; shape (n_points + 1, n_v)
     sharp : tracers in delta peaks of the speed, see the module
+    panels : of which the speeds are the nodes; None where they carry masses, or there are none
     """
 
     times: FloatArray
     speeds: FloatArray
     integral: FloatArray
     sharp: SharpTracers
+    panels: LogPanels | None
 
     @classmethod
     def of(
@@ -94,7 +96,13 @@ class Flights:
         integrand = distribution.shares * time_per_y[:, None]
         coefficients = np.linalg.solve(chebyshev.chebvander(y, n_points - 1), integrand)
         integral = np.asarray(chebyshev.chebint(coefficients, lbnd=-1, axis=0), float)
-        return cls(times / mean_free_path, distribution.speeds, integral, distribution.sharp)
+        return cls(
+            times=times / mean_free_path,
+            speeds=distribution.speeds,
+            integral=integral,
+            sharp=distribution.sharp,
+            panels=distribution.panels,
+        )
 
     def longer_in_time(self, s: FloatArray) -> FloatArray:
         """Return N(s), the number of flights for each tracer that last longer than s.
@@ -117,10 +125,39 @@ class Flights:
         for time in self.times:
             begun_by = time - x / self.speeds[:, None]
             coefficients = self.integral[:, :, None]
-            shares = chebyshev.chebval(self._y_of(begun_by), coefficients, tensor=False)
+            shares = np.asarray(
+                chebyshev.chebval(self._y_of(begun_by), coefficients, tensor=False), float
+            )
             number = self.speeds @ shares + self._longer_in_length_of_sharp(time, x)
+            if self.panels is not None:
+                number += self._change_by_cut_panels(time, x, shares)
             numbers.append(number * np.exp(-x))
         return np.array(numbers)
+
+    def _change_by_cut_panels(self, time: float, x: FloatArray, shares: FloatArray) -> FloatArray:
+        """Return by how much L(x) e^x changes where the panel around v = x/T is cut there, (n_x,).
+
+        Slower tracers have flown no such length, so that v F(v, T - x/v) has a kink.
+
+        shares : F at all speeds, of which the sum over whole panels was taken, (n_v, n_x)
+        """
+        assert self.panels is not None
+        with np.errstate(divide="ignore", invalid="ignore"):  # at x = 0, and at time 0
+            log_slowest = np.log(x / time)
+        panel = self.panels.panel_of(log_slowest)
+        is_cut = (panel >= 0) & (panel < self.panels.log_edges.size - 1)
+        cut = np.flatnonzero(is_cut)
+        pieces = self.panels.pieces_above(log_slowest[cut])
+        of_whole_panels = (self.speeds[pieces.nodes] * shares[pieces.nodes, cut[:, None]]).sum(
+            axis=1
+        )
+        at_nodes = self.integral[:, pieces.nodes]
+        coefficients = np.einsum("njk,tnk->tnj", pieces.rows, at_nodes)
+        y = self._y_of(time - x[cut, None] / pieces.speeds)
+        share_at_points = chebyshev.chebval(y, coefficients, tensor=False)
+        change = np.zeros(x.shape)
+        change[cut] = (pieces.speeds * share_at_points).sum(axis=1) - of_whole_panels
+        return change
 
     def _y_of(self, t: FloatArray) -> FloatArray:
         """Return y, the argument of the polynomials, at times t in l/U of any shape.

@@ -25,7 +25,8 @@ from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
 from kinetics.validation import check_positive, check_rtol, finite_line, refuse, speeds
 
-#: The error that the density may have over rtol. Its origin is not recorded.
+#: The error that the density may have over rtol. Chosen: a density needs more panels than averages
+#: do; at half and at twice nothing moves at the default rtol, where `MIN_DENSITY_ERROR` holds.
 DENSITY_ERROR_OVER_RTOL = 300.0
 #: The least error that is asked of the density, over its largest mean over directions. Chosen.
 MIN_DENSITY_ERROR = 1e-6

@@ -30,9 +30,9 @@ from kinetics.numerics.cache import Cache
 from kinetics.states.state import LogMeasure, State
 from kinetics.validation import MAX_HARMONICS, real_number, whole_number
 
-#: Least power p of a moment <v^p> that can be asked for. Its origin is not recorded.
+#: Least power p of a moment <v^p> that can be asked for. Chosen: far beyond what data give.
 LEAST_POWER = -40.0
-#: Largest power p of such a moment. Its origin is not recorded.
+#: Largest power p of such a moment. Chosen.
 LARGEST_POWER = 40.0
 #: Least E[s^p] of which the logarithm is taken: close to the smallest number.
 LEAST_MEAN_POWER = 1e-300

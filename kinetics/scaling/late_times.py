@@ -29,7 +29,7 @@ from kinetics.scaling.log_moments import SMOOTH_FROM, integrate_log_ratio
 #: Largest |theta| that is looked for. Chosen: t^theta is beyond double precision at any t.
 MAX_POWER_OF_TIME = 1000.0
 #: Distance from an integer j below which (phi(theta) - phi(j))/(j - theta) is summed, not
-#: subtracted: otherwise digits cancel. The origin of the number is not recorded.
+#: subtracted: otherwise digits cancel. Chosen: at this distance subtraction loses a digit or two.
 SUMMED_WITHIN = 0.05
 #: Imaginary step of the derivative of phi. Chosen: its square is nothing beside 1.
 IMAGINARY_STEP = 1e-20

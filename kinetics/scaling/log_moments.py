@@ -30,8 +30,8 @@ from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
 SMOOTH_FROM = 16
 #: Smallest |z| at which rho is computed; below, it is 0. Derived: kappa z would underflow.
 MIN_POWER = 1e-290
-#: Gauss points for the integral of rho over one step of a vertical line. The origin is not
-#: recorded; at half and at twice as many F moves by 7e-15 (e from 0 to 0.99).
+#: Gauss points for the integral of rho over one step of a vertical line. Chosen: at half and at
+#: twice as many F moves by 7e-15 (e from 0 to 0.99).
 POINTS_ON_STEP = 10
 #: Gauss points for the integral of ln r over a panel of half the distance to its singularities.
 #: Derived: they lie on a Bernstein ellipse of 8 or more, which leaves 8^-24 = 2e-22.

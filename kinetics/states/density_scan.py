@@ -27,10 +27,11 @@ SCAN_PARTS = 8
 #: Up to which |ln(v/U)|, how many Gauss points a part gets. Chosen: near U, where densities are,
 #: peaks 0.1 % wide are seen; beyond e^70 only power laws matter. Fewer points than 8 everywhere.
 SCAN_ZONES = ((16.0, 64), (70.0, 8), (math.inf, 2))
-#: e-folds above its bulk to which a density that has a power-law tail goes on. Origin not recorded.
+#: e-folds above its bulk to which a density that has a power-law tail goes on. Chosen; at half and
+#: at twice nothing moves for a density without such a tail.
 TAIL_LENGTH = 60.0
 #: An average diverges if one of the last panels adds more than this of what the largest one adds.
-#: Origin not recorded.
+#: Chosen: what converges has fallen far below by then.
 DIVERGENT_SHARE = 1e-3
 #: Panels count that add more than this times rtol to an average: a thousand add up to rtol. Chosen;
 #: at half and at twice no average of a smooth density moves (rtol 1e-8).
