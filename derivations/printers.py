@@ -17,12 +17,21 @@ from .symbols import LATEX, table
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
 
 
+def members(formula: sp.Basic | None) -> tuple[sp.Basic, ...]:
+    """The equations of a ``Tuple``, or the formula alone; nothing for None."""
+    if formula is None:
+        return ()
+    if isinstance(formula, sp.Tuple):
+        return formula.args
+    return (formula,)
+
+
 def plain(formula: sp.Basic | None) -> str:
     """A formula as sympy's text, with ``=`` for an equation; empty for None."""
-    if formula is None:
-        return ""
-    if isinstance(formula, sp.Tuple):
-        return "; ".join(plain(part) for part in formula)
+    return "; ".join(_plain_member(member) for member in members(formula))
+
+
+def _plain_member(formula: sp.Basic) -> str:
     if isinstance(formula, sp.Eq):
         return f"{sp.sstr(formula.lhs)} = {sp.sstr(formula.rhs)}"
     return sp.sstr(formula)
@@ -33,17 +42,18 @@ def latex(formula: sp.Basic | None, **settings: Any) -> str:
 
     The members of a ``Tuple`` are joined by a ``\\quad``; ``settings`` are those of sympy.latex.
     """
-    if formula is None:
-        return ""
-    if isinstance(formula, sp.Tuple):
-        return r",\quad ".join(latex(part, **settings) for part in formula)
-    names = {
-        symbol: LATEX[symbol.name] for symbol in formula.atoms(sp.Symbol) if symbol.name in LATEX
-    }
-    for function in {applied.func for applied in formula.atoms(AppliedUndef)}:
+    return r",\quad ".join(_latex_member(member, settings) for member in members(formula))
+
+
+def _latex_member(formula: sp.Basic, settings: dict[str, Any]) -> str:
+    symbols = formula.atoms(sp.Symbol)
+    names = {symbol: LATEX[symbol.name] for symbol in symbols if symbol.name in LATEX}
+    functions = {applied.func for applied in formula.atoms(AppliedUndef)}
+    for function in functions:
         if function.__name__ in LATEX:
             formula = formula.replace(function, sp.Function(LATEX[function.__name__]))
-    return sp.latex(formula, symbol_names=names, **settings).replace(r"+ \pm", r"\pm")
+    text = sp.latex(formula, symbol_names=names, **settings)
+    return text.replace(r"+ \pm", r"\pm")
 
 
 def mathml(formula: sp.Basic | None, order: str | None = None, display: str = "inline") -> str:
@@ -54,12 +64,23 @@ def mathml(formula: sp.Basic | None, order: str | None = None, display: str = "i
     """
     from latex2mathml.converter import convert
 
-    parts = formula if isinstance(formula, sp.Tuple) else (() if formula is None else (formula,))
-    texts = (latex(part, order=order, ln_notation=True) for part in parts)
-    # an HTML page knows the namespace
-    return "".join(
-        convert(text, display=display).replace(f' xmlns="{NAMESPACE}"', "", 1) for text in texts
-    )
+    elements = []
+    for member in members(formula):
+        text = latex(member, order=order, ln_notation=True)
+        element = convert(text, display=display)
+        # an HTML page knows the namespace
+        elements.append(element.replace(f' xmlns="{NAMESPACE}"', "", 1))
+    return "".join(elements)
+
+
+def symbol_meanings(formulas: Iterable[sp.Basic | None]) -> list[tuple[str, str]]:
+    """Name and meaning of every symbol and function in some formulas, sorted by name."""
+    names: set[str] = set()
+    for formula in formulas:
+        if formula is not None:
+            names |= {symbol.name for symbol in formula.atoms(sp.Symbol)}
+            names |= {applied.func.__name__ for applied in formula.atoms(AppliedUndef)}
+    return [(name, meaning) for name, meaning in table() if name in names]
 
 
 def counts(checks: Iterable[Any]) -> dict[str, int]:
@@ -80,19 +101,28 @@ def to_json(checks: Iterable[Any]) -> dict[str, Any]:
 
 
 def _row(check: Any) -> dict[str, Any]:
+    numbers = [{"name": number.name, "value": number.value} for number in check.numbers]
     return {
-        "label": check.label, "title": check.title, "section": check.section,
-        "status": check.status.value, "proof": check.proof, "holds": check.holds,
+        "label": check.label,
+        "title": check.title,
+        "section": check.section,
+        "status": check.status.value,
+        "proof": check.proof,
+        "holds": check.holds,
+        "verdict": None if check.verdict is None else check.verdict.value,
         "note": check.note,
-        "printed": plain(check.printed), "derived": plain(check.derived),
-        "printed_latex": check.printed_latex, "derived_latex": check.derived_latex,
+        "printed": plain(check.printed),
+        "derived": plain(check.derived),
+        "printed_latex": check.printed_latex,
+        "derived_latex": check.derived_latex,
         "source_latex": check.source,
-        "numbers": [{"name": number.name, "value": number.value} for number in check.numbers],
-        "steps": [
-            {"text": step.text, "formula": plain(step.formula), "latex": latex(step.formula)}
-            for step in check.steps
-        ],
-    }  # fmt: skip
+        "numbers": numbers,
+        "steps": [_step(step) for step in check.steps],
+    }
+
+
+def _step(step: Any) -> dict[str, str]:
+    return {"text": step.text, "formula": plain(step.formula), "latex": latex(step.formula)}
 
 
 def to_text(check: Any) -> str:
@@ -100,18 +130,25 @@ def to_text(check: Any) -> str:
     lines = [f"{check.label}: {check.title} ({check.section})", f"status: {check.status}"]
     if check.proof:
         lines.append(f"proof: {check.proof}")
-    if check.holds is not None:
-        lines.append(f"holds in the exact theory: {'yes' if check.holds else 'no'}")
-    for name, formula in (("printed", check.printed), ("derived", check.derived)):
-        if formula is not None:
-            lines.append(f"{name}: {plain(formula)}")
+    if check.verdict is not None:
+        lines.append(f"verdict of the exact theory: {check.verdict}")
+    if check.printed is not None:
+        lines.append(f"printed: {plain(check.printed)}")
+    if check.derived is not None:
+        lines.append(f"derived: {plain(check.derived)}")
     for index, step in enumerate(check.steps, 1):
-        formula = "" if step.formula is None else f": {plain(step.formula)}"
-        lines.append(f"  {index}. {step.text}{formula}")
-    lines += [f"  {number.name} = {number.value:.7g}" for number in check.numbers]
+        lines.append(f"  {index}. {_step_text(step)}")
+    for number in check.numbers:
+        lines.append(f"  {number.name} = {number.value:.7g}")
     if check.note:
         lines.append(f"note: {check.note}")
     return "\n".join(lines)
+
+
+def _step_text(step: Any) -> str:
+    if step.formula is None:
+        return step.text
+    return f"{step.text}: {plain(step.formula)}"
 
 
 _ESCAPES = str.maketrans(
@@ -122,21 +159,35 @@ _ESCAPES = str.maketrans(
 
 
 def to_latex_document(checks: Iterable[Any]) -> str:
-    """A complete LaTeX document (pdflatex; amsmath only) with every check and its steps."""
+    """A complete LaTeX document (pdflatex; amsmath only) with every check and its steps.
+
+    It ends with the symbols that these checks and their steps contain, and no others.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    made = Environment(
-        loader=PackageLoader("derivations"), undefined=StrictUndefined, trim_blocks=True,
-        block_start_string="<%", block_end_string="%>", variable_start_string="<<",
-        variable_end_string=">>", comment_start_string="<#", comment_end_string="#>",
-    )  # fmt: skip
-    made.filters |= {
-        "latex": latex,
-        "escaped": lambda text: text.translate(_ESCAPES),
-        "parts": lambda formula: formula if isinstance(formula, sp.Tuple) else (formula,),
-    }
-    rows = tuple(checks)
-    symbols = [(sp.Symbol(name), meaning) for name, meaning in table()]
-    return made.get_template("checks.tex.j2").render(
-        checks=rows, counts=counts(rows), symbols=symbols
+    environment = Environment(
+        loader=PackageLoader("derivations"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        block_start_string="<%",
+        block_end_string="%>",
+        variable_start_string="<<",
+        variable_end_string=">>",
+        comment_start_string="<#",
+        comment_end_string="#>",
     )
+    environment.filters["latex"] = latex
+    environment.filters["escaped"] = _escape
+    environment.filters["members"] = members
+    rows = tuple(checks)
+    formulas: list[sp.Basic | None] = []
+    for check in rows:
+        formulas += [check.printed, check.derived]
+        formulas += [step.formula for step in check.steps]
+    symbols = [(sp.Symbol(name), meaning) for name, meaning in symbol_meanings(formulas)]
+    template = environment.get_template("checks.tex.j2")
+    return template.render(checks=rows, counts=counts(rows), symbols=symbols)
+
+
+def _escape(text: str) -> str:
+    return text.translate(_ESCAPES)

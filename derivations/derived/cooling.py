@@ -8,7 +8,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
-from .record import Derived, Status, defines, derives, result, row
+from .record import Derived, Status, Verdict, defines, derives, result, row
 from .scaling_state import cooling_rate_value, largest_cooling_ratio
 
 _F_SCALED = s.F(s.bc)
@@ -26,7 +26,7 @@ def _gtilde() -> Derived:
         ("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
         note="The form is a change of variable; that G does not depend on time holds at e = 1, and "
         "only asymptotically.",
-        holds=True,
+        verdict=Verdict.HOLDS,
     )
 
 
@@ -44,7 +44,7 @@ row(
     "weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)",
     note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
     "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
-    holds=True,
+    verdict=Verdict.HOLDS,
     numbers={
         "rate at the Gaussian start at e = {e}": lambda e: (
             sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
@@ -122,7 +122,7 @@ row(
     ),
     note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows beyond "
     "the paper). At e = 1 nothing cools and any isotropic F is stationary.",
-    holds=True,
+    verdict=Verdict.HOLDS,
 )
 row("tdiff2", lambda: eq(sp.Derivative(_T, s.t), _second_moment_rate()))
 

@@ -12,7 +12,7 @@ from .. import symbols as s
 from ..formal import Int, Lam, Partial, chain, dot, eq
 from ..premises import isotropy, loss, mean_free_path, over_impact, parallel_component
 from . import transport
-from .record import Derived, defines, derives, result, row, zero
+from .record import Derived, Verdict, defines, derives, result, row, zero
 from .scaling_state import slope_value
 from .sonine import SONINE_AND_EXACT, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
 from .transport import solved, thermal_speed
@@ -27,7 +27,7 @@ _V0 = s.v0(s.t)
 row(
     "ad4",
     note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
-    holds=False,
+    verdict=Verdict.FAILS,
     numbers=SONINE_AND_EXACT,
     at=_RESTITUTIONS,
 )
@@ -96,7 +96,7 @@ row(
     "ad3",
     note="At e = 1 the equation for B is solved exactly by B ~ v f/|v|, not v f, because the "
     "collision rate is proportional to the speed. This alone makes D_e 15 % low.",
-    holds=False,
+    verdict=Verdict.FAILS,
     numbers={"D_e over its exact value at e = 1": lambda: truediv(*elastic_diffusion())},
 )
 
@@ -236,7 +236,7 @@ row(
     note="The factor n(r, v, t)/m(v, t) depends on the speed. The collision operator mixes speeds, "
     "so that its product with f solves the zeroth order only at e = 1, or where the factor does "
     "not depend on the speed (which is diffuse11 again).",
-    holds=False,
+    verdict=Verdict.FAILS,
 )
 
 
@@ -273,7 +273,7 @@ row(
     "ap14",
     note="At e = 1 it holds. For e < 1 the source at one speed drives p^(1) at lower speeds, and "
     "p^(1)(v) depends on the gradient of n at other speeds too.",
-    holds=False,
+    verdict=Verdict.FAILS,
 )
 row("ap15", lambda: _expansion().of_b, note="Formally right, given ap14.")
 
@@ -300,7 +300,7 @@ def _ap20() -> Derived:
         "v0, and D_e = v l g(v/v0) for any g. At e = 1 the equation can be solved: g = 3/8, D_e "
         "does not depend on the temperature at all, and nu_D is (4/3) v/l, not a number times "
         "v0/l.",
-        holds=False,
+        verdict=Verdict.FAILS,
         numbers={
             f"exact D_e over (3/8) v^2 l/v0, elastic, at v = {v} v0": 1 / v for v in (0.5, 1.0, 2.0)
         },
@@ -316,7 +316,7 @@ def _ap21() -> Derived:
         ("with nu_D = v0/l: number in front of v^2 l/v0", number),
         note="The first equality follows from ap18 and ap20, the second (up to a number) from nu_D "
         "~ v0/l. Both premises fail: the exact elastic result is (3/8) v l.",
-        holds=False,
+        verdict=Verdict.FAILS,
     )
 
 

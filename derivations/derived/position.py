@@ -11,7 +11,7 @@ from .. import symbols as s
 from ..formal import Avg, Second, chain, eq
 from ..premises import free_path, isotropy
 from .random_walk import collisions
-from .record import Derived, Status, defines, derives, result, row, zero
+from .record import Derived, Status, Verdict, defines, derives, result, row, zero
 
 _MSD = s.msd(s.t)
 
@@ -52,7 +52,7 @@ row(
     "exact at e = 1: (3/8) v l with v = V v0",
     note="The power of V is a guess (see ap20): at e = 1 the exact one is 1, not 2. The shape of "
     "G(R) rests on it.",
-    holds=False,
+    verdict=Verdict.FAILS,
 )
 defines(
     {

@@ -11,7 +11,7 @@ from .. import symbols as s
 from ..formal import Avg, Int, Partial, chain, eq
 from ..premises import free_path, gaussian_average, gaussian_moment, loss, speed_ratio_squared
 from .cooling import speed_equation_by_moment
-from .record import Derived, defines, derives, result, row, zero
+from .record import Derived, Verdict, defines, derives, result, row, zero
 from .scaling_state import a2_value
 
 
@@ -57,7 +57,7 @@ def _sonine1() -> Derived:
         note="The coefficients a_p = <S_p> exist, but the series does not converge to F for any e "
         "in [0, 1): the exact tail is exp(-2 c/h), so that F^2/phi is not integrable. As e -> 1 "
         "the VDF tends to a ring, not to the Gaussian that the series starts from.",
-        holds=False,
+        verdict=Verdict.FAILS,
     )
 
 

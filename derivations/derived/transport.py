@@ -15,7 +15,7 @@ from .. import symbols as s
 from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
 from ..premises import isotropy
 from .kinetic_equation import mass_change
-from .record import Derived, defines, derives, result, row
+from .record import Derived, Verdict, defines, derives, result, row
 
 _T = s.T(s.t)
 _D = s.De(s.t)
@@ -40,7 +40,7 @@ row(
     "diffuse5",
     note="A formal series; that it orders the distribution holds for gradients that are small over "
     "the distance which a tracer covers while its speed falls by a fixed factor.",
-    holds=True,
+    verdict=Verdict.HOLDS,
 )
 
 
@@ -190,7 +190,7 @@ row(
     "diffuse14",
     note="Holds: the equation is linear with a source proportional to the gradient of n, and the "
     "operator commutes with rotations.",
-    holds=True,
+    verdict=Verdict.HOLDS,
 )
 row("diffuse15", lambda: _expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out")
 
