@@ -22,6 +22,7 @@ from .record import Derived, derives, result, row
 
 @derives("beyond:any-average")
 def _any_average() -> Derived:
+    """Moments of the speed in any dimension."""
     # E[(s v)^p] - v^p times the rate v/l: the mean free path is all that knows the dimension
     change = sp.powsimp(s.v / s.l * s.v**s.p * (s.s**s.p - 1)).subs(s.s**s.p, 1 - s.lam(s.p))
     factor = sp.cancel(change / s.v ** (s.p + 1))
@@ -61,6 +62,7 @@ def cooling_rate() -> sp.Expr:
     return rate
 
 
+# scaled moments and cooling rate in any dimension
 row(
     "beyond:any-moments",
     lambda: sp.Tuple(
@@ -75,6 +77,7 @@ row(
 
 @derives("beyond:any-slope")
 def _any_slope() -> Derived:
+    """Displacement after N collisions and over time, in any dimension."""
     # the displacement r of N flights, and u the next direction. With r' = r + L u: <r'^2> = <r^2> +
     # 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since E[u'] = c u
     c = s.cos_chi
@@ -104,6 +107,7 @@ def _any_slope() -> Derived:
 
 @derives("beyond:collision-number")
 def _collision_number() -> Derived:
+    """Variances of collisions and path, per ln t at late times."""
     # E[z^N] ~ t^theta: d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)] is solved by powers
     # t^(theta-p) at every p but where 1 - z phi(theta) = 0, phi(p) = E[s^p]
     u, first, second = sp.symbols("u theta_1 theta_2")
@@ -240,7 +244,9 @@ def _quartic(dimension: int) -> sp.Tuple:
     return sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension)))
 
 
+# the chain of <r^4> in the plane, harmonics i^m exp(i m phi)
 row("beyond:quartic-plane", lambda: _quartic(2))
+# the chain of <r^4> in space, Legendre polynomials
 row("beyond:quartic-space", lambda: _quartic(3))
 
 
@@ -255,6 +261,7 @@ def elastic_transform(dimension: int) -> sp.Expr:
     return sp.factor(found[4, 0])
 
 
+# elastic <r^4> as a Laplace transform: in the plane, in space
 row(
     "beyond:quartic-elastic",
     lambda: sp.Tuple(*(eq(s.rho4z(s.laplace), elastic_transform(d)) for d in (2, 3))),
@@ -279,6 +286,7 @@ def transform(dimension: int) -> sp.Expr:
     return (first / (1 - first)).subs(decay, 1 + s.laplace)
 
 
+# isotropic scattering at one speed in space
 row(
     "beyond:isotropic-space",
     lambda: eq(s.Fhat(s.wave, s.laplace), transform(3)),
@@ -289,6 +297,7 @@ row(
 
 @derives("beyond:isotropic-plane")
 def _plane() -> Derived:
+    """Isotropic scattering at one speed in the plane, and its density of position."""
     height = sp.sqrt(s.zeta**2 - s.r**2)  # the w whose ring has the radius r
     spread = -sp.diff(height, s.r) * sp.exp(height - s.zeta)
     return result(

@@ -33,7 +33,9 @@ def _rule() -> sp.Eq:
     return eq(s.bvp, sp.collect(sp.expand(after), normal))
 
 
+# the collision rule with tangential restitution
 row("beyond:rule", _rule)
+# speed ratio s and deflection chi of one collision, in the plane and in space
 row(
     "beyond:one-collision",
     lambda: (
@@ -43,11 +45,13 @@ row(
     note="But for a factor both depend on e/e_t alone: s(e, e_t) = e_t s(e/e_t, 1), and the "
     "deflection is that of the restitution e/e_t with e_t = 1.",
 )
+# impact parameter and mean free path in the plane
 row(
     "beyond:measure-plane",
     lambda: sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, mean_free_path(2))),
     "collisions per angle: flux through the circle, over d rho0 |v|",
 )
+# impact parameter and mean free path in space
 row(
     "beyond:measure-space",
     lambda: (
@@ -64,6 +68,7 @@ row(
 
 @derives("beyond:plane-equal")
 def _plane_equal() -> Derived:
+    """The plane with e_t = e."""
     square, along = (part.subs(s.et, s.e) for part in one_collision())
     ratio = sp.sqrt(square)
     return result(
@@ -82,6 +87,7 @@ def space_power() -> sp.Expr:
     return sp.powsimp(sp.factor(space_average(s.s**s.p)))
 
 
+# mean power of the speed ratio in space
 row(
     "beyond:space-power",
     lambda: eq(Avg(s.s**s.p), space_power()),
@@ -100,6 +106,7 @@ def space_log_loss() -> sp.Expr:
     return sp.cancel(rest) + sum(parts)
 
 
+# mean log loss kappa in space; the second with e_t = 1
 row(
     "beyond:space-log",
     lambda: sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, space_log_loss().subs(s.et, 1))),
@@ -112,6 +119,7 @@ def space_cosine(least: sp.Expr = s.e) -> sp.Expr:
     return sp.factor(space_average(one_collision()[1] / s.s, least))
 
 
+# mean cosine of the deflection in space
 row(
     "beyond:space-cosine",
     lambda: eq(s.cos_chi, space_cosine()),
@@ -121,6 +129,7 @@ row(
 
 @derives("beyond:space-isotropic")
 def _space_isotropic() -> Derived:
+    """In space with e_t = e (elastic spheres) the scattering is isotropic."""
     square, along = (part.subs(s.et, s.e) for part in one_collision())
     cosine = sp.cancel(along / sp.sqrt(square))  # from -1 at y = 0 to 1 at y = 1
     modes = [sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4)]
@@ -143,6 +152,7 @@ def space_cooling_rate() -> sp.Expr:
     return cooling_rate().subs({s.klog: space_log_loss().subs(s.et, 1), s.lam(1): loss_one})
 
 
+# exact cooling rate of smooth spheres (e_t = 1)
 row(
     "beyond:space-cooling",
     lambda: eq(s.h, space_cooling_rate()),
@@ -192,11 +202,13 @@ def _rate_at_e_zero(dimension: int) -> sp.Expr:
     return _loss_at_e_zero(dimension).subs(s.p, 2) * _speed_moment(3, dimension)
 
 
+# the scaling solution at e = 0
 row(
     "beyond:e-zero",
     lambda: sp.Tuple(eq(s.F(s.bc), e_zero_solution(2)), eq(s.M2 / 2, _rate_at_e_zero(2))),
     "Y is exponential; h = lambda(2) <c^3>",
 )
+# the scaling solution of smooth spheres at e = 0
 row(
     "beyond:space-e-zero",
     lambda: sp.Tuple(
@@ -213,6 +225,7 @@ row(
 
 @derives("beyond:spin-moments")
 def _spin_moments() -> Derived:
+    """Disks that spin: <v^2> and <u^2> after a collision, u that of the rim."""
     # the impulse on the rim, over m, adds to v_t, and 1/k of it to u; v_t + u becomes -beta of it
     normal, along, push = sp.symbols("v_n v_t J", real=True)
     rim = along + s.spin
@@ -253,6 +266,7 @@ def effective_restitution() -> sp.Expr:
     return sp.factor(-found[after] / before)
 
 
+# the restitution of a fixed scatterer that has the effect of a mass A m
 row(
     "beyond:mass-map",
     lambda: eq(s.effective, sp.factor(1 + effective_restitution()) - 1),
@@ -276,6 +290,7 @@ def least_share() -> sp.Expr:
 
 @derives("beyond:mass-log-loss")
 def _log_loss() -> Derived:
+    """Mean log loss in space, alpha = 1: neutrons' xi, and its a."""
     xi = mean_lethargy()
     equal = sp.limit(xi, s.least_share, 0)
     return result(
@@ -296,6 +311,7 @@ def mean_cosine(heavier: bool) -> sp.Expr:
     return sp.expand(sp.cancel(cosine.subs(s.e, effective_restitution().subs(s.relative, 1))))
 
 
+# mean cosine in space, alpha = 1: A >= 1, and A <= 1
 row(
     "beyond:mass-cosine",
     lambda: sp.Tuple(eq(s.cos_chi, mean_cosine(True)), eq(s.cos_chi, mean_cosine(False))),
@@ -307,6 +323,7 @@ row(
 
 @derives("beyond:mass-age")
 def _age() -> Derived:
+    """The displacement in the mean log loss xi of the energy: Fermi's age."""
     slope = 2 / (s.klog * (1 - s.cos_chi))  # beyond:any-slope, over l^2
     found = sp.cancel(slope.subs(s.klog, s.lethargy / 2))
 

@@ -20,6 +20,7 @@ _ENERGY_LOSS = -2 * s.d * _V0 * s.rho0 * s.h * _T
 
 @derives("gtilde")
 def _gtilde() -> Derived:
+    """(2): scaling of the position distribution, elastic."""
     root = sp.sqrt(s.msd1(s.t))
     return result(
         eq(s.g(s.r, s.t), sp.diff(s.r / root, s.r) * s.G(s.R)),
@@ -38,6 +39,7 @@ defines(
         "mup": "Twice lambda(p) <c^(p+1)> by the weak form (sonine8).",
     }
 )
+# (5): energy loss
 row(
     "tdiff",
     lambda: eq(sp.Derivative(_T, s.t), -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T),
@@ -63,16 +65,19 @@ def _speed_equation(rate: sp.Expr) -> sp.Expr:
     return solution
 
 
+# (6): equation for the thermal velocity
 row("vdiff", lambda: eq(sp.Derivative(_V0, s.t), _speed_equation(_ENERGY_LOSS)))
 
 
 @derives("veq")
 def _veq() -> Derived:
+    """(7): thermal velocity over time."""
     slope = _speed_equation(_ENERGY_LOSS)
     inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
     return result(eq(_V0, 1 / inverse))
 
 
+# (8): cooling rate, fitted to the simulation
 row(
     "hsimu",
     lambda: eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
@@ -113,6 +118,7 @@ def _scaled_derivative() -> sp.Expr:
     return sp.simplify((rate * _V0 / (s.n * s.d * s.rho0)).subs(s.v, s.c * _V0).doit())
 
 
+# (10): scaling form of the velocity distribution
 row(
     "tdepend",
     lambda: (
@@ -124,11 +130,13 @@ row(
     "the paper). At e = 1 nothing cools and any isotropic F is stationary.",
     verdict=Verdict.HOLDS,
 )
+# (13): energy loss by the second moment
 row("tdiff2", lambda: eq(sp.Derivative(_T, s.t), _second_moment_rate()))
 
 
 @derives("compare2")
 def _compare2() -> Derived:
+    """(14): cooling rate by the second moment."""
     difference = _ENERGY_LOSS - _second_moment_rate()
     (solution,) = sp.solve(difference, s.h)
     return result(
@@ -138,6 +146,7 @@ def _compare2() -> Derived:
     )
 
 
+# (B1): thermal velocity by the second moment
 row("rearramu2", lambda: eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()))
 
 
@@ -153,6 +162,7 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
 
 @derives("ifmu2")
 def _ifmu2() -> Derived:
+    """(B2): scaled equation."""
     plain, slope = _scaled_coefficients()
     return result(
         eq(s.I_(_F_SCALED), plain * _F_SCALED + slope * dot(s.bc, Partial(_F_SCALED, s.bc))),
@@ -163,6 +173,7 @@ def _ifmu2() -> Derived:
 
 @derives("mueq")
 def _mueq() -> Derived:
+    """(B3): moments of the scaled equation."""
     plain, slope = _scaled_coefficients()
     # int 2 pi c^(p+1) c F' dc = -(p + 2) int 2 pi c^(p+1) F dc
     by_parts = sp.simplify(-sp.diff(s.c ** (s.p + 2), s.c) / s.c ** (s.p + 1))

@@ -24,6 +24,7 @@ _RESTITUTIONS = (0.6, 0.7, 0.9)  # above the threshold of the Sonine a_2
 _V0 = s.v0(s.t)
 
 
+# (C4): first Sonine approximation of f
 row(
     "ad4",
     note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
@@ -35,6 +36,7 @@ row(
 
 @derives("ad5")
 def _ad5() -> Derived:
+    """(C5): the Sonine VDF in terms of the temperature."""
     scaled = sp.exp(-(s.c**2)) / sp.pi * (1 + s.a2 * polynomial(2).subs(s.x, s.c**2))
     dimensional = s.n / _V0**2 * scaled.subs(s.c, s.v / _V0)
     derived = dimensional.subs(_V0, thermal_speed())
@@ -57,6 +59,7 @@ def flux_relaxation() -> sp.Expr:
     return sp.factor(-2 * s.d * s.rho0 * _V0 * ratio)
 
 
+# (C6): relaxation rate of the flux
 row(
     "ad6",
     lambda: (
@@ -92,6 +95,7 @@ def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
     return sp.simplify(sonine), sp.simplify(exact)
 
 
+# (C3): first Sonine approximation of B
 row(
     "ad3",
     note="At e = 1 the equation for B is solved exactly by B ~ v f/|v|, not v f, because the "
@@ -103,6 +107,7 @@ row(
 
 @derives("ad7")
 def _ad7() -> Derived:
+    """(C7): diffusion coefficient, first Sonine approximation."""
     derived = sp.simplify(sonine_diffusion().subs(_V0, thermal_speed()))
     sonine, lorentz = elastic_diffusion()
     return result(
@@ -121,6 +126,7 @@ def _ad7() -> Derived:
 
 @derives("ad8")
 def _ad8() -> Derived:
+    """(C8): mean square displacement from the diffusion coefficient."""
     # d<r^2>/dt = int r^2 D laplace(n) dr/n = 4 D: the Laplacian of r^2 in the plane is 4
     x_, y_ = sp.symbols("x y", real=True)
     laplacian = sp.diff(x_**2 + y_**2, x_, 2) + sp.diff(x_**2 + y_**2, y_, 2)
@@ -155,6 +161,7 @@ def sonine_slope(value: float) -> float:
     return float(slope.subs(s.e, value))
 
 
+# (C9): mean square displacement, first Sonine approximation
 row(
     "ad8#2",
     lambda: (eq(_MSD, sonine_msd()), ("D_e is proportional to v0", eq(_D, sonine_diffusion()))),
@@ -179,6 +186,7 @@ _SHELL = s.delta(s.vh - 1)
 
 @derives("ap1")
 def _ap1() -> Derived:
+    """(D1): continuity over all speeds."""
     # dv = v dv dphi: the sum over directions is n(r, v, t), that over speeds carries the factor v
     density = s.v * (sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)))
     return result(
@@ -204,6 +212,7 @@ defines(
 
 @derives("ap4")
 def _ap4() -> Derived:
+    """(D4): continuity at one speed."""
     leak = Int(Lam(s.pd(s.br, _V, s.t)) * _SHELL, s.bvh)
     return result(
         eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)), leak),
@@ -216,12 +225,14 @@ def _ap4() -> Derived:
     )
 
 
+# (D5): expansion of the time derivative of the density
 row("ap6", lambda: eq(sp.Derivative(_N, s.t), transport.density_series(_N)), note="Rests on ap4.")
 
 
 derives("ap7")(lambda: transport.continuity_order(s.Jj(s.br, s.v, s.t), _N))
 
 
+# (D7): flux of order j
 row(
     "ap8",
     lambda: (
@@ -231,6 +242,7 @@ row(
 )
 
 
+# (D8): zeroth order
 row(
     "ap11",
     note="The factor n(r, v, t)/m(v, t) depends on the speed. The collision operator mixes speeds, "
@@ -242,12 +254,14 @@ row(
 
 @derives("ap11.6")
 def _ap11_6() -> Derived:
+    """(D10): flux of zeroth order."""
     mean = sp.integrate(sp.cos(s.theta), (s.theta, 0, 2 * sp.pi))
     isotropic = Int(s.bvh * s.f(_V, s.t) * _SHELL, s.bvh)
     flux = s.v * _N / s.mn(s.v, s.t) * isotropic
     return result(chain(s.J0(s.br, s.v, s.t), flux, mean))
 
 
+# (D11): first order
 row("ap12", lambda: transport.orders(_N)[1], note="Formally right, given ap4 and ap11.")
 
 
@@ -258,6 +272,7 @@ def _temperature_rate() -> sp.Expr:
     return (-2 * s.d * _V0 * s.rho0 * s.h * _T).subs(s.rho0, density)
 
 
+# (D12): energy loss by the mean free path
 row("ap12.5", lambda: eq(sp.Derivative(_T, s.t), _temperature_rate()), "l = 1/(2 d rho0) in tdiff")
 
 
@@ -268,29 +283,35 @@ def _expansion() -> transport.Expansion:
     return transport.expand(_N, s.f(s.bv, s.t) / m, _temperature_rate(), _D_AT_V, s.v**2 * m)
 
 
+# (D13): first order with the zeroth inserted
 row("ap13", lambda: _expansion().first_order, note="Formally right, given ap4 and ap11.")
+# (D14): form of the first-order solution
 row(
     "ap14",
     note="At e = 1 it holds. For e < 1 the source at one speed drives p^(1) at lower speeds, and "
     "p^(1)(v) depends on the gradient of n at other speeds too.",
     verdict=Verdict.FAILS,
 )
+# (D15): equation for B
 row("ap15", lambda: _expansion().of_b, note="Formally right, given ap14.")
 
 
 @derives("ap16")
 def _ap16() -> Derived:
+    """(D16): first-order flux."""
     integral = sp.Symbol("integral")  # int vhat.B delta(|vhat| - 1) dvhat
     flux = s.v * isotropy() * integral * s.nabla0 * _N
     (value,) = sp.solve(_D_AT_V + s.v / 2 * integral, integral)
     return result(eq(s.J1(s.br, s.v, s.t), flux.subs(integral, value)))
 
 
+# (D18): equation for the diffusion coefficient
 row("ap18", lambda: _expansion().of_coefficient, note="Here nu_D is a function of the speed.")
 
 
 @derives("ap20")
 def _ap20() -> Derived:
+    """(D20): temperature dependence of the diffusion coefficient."""
     decay, exact = elastic_coefficient()
     return result(
         eq(Partial(_D_AT_V, _T), sp.diff(exact, _T)),
@@ -309,6 +330,7 @@ def _ap20() -> Derived:
 
 @derives("ap21")
 def _ap21() -> Derived:
+    """(D21): diffusion coefficient at one speed."""
     solution = solved(_expansion().of_coefficient, _D_AT_V, -sp.Rational(1, 2))
     number = sp.cancel(solution.subs(s.nuD, _V0 / s.l) / (s.v**2 * s.l / _V0))
     return result(
@@ -325,6 +347,7 @@ def _hopping() -> sp.Expr:
     return sp.simplify(hopping.subs(_V0, 1 / (s.alpha + s.beta * s.t)))
 
 
+# (D22): diffusion coefficient at one speed by the scaled hopping velocity
 row(
     "ap21.5",
     lambda: eq(s.De(s.V, s.t), _hopping()),

@@ -35,6 +35,7 @@ def tracer_temperature() -> sp.Expr:
 
 @derives("beyond:bath-temperature")
 def _temperature() -> Derived:
+    """Bath: the steady Maxwellian of the tracer, with its mass ratio if it were elastic."""
     # an elastic collision of the masses 1 and A takes 2 A/(1 + A) q from the tracer
     elastic = (1 + effective_restitution()).subs(s.relative, 1)
     (mass,) = sp.solve(elastic - 1 - s.effective, s.masses)
@@ -82,6 +83,7 @@ def bath_rates(dimension: int) -> tuple[sp.Expr, sp.Expr]:
 
 @derives("beyond:bath-moments")
 def _moments() -> Derived:
+    """Bath: what collisions do to v and to v^2, in the plane, in space."""
     rows = []
     for dimension in (2, 3):
         along, square = bath_rates(dimension)
@@ -97,6 +99,7 @@ def _moments() -> Derived:
 
 @derives("beyond:bath-from-rest")
 def _from_rest() -> Derived:
+    """Bath: growth of <v^2> of a tracer at rest, in the plane, in space."""
     rows = []
     for dimension in (2, 3):
         gauss = sp.exp(-(s.v**2) / (2 * s.bath**2)) * s.v ** (dimension - 1)
@@ -109,6 +112,7 @@ def _from_rest() -> Derived:
 
 @derives("beyond:bath-einstein")
 def _einstein() -> Derived:
+    """Bath: Einstein's relation of a weak field."""
     v_z = sp.Symbol("v_z", real=True)
     steady = sp.exp(-(v_z**2) / (2 * s.hot**2))
     # f = steady (1 + g phi): the field adds -d steady/dv_z, and the balance makes L (phi steady)
@@ -142,6 +146,7 @@ def heated_moment() -> sp.Expr:
 
 @derives("beyond:heated-moments")
 def _heated_moments() -> Derived:
+    """Noise and drag: moments over time; steady ones in steps of three, and the energy."""
     steady = heated_moment().subs(s.drag, 0).subs(s.p, s.p + 2)
     lost = s.lam(s.p + 2) * Avg(s.v ** (s.p + 3))
     energy = heated_moment().subs(s.p, 2).subs(Avg(sp.Integer(1)), 1)
@@ -174,6 +179,9 @@ def plastic_equation(drag: int) -> tuple[sp.Expr, sp.Expr]:
 
 @derives("beyond:heated-e-zero")
 def _plastic() -> Derived:
+    """Noise and drag at e = 0, in the plane and in space: f over a factor, D_v = 1, without drag
+    and at gamma_v = 1.
+    """
     shape, equation = plastic_equation(0)
     first, second = sp.symbols("C1 C2")
     airy = sp.dsolve(equation, shape).rhs.subs({first: 1, second: 0})  # the other one grows
@@ -195,6 +203,7 @@ def _plastic() -> Derived:
 
 @derives("beyond:stick-depth")
 def _depth() -> Derived:
+    """Rare sticking in a field: depth of capture, in the plane, in space."""
     rows, ratio = [], sp.Symbol("ratio", positive=True)  # v_c/v
     for dimension in (2, 3):
         beyond = sp.sqrt(1 - ratio**2)  # the |y| above which v_n = v sqrt(1 - y^2) is below v_c

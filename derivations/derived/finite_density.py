@@ -27,6 +27,7 @@ def straight_back() -> sp.Expr:
     return sp.factor(per_contact.subs(s.theta, 0) / turned)
 
 
+# density of the deflections straight back
 row("beyond:straight-back", lambda: eq(s.back, straight_back()))
 
 
@@ -40,6 +41,7 @@ def return_chance() -> sp.Expr:
 
 @derives("beyond:return-chance")
 def _return_chance() -> Derived:
+    """Chance to be thrown back to the scatterer before."""
     total = sp.integrate(return_chance(), (s.dist, s.d, s.l))
     return result(
         sp.Tuple(eq(s.retR(s.dist), return_chance()), eq(s.ret, total)),
@@ -59,6 +61,7 @@ def return_symbols() -> tuple[sp.Expr, sp.Expr]:
     return -first, -summed
 
 
+# the operator of returns on v^p exp(i m phi): to first order, and summed
 row("beyond:return-operator", lambda: sp.Tuple(*(eq(s.lamd, rate) for rate in return_symbols())))
 
 
@@ -74,6 +77,7 @@ def slope_coefficient() -> sp.Expr:
 
 @derives("beyond:return-slope")
 def _return_slope() -> Derived:
+    """What returns do to the displacement, and to elastic diffusion."""
     elastic = over_impact(2 * s.y**2 - 1)  # cos(chi) of an elastic bounce
     return result(
         sp.Tuple(
@@ -95,6 +99,7 @@ def shared_area() -> sp.Expr:
 
 @derives("beyond:enskog-path")
 def _enskog_path() -> Derived:
+    """Mean free path among hard disks, to first order in their density."""
     small = sp.Symbol("small", positive=True)
     path = s.l / (1 + small * s.rho0 * shared_area())
     first = s.l + sp.diff(path, small).subs(small, 0)
@@ -107,6 +112,7 @@ def _enskog_path() -> Derived:
 
 @derives("beyond:two-disks")
 def _two_disks() -> Derived:
+    """Returns of an impact parameter y on the second of two distant disks."""
     across, along = velocity_after().subs(s.et, 1)
     in_y = (across / along).subs(s.theta, sp.asin(s.y))
     slope = sp.simplify(sp.diff(in_y, s.y).subs(s.y, 0))
@@ -124,6 +130,7 @@ def _two_disks() -> Derived:
 
 @derives("beyond:corridor")
 def _corridor() -> Derived:
+    """The way back runs in the corridor of the way out."""
     u = sp.Symbol("u", positive=True)  # distance from the second scatterer, over R
     fresh = s.offset * u * s.d * s.rho0  # area per path outside the corridor of the way out
     rate = 1 + sp.integrate(fresh * mean_free_path(2), (u, 0, 1))
@@ -136,6 +143,9 @@ def _corridor() -> Derived:
 
 @derives("beyond:return-delay")
 def _return_delay() -> Derived:
+    """Near pairs of scatterers when a return takes its path: at any path, summed to n ln(1/n) over
+    all paths, and at none.
+    """
     there = s.loop * s.l / 2
     per_path = sp.cancel(return_chance().subs(s.dist, there) * sp.diff(there, s.loop))
     per_path = per_path.subs(s.l, mean_free_path(2))
@@ -161,6 +171,7 @@ def _return_delay() -> Derived:
 
 @derives("beyond:free-flight")
 def _free_flight() -> Derived:
+    """One free flight in Fourier space, harmonic by harmonic."""
     q, size = sp.symbols("q size")
     # (1 + i K cos(phi)) G = 1, harmonic m: G_m + (i K/2)(G_(m-1) + G_(m+1)) = 1 at m = 0, else 0
     roots = sp.solve(1 + sp.I * s.wave / 2 * (q + 1 / q), q)
@@ -171,6 +182,7 @@ def _free_flight() -> Derived:
 
 @derives("beyond:loops")
 def _loops() -> Derived:
+    """The propagator in Fourier space as continued fractions, upwards and downwards."""
     i_half = sp.I * s.wave / 2
     now, before, above, below = sp.symbols("x_j x_before x_above x_below")
     # the harmonics beyond j are x_(j+1) = -(i K/2) F_(j+1) x_j: no source there

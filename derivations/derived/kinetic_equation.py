@@ -38,7 +38,9 @@ def bounce(before: sp.Symbol) -> sp.Expr:
     return sp.collect(sp.expand((before - normal) + normal_factor() * normal), normal)
 
 
+# (1): the collision rule
 row("vchange", lambda: eq(s.bv, bounce(s.bvs)), "the collision in (normal, tangential) components")
+# (C2): postcollision velocity
 row("ad2", lambda: eq(s.bvp, bounce(s.bv)), "the collision rule with v before")
 defines(
     {
@@ -55,7 +57,9 @@ def _streaming_change() -> sp.Expr:
     return s.dt * sp.diff(shifted, s.dt).subs(s.dt, 0) * _P * Measure(s.br) * Measure(s.bv)
 
 
+# (A2): streaming
 row("gammaflow", lambda: eq(s.Gamma_flow, _streaming_change()))
+# (A3): loss
 row(
     "gamma-",
     lambda: (
@@ -73,6 +77,7 @@ row(
 
 @derives("gamma+")
 def _gamma_plus() -> Derived:
+    """(A4): gain."""
     return result(
         chain(
             s.Gamma_plus,
@@ -89,6 +94,7 @@ def _gamma_plus() -> Derived:
 
 @derives("ftdiff")
 def _ftdiff() -> Derived:
+    """(A5): kinetic equation over the impact parameter."""
     volume = Measure(s.br) * Measure(s.bv) * s.dt
     gain = Int(_GAIN * volume_ratio() * Measure(s.bv), s.b)
     loss = Int(_P * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
@@ -116,12 +122,14 @@ def gain_rate() -> tuple[sp.Expr, sp.Expr]:
     return before, before.subs(dot(s.bvs, s.sigma), dot(s.bv, s.sigma) / normal_factor())
 
 
+# (A7): Jacobian from impact parameter to unit vector, loss
 row(
     "bexpress",
     lambda: chain(s.Brate(s.v, s.sigma), _rate(s.v), loss_rate()),
     "b = d sin(pi - psi), differentiated",
     note="The second equality takes sigma -> -sigma in the loss, where the tracer approaches.",
 )
+# (A8): Jacobian from impact parameter to unit vector, gain
 row("bexpress2", lambda: chain(s.Brate(s.vs, s.sigma), _rate(s.vs), *gain_rate()))
 
 
@@ -132,7 +140,9 @@ def collision_term() -> sp.Expr:
     return s.rho0 * Int(gain - loss_rate() * _P, s.sigma, s.hemi)
 
 
+# (A9): the inelastic Lorentz equation
 row("inelaslorentz", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, collision_term()))
+# (9): kinetic equation of a uniform tracer
 row(
     "inelaslorentz2",
     lambda: eq(
@@ -141,7 +151,9 @@ row(
     ),
     "integral over r: the streaming term is a surface term",
 )
+# (24): kinetic equation
 row("diffuse1", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, Lam(_P)))
+# (25): collision operator
 row("diffuse1.5", lambda: eq(Lam(_P), collision_term()))
 
 
@@ -158,6 +170,7 @@ def weak_form(after: sp.Expr | int, before: sp.Expr | int) -> sp.Expr:
     return s.d * s.rho0 * Int(Int(inner, s.sigma, s.hemi), s.bv)
 
 
+# (C1): collision operator between two functions
 row(
     "ad1",
     lambda: eq(Int(s.Y(s.bv) * Lam(s.X(s.bv)), s.bv), weak_form(s.Y(s.bvp), s.Y(s.bv))),
@@ -171,11 +184,13 @@ def mass_change() -> sp.Expr:
     return weak_form(1, 1).replace(Int, lambda *args: Int(*args) if args[0] != 0 else args[0])
 
 
+# the collision operator keeps mass
 row("beyond:mass", lambda: eq(Int(Lam(s.X(s.bv)), s.bv), mass_change()))
 
 
 @derives("beyond:angular-average")
 def _angular_average() -> Derived:
+    """An isotropic VDF: one average over the impact parameter."""
     # v.sigma dsigma = v cos(theta) dtheta = v dy with y = sin(theta), -1 < y < 1
     total = sp.integrate(sp.cos(s.theta), (s.theta, -sp.pi / 2, sp.pi / 2))
     # |v'|^p - |v|^p averages to -lambda(p) |v|^p; the rate brings one more power of |v|
@@ -187,6 +202,7 @@ def _angular_average() -> Derived:
     )
 
 
+# (B14): moments of the collision integral
 row(
     "sonine8",
     lambda: eq(

@@ -31,6 +31,7 @@ def diffusive_density() -> sp.Expr:
 
 @derives("normg")
 def _normg() -> Derived:
+    """(47): position distribution at one hopping velocity."""
     density = diffusive_density()
     second = sp.integrate(s.r**2 * density, (s.r, 0, sp.oo))
     printed = density.subs(_I, 2 * _I)
@@ -46,6 +47,7 @@ def _normg() -> Derived:
     )
 
 
+# (48): diffusion coefficient at one hopping velocity
 row(
     "ddif",
     lambda: eq(s.De(s.V, s.t1), sp.Rational(3, 8) * s.V * s.l / (s.alpha + s.beta * s.t1)),
@@ -64,6 +66,7 @@ defines(
 
 @derives("etadif")
 def _etadif() -> Derived:
+    """(51): eta from the random walk."""
     integral = s.kappa_d * s.V**2 * s.l * sp.log(1 + s.beta * s.t / s.alpha) / s.beta
     coefficient = s.kappa_d * s.V**2 * s.l / (s.alpha + s.beta * s.t)
     zero(sp.diff(integral, s.t) - coefficient, "not the integral of D_e(V, t)")
@@ -81,6 +84,7 @@ def _etadif() -> Derived:
 
 @derives("posivel")
 def _posivel() -> Derived:
+    """(52): scaled position distribution at one hopping velocity."""
     # the Gaussian with <r^2> = 8 int D dt' that normg states, and 4 int D dt' = eta V^2 <r^2>
     printed = diffusive_density().subs(_I, 2 * _I)
     inserted = printed.subs(_I, s.eta * s.V**2 * _MSD / 4)
@@ -117,6 +121,7 @@ def closed_form() -> sp.Expr:
 
 @derives("gdefi")
 def _gdefi() -> Derived:
+    """(53): scaled position distribution."""
     integrand = _weighted()
     exponent = sp.exp(-s.pd(s.V, s.R) * s.R**2)
     prefactor = sp.simplify(integrand / sp.exp(-saddle_exponent() * s.R**2))
@@ -149,7 +154,9 @@ def saddle_exponent() -> sp.Expr:
     return sp.expand(-sp.expand_log(sp.log(ratio), force=True) / s.R**2)
 
 
+# (54): exponent of the integrand
 row("pdefi", lambda: eq(s.pd(s.V, s.R), saddle_exponent()))
+# the paper's G(R) in closed form, its integral and second moment
 row(
     "beyond:bessel",
     lambda: sp.Tuple(
@@ -162,6 +169,7 @@ row(
 
 @derives("beyond:position")
 def _position() -> Derived:
+    """Flatness <R^4>/<R^2>^2 of the position as t -> oo."""
     mean, spread = sp.symbols("N_mean N_variance_per_N", positive=True)
     second, fourth = free_path(2), free_path(4)
     # N independent isotropic steps: cross terms carry <cos^2> = 1/2 in the plane
@@ -194,6 +202,7 @@ def saddle_slope() -> sp.Expr:
 
 @derives("csolu")
 def _csolu() -> Derived:
+    """(55): saddle of the exponent."""
     roots = sp.solve(saddle_slope(), _W)
     (positive,) = (root for root in roots if root.subs({s.R: 1, s.eta: 1}) > 0)
     return result(eq(s.Vs, sp.sqrt(positive)))
@@ -213,6 +222,7 @@ def gaussian_integral() -> sp.Expr:
 
 @derives("tailg")
 def _tailg() -> Derived:
+    """(56): steepest descent."""
     quadratic = sp.exp(-s.pd(s.Vs, s.R) * s.R**2 - (s.V - s.Vs) ** 2 / 2 * _CURVATURE * s.R**2)
     leading = 2 / s.eta * s.R * sp.Integral(quadratic, (s.V, 0, sp.oo))
     value = 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)
@@ -285,6 +295,7 @@ def tail() -> sp.Expr:
 
 @derives("semig")
 def _semig() -> Derived:
+    """(57): tail of the scaled position distribution."""
     bessel = sp.sqrt(sp.pi / 2) * 2 / s.eta * (s.eta / 2) ** sp.Rational(1, 4) * sp.sqrt(s.R)
     bessel = bessel * sp.exp(-sp.sqrt(2 / s.eta) * s.R)
     half = sp.simplify(tail() / bessel)
@@ -304,6 +315,7 @@ def _semig() -> Derived:
 
 @derives("gammatailg")
 def _gammatailg() -> Derived:
+    """(58): steepest descent with a fitted prefactor."""
     norm_, second = (7.39 / 2 * _steepest_moment(k, 0.25) for k in (0, 2))
     return result(
         eq(s.G(s.R), 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
@@ -323,6 +335,7 @@ def _gammatailg() -> Derived:
 
 @derives("peakg")
 def _peakg() -> Derived:
+    """(59): peak of the scaled position distribution."""
     form = s.R / (s.eta * s.Vbar**2) * sp.exp(-(s.R**2) / (2 * s.eta * s.Vbar**2))
     return result(
         eq(s.G(s.R), form),

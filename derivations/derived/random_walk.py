@@ -23,6 +23,7 @@ defines(
 
 @derives("taun")
 def _taun() -> Derived:
+    """(17): time between two collisions."""
     speed = (1 / (s.alpha + s.beta * s.t)).subs(s.t, s.tc(s.N - 1))
     return result(
         chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
@@ -58,6 +59,7 @@ def interval() -> sp.Expr:
     return solution.subs(index, s.N)
 
 
+# (18): time between two collisions as a function of the number of collisions
 row("taun#2", lambda: eq(s.tau(s.N), interval()), "tau_(N+1) - tau_N, with t_N - t_(N-1) = tau_N")
 
 
@@ -71,6 +73,7 @@ def total_time() -> sp.Expr:
     return sp.simplify(first * terms.subs(ratio, growth))
 
 
+# (19): time of collision N
 row("tn", lambda: chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()))
 
 
@@ -87,6 +90,7 @@ def collisions() -> sp.Expr:
 
 @derives("N")
 def _n() -> Derived:
+    """(20): number of collisions until a time."""
     time = sp.Symbol("time", positive=True)
     elastic = sp.limit(collisions().subs(s.tc(s.N), time), s.beta, 0)
     return result(
@@ -98,6 +102,8 @@ def _n() -> Derived:
 
 @derives("msd")
 def _msd() -> Derived:
+    """(22): mean square displacement of the random walk."""
+
     def fitted(e: float) -> float:
         return 13.5**2 / 12.5**2 / float(sp.log(1 + 13.5 * 0.058 * (1 - e)))
 

@@ -85,6 +85,7 @@ def values_of(formula: Callable[[], sp.Expr]) -> Callable[[float], mp.mpf]:
     return lambda restitution: exact_value(formula(), restitution)
 
 
+# loss of |v|^p per collision, any real p
 row(
     "beyond:loss-p",
     lambda: eq(s.lam(s.p), 1 - mean_ratio_power()),
@@ -96,6 +97,7 @@ row(
 
 @derives("beyond:loss-even")
 def _loss_even() -> Derived:
+    """Loss of |v|^p per collision, symbolic even p = 2 q."""
     # (e^2 + (1 - e^2) y^2)^q by the binomial theorem; y^(2k) averages to 1/(2k + 1)
     average = sp.integrate(s.y ** (2 * s.k), (s.y, 0, 1), conds="none")
     power = s.e ** (2 * (s.q - s.k)) * (1 - s.e**2) ** s.k
@@ -110,14 +112,19 @@ def _loss_even() -> Derived:
     )
 
 
+# loss of |v|
 row("beyond:loss-1", lambda: eq(s.lam(1), loss_one()))
+# loss of energy
 row("beyond:loss-2", lambda: eq(s.lam(2), loss(2)), "E[1 - s^2]")
+# mean log loss kappa
 row("beyond:log-loss", lambda: eq(s.klog, mean_log_loss()))
+# mean cosine of the deflection
 row("beyond:cosine", lambda: eq(s.cos_chi, mean_cosine()))
 
 
 @derives("beyond:moments")
 def _moments() -> Derived:
+    """Moments of the scaling solution."""
     scaled = s.MY(s.p) * s.t ** (-s.p)
     loss_term = -s.lam(s.p) * s.MY(s.p + 1) * s.t ** (-(s.p + 1))
     (following,) = sp.solve(sp.diff(scaled, s.t) - loss_term, s.MY(s.p + 1))
@@ -147,6 +154,7 @@ def cooling_rate() -> sp.Expr:
 
 
 cooling_rate_value = values_of(cooling_rate)
+# exact cooling rate
 row("beyond:cooling-rate", lambda: eq(s.h, cooling_rate()), "h = M_2/2 = lambda(2) <c^3>")
 
 
@@ -173,6 +181,7 @@ def _restitution_of_no_a2() -> float:
         return float(mp.findroot(exact_function(a2()), 0.59))
 
 
+# exact a_2
 row(
     "beyond:a2",
     lambda: eq(s.a2, a2()),
@@ -195,6 +204,7 @@ def _series_near_one(order: int) -> tuple[sp.Expr, sp.Expr]:
 
 @derives("beyond:cooling-near-1")
 def _cooling_near_1() -> Derived:
+    """h(e)/(1 - e) as e -> 1, to second order in delta = 1 - e."""
     w = sp.Symbol("w", positive=True)
     product = sp.expand(sp.Mul(*_series_near_one(4)).subs(w, 1 - (1 - s.gap) ** 2) / s.gap**2)
     kept = sum(product.coeff(s.gap, order) * s.gap**order for order in range(3))
@@ -208,6 +218,7 @@ def _cooling_near_1() -> Derived:
 
 @derives("beyond:cooling-small-e")
 def _cooling_small_e() -> Derived:
+    """h(e) as e -> 0, to order e^2."""
     logarithm = sp.Symbol("L", real=True)  # ln e, kept apart so that the rest is a power series
     b = sp.sqrt(1 - s.e**2)
     first = loss_one().subs(sp.atanh(b), sp.log(1 + b) - logarithm)
@@ -224,6 +235,7 @@ def _cooling_small_e() -> Derived:
 
 @derives("beyond:a2-limits")
 def _a2_limits() -> Derived:
+    """Exact a_2 at e = 0 and as e -> 1."""
     w = sp.Symbol("w", positive=True)
     dead = {s.lam(i): sp.Rational(i, i + 1) for i in (1, 2, 3)}  # e = 0: s = y, E[y^p] = 1/(p + 1)
     at_zero = a2().subs(dead).subs(s.klog, -sp.integrate(sp.log(s.y), (s.y, 0, 1)))
@@ -236,6 +248,7 @@ def _a2_limits() -> Derived:
 
 @derives("beyond:tail")
 def _tail() -> Derived:
+    """Tail of F: c^power exp(-rate c)."""
     order, shift = sp.symbols("order shift", positive=True)
     # E[s^p] for large p comes from y near 1, where -ln s = steepness (1 - y)
     steepness = sp.simplify(sp.diff(sp.log(speed_ratio_squared()) / 2, s.y).subs(s.y, 1))
@@ -258,6 +271,7 @@ def _tail() -> Derived:
 
 @derives("beyond:ring")
 def _ring() -> Derived:
+    """Relative variance of the speed as e -> 1."""
     w = sp.Symbol("w", positive=True)
     variance = moment(2) / moment(1) ** 2 - 1
     log_loss, first = _series_near_one(4)
@@ -286,6 +300,7 @@ slope_value = values_of(slope)
 
 @derives("beyond:slope")
 def _slope() -> Derived:
+    """Slope of <r^2> in ln t, over l^2."""
     # random flights, with c/(1 - c) the sum of c^n over n >= 1; d N/d ln t = <v> t/l
     per_flight = free_path(2) + 2 * free_path(1) ** 2 * s.cos_chi / (1 - s.cos_chi)
     zero(per_flight * moment(1) - slope(), "the flux hierarchy and the random flights disagree")

@@ -49,6 +49,7 @@ def collision_moment(order: int) -> sp.Expr:
 
 @derives("sonine1")
 def _sonine1() -> Derived:
+    """(B4): Sonine expansion."""
     rate, reach = sp.symbols("rate reach", positive=True)
     weighted = sp.exp(-2 * rate * reach) * sp.exp(reach**2)
     return result(
@@ -61,7 +62,9 @@ def _sonine1() -> Derived:
     )
 
 
+# (B6): Sonine polynomials of order 0 and 1
 row("sonine1.5", lambda: sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))))
+# (B7): Sonine polynomial of order 2
 row("sonine2", lambda: eq(s.S(2, s.x), polynomial(2)))
 
 
@@ -80,6 +83,7 @@ def squared_norm() -> sp.Expr:
 
 @derives("sonine3")
 def _sonine3() -> Derived:
+    """(B8): orthogonality."""
     u = sp.Symbol("u", positive=True)
     single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
     series = sp.series(single, u, 0, 4).removeO()
@@ -98,6 +102,7 @@ def _sonine3() -> Derived:
 
 @derives("sonine4")
 def _sonine4() -> Derived:
+    """(B9): Sonine coefficients as averages."""
     # int S_p phi sum_q a_q S_q = a_p norm
     norm = squared_norm()
     return result(
@@ -114,10 +119,13 @@ def _coefficient(order: int, symbol: sp.Symbol) -> sp.Tuple:
     return chain(symbol, average, average.subs(Avg(s.c**2), 1))
 
 
+# (B10): first Sonine coefficient
 row("sonine4.5", lambda: _coefficient(1, s.a1), "<c^2> = 1 by the definition of v0")
+# (B11): second Sonine coefficient
 row("sonine5", lambda: _coefficient(2, s.a2), "<c^2> = 1 by the definition of v0")
 
 
+# (B12): fourth moment by the second
 row("sonine6", lambda: eq(s.M4, (s.M2 / 2 * s.p * Avg(s.c**s.p)).subs(s.p, 4)))
 
 
@@ -142,7 +150,9 @@ def _moment(order: int, symbol: sp.Symbol) -> tuple[Any, ...]:
     )
 
 
+# (B15): second moment of the collision integral
 row("sonine9", lambda: _moment(2, s.M2), note="Exact in a_2; a_3 would add to it.")
+# (B16): fourth moment of the collision integral
 row("sonine10", lambda: _moment(4, s.M4))
 
 
@@ -153,6 +163,7 @@ def stationarity() -> sp.Expr:
     return sp.expand(2 * s.M2 * fourth - s.M4)
 
 
+# (B13): the equation for a_2
 row("sonine7", lambda: eq(stationarity(), sp.Integer(0)))
 
 
@@ -179,6 +190,7 @@ def at_restitution(expression: sp.Expr, value: float) -> float:
 
 @derives("sonine11")
 def _sonine11() -> Derived:
+    """(B17): both roots for a_2."""
     lower, upper = roots()
     mean, half = sp.expand((lower + upper) / 2), sp.expand((upper - lower) / 2)
     return result(
@@ -211,6 +223,7 @@ def growth(root: sp.Expr | None = None) -> sp.Expr:
 
 @derives("sonine12")
 def _sonine12() -> Derived:
+    """(B18): the root adopted for a_2."""
     growths = [growth(root) for root in roots()]
     # over the root of the discriminant both are numbers: the signs hold wherever it is real
     spread = roots()[1] - roots()[0]
@@ -235,6 +248,7 @@ def sonine_cooling_rate() -> sp.Expr:
 
 @derives("beyond:collision-moment")
 def _collision_moment() -> Derived:
+    """M_p of the Sonine form for any real p."""
     z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
     weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
     terms = ((factor, 2 * z - 2 + order) for (order,), factor in weight.terms())
@@ -250,6 +264,7 @@ def _collision_moment() -> Derived:
 
 @derives("beyond:sonine-n")
 def _sonine_n() -> Derived:
+    """Sonine polynomial of order N."""
     # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
     term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
     for order in range(7):
@@ -277,6 +292,7 @@ def _moment_balance(order: sp.Expr, moment: sp.Expr, rate: sp.Expr, loss: sp.Exp
     return sp.expand(sp.simplify(product / (s.d * s.rho0 * _V0 ** (order + 1)))) + loss
 
 
+# (B20): evolution of its moments
 row(
     "ac2",
     lambda: (
@@ -288,6 +304,7 @@ row(
 
 @derives("ac3")
 def _ac3() -> Derived:
+    """(B21): evolution of a_2."""
     rate = sp.Symbol("adot")
     fourth = sonine_average(4)
     balance = _moment_balance(
@@ -303,6 +320,7 @@ def _ac3() -> Derived:
 
 @derives("ac5")
 def _ac5() -> Derived:
+    """(B23): linearised evolution of a_2."""
     prefactor = s.d * s.rho0 * _V0 / 2
     right = prefactor * sp.sqrt(sp.pi) * (1 - s.e**2) * quadratic()
     linear = sp.diff(right, s.a2).subs(s.a2, s.a2bar)
@@ -312,6 +330,7 @@ def _ac5() -> Derived:
 
 @derives("ac7")
 def _ac7() -> Derived:
+    """(B25): growth rate H(e) of a perturbation of a_2."""
     lower, upper = map(growth, roots())
     return result(
         eq(s.H, growth()),
@@ -329,6 +348,7 @@ def _ac7() -> Derived:
 
 @derives("ac6")
 def _ac6() -> Derived:
+    """(B24): solution of the linearised evolution of a_2."""
     rate = s.d * s.rho0 / 2 * sp.sqrt(sp.pi) * (1 - s.e**2) * s.H
     # d(delta)/delta = rate v0 dt: the logarithm is rate times the integral of v0
     return result(
@@ -341,6 +361,7 @@ def _ac6() -> Derived:
 
 @derives("compare1")
 def _compare1() -> Derived:
+    """(B26): restitution below which the Sonine a_2 is not real."""
     discriminant = sp.expand(sp.discriminant(8 * quadratic(), s.a2))
     square = sp.Symbol("e2", positive=True)
     (positive,) = sp.solve(discriminant.subs(s.e, sp.sqrt(square)), square)
@@ -357,6 +378,7 @@ def _compare1() -> Derived:
 
 @derives("compare3", "compare3#2")
 def _compare3() -> Derived:
+    """(15) and (B27): M_2 as a function of e, Sonine."""
     lower, _ = roots()
     inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - s.e**2)).subs(s.a2, lower))
 

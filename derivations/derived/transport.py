@@ -26,6 +26,7 @@ _P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
 _B = s.Bv(s.bv, _T)
 
 
+# (26): continuity
 row("diffuse2", lambda: eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()))
 defines(
     {
@@ -36,6 +37,7 @@ defines(
         "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
     }
 )
+# (29): expansion of the distribution
 row(
     "diffuse5",
     note="A formal series; that it orders the distribution holds for gradients that are small over "
@@ -64,6 +66,7 @@ def density_series(density: sp.Expr) -> sp.Expr:
     return sp.Sum(s.eps ** (s.j + lowest) * Dt(s.j, density), (s.j, 0, sp.oo))
 
 
+# (30): expansion of the time derivative of the density
 row(
     "diffuse6",
     lambda: eq(sp.Derivative(_N, s.t), density_series(_N)),
@@ -93,6 +96,7 @@ derives("diffuse7")(lambda: continuity_order(s.Jj(s.br, s.t), _N))
 
 @derives("diffuse8")
 def _diffuse8() -> Derived:
+    """(32): flux of order j."""
     series = sum(s.eps**order * part for order, part in enumerate((_P0, _P1, _P2)))
     terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
     factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
@@ -118,17 +122,20 @@ def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
     return zeroth, first
 
 
+# (34): zeroth order
 row("diffuse10", lambda: orders()[0], "order epsilon^0 of the kinetic equation")
 
 
 @derives("diffuse11")
 def _diffuse11() -> Derived:
+    """(35): solution of the zeroth order."""
     amplitude = sp.Symbol("A")
     # the integral of A f over v is n(r, t), that of f is n
     (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
     return result(eq(_P0, solution * _F))
 
 
+# (36): first order
 row("diffuse12", lambda: orders()[1], "order epsilon^1 of the kinetic equation")
 
 
@@ -178,6 +185,7 @@ def _expansion() -> Expansion:
     return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
 
 
+# (37): first order with the zeroth inserted
 row(
     "diffuse13",
     lambda: (
@@ -186,23 +194,27 @@ row(
         ("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
     ),
 )
+# (38): form of the first-order solution
 row(
     "diffuse14",
     note="Holds: the equation is linear with a source proportional to the gradient of n, and the "
     "operator commutes with rotations.",
     verdict=Verdict.HOLDS,
 )
+# (39): equation for B
 row("diffuse15", lambda: _expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out")
 
 
 @derives("diffuse16")
 def _diffuse16() -> Derived:
+    """(40): first-order flux."""
     integral = Int(dot(s.bv, _B), s.bv)
     flux = isotropy() * integral * s.nabla0 * _N
     coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
     return result(eq(s.J1(s.br, s.t), coefficient))
 
 
+# (42): equation for the diffusion coefficient
 row(
     "diffuse18",
     lambda: _expansion().of_coefficient,
@@ -227,6 +239,7 @@ def temperature_exponent() -> sp.Expr:
     return sp.simplify(heat * sp.diff(speed, heat) / speed)
 
 
+# (44): temperature dependence of the diffusion coefficient
 row(
     "diffuse20",
     lambda: eq(Partial(_D, _T), temperature_exponent() * _D / _T),
@@ -243,6 +256,7 @@ def solved(equation: sp.Eq, coefficient: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     return solution
 
 
+# (45): diffusion coefficient
 row(
     "diffuse21",
     lambda: eq(_D, sp.factor(solved(_expansion().of_coefficient, _D, temperature_exponent()))),
@@ -252,6 +266,7 @@ row(
 
 @derives("diffuse22")
 def _diffuse22() -> Derived:
+    """(46): diffusion equation."""
     flux = -_D * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
     right = sp.expand(-s.nabla0 * flux)

@@ -76,6 +76,7 @@ def moment_row(dimension: int, m: int) -> sp.Expr:
 
 @derives("beyond:field-moments")
 def _moments() -> Derived:
+    """Field: moments of the steady state, harmonics 0 and 1: in the plane, in space."""
     (zeroth,) = {moment_row(dimension, 0) for dimension in (2, 3)}  # the same in both
     first = {dimension: moment_row(dimension, 1) for dimension in (2, 3)}
     return result(
@@ -89,6 +90,7 @@ def _moments() -> Derived:
 
 @derives("beyond:field-exact")
 def _exact() -> Derived:
+    """Field: exact relations of the steady state."""
     speed, cos = moment_row(2, 0), _COS
     one = {Avg(sp.Integer(1)): sp.Integer(1)}
     (first,) = {moment_row(dimension, 1).subs(s.p, 1).subs(one) for dimension in (2, 3)}
@@ -114,6 +116,7 @@ def _exact() -> Derived:
 
 @derives("beyond:field-closed")
 def _closed() -> Derived:
+    """Field: <v v_z> and <cos/v^2> among smooth disks, and among smooth spheres."""
     inverse = plane_average(1 / s.s), sp.factor(space_average(1 / s.s).subs(s.et, 1))  # E[1/s]
     rows = []
     for dimension in (2, 3):
@@ -157,6 +160,7 @@ def _slow_steady_state(dimension: int) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 @derives("beyond:field-nearly-elastic")
 def _nearly_elastic() -> Derived:
+    """Field: f_0 over f_0(0), drift and D_perp as e -> 1: in the plane, in space."""
     rows = []
     for dimension in (2, 3):
         shape, drift, across = _slow_steady_state(dimension)
@@ -183,6 +187,9 @@ def _self_similar(dimension: int) -> sp.Expr:
 
 @derives("beyond:field-elastic")
 def _elastic() -> Derived:
+    """Field at e = 1: f_0 at late times over its factor, in the plane and in space; from rest
+    <v^3> at all times.
+    """
     rows = []
     for dimension in (2, 3):
         _, rate = _near_elastic(dimension)
