@@ -160,7 +160,7 @@ row(
     numbers={
         "h at e = {e}": lambda e: space_cooling_rate().subs(s.e, sp.Rational(str(e))).evalf(20)
     },
-    at=(0.4, 0.7, 0.9),
+    restitutions=(0.4, 0.7, 0.9),
 )
 
 

@@ -30,7 +30,7 @@ row(
     note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
     verdict=Verdict.FAILS,
     numbers=SONINE_AND_EXACT,
-    at=_RESTITUTIONS,
+    restitutions=_RESTITUTIONS,
 )
 
 
@@ -170,7 +170,7 @@ row(
         "slope in ln t at e = {e}, Sonine (l^2)": sonine_slope,
         "slope in ln t at e = {e}, exact (l^2)": slope_value,
     },
-    at=_RESTITUTIONS,
+    restitutions=_RESTITUTIONS,
 )
 
 
@@ -221,7 +221,7 @@ def _ap4() -> Derived:
         "move tracers from one speed to another; the right-hand side is zero only at e = 1. So the "
         "speed-resolved expansion of this appendix is not justified for e < 1.",
         numbers={"energy exchanged per collision at e = {e}": lambda e: loss(2).subs(s.e, e)},
-        at=(0.9, 0.4),
+        restitutions=(0.9, 0.4),
     )
 
 

@@ -36,7 +36,7 @@ def _taun() -> Derived:
             "dN/d ln t at e = {e}, printed": _collisions_per_log_time,
             "dN/d ln t at e = {e}, exact": lambda e: 1 / float(exact_value(s.klog, e)),
         },
-        at=(0.4, 0.9),
+        restitutions=(0.4, 0.9),
     )
 
 

@@ -105,12 +105,12 @@ def result(
     status: Status | None = None,
     verdict: Verdict | None = None,
     numbers: Mapping[str, Value] | None = None,
-    at: Iterable[float] = RESTITUTIONS,
+    restitutions: Iterable[float] = RESTITUTIONS,
 ) -> Derived:
     """Return a derived formula with its steps; with a verdict and no status it is an assumption.
 
     ``numbers`` are values by name, or functions that give them; a function whose name holds
-    ``{e}`` is called with each restitution of ``at``.
+    ``{e}`` is called with each restitution of ``restitutions``.
     """
     if verdict is not None and status is None:
         status = Status.ASSUMPTION
@@ -120,7 +120,7 @@ def result(
         note=note,
         status=status,
         verdict=verdict,
-        numbers=_evaluate_numbers(numbers or {}, at),
+        numbers=_evaluate_numbers(numbers or {}, restitutions),
     )
 
 
@@ -131,7 +131,9 @@ def _step(step: StepLike) -> Step:
     return Step(text, formula)
 
 
-def _evaluate_numbers(numbers: Mapping[str, Value], at: Iterable[float]) -> tuple[Number, ...]:
+def _evaluate_numbers(
+    numbers: Mapping[str, Value], restitutions: Iterable[float]
+) -> tuple[Number, ...]:
     """Return the numbers in their order; all that depend on e stand where the first of them does.
 
     They are sorted by restitution, so that numbers of one gas stand beside each other.
@@ -143,15 +145,15 @@ def _evaluate_numbers(numbers: Mapping[str, Value], at: Iterable[float]) -> tupl
         if name not in of_restitution:
             evaluated.append(Number(name, float(value() if callable(value) else value)))
         elif is_first_of_restitution:
-            evaluated.extend(_evaluate_at_restitutions(of_restitution, at))
+            evaluated.extend(_evaluate_at_restitutions(of_restitution, restitutions))
             is_first_of_restitution = False
     return tuple(evaluated)
 
 
 def _evaluate_at_restitutions(
-    functions: Mapping[str, Value], at: Iterable[float]
+    functions: Mapping[str, Value], restitutions: Iterable[float]
 ) -> Iterable[Number]:
-    for e in at:
+    for e in restitutions:
         for name, function in functions.items():
             assert callable(function), name
             yield Number(name.format(e=e), float(function(e)))
@@ -200,7 +202,7 @@ def row(
     status: Status | None = None,
     verdict: Verdict | None = None,
     numbers: Mapping[str, Value] | None = None,
-    at: Iterable[float] = RESTITUTIONS,
+    restitutions: Iterable[float] = RESTITUTIONS,
 ) -> None:
     """Register a derivation that gives the formula, or a tuple of it and steps with formulas.
 
@@ -222,7 +224,7 @@ def row(
             status=status,
             verdict=verdict,
             numbers=numbers,
-            at=at,
+            restitutions=restitutions,
         )
 
 
@@ -231,10 +233,17 @@ def statement(
     verdict: Verdict,
     note: str,
     numbers: Mapping[str, Value] | None = None,
-    at: Iterable[float] = RESTITUTIONS,
+    restitutions: Iterable[float] = RESTITUTIONS,
 ) -> None:
     """Register the verdict on what the paper says in words, with what it rests on."""
-    row(label, note=note, status=Status.STATEMENT, verdict=verdict, numbers=numbers, at=at)
+    row(
+        label,
+        note=note,
+        status=Status.STATEMENT,
+        verdict=verdict,
+        numbers=numbers,
+        restitutions=restitutions,
+    )
 
 
 def defines(notes: Mapping[str, str], status: Status = Status.DEFINITION) -> None:

@@ -308,5 +308,5 @@ def _slope() -> Derived:
         eq(s.slope, slope()),
         ("second route: <r^2> per free flight, with persistence", per_flight),
         numbers={"slope at e = {e}": slope_value},
-        at=(0.2, 0.5, 0.9),
+        restitutions=(0.2, 0.5, 0.9),
     )

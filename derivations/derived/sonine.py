@@ -236,7 +236,7 @@ def _sonine12() -> Derived:
         note="The stable root of the truncated equation, but far from the exact a_2, which exists "
         "for every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
         numbers=SONINE_AND_EXACT,
-        at=(0.9, 0.6),
+        restitutions=(0.9, 0.6),
     )
 
 
@@ -391,5 +391,5 @@ def _compare3() -> Derived:
         ("the stable root", eq(s.a2, lower)),
         note="Real only above the threshold of compare1. Half of it is the Sonine cooling rate.",
         numbers={"M_2/2 over (1 - e) at e = {e}": ratio},
-        at=(0.6, 0.7, 0.9),
+        restitutions=(0.6, 0.7, 0.9),
     )

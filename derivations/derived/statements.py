@@ -40,7 +40,7 @@ statement(
     "Only the truncated equation has no real root there. The exact a_2 exists for every e in "
     "[0, 1) and falls from 2 to -1/2.",
     numbers={"a_2 at e = 0": 2.0, "a_2 at e = {e}": a2_value, "a_2 as e -> 1": -0.5},
-    at=(0.2, 0.4, 0.5816, 0.9),
+    restitutions=(0.2, 0.4, 0.5816, 0.9),
 )
 statement(
     "statement:sonine-a2",
@@ -48,7 +48,7 @@ statement(
     "At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
     "where the exact a_2 tends to -1/2.",
     numbers={**SONINE_AND_EXACT, "Sonine a_2 as e -> 1": lambda: at_restitution(roots()[0], 1)},
-    at=(0.6, 0.7, 0.9),
+    restitutions=(0.6, 0.7, 0.9),
 )
 statement(
     "statement:gaussian-f",
@@ -127,5 +127,5 @@ row(
     note="The deviation that the paper reports is that of the first Sonine approximation.",
     status=Status.FIGURE,
     numbers={"slope at e = {e}, Sonine over exact": lambda e: sonine_slope(e) / slope_value(e)},
-    at=(0.6, 0.7, 0.9),
+    restitutions=(0.6, 0.7, 0.9),
 )
