@@ -83,22 +83,30 @@ def _any_slope() -> Derived:
     # 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since E[u'] = c u
     c = s.cos_chi
     a, b, g = sp.symbols("a b g")
-    mean, square = free_path(1) * s.l, free_path(2) * s.l**2
+    mean_path = free_path(1) * s.l
+    mean_square_path = free_path(2) * s.l**2
     power = sp.Symbol("power")  # c^N
-    along = a * (1 - power)  # <r.u> after N collisions: starts from 0
-    step = along.subs(power, c * power) - c * (along + mean)
-    along = along.subs(sp.solve(sp.Poly(step, power).coeffs(), a))
-    total = b * s.N + g * (1 - power)  # <r^2>: starts from 0
-    growth = b + g * power * (1 - c) - 2 * mean * along - square
-    found = sp.solve(sp.Poly(sp.expand(growth), power).coeffs(), (b, g))
-    after = total.subs(found).subs(power, c**s.N)
+
+    # <r.u> after N collisions, which starts from 0
+    along = a * (1 - power)
+    balance = along.subs(power, c * power) - c * (along + mean_path)
+    along = along.subs(sp.solve(sp.Poly(balance, power).coeffs(), a))
+
+    # <r^2> after N collisions, which starts from 0
+    square = b * s.N + g * (1 - power)
+    growth = b + g * power * (1 - c)
+    balance = growth - 2 * mean_path * along - mean_square_path
+    constants = sp.solve(sp.Poly(sp.expand(balance), power).coeffs(), (b, g))
+    after_collisions = square.subs(constants).subs(power, c**s.N)
+
     # dN/d ln t = t <v>/l = t v0 <c>/l, with v0 = 2 l/(h t) from dv0/dt = -h v0^2/(2 l)
-    flights = 2 / s.h * mean_scaled_speed()
-    per_flight = sp.limit(after.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)
+    flights_per_log_time = 2 / s.h * mean_scaled_speed()
+    per_flight = sp.limit(after_collisions.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)
+    slope = sp.simplify(per_flight * flights_per_log_time)
     return result(
         sp.Tuple(
-            eq(s.msdN(s.N), after),
-            eq(Partial(s.msd(s.t), sp.log(s.t)), sp.simplify(per_flight * flights)),
+            eq(s.msdN(s.N), after_collisions),
+            eq(Partial(s.msd(s.t), sp.log(s.t)), slope),
         ),
         "one flight more: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2>, <r'.u'> = c (<r.u> + <L>)",
         note="Only E[u'] = <cos chi> u is used, which holds in any dimension by symmetry about u. "

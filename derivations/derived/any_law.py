@@ -29,8 +29,9 @@ from .record import Derived, derives, result, row, zero
 def _rule() -> sp.Eq:
     matrix = collision_matrix(s.et)
     normal = dot(s.bv, s.sigma) * s.sigma
-    after = matrix[1, 1] * (s.bv - normal) + matrix[0, 0] * normal
-    return eq(s.bvp, sp.collect(sp.expand(after), normal))
+    tangential = s.bv - normal
+    v_after = matrix[1, 1] * tangential + matrix[0, 0] * normal
+    return eq(s.bvp, sp.collect(sp.expand(v_after), normal))
 
 
 # the collision rule with tangential restitution
@@ -69,7 +70,7 @@ row(
 @derives("beyond:plane-equal")
 def _plane_equal() -> Derived:
     """The plane with e_t = e."""
-    square, along = (part.subs(s.et, s.e) for part in one_collision())
+    square, along = (component.subs(s.et, s.e) for component in one_collision())
     ratio = sp.sqrt(square)
     return result(
         sp.Tuple(
@@ -101,9 +102,11 @@ def space_log_loss() -> sp.Expr:
     """kappa = E[-ln s] in space, in e and e_t."""
     total = sp.expand(space_average(-sp.log(s.s)))
     logarithms = [sp.log(s.e), sp.log(s.et)]
-    parts = [sp.factor(total.coeff(part)) * part for part in logarithms]
-    rest = total.subs(dict.fromkeys(logarithms, 0))
-    return sp.cancel(rest) + sum(parts)
+    without_logarithms = total.subs(dict.fromkeys(logarithms, 0))
+    log_loss = sp.cancel(without_logarithms)
+    for logarithm in logarithms:
+        log_loss += sp.factor(total.coeff(logarithm)) * logarithm
+    return log_loss
 
 
 # mean log loss kappa in space; the second with e_t = 1
@@ -114,9 +117,10 @@ row(
 
 
 @cache
-def space_cosine(least: sp.Expr = s.e) -> sp.Expr:
-    """The mean cosine of the deflection in space, in e and e_t."""
-    return sp.factor(space_average(one_collision()[1] / s.s, least))
+def space_cosine(lowest_ratio: sp.Expr = s.e) -> sp.Expr:
+    """The mean cosine of the deflection in space, in e and e_t; ``lowest_ratio`` is |e|."""
+    _, along = one_collision()
+    return sp.factor(space_average(along / s.s, lowest_ratio))
 
 
 # mean cosine of the deflection in space
@@ -130,15 +134,16 @@ row(
 @derives("beyond:space-isotropic")
 def _space_isotropic() -> Derived:
     """In space with e_t = e (elastic spheres) the scattering is isotropic."""
-    square, along = (part.subs(s.et, s.e) for part in one_collision())
+    square, along = (component.subs(s.et, s.e) for component in one_collision())
     cosine = sp.cancel(along / sp.sqrt(square))  # from -1 at y = 0 to 1 at y = 1
-    modes = [sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4)]
-    means = [over_impact(mode.subs(sp.cos(s.chi), cosine), 3) for mode in modes]
+    density = sp.cancel(impact_density(3) / sp.diff(cosine, s.y))
+    equations = [eq(s.chance(sp.cos(s.chi)), density)]
+    for order in (1, 2, 3, 4):
+        mode = sp.legendre(order, sp.cos(s.chi))
+        mean = over_impact(mode.subs(sp.cos(s.chi), cosine), 3)
+        equations.append(eq(Avg(mode), mean))
     return result(
-        sp.Tuple(
-            eq(s.chance(sp.cos(s.chi)), sp.cancel(impact_density(3) / sp.diff(cosine, s.y))),
-            *(eq(Avg(mode), mean) for mode, mean in zip(modes, means, strict=True)),
-        ),
+        sp.Tuple(*equations),
         ("cos(chi) with e_t = e", cosine),
         note="Uniform on [-1, 1] means that every Legendre polynomial of order 1 and more averages "
         "to zero. It holds for every e_t = e, at e = 1 for elastic spheres.",
@@ -169,7 +174,9 @@ row(
 
 def _loss_at_e_zero(dimension: int) -> sp.Expr:
     """lambda(p) of smooth scatterers at e = 0."""
-    density = impact_density(dimension) * (2 if dimension == 2 else 1)  # of |y|: both signs of y
+    density = impact_density(dimension)
+    if dimension == 2:
+        density = 2 * density  # of |y|: both signs of y
     return sp.factor(1 - sp.integrate(s.y**s.p * density, (s.y, 0, 1)))
 
 
@@ -227,21 +234,26 @@ row(
 def _spin_moments() -> Derived:
     """Disks that spin: <v^2> and <u^2> after a collision, u that of the rim."""
     # the impulse on the rim, over m, adds to v_t, and 1/k of it to u; v_t + u becomes -beta of it
-    normal, along, push = sp.symbols("v_n v_t J", real=True)
-    rim = along + s.spin
-    (push_,) = sp.solve(rim + push * (1 + 1 / s.inertia) + s.rolling * rim, push)
-    means = []
-    for square in ((s.e * normal) ** 2 + (along + push_) ** 2, (s.spin + push_ / s.inertia) ** 2):
+    v_n, v_t, impulse = sp.symbols("v_n v_t J", real=True)
+    rim = v_t + s.spin
+    rim_after = rim + impulse * (1 + 1 / s.inertia)
+    (impulse,) = sp.solve(rim_after + s.rolling * rim, impulse)
+
+    def mean(square: sp.Expr) -> sp.Expr:
         # an impact to the left is as likely as one to the right: v_t u is 0 on average
-        part = sp.expand(square).subs(normal**2, (1 - s.y**2) * s.v**2)
-        mean = sp.expand(over_impact(part.subs(along**2, s.y**2 * s.v**2).subs(along, 0)))
-        means.append(sum(sp.factor(mean.coeff(x, 2)) * Avg(x**2) for x in (s.v, s.spin)))
-    elastic = sum(
-        k * mean.subs({s.e: 1, s.rolling: 1}) for k, mean in zip((1, s.inertia), means, strict=True)
-    )
-    zero(elastic - Avg(s.v**2) - s.inertia * Avg(s.spin**2), "energy is not kept")
+        in_y = sp.expand(square).subs(v_n**2, (1 - s.y**2) * s.v**2)
+        in_y = in_y.subs(v_t**2, s.y**2 * s.v**2).subs(v_t, 0)
+        average = sp.expand(over_impact(in_y))
+        of_speed = sp.factor(average.coeff(s.v, 2)) * Avg(s.v**2)
+        of_spin = sp.factor(average.coeff(s.spin, 2)) * Avg(s.spin**2)
+        return of_speed + of_spin
+
+    speed_square = mean((s.e * v_n) ** 2 + (v_t + impulse) ** 2)
+    spin_square = mean((s.spin + impulse / s.inertia) ** 2)
+    energy_after = (speed_square + s.inertia * spin_square).subs({s.e: 1, s.rolling: 1})
+    zero(energy_after - Avg(s.v**2) - s.inertia * Avg(s.spin**2), "energy is not kept")
     return result(
-        sp.Tuple(eq(Avg(s.speed_after**2), means[0]), eq(Avg(s.spin_after**2), means[1])),
+        sp.Tuple(eq(Avg(s.speed_after**2), speed_square), eq(Avg(s.spin_after**2), spin_square)),
         "second route: at e = 1 and beta = 1, v^2 + k u^2 is kept",
         note="The spin changes neither the path nor the rate of collisions: second moments after N "
         "collisions are powers of a matrix of two rows. beta = -1 is a smooth disk.",
@@ -259,11 +271,12 @@ def _spin_moments() -> Derived:
 @cache
 def effective_restitution() -> sp.Expr:
     """e* in alpha and A, from the momentum and the relative velocity along the normal."""
-    before, after, struck = sp.symbols("v_n w_n V_n", real=True)
-    momentum = before - after - s.masses * struck  # over m; the scatterer was at rest
-    relative = after - struck + s.relative * before
-    (found,) = sp.solve([momentum, relative], [after, struck], dict=True)
-    return sp.factor(-found[after] / before)
+    v_n, v_n_after, scatterer_after = sp.symbols("v_n w_n V_n", real=True)
+    momentum = v_n - v_n_after - s.masses * scatterer_after  # over m; the scatterer was at rest
+    relative_velocity = v_n_after - scatterer_after + s.relative * v_n
+    unknowns = [v_n_after, scatterer_after]
+    (velocities,) = sp.solve([momentum, relative_velocity], unknowns, dict=True)
+    return sp.factor(-velocities[v_n_after] / v_n)
 
 
 # the restitution of a fixed scatterer that has the effect of a mass A m
@@ -307,8 +320,10 @@ def _log_loss() -> Derived:
 @cache
 def mean_cosine(heavier: bool) -> sp.Expr:
     """E[cos(chi)] in A with alpha = 1, for scatterers heavier than the tracer, or lighter."""
-    cosine = space_cosine(s.e if heavier else -s.e).subs(s.et, 1)
-    return sp.expand(sp.cancel(cosine.subs(s.e, effective_restitution().subs(s.relative, 1))))
+    lowest_ratio = s.e if heavier else -s.e
+    cosine = space_cosine(lowest_ratio).subs(s.et, 1)
+    restitution = effective_restitution().subs(s.relative, 1)
+    return sp.expand(sp.cancel(cosine.subs(s.e, restitution)))
 
 
 # mean cosine in space, alpha = 1: A >= 1, and A <= 1
@@ -325,15 +340,15 @@ row(
 def _age() -> Derived:
     """The displacement in the mean log loss xi of the energy: Fermi's age."""
     slope = 2 / (s.klog * (1 - s.cos_chi))  # beyond:any-slope, over l^2
-    found = sp.cancel(slope.subs(s.klog, s.lethargy / 2))
+    in_lethargy = sp.cancel(slope.subs(s.klog, s.lethargy / 2))
 
     def of_mass(mass: int) -> sp.Expr:
         xi = sp.limit(mean_lethargy(), s.least_share, least_share().subs(s.masses, mass))
         cosine = mean_cosine(True).subs(s.masses, mass)
-        return found.subs({s.lethargy: xi, s.cos_chi: cosine}).evalf(20)
+        return in_lethargy.subs({s.lethargy: xi, s.cos_chi: cosine}).evalf(20)
 
     return result(
-        eq(Partial(s.msd(s.t), sp.log(s.t)) / s.l**2, found),
+        eq(Partial(s.msd(s.t), sp.log(s.t)) / s.l**2, in_lethargy),
         note="Per lethargy ln(E_0/E), which is 2 ln t, it is half as large; a sixth of that is "
         "Fermi's age, l^2/(3 xi (1 - <cos chi>)).",
         numbers={f"slope at A = {mass}": of_mass(mass) for mass in (1, 2, 12, 238)},

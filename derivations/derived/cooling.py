@@ -13,13 +13,14 @@ from .scaling_state import cooling_rate_value, largest_cooling_ratio
 
 _F_SCALED = s.F(s.bc)
 
-_V0, _T = s.v0(s.t), s.T(s.t)
+_V0 = s.v0(s.t)
+_T = s.T(s.t)
 _ENERGY_LOSS = -2 * s.d * _V0 * s.rho0 * s.h * _T
 """dT/dt, with the cooling rate h."""
 
 
 @derives("gtilde")
-def _gtilde() -> Derived:
+def _scaling_of_position() -> Derived:
     """(2): scaling of the position distribution, elastic."""
     root = sp.sqrt(s.msd1(s.t))
     return result(
@@ -70,7 +71,7 @@ row("vdiff", lambda: eq(sp.Derivative(_V0, s.t), _speed_equation(_ENERGY_LOSS)))
 
 
 @derives("veq")
-def _veq() -> Derived:
+def _speed_over_time() -> Derived:
     """(7): thermal velocity over time."""
     slope = _speed_equation(_ENERGY_LOSS)
     inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
@@ -99,7 +100,9 @@ def _second_moment_rate() -> sp.Expr:
 
     With v = v0 c every factor brings its power of v0, and the integral of c^2 I is -M_2.
     """
-    rate, density, volume = s.d * s.rho0 * _V0, s.n / _V0**2, _V0**2
+    rate = s.d * s.rho0 * _V0
+    density = s.n / _V0**2
+    volume = _V0**2
     return rate * density * volume / s.n * (-s.M2) * _T
 
 
@@ -135,7 +138,7 @@ row("tdiff2", lambda: eq(sp.Derivative(_T, s.t), _second_moment_rate()))
 
 
 @derives("compare2")
-def _compare2() -> Derived:
+def _cooling_rate_by_moment() -> Derived:
     """(14): cooling rate by the second moment."""
     difference = _ENERGY_LOSS - _second_moment_rate()
     (solution,) = sp.solve(difference, s.h)
@@ -161,7 +164,7 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
 
 
 @derives("ifmu2")
-def _ifmu2() -> Derived:
+def _scaled_equation() -> Derived:
     """(B2): scaled equation."""
     plain, slope = _scaled_coefficients()
     return result(
@@ -172,7 +175,7 @@ def _ifmu2() -> Derived:
 
 
 @derives("mueq")
-def _mueq() -> Derived:
+def _moment_condition() -> Derived:
     """(B3): moments of the scaled equation."""
     plain, slope = _scaled_coefficients()
     # int 2 pi c^(p+1) c F' dc = -(p + 2) int 2 pi c^(p+1) F dc

@@ -35,7 +35,7 @@ row(
 
 
 @derives("ad5")
-def _ad5() -> Derived:
+def _sonine_vdf() -> Derived:
     """(C5): the Sonine VDF in terms of the temperature."""
     scaled = sp.exp(-(s.c**2)) / sp.pi * (1 + s.a2 * polynomial(2).subs(s.x, s.c**2))
     dimensional = s.n / _V0**2 * scaled.subs(s.c, s.v / _V0)
@@ -106,7 +106,7 @@ row(
 
 
 @derives("ad7")
-def _ad7() -> Derived:
+def _diffusion_coefficient() -> Derived:
     """(C7): diffusion coefficient, first Sonine approximation."""
     derived = sp.simplify(sonine_diffusion().subs(_V0, thermal_speed()))
     sonine, lorentz = elastic_diffusion()
@@ -125,7 +125,7 @@ def _ad7() -> Derived:
 
 
 @derives("ad8")
-def _ad8() -> Derived:
+def _displacement_by_diffusion() -> Derived:
     """(C8): mean square displacement from the diffusion coefficient."""
     # d<r^2>/dt = int r^2 D laplace(n) dr/n = 4 D: the Laplacian of r^2 in the plane is 4
     x_, y_ = sp.symbols("x y", real=True)
@@ -185,7 +185,7 @@ _SHELL = s.delta(s.vh - 1)
 
 
 @derives("ap1")
-def _ap1() -> Derived:
+def _continuity_over_speeds() -> Derived:
     """(D1): continuity over all speeds."""
     # dv = v dv dphi: the sum over directions is n(r, v, t), that over speeds carries the factor v
     density = s.v * (sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)))
@@ -211,7 +211,7 @@ defines(
 
 
 @derives("ap4")
-def _ap4() -> Derived:
+def _continuity_at_one_speed() -> Derived:
     """(D4): continuity at one speed."""
     leak = Int(Lam(s.pd(s.br, _V, s.t)) * _SHELL, s.bvh)
     return result(
@@ -253,7 +253,7 @@ row(
 
 
 @derives("ap11.6")
-def _ap11_6() -> Derived:
+def _zeroth_order_flux() -> Derived:
     """(D10): flux of zeroth order."""
     mean = sp.integrate(sp.cos(s.theta), (s.theta, 0, 2 * sp.pi))
     isotropic = Int(s.bvh * s.f(_V, s.t) * _SHELL, s.bvh)
@@ -297,7 +297,7 @@ row("ap15", lambda: _expansion().of_b, note="Formally right, given ap14.")
 
 
 @derives("ap16")
-def _ap16() -> Derived:
+def _first_order_flux() -> Derived:
     """(D16): first-order flux."""
     integral = sp.Symbol("integral")  # int vhat.B delta(|vhat| - 1) dvhat
     flux = s.v * isotropy() * integral * s.nabla0 * _N
@@ -310,7 +310,7 @@ row("ap18", lambda: _expansion().of_coefficient, note="Here nu_D is a function o
 
 
 @derives("ap20")
-def _ap20() -> Derived:
+def _temperature_dependence() -> Derived:
     """(D20): temperature dependence of the diffusion coefficient."""
     decay, exact = elastic_coefficient()
     return result(
@@ -329,7 +329,7 @@ def _ap20() -> Derived:
 
 
 @derives("ap21")
-def _ap21() -> Derived:
+def _coefficient_at_one_speed() -> Derived:
     """(D21): diffusion coefficient at one speed."""
     solution = solved(_expansion().of_coefficient, _D_AT_V, -sp.Rational(1, 2))
     number = sp.cancel(solution.subs(s.nuD, _V0 / s.l) / (s.v**2 * s.l / _V0))

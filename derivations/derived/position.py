@@ -30,7 +30,7 @@ def diffusive_density() -> sp.Expr:
 
 
 @derives("normg")
-def _normg() -> Derived:
+def _density_at_one_speed() -> Derived:
     """(47): position distribution at one hopping velocity."""
     density = diffusive_density()
     second = sp.integrate(s.r**2 * density, (s.r, 0, sp.oo))
@@ -65,7 +65,7 @@ defines(
 
 
 @derives("etadif")
-def _etadif() -> Derived:
+def _eta_of_the_walk() -> Derived:
     """(51): eta from the random walk."""
     integral = s.kappa_d * s.V**2 * s.l * sp.log(1 + s.beta * s.t / s.alpha) / s.beta
     coefficient = s.kappa_d * s.V**2 * s.l / (s.alpha + s.beta * s.t)
@@ -83,7 +83,7 @@ def _etadif() -> Derived:
 
 
 @derives("posivel")
-def _posivel() -> Derived:
+def _scaled_density_at_one_speed() -> Derived:
     """(52): scaled position distribution at one hopping velocity."""
     # the Gaussian with <r^2> = 8 int D dt' that normg states, and 4 int D dt' = eta V^2 <r^2>
     printed = diffusive_density().subs(_I, 2 * _I)
@@ -120,7 +120,7 @@ def closed_form() -> sp.Expr:
 
 
 @derives("gdefi")
-def _gdefi() -> Derived:
+def _scaled_density() -> Derived:
     """(53): scaled position distribution."""
     integrand = _weighted()
     exponent = sp.exp(-s.pd(s.V, s.R) * s.R**2)
@@ -171,7 +171,8 @@ row(
 def _position() -> Derived:
     """Flatness <R^4>/<R^2>^2 of the position as t -> oo."""
     mean, spread = sp.symbols("N_mean N_variance_per_N", positive=True)
-    second, fourth = free_path(2), free_path(4)
+    second = free_path(2)
+    fourth = free_path(4)
     # N independent isotropic steps: cross terms carry <cos^2> = 1/2 in the plane
     pairs = second**2 * (1 + 4 * isotropy() / 2)
     square = mean**2 + spread * mean  # <N^2>
@@ -201,7 +202,7 @@ def saddle_slope() -> sp.Expr:
 
 
 @derives("csolu")
-def _csolu() -> Derived:
+def _saddle() -> Derived:
     """(55): saddle of the exponent."""
     roots = sp.solve(saddle_slope(), _W)
     (positive,) = (root for root in roots if root.subs({s.R: 1, s.eta: 1}) > 0)
@@ -221,27 +222,25 @@ def gaussian_integral() -> sp.Expr:
 
 
 @derives("tailg")
-def _tailg() -> Derived:
+def _steepest_descent() -> Derived:
     """(56): steepest descent."""
     quadratic = sp.exp(-s.pd(s.Vs, s.R) * s.R**2 - (s.V - s.Vs) ** 2 / 2 * _CURVATURE * s.R**2)
     leading = 2 / s.eta * s.R * sp.Integral(quadratic, (s.V, 0, sp.oo))
     value = 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)
-    ratios = {
-        f"exact G over {name} at R = {radius}, eta = 1/4": ratio
-        for radius in (1.0, 3.0)
-        for name, ratio in zip(("printed", "derived"), _tail_ratios(radius, 0.25), strict=True)
-    }
-    moments = {
-        f"{what} of the {name} form at eta = 1/2": factor * _steepest_moment(order)
-        for name, factor in (("printed", 0.5), ("derived", 1.0))
-        for order, what in ((0, "integral"), (2, "second moment"))
-    }
+    numbers = {}
+    for radius in (1.0, 3.0):
+        over_printed, over_derived = _tail_ratios(radius, 0.25)
+        numbers[f"exact G over printed at R = {radius}, eta = 1/4"] = over_printed
+        numbers[f"exact G over derived at R = {radius}, eta = 1/4"] = over_derived
+    for name, factor in (("printed", 0.5), ("derived", 1.0)):
+        numbers[f"integral of the {name} form at eta = 1/2"] = factor * _steepest_moment(0)
+        numbers[f"second moment of the {name} form at eta = 1/2"] = factor * _steepest_moment(2)
     return result(
         chain(s.G(s.R), leading, value),
         ("Gaussian integral about the saddle", gaussian_integral()),
         note="The last expression is half of the Gaussian integral: the root should hold 2 pi/p'', "
         "not pi/(2 p''). The factor R is not missing: it cancels. The fitted gamma absorbs the 2.",
-        numbers=ratios | moments,
+        numbers=numbers,
     )
 
 
@@ -277,13 +276,13 @@ def _tail_ratios(radius: float, width: float) -> tuple[float, float]:
 @cache
 def tail() -> sp.Expr:
     """The steepest descent as R -> oo: with w = V*^2, R^2 = eta (w + 2 w^2) exactly."""
-    w, square = _W, sp.Symbol("square", positive=True)
+    w = _W
+    square = sp.Symbol("square", positive=True)
     (radius_squared,) = sp.solve(saddle_slope().subs(s.R, sp.sqrt(square)), square)
     height = sp.expand(saddle_exponent() * s.R**2).subs(s.V, sp.sqrt(w))
     bend = sp.expand(sp.diff(saddle_exponent(), s.V, 2) * s.R**2).subs(s.V, sp.sqrt(w))
-    height, bend = (
-        sp.expand(sp.simplify(part.subs(s.R, sp.sqrt(radius_squared)))) for part in (height, bend)
-    )
+    height = sp.expand(sp.simplify(height.subs(s.R, sp.sqrt(radius_squared))))
+    bend = sp.expand(sp.simplify(bend.subs(s.R, sp.sqrt(radius_squared))))
     # G / (sqrt(R) exp(-R sqrt(2/eta))) in terms of w
     rate = sp.limit(sp.sqrt(2 * radius_squared / s.eta) - height - sp.log(w) / -2, w, sp.oo)
     power = sp.limit(
@@ -294,14 +293,15 @@ def tail() -> sp.Expr:
 
 
 @derives("semig")
-def _semig() -> Derived:
+def _tail() -> Derived:
     """(57): tail of the scaled position distribution."""
+    # K_0(z) tends to the root of pi/(2 z) times exp(-z), z = R times the root of 2/eta
     bessel = sp.sqrt(sp.pi / 2) * 2 / s.eta * (s.eta / 2) ** sp.Rational(1, 4) * sp.sqrt(s.R)
     bessel = bessel * sp.exp(-sp.sqrt(2 / s.eta) * s.R)
-    half = sp.simplify(tail() / bessel)
+    ratio = sp.simplify(tail() / bessel)
     return result(
         eq(s.G(s.R), tail()),
-        ("their ratio", half),
+        ("their ratio", ratio),
         ("integral of the derived form", sp.simplify(sp.integrate(tail(), (s.R, 0, sp.oo)))),
         note="Half of the Gaussian integral again (see tailg). The decay rate sqrt(2/eta) is right "
         "for the printed model; with eta = 1/2 it is 2.",
@@ -314,9 +314,11 @@ def _semig() -> Derived:
 
 
 @derives("gammatailg")
-def _gammatailg() -> Derived:
+def _fitted_tail() -> Derived:
     """(58): steepest descent with a fitted prefactor."""
-    norm_, second = (7.39 / 2 * _steepest_moment(k, 0.25) for k in (0, 2))
+    gamma_ratio = 7.39 / 2  # fitted over derived
+    norm = gamma_ratio * _steepest_moment(0, 0.25)
+    second_moment = gamma_ratio * _steepest_moment(2, 0.25)
     return result(
         eq(s.G(s.R), 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
         note="With the Gaussian integral corrected, gamma is 2 for every eta and <R^2> = 1 fixes "
@@ -327,14 +329,14 @@ def _gammatailg() -> Derived:
             "gamma that the integral gives": 2.0,
             "eta fitted": 0.25,
             "eta for which <R^2> = 1": 0.5,
-            "integral of the fitted form over R": norm_,
-            "second moment of the fitted form": second,
+            "integral of the fitted form over R": norm,
+            "second moment of the fitted form": second_moment,
         },
     )
 
 
 @derives("peakg")
-def _peakg() -> Derived:
+def _fitted_peak() -> Derived:
     """(59): peak of the scaled position distribution."""
     form = s.R / (s.eta * s.Vbar**2) * sp.exp(-(s.R**2) / (2 * s.eta * s.Vbar**2))
     return result(

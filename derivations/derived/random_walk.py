@@ -22,7 +22,7 @@ defines(
 
 
 @derives("taun")
-def _taun() -> Derived:
+def _time_to_collision() -> Derived:
     """(17): time between two collisions."""
     speed = (1 / (s.alpha + s.beta * s.t)).subs(s.t, s.tc(s.N - 1))
     return result(
@@ -50,11 +50,11 @@ def interval() -> sp.Expr:
     """tau_N solved from tau_(N+1) = tau_N + l beta tau_N and tau_1 = l alpha."""
     index = sp.Symbol("i", integer=True)
     unknown = sp.Function("u")
-    before, after = sp.symbols("t_before t_after", positive=True)
-    longer = (s.l * (s.alpha + s.beta * after) - s.l * (s.alpha + s.beta * before)).subs(
-        after, before + unknown(index)
-    )
-    recursion = unknown(index + 1) - unknown(index) - sp.expand(longer)
+    time = sp.Symbol("t_before", positive=True)  # of collision i - 1
+    interval_from_start = s.l * (s.alpha + s.beta * time)
+    next_interval = interval_from_start.subs(time, time + unknown(index))
+    increase = sp.expand(next_interval - interval_from_start)
+    recursion = unknown(index + 1) - unknown(index) - increase
     solution = sp.rsolve(recursion, unknown(index), {unknown(1): s.l * s.alpha})
     return solution.subs(index, s.N)
 
@@ -67,10 +67,10 @@ row("taun#2", lambda: eq(s.tau(s.N), interval()), "tau_(N+1) - tau_N, with t_N -
 def total_time() -> sp.Expr:
     """t_N as the sum of the intervals."""
     ratio = sp.Symbol("q", positive=True)
-    first = sp.simplify(interval().subs(s.N, 1))
-    terms = gosper_sum(ratio ** (s.k - 1), (s.k, 1, s.N))
+    first_interval = sp.simplify(interval().subs(s.N, 1))
+    geometric_sum = gosper_sum(ratio ** (s.k - 1), (s.k, 1, s.N))
     growth = sp.simplify(interval().subs(s.N, s.N + 1) / interval())
-    return sp.simplify(first * terms.subs(ratio, growth))
+    return sp.simplify(first_interval * geometric_sum.subs(ratio, growth))
 
 
 # (19): time of collision N
@@ -89,7 +89,7 @@ def collisions() -> sp.Expr:
 
 
 @derives("N")
-def _n() -> Derived:
+def _collision_number() -> Derived:
     """(20): number of collisions until a time."""
     time = sp.Symbol("time", positive=True)
     elastic = sp.limit(collisions().subs(s.tc(s.N), time), s.beta, 0)
@@ -101,7 +101,7 @@ def _n() -> Derived:
 
 
 @derives("msd")
-def _msd() -> Derived:
+def _mean_square_displacement() -> Derived:
     """(22): mean square displacement of the random walk."""
 
     def fitted(e: float) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import sympy as sp
 
@@ -22,9 +21,9 @@ def polynomial(order: int) -> sp.Expr:
     Built by Gram-Schmidt from 1, x, x^2, ...; nothing is typed in.
     """
 
-    def inner(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    def inner(p: sp.Expr, q: sp.Expr) -> sp.Expr:
         # the integral of x^i exp(-x) is that of free paths
-        terms = sp.Poly(sp.expand(one * other), s.x).terms()
+        terms = sp.Poly(sp.expand(p * q), s.x).terms()
         return sp.Add(*(k * free_path(i) for (i,), k in terms))
 
     monic = s.x**order
@@ -48,7 +47,7 @@ def collision_moment(order: int) -> sp.Expr:
 
 
 @derives("sonine1")
-def _sonine1() -> Derived:
+def _sonine_series() -> Derived:
     """(B4): Sonine expansion."""
     rate, reach = sp.symbols("rate reach", positive=True)
     weighted = sp.exp(-2 * rate * reach) * sp.exp(reach**2)
@@ -82,7 +81,7 @@ def squared_norm() -> sp.Expr:
 
 
 @derives("sonine3")
-def _sonine3() -> Derived:
+def _orthogonality() -> Derived:
     """(B8): orthogonality."""
     u = sp.Symbol("u", positive=True)
     single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
@@ -101,7 +100,7 @@ def _sonine3() -> Derived:
 
 
 @derives("sonine4")
-def _sonine4() -> Derived:
+def _sonine_coefficients() -> Derived:
     """(B9): Sonine coefficients as averages."""
     # int S_p phi sum_q a_q S_q = a_p norm
     norm = squared_norm()
@@ -114,8 +113,10 @@ def _sonine4() -> Derived:
 
 
 def _coefficient(order: int, symbol: sp.Symbol) -> sp.Tuple:
-    terms = sp.Poly(polynomial(order), s.x).terms()
-    average = sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
+    average = sp.Integer(0)
+    for (power,), coefficient in sp.Poly(polynomial(order), s.x).terms():
+        moment = Avg(s.c ** (2 * power)) if power else 1
+        average += coefficient * moment
     return chain(symbol, average, average.subs(Avg(s.c**2), 1))
 
 
@@ -132,13 +133,14 @@ row("sonine6", lambda: eq(s.M4, (s.M2 / 2 * s.p * Avg(s.c**s.p)).subs(s.p, 4)))
 def tidy(expression: sp.Expr) -> sp.Expr:
     """Factored, with e - 1 written as the paper does: through 1 - e^2."""
     for exponent in (1, -1):
-        rest = sp.factor(sp.cancel(expression / (1 - s.e**2) ** exponent))
-        if not rest.has(s.e - 1):
-            return (1 - s.e**2) ** exponent * rest
+        cofactor = sp.factor(sp.cancel(expression / (1 - s.e**2) ** exponent))
+        if not cofactor.has(s.e - 1):
+            return (1 - s.e**2) ** exponent * cofactor
     return sp.factor(expression)
 
 
-def _moment(order: int, symbol: sp.Symbol) -> tuple[Any, ...]:
+def _moment(order: int, symbol: sp.Symbol) -> tuple:
+    """The collision moment as an equation, and the steps that give it."""
     return (
         eq(symbol, tidy(collision_moment(order))),
         ("speed ratio of one collision, squared", speed_ratio_squared()),
@@ -177,9 +179,10 @@ def quadratic() -> sp.Expr:
 @cache
 def roots() -> tuple[sp.Expr, sp.Expr]:
     """(lower, upper) root of the equation for a_2."""
-    second, first, zeroth = sp.Poly(quadratic(), s.a2).all_coeffs()
-    square = sp.sqrt(sp.expand(64 * (first**2 - 4 * second * zeroth)))
-    lower, upper = ((-8 * first + sign * square) / (16 * second) for sign in (-1, 1))
+    a, b, c = sp.Poly(quadratic(), s.a2).all_coeffs()
+    root = sp.sqrt(sp.expand(64 * (b**2 - 4 * a * c)))
+    lower = (-8 * b - root) / (16 * a)
+    upper = (-8 * b + root) / (16 * a)
     return lower, upper
 
 
@@ -189,12 +192,13 @@ def at_restitution(expression: sp.Expr, value: float) -> float:
 
 
 @derives("sonine11")
-def _sonine11() -> Derived:
+def _roots_of_a2() -> Derived:
     """(B17): both roots for a_2."""
     lower, upper = roots()
-    mean, half = sp.expand((lower + upper) / 2), sp.expand((upper - lower) / 2)
+    mean = sp.expand((lower + upper) / 2)
+    half_distance = sp.expand((upper - lower) / 2)
     return result(
-        eq(s.a2, mean + s.pm * half),
+        eq(s.a2, mean + s.pm * half_distance),
         ("the equation for a_2, less its factor sqrt(pi)(1 - e^2)", eq(quadratic(), 0)),
         ("lower root", lower),
         note="At e = 1 every a_2 solves the equation; the roots do not tend to the Gaussian's 0 "
@@ -217,22 +221,23 @@ SONINE_AND_EXACT = {
 @cache
 def growth(root: sp.Expr | None = None) -> sp.Expr:
     """d/da_2 of the right-hand side of the a_2 equation, at a root (or at a symbol)."""
+    if root is None:
+        root = s.a2bar
     slope = sp.diff(quadratic(), s.a2)
-    return sp.expand(slope.subs(s.a2, s.a2bar if root is None else root))
+    return sp.expand(slope.subs(s.a2, root))
 
 
 @derives("sonine12")
-def _sonine12() -> Derived:
+def _stable_root() -> Derived:
     """(B18): the root adopted for a_2."""
-    growths = [growth(root) for root in roots()]
-    # over the root of the discriminant both are numbers: the signs hold wherever it is real
-    spread = roots()[1] - roots()[0]
-    signs = [sp.simplify(rate / spread) for rate in growths]
-    (chosen,) = (root for root, sign in zip(roots(), signs, strict=True) if sign < 0)
+    lower, upper = roots()
+    # over the root of the discriminant growth is a number: its sign holds wherever that is real
+    signs = {root: sp.simplify(growth(root) / (upper - lower)) for root in roots()}
+    (stable_root,) = (root for root, sign in signs.items() if sign < 0)
     return result(
-        eq(s.a2, chosen),
-        ("growth rate H at the lower root", growths[0]),
-        ("growth rate H at the upper root", growths[1]),
+        eq(s.a2, stable_root),
+        ("growth rate H at the lower root", growth(lower)),
+        ("growth rate H at the upper root", growth(upper)),
         note="The stable root of the truncated equation, but far from the exact a_2, which exists "
         "for every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
         numbers=SONINE_AND_EXACT,
@@ -251,8 +256,9 @@ def _collision_moment() -> Derived:
     """M_p of the Sonine form for any real p."""
     z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
     weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
-    terms = ((factor, 2 * z - 2 + order) for (order,), factor in weight.terms())
-    average = sp.Add(*(factor * gaussian_moment().subs(s.p, order) for factor, order in terms))
+    average = sp.Integer(0)
+    for (order,), coefficient in weight.terms():
+        average += coefficient * gaussian_moment().subs(s.p, 2 * z - 2 + order)
     ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
     return result(
         eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
@@ -303,7 +309,7 @@ row(
 
 
 @derives("ac3")
-def _ac3() -> Derived:
+def _rate_of_a2() -> Derived:
     """(B21): evolution of a_2."""
     rate = sp.Symbol("adot")
     fourth = sonine_average(4)
@@ -319,7 +325,7 @@ def _ac3() -> Derived:
 
 
 @derives("ac5")
-def _ac5() -> Derived:
+def _linear_perturbation() -> Derived:
     """(B23): linearised evolution of a_2."""
     prefactor = s.d * s.rho0 * _V0 / 2
     right = prefactor * sp.sqrt(sp.pi) * (1 - s.e**2) * quadratic()
@@ -329,25 +335,25 @@ def _ac5() -> Derived:
 
 
 @derives("ac7")
-def _ac7() -> Derived:
+def _growth_rate() -> Derived:
     """(B25): growth rate H(e) of a perturbation of a_2."""
-    lower, upper = map(growth, roots())
+    at_lower_root, at_upper_root = map(growth, roots())
     return result(
         eq(s.H, growth()),
-        ("at the lower root", lower),
-        ("at the upper root", upper),
+        ("at the lower root", at_lower_root),
+        ("at the upper root", at_upper_root),
         note="At the two roots H is minus and plus sqrt(-383 + 828 e^2 + 900 e^4)/8: the lower "
         "root is stable and the upper one unstable for every e above the threshold, where both "
         "meet.",
         numbers={
-            "H at the lower root, e = 0.9": at_restitution(lower, 0.9),
-            "H at the upper root, e = 0.9": at_restitution(upper, 0.9),
+            "H at the lower root, e = 0.9": at_restitution(at_lower_root, 0.9),
+            "H at the upper root, e = 0.9": at_restitution(at_upper_root, 0.9),
         },
     )
 
 
 @derives("ac6")
-def _ac6() -> Derived:
+def _perturbation_over_time() -> Derived:
     """(B24): solution of the linearised evolution of a_2."""
     rate = s.d * s.rho0 / 2 * sp.sqrt(sp.pi) * (1 - s.e**2) * s.H
     # d(delta)/delta = rate v0 dt: the logarithm is rate times the integral of v0
@@ -360,7 +366,7 @@ def _ac6() -> Derived:
 
 
 @derives("compare1")
-def _compare1() -> Derived:
+def _threshold() -> Derived:
     """(B26): restitution below which the Sonine a_2 is not real."""
     discriminant = sp.expand(sp.discriminant(8 * quadratic(), s.a2))
     square = sp.Symbol("e2", positive=True)
@@ -377,7 +383,7 @@ def _compare1() -> Derived:
 
 
 @derives("compare3", "compare3#2")
-def _compare3() -> Derived:
+def _second_moment_of_e() -> Derived:
     """(15) and (B27): M_2 as a function of e, Sonine."""
     lower, _ = roots()
     inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - s.e**2)).subs(s.a2, lower))

@@ -49,20 +49,18 @@ row(
 @cache
 def _flux_orders() -> dict[int, sp.Expr]:
     """Orders of -div J with both the gradient and the flux expanded."""
-    fluxes = [sp.Function(f"J_vec_{order}")(s.br, s.t) for order in range(3)]
-    total = sp.expand(
-        sum(
-            s.eps ** (order + 1 + step) * dot(gradient, flux)
-            for step, gradient in enumerate((s.nabla0, s.nabla1))
-            for order, flux in enumerate(fluxes)
-        )
-    )
-    return {order: -total.coeff(s.eps, order + 1) for order in range(3)}
+    divergence = sp.Integer(0)
+    for order in range(3):
+        flux = sp.Function(f"J_vec_{order}")(s.br, s.t)
+        divergence += s.eps ** (order + 1) * dot(s.nabla0, flux)
+        divergence += s.eps ** (order + 2) * dot(s.nabla1, flux)
+    divergence = sp.expand(divergence)
+    return {order: -divergence.coeff(s.eps, order + 1) for order in range(3)}
 
 
 def density_series(density: sp.Expr) -> sp.Expr:
     """The time derivative of a density in orders of epsilon, from the lowest that -div J has."""
-    lowest = min(order + 1 for order, part in _flux_orders().items() if part != 0)
+    lowest = min(order + 1 for order, term in _flux_orders().items() if term != 0)
     return sp.Sum(s.eps ** (s.j + lowest) * Dt(s.j, density), (s.j, 0, sp.oo))
 
 
@@ -95,12 +93,15 @@ derives("diffuse7")(lambda: continuity_order(s.Jj(s.br, s.t), _N))
 
 
 @derives("diffuse8")
-def _diffuse8() -> Derived:
+def _flux_of_order_j() -> Derived:
     """(32): flux of order j."""
-    series = sum(s.eps**order * part for order, part in enumerate((_P0, _P1, _P2)))
-    terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
-    factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
-    (weight,) = factor
+    distributions = (_P0, _P1, _P2)
+    series = sum(s.eps**order * p_j for order, p_j in enumerate(distributions))
+    integrand = sp.expand(s.bv * series)
+    # each order of v p over the same order of p
+    (weight,) = {
+        sp.cancel(integrand.coeff(s.eps, order) / p_j) for order, p_j in enumerate(distributions)
+    }
     return result(eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)))
 
 
@@ -109,17 +110,18 @@ def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
     """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through the density and T."""
     change = s.eps * Dt(0, density) + s.eps**2 * Dt(1, density)
     cooling = sp.Derivative(_T, s.t)
-    left = sp.expand(
-        sum(
-            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, _T))
-            for order, part in enumerate((_P0, _P1))
-        )
-        # the gradient acts through the density, and on p^(0) alone at this order
-        + s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
-    )
-    right = sp.expand(sum(s.eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
-    zeroth, first = (eq(left.coeff(s.eps, k), right.coeff(s.eps, k)) for k in (0, 1))
-    return zeroth, first
+    # the gradient acts through the density, and on p^(0) alone at this order
+    transport = s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
+    collisions = sp.Integer(0)
+    for order, p_j in enumerate((_P0, _P1)):
+        rate = change * Partial(p_j, density) + cooling * Partial(p_j, _T)
+        transport += s.eps**order * rate
+        collisions += s.eps**order * Lam(p_j)
+    transport = sp.expand(transport)
+    collisions = sp.expand(collisions)
+    order_0 = eq(transport.coeff(s.eps, 0), collisions.coeff(s.eps, 0))
+    order_1 = eq(transport.coeff(s.eps, 1), collisions.coeff(s.eps, 1))
+    return order_0, order_1
 
 
 # (34): zeroth order
@@ -127,7 +129,7 @@ row("diffuse10", lambda: orders()[0], "order epsilon^0 of the kinetic equation")
 
 
 @derives("diffuse11")
-def _diffuse11() -> Derived:
+def _zeroth_order() -> Derived:
     """(35): solution of the zeroth order."""
     amplitude = sp.Symbol("A")
     # the integral of A f over v is n(r, t), that of f is n
@@ -155,19 +157,19 @@ def expand(
     ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt; ``source``, the integral of v.v f, stands
     for v f on the right.
     """
-    order = orders(density)[1]
+    _, order_1 = orders(density)
     # the flux of order 0 vanishes: f is even
-    known = {Dt(0, density): 0, sp.Derivative(_T, s.t): cooling, Partial(_P0, density): slope}
-    residual = (order.lhs - order.rhs).subs(known)
+    inserted = {Dt(0, density): 0, sp.Derivative(_T, s.t): cooling, Partial(_P0, density): slope}
+    residual = (order_1.lhs - order_1.rhs).subs(inserted)
     driven = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
-    first = eq(sp.expand(driven - residual), driven)
+    first_order = eq(sp.expand(driven - residual), driven)
     # p^(1) = B.grad n inserted; the gradient, which is arbitrary, is divided out
     inserted = {
         Lam(_P1): dot(Lam(_B), s.nabla0) * density,
         Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
     }
-    sides = (sp.expand(side.subs(inserted) / density) for side in first.args)
-    of_b = eq(*(side.replace(Dot, lambda a, b: b if a == s.nabla0 else a) for side in sides))
+    sides = (sp.expand(side.subs(inserted) / density) for side in first_order.args)
+    of_b = eq(*(side.replace(Dot, _without_gradient) for side in sides))
     # times -v/2 and integrated, with D_e and nu_D named
     half = -sp.Rational(1, 2)
     named = {
@@ -175,8 +177,15 @@ def expand(
         Lam(_B): -s.nuD * coefficient / half,
         s.bv * _F: source,
     }
-    left, right = (sp.expand(half * side) for side in of_b.args)
-    return Expansion(first, of_b, eq(sp.expand(left.subs(named)), right.subs(named)))
+    lhs, rhs = (sp.expand(half * side).subs(named) for side in of_b.args)
+    return Expansion(first_order, of_b, of_coefficient=eq(sp.expand(lhs), rhs))
+
+
+def _without_gradient(vector: sp.Expr, factor: sp.Expr) -> sp.Expr:
+    """The vector in a scalar product with the gradient."""
+    if vector == s.nabla0:
+        return factor
+    return vector
 
 
 @cache
@@ -206,7 +215,7 @@ row("diffuse15", lambda: _expansion().of_b, "p^(1) = B.grad n inserted, the grad
 
 
 @derives("diffuse16")
-def _diffuse16() -> Derived:
+def _first_order_flux() -> Derived:
     """(40): first-order flux."""
     integral = Int(dot(s.bv, _B), s.bv)
     flux = isotropy() * integral * s.nabla0 * _N
@@ -265,9 +274,11 @@ row(
 
 
 @derives("diffuse22")
-def _diffuse22() -> Derived:
+def _diffusion_equation() -> Derived:
     """(46): diffusion equation."""
     flux = -_D * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
-    right = sp.expand(-s.nabla0 * flux)
-    return result(eq(Dt(1, _N), right), ("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])))
+    divergence = sp.expand(s.nabla0 * flux)
+    return result(
+        eq(Dt(1, _N), -divergence), ("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1]))
+    )
