@@ -11,6 +11,7 @@ The rooms, each of which imports only those above it:
 - ``premises``: the collision rule, and the averages over one collision that follow from it;
 - ``derived``: one derivation per label; it never imports ``printed``;
 - ``checks``: printed against derived;
+- ``documents``: the checks as text, JSON and LaTeX;
 - ``errata``: what is printed wrong, what is right, and what it changes, in words.
 
 This package imports nothing else of the project. Begin reading with ``premises``, then
@@ -24,9 +25,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .checks import Check, report_subset, verify
     from .derived.record import Status, Verdict
+    from .documents import to_json, to_latex_document, to_text
     from .errata import ERRATA, Erratum
     from .printed import PrintedEquation, printed_equation
-    from .printers import to_json, to_latex_document, to_text
 
 _FILES = {
     "ERRATA": "errata",
@@ -38,9 +39,9 @@ _FILES = {
     "Verdict": "checks",
     "report_subset": "checks",
     "verify": "checks",
-    "to_json": "printers",
-    "to_latex_document": "printers",
-    "to_text": "printers",
+    "to_json": "documents",
+    "to_latex_document": "documents",
+    "to_text": "documents",
 }
 """The public names, each with the file that it is imported from when it is first used."""
 

@@ -178,8 +178,9 @@ class Check:
     row was proved: ``exact`` (the difference is a symbolic zero) or ``numerical: <why>`` (it holds
     at 50 digits at 20 random points). ``verdict`` is what the exact theory says of an assumption or
     of a statement in words; ``holds`` is True where that is "holds", False where it holds in part
-    or not at all, None where there is no verdict. ``printed_latex`` and so on are the formulas as
-    LaTeX (no delimiters) and MathML, empty if there is none.
+    or not at all, None where there is no verdict. ``number`` is the paper's, such as "B15", empty
+    where it has none. ``printed_latex`` and so on are the formulas as LaTeX (no delimiters) and
+    MathML, empty if there is none.
     """
 
     label: str
@@ -194,6 +195,7 @@ class Check:
     verdict: Verdict | None = None
     numbers: tuple[Number, ...] = ()
     steps: tuple[Step, ...] = ()
+    number: str = ""
 
     @property
     def holds(self) -> bool | None:
@@ -265,6 +267,7 @@ def check(label: str, printed: sp.Basic | None = None) -> Check:
         verdict=derived.verdict,
         numbers=derived.numbers,
         steps=derived.steps,
+        number=equation.number,
     )
 
 

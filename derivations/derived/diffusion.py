@@ -20,7 +20,8 @@ from .transport import solved, thermal_speed
 _D = s.De(s.t)
 _MSD = s.msd(s.t)
 
-_RESTITUTIONS = (0.6, 0.7, 0.9)  # above the threshold of the Sonine a_2
+#: Those restitutions of the paper's figures that lie above the threshold of the Sonine a_2.
+_RESTITUTIONS = (0.6, 0.7, 0.9)
 _V0 = s.v0(s.t)
 
 
@@ -229,7 +230,10 @@ def _continuity_at_one_speed() -> Derived:
 row("ap6", lambda: eq(sp.Derivative(_N, s.t), transport.density_series(_N)), note="Rests on ap4.")
 
 
-derives("ap7")(lambda: transport.continuity_order(s.Jj(s.br, s.v, s.t), _N))
+@derives("ap7")
+def _continuity_order_by_order() -> Derived:
+    """(D6): orders of the time derivative of the density at one speed."""
+    return transport.continuity_order(s.Jj(s.br, s.v, s.t), _N)
 
 
 # (D7): flux of order j
@@ -267,7 +271,7 @@ row("ap12", lambda: transport.orders(_N)[1], note="Formally right, given ap4 and
 
 @cache
 def _temperature_rate() -> sp.Expr:
-    """dT/dt of tdiff in terms of the mean free path."""
+    """dT/dt of (5) in terms of the mean free path."""
     (density,) = sp.solve(mean_free_path(2) - s.l, s.rho0)
     return (-2 * s.d * _V0 * s.rho0 * s.h * _T).subs(s.rho0, density)
 
@@ -278,7 +282,7 @@ row("ap12.5", lambda: eq(sp.Derivative(_T, s.t), _temperature_rate()), "l = 1/(2
 
 @cache
 def _expansion() -> transport.Expansion:
-    """ap13, ap15 and ap18: the sum of v.v f over directions is v^2 m(v, t)."""
+    """(D13), (D15) and (D18): the sum of v.v f over directions is v^2 m(v, t)."""
     m = s.mn(s.v, s.t)
     return transport.expand(_N, s.f(s.bv, s.t) / m, _temperature_rate(), _D_AT_V, s.v**2 * m)
 

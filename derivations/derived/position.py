@@ -85,7 +85,7 @@ def _eta_of_the_walk() -> Derived:
 @derives("posivel")
 def _scaled_density_at_one_speed() -> Derived:
     """(52): scaled position distribution at one hopping velocity."""
-    # the Gaussian with <r^2> = 8 int D dt' that normg states, and 4 int D dt' = eta V^2 <r^2>
+    # the Gaussian with <r^2> = 8 int D dt' that (47) states, and 4 int D dt' = eta V^2 <r^2>
     printed = diffusive_density().subs(_I, 2 * _I)
     inserted = printed.subs(_I, s.eta * s.V**2 * _MSD / 4)
     scaled = sp.simplify((sp.sqrt(_MSD) * inserted).subs(s.r, s.R * sp.sqrt(_MSD)))

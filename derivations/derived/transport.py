@@ -1,4 +1,4 @@
-"""Chapman-Enskog expansion in the density gradient, order by order (diffuse1 ... diffuse22).
+"""Chapman-Enskog expansion in the density gradient, order by order: (24) to (46).
 
 The expansion is made with the formal parameter epsilon; the collision operator enters only as a
 linear operator, the gradient as a symbol that commutes with functions of the velocity.
@@ -22,7 +22,9 @@ _D = s.De(s.t)
 _F = s.f(s.bv, s.t)
 
 _N = s.nd(s.br, s.t)
-_P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
+_P0 = s.p0(s.br, s.bv, s.t)
+_P1 = s.p1(s.br, s.bv, s.t)
+_P2 = s.p2(s.br, s.bv, s.t)
 _B = s.Bv(s.bv, _T)
 
 
@@ -89,7 +91,10 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
     )
 
 
-derives("diffuse7")(lambda: continuity_order(s.Jj(s.br, s.t), _N))
+@derives("diffuse7")
+def _continuity_order_by_order() -> Derived:
+    """(31): orders of the time derivative of the density."""
+    return continuity_order(s.Jj(s.br, s.t), _N)
 
 
 @derives("diffuse8")
@@ -157,20 +162,34 @@ def expand(
     ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt; ``source``, the integral of v.v f, stands
     for v f on the right.
     """
+    first_order = _insert_zeroth_order(density, slope, cooling)
+    of_b = _divide_by_gradient(first_order, density)
+    of_coefficient = _integrate_over_velocity(of_b, coefficient, source)
+    return Expansion(first_order, of_b, of_coefficient)
+
+
+def _insert_zeroth_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
+    """The first order with p^(0) and the cooling inserted; what drives it stands on the right."""
     _, order_1 = orders(density)
     # the flux of order 0 vanishes: f is even
     inserted = {Dt(0, density): 0, sp.Derivative(_T, s.t): cooling, Partial(_P0, density): slope}
     residual = (order_1.lhs - order_1.rhs).subs(inserted)
     driven = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
-    first_order = eq(sp.expand(driven - residual), driven)
-    # p^(1) = B.grad n inserted; the gradient, which is arbitrary, is divided out
+    return eq(sp.expand(driven - residual), driven)
+
+
+def _divide_by_gradient(first_order: sp.Eq, density: sp.Expr) -> sp.Eq:
+    """The equation for B: p^(1) = B.grad n inserted, the gradient, which is any, divided out."""
     inserted = {
         Lam(_P1): dot(Lam(_B), s.nabla0) * density,
         Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
     }
-    sides = (sp.expand(side.subs(inserted) / density) for side in first_order.args)
-    of_b = eq(*(side.replace(Dot, _without_gradient) for side in sides))
-    # times -v/2 and integrated, with D_e and nu_D named
+    lhs, rhs = (sp.expand(side.subs(inserted) / density) for side in first_order.args)
+    return eq(lhs.replace(Dot, _without_gradient), rhs.replace(Dot, _without_gradient))
+
+
+def _integrate_over_velocity(of_b: sp.Eq, coefficient: sp.Expr, source: sp.Expr) -> sp.Eq:
+    """The equation for B times -v/2, integrated over v, with D_e and nu_D named."""
     half = -sp.Rational(1, 2)
     named = {
         Partial(_B, _T): Partial(coefficient, _T) / half,
@@ -178,7 +197,7 @@ def expand(
         s.bv * _F: source,
     }
     lhs, rhs = (sp.expand(half * side).subs(named) for side in of_b.args)
-    return Expansion(first_order, of_b, of_coefficient=eq(sp.expand(lhs), rhs))
+    return eq(sp.expand(lhs), rhs)
 
 
 def _without_gradient(vector: sp.Expr, factor: sp.Expr) -> sp.Expr:
@@ -190,7 +209,7 @@ def _without_gradient(vector: sp.Expr, factor: sp.Expr) -> sp.Expr:
 
 @cache
 def _expansion() -> Expansion:
-    """diffuse13, diffuse15 and diffuse18; the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
+    """(37), (39) and (42); the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
     return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
 
 

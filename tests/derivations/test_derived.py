@@ -157,9 +157,14 @@ def test_the_first_sonine_order_of_the_solver_meets_the_derived_one(rows) -> Non
 def test_the_printed_curves_of_the_solver_meet_the_printed_formulas() -> None:
     fitted, start = sp.Rational(145, 100) * (1 - e), sp.sqrt(2)
     walk = {
-        sy.alpha: 1 / start, sy.beta: fitted / 25, sy.l: sp.Rational(27, 2), sy.v0(0): start,
-        sy.d: 1, sy.rho0: sp.Rational(1, 25), sy.h: fitted,
-    }  # fmt: skip
+        sy.alpha: 1 / start,
+        sy.beta: fitted / 25,
+        sy.l: sp.Rational(27, 2),
+        sy.v0(0): start,
+        sy.d: 1,
+        sy.rho0: sp.Rational(1, 25),
+        sy.h: fitted,
+    }
 
     def of(label: str, *arguments: sp.Symbol, at=None):
         formula = ROWS[label].formula
@@ -271,10 +276,13 @@ def test_the_chain_of_the_solver_is_the_derived_one(dimension: int) -> None:
     assert [of_third, of_square, of_second, of_along, to_square] == [
         float(drive[to][of])
         for to, of in (
-            ((4, 0), (3, 1)), ((3, 1), (2, 0)), ((3, 1), (2, 2)), ((2, 2), (1, 1)),
+            ((4, 0), (3, 1)),
+            ((3, 1), (2, 0)),
+            ((3, 1), (2, 2)),
+            ((2, 2), (1, 1)),
             ((2, 0), (1, 1)),
         )
-    ]  # fmt: skip
+    ]
 
 
 # -- scatterers that are met again, and a uniform field --
@@ -372,8 +380,13 @@ def test_what_a_bath_does_is_what_the_generator_of_the_solver_does(dimension: in
         v = axis.speeds[i]
         there = np.exp(-(v * v + g * g - 2.0 * v * g * cosine) / (2.0 * w * w)) * weight * share
         there /= (2.0 * math.pi * w * w) ** (dimension / 2)
-        at = {sy.bath_rate(sy.v): (there * g).sum(), sy.bath_pull(sy.v): v * (
-            there * g * g * cosine).sum(), sy.v: v, sy.bath: w, sy.effective: e_star}  # fmt: skip
+        at = {
+            sy.bath_rate(sy.v): (there * g).sum(),
+            sy.bath_pull(sy.v): v * (there * g * g * cosine).sum(),
+            sy.v: v,
+            sy.bath: w,
+            sy.effective: e_star,
+        }
         found = one.matrices[0, i] @ axis.speeds**2, one.matrices[1, i] @ axis.speeds
         assert found[0] == pytest.approx(float(square.subs(at)), rel=1e-9)
         assert found[1] == pytest.approx(float((sy.v * along).subs(at)), rel=1e-9)

@@ -20,8 +20,9 @@ from derivations import (
     to_text,
     verify,
 )
+from derivations.documents import counts
 from derivations.printed import ROWS
-from derivations.printers import counts, mathml
+from derivations.printers import mathml
 from derivations.symbols import LATEX
 
 
@@ -66,11 +67,13 @@ def test_json_survives_a_round_trip(checks: tuple[Check, ...], rows: dict) -> No
     assert sum(data["counts"].values()) == len(checks)
     row = data["checks"][-1]
     assert row["status"] == "verified"
+    assert row["number"] == "B15"
     assert row["printed"] == "M_2 = sqrt(pi)*(1 - e**2)*(3*a_2/8 + 1)"
     assert row["source_latex"].startswith("M_{2}")
     assert row["steps"]
     assert set(row) == {
         "label",
+        "number",
         "title",
         "section",
         "status",
