@@ -138,8 +138,8 @@ def test_a_row_says_what_its_status_promises(rows: Rows) -> None:
     ],
 )
 def test_numbers_that_were_known_before(label: str, name: str, value: float, rows: Rows) -> None:
-    found = {number.name: number.value for number in rows[label].numbers}
-    assert found[name] == pytest.approx(value, abs=5.1e-4)  # half of the last digit of most
+    numbers = {number.name: number.value for number in rows[label].numbers}
+    assert numbers[name] == pytest.approx(value, abs=5.1e-4)  # half of the last digit of most
 
 
 @pytest.mark.parametrize("labels", [["sonine99"], "sonine9", 3])
@@ -172,7 +172,8 @@ def test_how_an_expression_is_judged(expression: sp.Expr, expected: Difference) 
 
 
 def test_the_worst_member_decides() -> None:
-    good, bad = eq(E, E), eq(E, 2 * E)
+    good = eq(E, E)
+    bad = eq(E, 2 * E)
     assert compare(sp.Tuple(good, bad), sp.Tuple(good, good)) is Difference.PRESENT
     assert compare(sp.Tuple(good), sp.Tuple(good, good)) is Difference.PRESENT
     assert compare(sp.Le(E, 1, evaluate=False), eq(E, sp.Integer(1))) is Difference.PRESENT
