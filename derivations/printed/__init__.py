@@ -1,8 +1,8 @@
 """The paper as transcribed, and the other statements that are judged; nothing is corrected here.
 
 What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
-LaTeX of it; ``main_text`` and ``appendices`` transcribe the same equations into sympy, each held
-against its LaTeX by a reader apart from them. The files ``beyond_...`` state the results that the
+LaTeX of it; ``main_text`` and ``appendices`` transcribe the same equations into sympy, one row an
+equation, to be read beside the paper. The files ``beyond_...`` state the results that the
 paper does not have, under labels that start with ``beyond:``. ``rows`` says what a row is.
 
 May import: ``symbols``, ``formal``, ``printers``; never ``derived``. A new row is stated here and

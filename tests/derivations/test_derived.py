@@ -10,7 +10,14 @@ import sympy as sp
 from scipy.special import j0
 
 from derivations import symbols as sy
-from derivations.derived import any_dimension, any_law, finite_density, position, scaling_state
+from derivations.derived import (
+    any_dimension,
+    any_law,
+    finite_density,
+    position,
+    scaling_state,
+    steepest_descent,
+)
 from derivations.derived.driven import bath_rates
 from derivations.derived.uniform_field import field_row
 from derivations.formal import Second
@@ -78,7 +85,7 @@ def test_the_integral_of_the_paper_is_the_bessel_function_at_50_digits() -> None
 
 def test_far_out_the_integral_of_the_paper_is_its_tail_by_steepest_descent() -> None:
     closed_form = sp.lambdify((R, eta), position.closed_form(), "mpmath")
-    tail = sp.lambdify((R, eta), position.tail(), "mpmath")
+    tail = sp.lambdify((R, eta), steepest_descent.tail(), "mpmath")
     radius = 10**7
     with mp.workdps(60):
         for width in (0.1, 0.5, 2.0):
