@@ -264,7 +264,8 @@ class UndrivenAnswer(Value):
             INITIAL_STATE: self._start_error,
         }
         if self.profiles:
-            errors[DENSITIES] = max(profile.error_estimate for profile in self.profiles.values())
+            estimates = [profile.error_estimate for profile in self.profiles.values()]
+            errors[DENSITIES] = float(np.max(estimates))  # keeps what is not a number
         if self.displacement is not None:
             errors[POSITION] = self.displacement.error_estimate
         return errors

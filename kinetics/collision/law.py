@@ -39,7 +39,7 @@ from kinetics.validation import (
 MIN_LARGER_RESTITUTION = 1e-8
 #: Largest |m| of a harmonic. The origin is not recorded.
 MAX_HARMONIC = 1_000_000
-#: Arguments of a law that a text leaves out.
+#: The defaults of arguments of a law, which its text leaves out.
 DEFAULTS: dict[str, object] = {
     "tangential_restitution": 1.0,
     "dimension": 2,

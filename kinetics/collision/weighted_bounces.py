@@ -1,6 +1,8 @@
 """A collision as a weighted sum of bounces, and its averages; the base of every collision law.
 
-Begin with :meth:`WeightedBounces.lost`, 1 - E[s^z cos(m chi)] of one collision.
+s is the ratio of the speeds after and before, chi the deflection, m an angular harmonic, e and et
+the normal and the tangential restitution. Begin with :meth:`WeightedBounces.lost`, 1 - E[s^z cos(m
+chi)] of one collision.
 """
 
 from __future__ import annotations

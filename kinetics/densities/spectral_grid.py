@@ -1,6 +1,7 @@
 r"""Which nodes of x = ln v a spectral solution of a harmonic needs.
 
-Three windows of x = ln(v (t + t_0)/l), t_0 = l/v_rms, in which the scaling state stands still:
+l is the mean free path, v_rms the root mean square speed of the start; g = v f is the density of ln
+v. Three windows of x = ln(v (t + t_0)/l), t_0 = l/v_rms, in which the scaling state stands still:
 where g is above what is aimed at at some time (:func:`speed_window`); nodes that resolve the start
 there (:func:`resolve_start`); and the window of the solution, which reaches further down and up, as
 far as u does, the state without its collisions (:func:`choose_grid`). Begin with
@@ -70,11 +71,12 @@ NODES_FACTOR = 1.4
 #: The window of u ends where exp(-v t/l) is e^-7 of what is aimed at. The origin is not recorded;
 #: at half and at twice nothing moves, as the window of g ends higher up.
 DEPTH_OF_COLLIDED = 7.0
-#: Extra length of the window, in ln v: then wave numbers are less than 1/2 apart, for the gain.
+#: Extra length of the window, in ln v. Derived: then wave numbers are less than 1/2 apart, as the
+#: gain needs (`kinetics.densities.gain`).
 LENGTH_FOR_GAIN = 4.0 * math.pi
 #: Highest modes in which what is unresolved is looked for. The origin is not recorded.
 HIGHEST_MODES = 3
-#: Stands for 0 in a denominator.
+#: Stands for 0 in a denominator: close to the smallest number.
 TINY = 1e-300
 
 

@@ -1,8 +1,9 @@
 """The distribution of the speeds at times as points: averages over the tracers by a plain sum.
 
-A :class:`Profile` is a density, without the tracers of sharp speeds that have not collided.
-:class:`SpeedShares` holds these, and of the others the share of tracers at each of many speeds.
-Begin with :meth:`SpeedShares.of` and :meth:`SpeedShares.average`.
+Speeds v are in U, times t in l/U, l the mean free path. A :class:`Profile` is a density, without
+the tracers of sharp speeds that have not collided. :class:`SpeedShares` holds these, and of the
+others the share of tracers at each of many speeds. Begin with :meth:`SpeedShares.of` and
+:meth:`SpeedShares.average`.
 """
 
 from __future__ import annotations

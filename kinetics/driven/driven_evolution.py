@@ -19,7 +19,7 @@ from kinetics.driven.generator import Generator
 from kinetics.driven.march import Step, StepEquation, TimeMarch
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, collision_rate, top_speed
-from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE, DrivenStart
+from kinetics.driven.starts import DrivenStart, measures_of_start
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.states.state import LogMeasure, State
@@ -63,8 +63,7 @@ class DrivenProblem:
     def start(self, resolution: ChebyshevResolution) -> DrivenStart:
         """Return the start by its harmonics; InputError unless it is symmetric about x."""
         last = 0 if self.is_isotropic else resolution.harmonics
-        tolerance = START_SHARE_OF_TOLERANCE * resolution.rtol
-        measures = [self.state.harmonic(m, tolerance, 0.0, HIGHEST_POWER) for m in range(last + 1)]
+        measures = measures_of_start(self.state, resolution.rtol, last)
         start = DrivenStart(tuple(measures), 1.0)
         if not start.is_symmetric:
             raise InputError(

@@ -137,7 +137,8 @@ class FieldState(SteadyState):
     def _density_error(self, along: FloatArray, across: FloatArray, density: FloatArray) -> float:
         """Return the error of a density at velocities (n,), over the largest mean over directions.
 
-        Some velocities are compared, those close to the ray along the field among them.
+        Some velocities are compared, those close to the ray along the field among them. Densities
+        that are both infinite agree; what is not a number agrees with nothing.
         """
         by_distance = np.argsort(np.abs(across))
         closest = by_distance[:COMPARED_VELOCITIES]
@@ -145,8 +146,12 @@ class FieldState(SteadyState):
         compared = np.union1d(closest, spread)
         with np.errstate(invalid="ignore"):
             coarse = self._coarse_density.density(along[compared], across[compared])
-            difference = np.abs(density[compared] - coarse)
-        return float(np.nanmax(difference, initial=0.0) / self._fine_density.harmonics[0].max())
+            fine = density[compared]
+            difference = np.where(fine == coarse, 0.0, np.abs(fine - coarse))
+        largest = float(np.max(difference, initial=0.0))
+        if math.isnan(largest):
+            return math.inf
+        return float(largest / self._fine_density.harmonics[0].max())
 
     @property
     def _density_resolution(self) -> PanelResolution:

@@ -7,6 +7,7 @@ which makes the outputs, and `solve_in_groups`, which solves all times of a scen
 from __future__ import annotations
 
 import bisect
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +17,7 @@ import numpy as np
 
 from kinetics.driven.averages import COLUMNS, INTEGRAL_ROWS
 from kinetics.driven.march import TimeMarch
-from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE
+from kinetics.driven.starts import measures_of_start
 from kinetics.errors import InputError, PlanStep
 from kinetics.numerics import FloatArray
 from kinetics.outputs import ALL_OUTPUTS, AVERAGES, DENSITIES
@@ -67,11 +68,15 @@ def tolerances(scene: Scene, rtol: float) -> dict[str, float]:
 
 
 def error_of_start(state: State, rtol: float) -> float:
-    """Return the relative error of averages over the start, of a density that is not resolved."""
+    """Return the relative error of averages over the start, of a density that is not resolved.
+
+    It is infinite where the error of a harmonic is not a number.
+    """
     highest = state.highest_harmonic or 0
-    tolerance = START_SHARE_OF_TOLERANCE * rtol
-    measures = [state.harmonic(m, tolerance, 0.0, HIGHEST_POWER) for m in range(highest + 1)]
-    return max((measure.error for measure in measures if measure is not None), default=0.0)
+    measures = measures_of_start(state, rtol, highest)
+    errors = [measure.error for measure in measures if measure is not None]
+    largest = float(np.max(errors, initial=0.0))
+    return math.inf if math.isnan(largest) else largest
 
 
 def refuse_component_density() -> NoReturn:

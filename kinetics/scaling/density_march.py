@@ -1,7 +1,9 @@
 r"""ln w on the axis x = ln(kappa v t/l), solved panel by panel from the top down.
 
-The density g of x drifts upwards, and the flux that passes x is what collisions have brought below
-x from above (the scaled equation, paper label ``ifmu2``, integrated once):
+v is the speed, t the time, l the mean free path, s the speed ratio of a collision, and kappa the
+mean of -ln s; F is the scaled density of the velocity, and g the density of x. g drifts upwards,
+and the flux that passes x is what collisions have brought below x from above (the scaled equation,
+paper label ``ifmu2``, integrated once):
 
     kappa g(x) = int_0^inf P(xi > u) w(x + u) du,     xi = -ln s,
 

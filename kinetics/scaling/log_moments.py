@@ -1,6 +1,7 @@
 r"""ln A(z), A(z) = kappa^z E[Y^z], of the scaled speed Y = v t/l for any real or complex power z.
 
-With the decay rate lambda(z) = 1 - E[s^z] of the law,
+v is the speed, t the time, l the mean free path, s the speed ratio of a collision and kappa = E[-ln
+s]. With the decay rate lambda(z) = 1 - E[s^z] of the law,
 
     ln A(z+1) = ln A(z) + rho(z),     rho(z) = ln(kappa z/lambda(z)),     A(0) = A(1) = 1,
 

@@ -1,7 +1,8 @@
 r"""The density of x = ln(kappa Y), Y = v t/l, by Mellin inversion of its moments A(z).
 
-The density g(x) has the exponential moments A(z) (:mod:`kinetics.scaling.log_moments`). Along the
-vertical line Re z = a,
+v is the speed, t the time, l the mean free path and kappa = E[-ln s], s the speed ratio of a
+collision. The density g(x) has the exponential moments A(z) (:mod:`kinetics.scaling.log_moments`).
+Along the vertical line Re z = a,
 
     e^(a x) g(x) = (1/2 pi) int A(a + i k) e^(-i k x) dk,
 
@@ -41,7 +42,7 @@ REACH_NEAR_GAUSSIAN = 2.4
 #: speed, the tilted density changes between two lines. The origin of both numbers is not recorded;
 #: at half and at twice of each F moves by 3e-14 at most (e from 0 to 0.99, c from 0.01 to 8).
 DEEP_LOSS = 5.0
-#: Largest distance of their exponents there.
+#: Largest distance of their exponents there; origin as of `DEEP_LOSS`.
 MAX_STEP_AT_DEEP_LOSS = 0.4
 #: Smallest share of the sum of its terms' sizes that the sum of a line may have: below, it has lost
 #: two digits, and the next line serves. Chosen.
@@ -56,9 +57,9 @@ DISTANCE_TO_LOWEST_POWER = 0.25
 #: 8e-14 at most, where it was measured for `DEEP_LOSS`.
 CHERNOFF_TILTS = np.array([0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 12.0])
 #: Step of the differences of ln A that give the mean and the deviation, over 1/deviation or over
-#: the distance to the lowest power.
+#: the distance to the lowest power; origin as of `CHERNOFF_TILTS`.
 DIFFERENCE_STEP = 0.2
-#: One more tilt to the left, over the step of the differences.
+#: One more tilt to the left, over the step of the differences; origin as of `CHERNOFF_TILTS`.
 SMALLEST_TILT = 2.5
 #: Largest -p ln s at which E[s^p] is computed. Chosen: near 710 it overflows.
 MAX_LOG_OF_POWER = 600.0

@@ -1,8 +1,9 @@
 r"""ln g on the axis x = ln(kappa v t/l) and its moments, as far as they are asked for.
 
-The density is solved from the top down (:mod:`kinetics.scaling.density_march`). The march begins
-not far above the moments, and once more at 1e-100 of the bulk if a question reaches beyond; it goes
-down as far as a question needs. Begin with :meth:`ScaledSpeedAxis.log_moment`.
+v is the speed, t the time, l the mean free path, kappa = E[-ln s], and g the density of x. It is
+solved from the top down (:mod:`kinetics.scaling.density_march`). The march begins not far above the
+moments, and once more at 1e-100 of the bulk if a question reaches beyond; it goes down as far as a
+question needs. Begin with :meth:`ScaledSpeedAxis.log_moment`.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ NODES_BEYOND_DIGITS = 6
 #: Error of F over the last coefficients of ln w, at most. Measured against the closed form for 6 to
 #: 18 nodes, e from 0 to 0.99, rough disks and two ratios.
 DENSITY_ERROR_FACTOR = 0.15
-#: The same for moments.
+#: The same for moments. Origin not recorded.
 MOMENT_ERROR_FACTOR = 1e-3
 #: Relative error (1.4e-14) below which no accuracy is promised: rounding moves the axis by it, and
 #: F by that times its steepness. Measured: ten times the largest that was found for e from 0.9 to

@@ -142,13 +142,44 @@ def count_flight(histograms: FlightHistograms, path: float, duration: float, shi
 # -- states at output times ------------------------------------------------------------------------
 
 
-@called
-def _next_row(tracer: Tracer, caught: float, records: Records) -> OutputState:
-    """Return the next row of the queue, with what does not change in a flight; count the output."""
+class OutputQueue(NamedTuple):
+    """What is needed to queue a state, out of `Records`.
+
+    Functions that are called take this instead of `Records`, all arrays of which would be passed on
+    the stack: 158 words, which took eight times as long as the rest of an output.
+    """
+
+    times: np.ndarray
+    scales: np.ndarray
+    rows: np.ndarray
+    filled: np.ndarray
+
+
+@inlined
+def _queue_with_room(records: Records) -> OutputQueue:
+    """Return the queue; if it is full its states are entered in the sums before."""
     if records.filled[WAITING] == QUEUE:
         enter_queue(records)
-    row = records.queue[records.filled[WAITING]]
-    records.filled[WAITING] += 1
+    return OutputQueue(records.times, records.scales, records.queue, records.filled)
+
+
+@inlined
+def queue_output(tracer: StraightTracer, records: Records) -> None:
+    """Queue the state of a tracer at its next output time, in its straight flight."""
+    _add_straight_output(tracer, _queue_with_room(records))
+
+
+@inlined
+def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> None:
+    """Queue the state of a tracer at its next output time, on its parabola."""
+    _add_output_in_field(tracer, _queue_with_room(records), field)
+
+
+@inlined
+def _next_row(tracer: Tracer, caught: float, queue: OutputQueue) -> OutputState:
+    """Return the next row of the queue, with what does not change in a flight; count the output."""
+    row = queue.rows[queue.filled[WAITING]]
+    queue.filled[WAITING] += 1
     row.output = tracer.output
     row.number = tracer.number
     row.collisions = tracer.collisions
@@ -161,11 +192,11 @@ def _next_row(tracer: Tracer, caught: float, records: Records) -> OutputState:
 
 
 @called
-def queue_output(tracer: StraightTracer, records: Records) -> None:
-    """Queue the state of a tracer at its next output time, in its straight flight."""
-    times = records.times
-    scale = records.scales[tracer.output]
-    row = _next_row(tracer, 0.0, records)
+def _add_straight_output(tracer: StraightTracer, queue: OutputQueue) -> None:
+    """Do what `queue_output` does, with room in the queue."""
+    times = queue.times
+    scale = queue.scales[tracer.output]
+    row = _next_row(tracer, 0.0, queue)
     # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
     path = max((tracer.next_output - tracer.time) / tracer.slowness, 0.0)
     speed = scale * tracer.unit / tracer.slowness
@@ -181,10 +212,10 @@ def queue_output(tracer: StraightTracer, records: Records) -> None:
 
 
 @called
-def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> None:
-    """Queue the state of a tracer at its next output time, on its parabola."""
-    times = records.times
-    row = _next_row(tracer, 0.0, records)
+def _add_output_in_field(tracer: VelocityTracer, queue: OutputQueue, field: float) -> None:
+    """Do what `queue_in_field` does, with room in the queue."""
+    times = queue.times
+    row = _next_row(tracer, 0.0, queue)
     t = max(tracer.next_output - tracer.time, 0.0)
     row.x = tracer.flight_x + (tracer.vx + 0.5 * field * t) * t
     row.y = tracer.flight_y + tracer.vy * t
@@ -198,6 +229,7 @@ def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> No
 @called
 def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
+    # Taken out of the tuple once: in the loop, numba would count references to them each time.
     moments = records.moments
     scales = records.scales
     grids = records.grids
@@ -209,42 +241,40 @@ def enter_queue(records: Records) -> None:
     for m in range(records.filled[WAITING]):
         state = queue[m]
         k = state.output
-        scale = scales[k]
-        v2 = state.vx * state.vx + state.vy * state.vy + state.vz * state.vz
-        r2 = state.x * state.x + state.y * state.y + state.z * state.z
-        _add_moments(moments[k], state, v2, r2)
+        x = state.x
+        y = state.y
+        z = state.z
+        vx = state.vx
+        vy = state.vy
+        vz = state.vz
+        r2 = x * x + y * y + z * z
+        v2 = vx * vx + vy * vy + vz * vz
+        correlation = vx * state.start_vx + vy * state.start_vy + vz * state.start_vz
+        moments[k, outputs.SAMPLES] += 1.0
+        moments[k, outputs.SPEED2] += v2
+        moments[k, outputs.SPEED4] += v2 * v2
+        moments[k, outputs.R2] += r2
+        moments[k, outputs.R4] += r2 * r2
+        moments[k, outputs.COLLISIONS] += state.collisions
+        moments[k, outputs.CORRELATION] += correlation
+        moments[k, outputs.CAUGHT] += state.caught
         if field_sums.size:
             half = field_sums.shape[1] // 2
             dimension = 2 if field_sums.shape[1] == outputs.FIELD_SUMS_IN_PLANE else 3
-            _add_products(field_sums[k], 0, (state.vx, state.vy, state.vz), dimension)
-            _add_products(field_sums[k], half, (state.x, state.y, state.z), dimension)
+            _add_products(field_sums[k], 0, (vx, vy, vz), dimension)
+            _add_products(field_sums[k], half, (x, y, z), dimension)
         if speeds.size:
-            _count(speeds, k, 0.5 * _log2(v2) - log2(scale), grids[outputs.SPEED])
+            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[outputs.SPEED])
         if components.size:
-            _count(components, k, _log2(abs(state.vx)) - log2(scale), grids[outputs.COMPONENT])
+            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[outputs.COMPONENT])
         if distances.size:
             _count(distances, k, 0.5 * _log2(r2), grids[outputs.DISTANCE])
         if positions.size:
-            _store(positions[k, state.number], state.x, state.y, state.z)
+            _store(positions[k, state.number], x, y, z)
         if velocities.size:
-            velocity = velocities[k, state.number]
-            _store(velocity, state.vx / scale, state.vy / scale, state.vz / scale)
+            scale = scales[k]
+            _store(velocities[k, state.number], vx / scale, vy / scale, vz / scale)
     records.filled[WAITING] = 0
-
-
-@inlined
-def _add_moments(moments: np.ndarray, state: OutputState, v2: float, r2: float) -> None:
-    """Add a state to the sums of its output time; v2 and r2: squares of velocity and distance."""
-    moments[outputs.SAMPLES] += 1.0
-    moments[outputs.SPEED2] += v2
-    moments[outputs.SPEED4] += v2 * v2
-    moments[outputs.R2] += r2
-    moments[outputs.R4] += r2 * r2
-    moments[outputs.COLLISIONS] += state.collisions
-    moments[outputs.CORRELATION] += (
-        state.vx * state.start_vx + state.vy * state.start_vy + state.vz * state.start_vz
-    )
-    moments[outputs.CAUGHT] += state.caught
 
 
 @inlined
@@ -300,7 +330,7 @@ def finish(tracer: Tracer, status: int, first_number: int, records: Records) -> 
 def _record_trap(tracer: Tracer, first_number: int, records: Records) -> None:
     """Record where and when a tracer was caught; it rests there at all outputs to come."""
     while tracer.output < records.times.size:
-        row = _next_row(tracer, 1.0, records)
+        row = _next_row(tracer, 1.0, _queue_with_room(records))
         row.x = tracer.flight_x
         row.y = tracer.flight_y
         row.z = tracer.flight_z
