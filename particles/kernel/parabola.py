@@ -45,12 +45,13 @@ ALONG = 2  # the velocity along the field
 ACROSS2 = 3  # the square of that across
 DURATION = 4  # the answer: the time
 QUALITY = 5  # whether it is good enough (0 or more)
-_S0 = 6  # working memory, from here on
-_U0 = 7
-_W2 = 8
-_G = 9
-_LOW = 10
-_HIGH = 11
+# Working memory, in units in which the length and speed^2 + field length are 1.
+_S0 = 6  # speed where the length begins
+_U0 = 7  # velocity along the field there
+_W2 = 8  # square of the velocity across
+_G = 9  # field
+_LOW = 10  # lower bound of the time
+_HIGH = 11  # upper bound of the time
 ROWS = 12  # number of rows
 
 

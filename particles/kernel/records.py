@@ -141,45 +141,17 @@ def count_flight(histograms: FlightHistograms, path: float, duration: float, shi
 
 # -- states at output times ------------------------------------------------------------------------
 
-
-class OutputQueue(NamedTuple):
-    """What is needed to queue a state, out of `Records`.
-
-    Functions that are called take this instead of `Records`, all arrays of which would be passed on
-    the stack: 158 words, which took eight times as long as the rest of an output.
-    """
-
-    times: np.ndarray
-    scales: np.ndarray
-    rows: np.ndarray
-    filled: np.ndarray
+# Inlined: to a function that is called, all arrays of `Records` would be passed on the stack, 158
+# words that take eight times as long as the rest of an output.
 
 
 @inlined
-def _queue_with_room(records: Records) -> OutputQueue:
-    """Return the queue; if it is full its states are entered in the sums before."""
+def _next_row(tracer: Tracer, caught: float, records: Records) -> OutputState:
+    """Return the next row of the queue, with what does not change in a flight; count the output."""
     if records.filled[WAITING] == QUEUE:
         enter_queue(records)
-    return OutputQueue(records.times, records.scales, records.queue, records.filled)
-
-
-@inlined
-def queue_output(tracer: StraightTracer, records: Records) -> None:
-    """Queue the state of a tracer at its next output time, in its straight flight."""
-    _add_straight_output(tracer, _queue_with_room(records))
-
-
-@inlined
-def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> None:
-    """Queue the state of a tracer at its next output time, on its parabola."""
-    _add_output_in_field(tracer, _queue_with_room(records), field)
-
-
-@inlined
-def _next_row(tracer: Tracer, caught: float, queue: OutputQueue) -> OutputState:
-    """Return the next row of the queue, with what does not change in a flight; count the output."""
-    row = queue.rows[queue.filled[WAITING]]
-    queue.filled[WAITING] += 1
+    row = records.queue[records.filled[WAITING]]
+    records.filled[WAITING] += 1
     row.output = tracer.output
     row.number = tracer.number
     row.collisions = tracer.collisions
@@ -191,12 +163,12 @@ def _next_row(tracer: Tracer, caught: float, queue: OutputQueue) -> OutputState:
     return row
 
 
-@called
-def _add_straight_output(tracer: StraightTracer, queue: OutputQueue) -> None:
-    """Do what `queue_output` does, with room in the queue."""
-    times = queue.times
-    scale = queue.scales[tracer.output]
-    row = _next_row(tracer, 0.0, queue)
+@inlined
+def queue_output(tracer: StraightTracer, records: Records) -> None:
+    """Queue the state of a tracer at its next output time, in its straight flight."""
+    times = records.times
+    scale = records.scales[tracer.output]
+    row = _next_row(tracer, 0.0, records)
     # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
     path = max((tracer.next_output - tracer.time) / tracer.slowness, 0.0)
     speed = scale * tracer.unit / tracer.slowness
@@ -211,11 +183,11 @@ def _add_straight_output(tracer: StraightTracer, queue: OutputQueue) -> None:
         tracer.next_output = times[tracer.output] * tracer.unit
 
 
-@called
-def _add_output_in_field(tracer: VelocityTracer, queue: OutputQueue, field: float) -> None:
-    """Do what `queue_in_field` does, with room in the queue."""
-    times = queue.times
-    row = _next_row(tracer, 0.0, queue)
+@inlined
+def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> None:
+    """Queue the state of a tracer at its next output time, on its parabola."""
+    times = records.times
+    row = _next_row(tracer, 0.0, records)
     t = max(tracer.next_output - tracer.time, 0.0)
     row.x = tracer.flight_x + (tracer.vx + 0.5 * field * t) * t
     row.y = tracer.flight_y + tracer.vy * t
@@ -330,7 +302,7 @@ def finish(tracer: Tracer, status: int, first_number: int, records: Records) -> 
 def _record_trap(tracer: Tracer, first_number: int, records: Records) -> None:
     """Record where and when a tracer was caught; it rests there at all outputs to come."""
     while tracer.output < records.times.size:
-        row = _next_row(tracer, 1.0, _queue_with_room(records))
+        row = _next_row(tracer, 1.0, records)
         row.x = tracer.flight_x
         row.y = tracer.flight_y
         row.z = tracer.flight_z
