@@ -10,7 +10,9 @@ The rooms, each of which imports only those above it:
 - ``printed``: the paper as transcribed, and the results and claims that are judged beside it;
 - ``premises``: the collision rule, and the averages over one collision that follow from it;
 - ``derived``: one derivation per label; it never imports ``printed``;
-- ``checks``: printed against derived.
+- ``checks``: printed against derived;
+- ``documents``: the checks as text, JSON and LaTeX;
+- ``errata``: what is printed wrong, what is right, and what it changes, in words.
 
 This package imports nothing else of the project. Begin reading with ``premises``, then
 ``derived.sonine``. A new row of derivations: see :mod:`derivations.printed`.
@@ -22,14 +24,41 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .checks import Check, report_subset, verify
-    from .derived.record import Status
+    from .derived.record import Status, Verdict
+    from .documents import to_json, to_latex_document, to_text
+    from .errata import ERRATA, Erratum
     from .printed import PrintedEquation, printed_equation
-    from .printers import to_json, to_latex_document, to_text
+
+_FILES = {
+    "ERRATA": "errata",
+    "Erratum": "errata",
+    "PrintedEquation": "printed",
+    "printed_equation": "printed",
+    "Check": "checks",
+    "Status": "checks",
+    "Verdict": "checks",
+    "report_subset": "checks",
+    "verify": "checks",
+    "to_json": "documents",
+    "to_latex_document": "documents",
+    "to_text": "documents",
+}
+"""The public names, each with the file that it is imported from when it is first used."""
 
 __all__ = [
-    "Check", "PrintedEquation", "Status", "printed_equation", "report_subset", "to_json",
-    "to_latex_document", "to_text", "verify",
-]  # fmt: skip
+    "ERRATA",
+    "Check",
+    "Erratum",
+    "PrintedEquation",
+    "Status",
+    "Verdict",
+    "printed_equation",
+    "report_subset",
+    "to_json",
+    "to_latex_document",
+    "to_text",
+    "verify",
+]
 
 
 def __getattr__(name: str) -> Any:
@@ -41,11 +70,9 @@ def __getattr__(name: str) -> Any:
             return metadata.version("inelastic-lorentz")
         except metadata.PackageNotFoundError:  # a bare source tree
             return "0+unknown"
-    if name in __all__:
-        for file in ("printed", "checks", "printers"):
-            module = import_module(f".{file}", __name__)
-            if hasattr(module, name):
-                return getattr(module, name)
+    if name in _FILES:
+        module = import_module(f".{_FILES[name]}", __name__)
+        return getattr(module, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

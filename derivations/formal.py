@@ -33,46 +33,80 @@ class Int(Formal):
         integrand, variable, *domain = args
         if isinstance(self.args[0], sp.Add):
             integrand = rf"\left[{integrand}\right]"
-        below = f"_{{{domain[0]}}}" if domain else ""
-        return rf"\int{below} {integrand} \, \mathrm{{d}}{variable}"
+        subscript = f"_{{{domain[0]}}}" if domain else ""
+        return rf"\int{subscript} {integrand} \, \mathrm{{d}}{variable}"
 
 
 def _formal(name: str, nargs: int, template: str, meaning: str) -> Any:
-    kind: Any = type(Formal)
-    return kind(name, (Formal,), dict(nargs=nargs, template=template, __doc__=meaning))
+    metaclass: Any = type(Formal)
+    attributes = {"nargs": nargs, "template": template, "__doc__": meaning}
+    return metaclass(name, (Formal,), attributes)
 
 
-Dot = _formal("Dot", 2, r"{0} \cdot {1}", "The scalar product of two vectors: build it with `dot`.")
+Dot = _formal(
+    "Dot",
+    nargs=2,
+    template=r"{0} \cdot {1}",
+    meaning="The scalar product of two vectors: build it with `dot`.",
+)
 Partial = _formal(
-    "Partial", 2, r"\frac{{\partial {0}}}{{\partial {1}}}", "The derivative of X by T."
+    "Partial",
+    nargs=2,
+    template=r"\frac{{\partial {0}}}{{\partial {1}}}",
+    meaning="The derivative of X by T.",
 )
-Lam = _formal("Lam", 1, r"\Lambda {0}", "The collision operator Lambda applied to X.")
+Lam = _formal(
+    "Lam",
+    nargs=1,
+    template=r"\Lambda {0}",
+    meaning="The collision operator Lambda applied to X.",
+)
 Dt = _formal(
-    "Dt", 2, r"\partial_t^{{({0})}} {1}", "The j-th order part of the rate of change of X."
+    "Dt",
+    nargs=2,
+    template=r"\partial_t^{{({0})}} {1}",
+    meaning="The j-th order part of the rate of change of X.",
 )
-Avg = _formal("Avg", 1, r"\left\langle {0} \right\rangle",
-    "The average of X over the scaled VDF, or over the impact parameter.")  # fmt: skip
-Measure = _formal("Measure", 1, r"\mathrm{{d}}{0}", "The volume element dx, where it is a factor.")
-Second = _formal("Second", 3, r"\left.\frac{{\partial^2 {0}}}{{\partial {1}^2}}\right|_{{{1}={2}}}",
-    "The second derivative of X with respect to x at x = x0.")  # fmt: skip
+Avg = _formal(
+    "Avg",
+    nargs=1,
+    template=r"\left\langle {0} \right\rangle",
+    meaning="The average of X over the scaled VDF, or over the impact parameter.",
+)
+Measure = _formal(
+    "Measure",
+    nargs=1,
+    template=r"\mathrm{{d}}{0}",
+    meaning="The volume element dx, where it is a factor.",
+)
+Second = _formal(
+    "Second",
+    nargs=3,
+    template=r"\left.\frac{{\partial^2 {0}}}{{\partial {1}^2}}\right|_{{{1}={2}}}",
+    meaning="The second derivative of X with respect to x at x = x0.",
+)
 
 
-def dot(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+def dot(vector: sp.Expr, factor: sp.Expr) -> sp.Expr:
     """The scalar product with its vectors in a fixed order, since it is symmetric.
 
     The gradient comes first before a flux (a divergence) and last elsewhere.
     """
-    return Dot(*sorted((one, other), key=_vector_order))
+    return Dot(*sorted((vector, factor), key=_vector_order))
 
 
 def _vector_order(vector: sp.Expr) -> tuple[int, str]:
     name = str(vector)
-    return (2 if name.startswith("nabla") else 3 if name.startswith("J_vec") else 1, name)
+    if name.startswith("nabla"):
+        return (2, name)
+    if name.startswith("J_vec"):
+        return (3, name)
+    return (1, name)
 
 
-def eq(left: sp.Expr | int, right: sp.Expr | int) -> sp.Eq:
+def eq(lhs: sp.Expr | int, rhs: sp.Expr | int) -> sp.Eq:
     """An equation that sympy does not try to decide."""
-    return sp.Eq(left, right, evaluate=False)
+    return sp.Eq(lhs, rhs, evaluate=False)
 
 
 def chain(*sides: sp.Expr | int) -> sp.Tuple:
@@ -86,12 +120,15 @@ def linear(expression: sp.Basic) -> sp.Basic:
 
 
 def _expand_integral(integral: sp.Expr) -> sp.Expr:
-    variable = integral.args[1]
+    integrand, variable, *_ = integral.args
     total = sp.Integer(0)
-    for term in sp.Add.make_args(sp.expand(integral.args[0])):
-        inside = [factor for factor in sp.Mul.make_args(term) if _varies(factor, variable)]
-        outside = [factor for factor in sp.Mul.make_args(term) if not _varies(factor, variable)]
-        total += sp.Mul(*outside) * Int(sp.Mul(*inside), *integral.args[1:])
+    for term in sp.Add.make_args(sp.expand(integrand)):
+        constants: list[sp.Expr] = []
+        varying: list[sp.Expr] = []
+        for factor in sp.Mul.make_args(term):
+            group = varying if _varies(factor, variable) else constants
+            group.append(factor)
+        total += sp.Mul(*constants) * Int(sp.Mul(*varying), *integral.args[1:])
     return total
 
 
@@ -100,9 +137,10 @@ def _varies(factor: sp.Expr, variable: sp.Symbol) -> bool:
     if isinstance(factor, Measure):
         return factor.args[0] == variable
     symbols = factor.free_symbols
-    return variable in symbols or any(
-        symbol.is_real is None or symbol.name in DEPENDENT for symbol in symbols
-    )
+    if variable in symbols:
+        return True
+    return any(symbol.is_real is None or symbol.name in DEPENDENT for symbol in symbols)
 
 
 DEPENDENT = frozenset({"v_pre", "c'"})
+"""The speeds that depend on the angles of a collision, by name; its vectors have no assumption."""

@@ -10,27 +10,36 @@ is all that the paper's expansions ask of it.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import sympy as sp
+from sympy.core.function import UndefinedFunction
 
 _MEANINGS: dict[str, str] = {}
 LATEX: dict[str, str] = {}
 """LaTeX of the names that sympy would not typeset as the paper does."""
 
 
-def _named(kind: Any, name: str, meaning: str, latex: str = "", **assumptions: bool) -> Any:
+def _symbol(name: str, meaning: str, latex: str = "", **assumptions: bool) -> sp.Symbol:
+    _enter(name, meaning, latex)
+    return sp.Symbol(name, **assumptions)
+
+
+def _function(name: str, meaning: str, latex: str = "", **assumptions: bool) -> UndefinedFunction:
+    _enter(name, meaning, latex)
+    return sp.Function(name, **assumptions)
+
+
+def _enter(name: str, meaning: str, latex: str) -> None:
+    """Write a name into the table of symbols."""
     _MEANINGS[name] = meaning
     if latex:
         LATEX[name] = latex
-    return kind(name, **assumptions)
 
 
-_vector = partial(_named, sp.Symbol)
-_real = partial(_named, sp.Symbol, real=True)
-_positive = partial(_named, sp.Symbol, positive=True)
-_function = partial(_named, sp.Function)
-_positives = partial(_named, sp.Function, positive=True)
+_vector = _symbol
+_real = partial(_symbol, real=True)
+_positive = partial(_symbol, positive=True)
+_positive_function = partial(_function, positive=True)
 
 
 # --- the system
@@ -81,8 +90,8 @@ vh = _positive("|v_hat|", "length of the direction vector, one", latex=r"|\hat{\
 c = _positive("c", "scaled speed v/v0(t)")
 cp = _positive("c'", "scaled postcollision speed")
 x = _positive("x", "argument of a Sonine polynomial")
-v0 = _positives("v_0", "thermal velocity, the square root of <v^2>")
-T = _positives("T", "temperature m v0^2/2")
+v0 = _positive_function("v_0", "thermal velocity, the square root of <v^2>")
+T = _positive_function("T", "temperature m v0^2/2")
 f = _function("f", "velocity distribution")
 fa2 = _function("f_a2", "velocity distribution in the first Sonine approximation", latex=r"f_{a_2}")
 F = _function("F", "scaled velocity distribution")
@@ -116,7 +125,7 @@ beta = _positive("beta", "d rho_0 h(e)")
 
 # --- random walk and Chapman-Enskog
 N = _positive("N", "number of collisions")
-tau = _positives("tau", "time between collision N-1 and collision N")
+tau = _positive_function("tau", "time between collision N-1 and collision N")
 tc = _function("t", "time of collision N")
 k = _positive("k", "summation index")
 eps = _positive("epsilon", "formal expansion parameter")
@@ -126,11 +135,11 @@ J0 = _function("J_vec_0", "flux of the tracer: zeroth order", latex=r"\mathbf{J}
 J1 = _function("J_vec_1", "flux of the tracer: first order", latex=r"\mathbf{J}^{(1)}")
 Jj = _function("J_vec_j", "flux of the tracer: order j", latex=r"\mathbf{J}^{(j)}")
 Bv = _function("B_vec", "p^(1) per density gradient", latex=r"\mathbf{B}")
-De = _positives("D_e", "diffusion coefficient")
+De = _positive_function("D_e", "diffusion coefficient")
 nuD = _positive("nu_D", "relaxation rate of the flux")
-xi = _positives("xi", "cooling rate of the temperature, 2 d rho_0 h v0(t)")
-msd = _positives("msd_e", "mean square displacement", latex=r"\langle r^{2}\rangle_{e}")
-msd1 = _positives("msd", "mean square displacement, elastic", latex=r"\langle r^{2}\rangle")
+xi = _positive_function("xi", "cooling rate of the temperature, 2 d rho_0 h v0(t)")
+msd = _positive_function("msd_e", "mean square displacement", latex=r"\langle r^{2}\rangle_{e}")
+msd1 = _positive_function("msd", "mean square displacement, elastic", latex=r"\langle r^{2}\rangle")
 mn = _function("m", "f summed over directions at one speed")
 delta = _function("delta", "Dirac's delta")
 Gamma_minus = _vector("Gamma_loss", "change of p dr dv in a short time: loss", r"\Gamma_{-}")
@@ -195,8 +204,8 @@ lamj = _function("lambda_j", "loss of harmonic j per collision")
 q = _positive("q", "half of an even order")
 cos_chi = _real("cos_chi", "mean cosine of the deflection angle", latex=r"\langle\cos\chi\rangle")
 klog = _positive("kappa_ln", "mean log loss E[-ln s]", latex=r"\kappa_{\ln}")
-lam = _positives("lambda", "loss of |v|^p per collision, E[1 - s^p]")
-MY = _positives("M_Y", "moment E[Y^p] of Y = lim v t/l")
+lam = _positive_function("lambda", "loss of |v|^p per collision, E[1 - s^p]")
+MY = _positive_function("M_Y", "moment E[Y^p] of Y = lim v t/l")
 VarN = _positive("Var_N", "growth of Var N(t) per ln t", latex=r"d\,\mathrm{Var}\,N/d\ln t")
 VarX = _positive("Var_X", "growth of Var X(t) per ln t", latex=r"d\,\mathrm{Var}\,X/d\ln t")
 gap = _positive("delta", "1 - e")
@@ -215,7 +224,7 @@ f3 = _function("f_3", "harmonic 3 of the velocity distribution about the field")
 row0 = _function("row_0", "harmonic 0 of the derivative of f by v_z")
 row1 = _function("row_1", "harmonic 1 of the derivative of f by v_z")
 row2 = _function("row_2", "harmonic 2 of the derivative of f by v_z")
-lam1 = _positives("lambda_1", "1 - E[s^p cos(chi)], by the order p")
+lam1 = _positive_function("lambda_1", "1 - E[s^p cos(chi)], by the order p")
 theta_z = _real("theta_z", "angle between the velocity and the field", latex=r"\theta_z")
 drift = _positive("u", "drift along the field")
 Dperp = _positive("D_perp", "diffusion coefficient across the field", latex=r"D_\perp")
@@ -232,8 +241,9 @@ lethargy = _positive("xi_E", "mean loss of ln E in a collision, 2 kappa", latex=
 spin = _real("u_s", "speed of the tracer's rim by its spin, radius times angular velocity")
 speed_after = _real("v_a", "speed after one collision more", latex="v'")
 spin_after = _real("u_a", "speed of the rim by the spin, after it", latex="u'")
-rolling = _real("beta_t", "restitution of the tangential velocity of the rim, from -1 to 1",
-    latex=r"\beta")  # fmt: skip
+rolling = _real(
+    "beta_t", "restitution of the tangential velocity of the rim, from -1 to 1", latex=r"\beta"
+)
 inertia = _positive("k_I", "moment of inertia over mass and radius squared", latex="k")
 
 # --- what drives a tracer, beyond the paper

@@ -1,12 +1,15 @@
 r"""The mean square displacement between two frames, M(s, t) = <|r(t) - r(s)|^2>.
 
-A camera gives positions, and M is what it can average. A tracer among dilute scatterers forgets its
-place and its direction in every collision, so that what it does after s depends on its speed then:
+A camera gives positions at times s and t, and M is what it can average. l is the mean free path; d
+is the contact distance, and U the unit of speed. A tracer among dilute scatterers meets a new
+scatterer at every collision, and nothing prefers a direction. So what it does after s depends only
+on its speed v then:
 
     M(s, t) = int f(v, s) B(v, t - s) dv,     B(v, tau) = l^2 b(v tau/l),
 
-with f the density of the speed and b(T) the mean square displacement in l^2 of tracers of one speed
-that would fly T mean free paths. Begin with `mean_square_between_frames`.
+with f the density of the speed, and b(T) the mean square displacement, in l^2, of tracers that all
+start with one speed and would fly T mean free paths if they kept it. b is tabulated once, as
+ln(b/T^2) over ln T. Begin with `mean_square_between_frames`.
 """
 
 from __future__ import annotations
@@ -25,12 +28,16 @@ from kinetics.numerics import FloatArray
 from kinetics.states.kinds import Monoenergetic
 from kinetics.states.state import State
 
-#: T below which a tracer flies straight: the error of b = T^2 is below T.
+#: T, in mean free paths, below which a tracer flies straight. Derived: a fraction T of the tracers
+#: has collided, so that the relative error of b = T^2 is below T.
 SHORTEST_PATH = 1e-9
-#: Points of the table of b in an e-fold of T. Derived: cubic interpolation of ln b over ln T leaves
-#: h^4/384 of the fourth derivative, which is of order 1, so 3e-11.
+#: Points of the table of b in an e-fold of T. Derived: a cubic spline of ln b over ln T with the
+#: spacing h leaves h^4/384 of the fourth derivative, which is of order 1, so 3e-11. Half as
+#: many move b by 2.5e-10, twice as many by 2e-11 (e = 0, 0.7 and 1).
 POINTS_PER_FOLD = 100
-#: b is needed to this fraction of the tolerance: the rest is for the density of the speed.
+#: The tolerance of b over that of M; the rest of the tolerance is for the density of the speed.
+#: Origin not recorded; with half or twice of it b is the same to the last digit at rtol 1e-6 and
+#: 1e-8, and it is right to 5e-10 or better.
 SHARE_OF_TOLERANCE = 0.1
 
 
@@ -51,7 +58,8 @@ def mean_square_between_frames(
     state : initial state
     times : in d/U, rising, shape (n_times,)
     mean_free_path : l in d
-    rtol : relative accuracy of b
+    rtol : relative tolerance of M; b is computed to `SHARE_OF_TOLERANCE` of it, and `solve` has one
+        of its own
     """
     path_times = times / mean_free_path
     distribution = SpeedShares.of(solve, law, state, path_times, mean_free_path)
@@ -61,6 +69,7 @@ def mean_square_between_frames(
     result = np.zeros((times.size, times.size))
     for later in range(1, times.size):
         for earlier in range(later):
+            # `average` gives <B> over the speeds at all times, of which the earlier one counts
             duration = float(path_times[later] - path_times[earlier])
             averages = distribution.average(partial(squared_displacement.after, duration))
             result[earlier, later] = averages[earlier]
@@ -69,7 +78,14 @@ def mean_square_between_frames(
 
 
 class _OneSpeed:
-    """b(T), the mean square displacement in l^2 of tracers of one speed after T = v t/l."""
+    """b(T), the mean square displacement in l^2 of tracers of one speed v after T = v t/l.
+
+    Parameters
+    ----------
+    law : the collision law
+    longest : largest T of the table, in mean free paths
+    rtol : relative tolerance of M; see `SHARE_OF_TOLERANCE`
+    """
 
     def __init__(self, law: CollisionLaw, longest: float, rtol: float) -> None:
         from scipy.interpolate import CubicSpline
@@ -77,15 +93,25 @@ class _OneSpeed:
         folds = np.log(longest / SHORTEST_PATH)
         log_path = np.linspace(0.0, folds, 2 + int(POINTS_PER_FOLD * folds)) + np.log(SHORTEST_PATH)
         path = np.exp(log_path)
+        # with l = 1 and v = 1 the time is T; <r^2> needs powers of the speed up to the second
         averages = Averages.over(
-            law, 1.0, Monoenergetic(1.0), path, SHARE_OF_TOLERANCE * rtol, PowerRange(highest=2.0)
+            law=law,
+            mean_free_path=1.0,
+            state=Monoenergetic(1.0),
+            times=path,
+            rtol=SHARE_OF_TOLERANCE * rtol,
+            powers=PowerRange(highest=2.0),
         )
         log_ratio = 2.0 * np.log(root_mean_square_displacement(averages) / path)
         self._log_ratio = CubicSpline(log_path, log_ratio)
         self._longest = longest
 
     def after(self, duration: float, speeds: FloatArray) -> FloatArray:
-        """Return b of speeds in U, (n,), after a time in l/U."""
+        """Return b of tracers of speeds in U, shape (n,), after a time in l/U.
+
+        Below the table, at 0 too, they fly straight. Above it is only rounding, as `longest` is the
+        path of the fastest tracer; there b/T^2 is that of the end of the table.
+        """
         path = duration * speeds
         within = np.clip(path, SHORTEST_PATH, self._longest)
         return np.asarray(path**2 * np.exp(self._log_ratio(np.log(within))))

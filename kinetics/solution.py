@@ -312,7 +312,9 @@ class Solution(Result):
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
 
         With c_x = v_x/v0 it is F(c_x) of the paper's figure ``scalev``. The error is 1e-8 of the
-        maximum, a percent near steps. Not with a field, nor of driven tracers.
+        maximum, a percent near steps. It is infinite at 0 where the speed density does not vanish
+        at rest, as at e = 0 in the plane (but finite by the conservative method, which has no
+        speeds below some). Not with a field, nor of driven tracers.
         """
         answer = self._require("speed_density", "velocity_density")
         return np.asarray(answer.component_density(finite_line("v_x", v_x)))

@@ -1,4 +1,11 @@
-"""A solution as a dataset of xarray: averages over time, and functions at points."""
+"""A solution as a dataset of xarray: averages at each time, and functions evaluated at points.
+
+d is the contact distance of tracer and scatterer, U the unit of speed, r the displacement since the
+start and <r^2> its mean square. Functions are those rows of `kinetics.outputs.OUTPUTS` that depend
+on more than the time, such as the density of the speed; a solution has a method for each, of the
+same name, which takes points of its axes (`kinetics.outputs.AXES`). Where a user specifies no
+points, they are chosen where the distributions are. Begin with `solution_dataset`.
+"""
 
 from __future__ import annotations
 
@@ -16,36 +23,56 @@ from kinetics.validation import finite_line
 if TYPE_CHECKING:
     import xarray
 
-#: By default speeds go from this fraction of the least typical speed ...
-LOWEST_SPEED = 1e-2
-#: ... to so many times the largest.
-HIGHEST_SPEED = 5.0
-#: By default radii go to so many times the largest sqrt(<r^2>).
-LARGEST_RADIUS = 5.0
-#: By default wave numbers times the largest sqrt(<r^2>) are between these.
-WAVE_NUMBER_RANGE = (1e-2, 10.0)
-#: Least sqrt(<r^2>) in d that sets the scale of radii: at time 0 it is zero.
+# Points at which functions are evaluated by default. They are for tables and plots: half or twice
+# of each of these numbers changes where a function is shown, and no other number. Why they were
+# chosen so is not recorded; what follows from them is said.
+
+#: The lowest speed, over the least typical speed above 0 of all times.
+LOWEST_SPEED_OVER_TYPICAL = 1e-2
+#: The highest speed, over the largest typical speed of all times: a Gaussian in the plane is 1e-11
+#: of its largest there.
+HIGHEST_SPEED_OVER_TYPICAL = 5.0
+#: The largest radius, over the largest sqrt(<r^2>) of all times; and the largest scaled radius, as
+#: that is r/sqrt(<r^2>). A Gaussian in the plane is 1e-11 of its largest there.
+LARGEST_RADIUS_OVER_RMS = 5.0
+#: The least wave number times the largest sqrt(<r^2>) of all times: the intermediate scattering is
+#: 1 there, to 5e-5.
+LOWEST_WAVE_NUMBER_TIMES_RMS = 1e-2
+#: The largest such product: a Gaussian in the plane is 1e-11 there.
+HIGHEST_WAVE_NUMBER_TIMES_RMS = 10.0
+#: Least sqrt(<r^2>) in d that sets the scale of radii and wave numbers, as it is 0 at time 0. Any
+#: length far below d will do.
 MIN_DISTANCE = 1e-12
-#: So many points each.
+#: Number of speeds, evenly spread in the logarithm.
 N_SPEEDS = 200
+#: Number of angles, with both ends: steps of 5 degrees over the circle in the plane, of 2.5 degrees
+#: over half of it in space.
 N_ANGLES = 73
+#: Number of radii, from 0: steps of sqrt(<r^2>)/24.
 N_RADII = 121
+#: Number of scaled radii, from 0: steps of 0.05.
 N_SCALED_RADII = 101
+#: Number of wave numbers, evenly spread in the logarithm: 20 a decade.
 N_WAVE_NUMBERS = 61
-#: What a share beside a speed density is, in words.
+#: What "uncollided", beside a density of the speed, means: the description of that variable.
 UNCOLLIDED = "share of tracers of a start of one speed that have not collided (or e = 1)"
 
 
 class Solved(Protocol):
-    """What a dataset needs of a solution; functions of `OUTPUTS` are its methods, too."""
+    """What a dataset needs of a solution.
+
+    Beside these members it has a method for each function of `OUTPUTS`, of the same name: it takes
+    arrays of points, one for each axis, and returns values of the shape (n_times, points of the
+    first axis, ...).
+    """
 
     @property
     def scene(self) -> Scene:
-        """The question."""
+        """The scene that was solved: the arguments of the question."""
 
     @property
     def values(self) -> Mapping[str, FloatArray]:
-        """The averages over time, by name."""
+        """Averages over the tracers at each time, by name; the time is the first axis."""
 
     @property
     def times(self) -> FloatArray:
@@ -53,7 +80,7 @@ class Solved(Protocol):
 
     @property
     def typical_speed(self) -> FloatArray:
-        """A speed of the order of the thermal one in U, shape (n_times,)."""
+        """A speed in U of the order of sqrt(<v^2>), which sets the scale of speeds, (n_times,)."""
 
     @property
     def root_mean_square_displacement(self) -> FloatArray:
@@ -61,7 +88,10 @@ class Solved(Protocol):
 
     @property
     def uncollided(self) -> FloatArray:
-        """The share of tracers that a speed density leaves out, shape (n_times,)."""
+        """The share of tracers in delta peaks, which the density of the speed leaves out.
+
+        Shape (n_times,); 0 for starts that are not of sharp speeds.
+        """
 
 
 def solution_dataset(
@@ -72,13 +102,18 @@ def solution_dataset(
 ) -> xarray.Dataset:
     """Return the averages of a solution, and its functions at points.
 
+    Averages are always there. "uncollided" comes with the density of the speed: who requests one
+    of them gets both.
+
     Parameters
     ----------
-    solution : of which the dataset is
-    functions : outputs that are functions of more than the time
-    only : the functions that are wanted; None for all
-    points : where functions are evaluated, by the names of `outputs.AXES`, and the direction of k;
-        by default where the distributions are
+    solution : the solution
+    functions : names of the outputs of the solution that are functions of more than the time
+    only : names of the functions that are requested; None for all
+    points : where functions are evaluated, by `Axis.points`: "speeds" in U, "angles" in radians,
+        "radii" in d, "scaled_radii", "wave_numbers" in 1/d; and "direction", the angle of the wave
+        vector to the x axis in radians, which the solution checks. Points that are None or not
+        there are chosen by `_default_points`
     """
     scene = solution.scene
     variables = {}
@@ -100,7 +135,11 @@ def solution_dataset(
 
 
 def _function_shapes(functions: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """Return the axes, beside time, of functions, by name; with g comes G."""
+    """Return the axes of functions beside the time, as keys of `AXES`, by name of the function.
+
+    With the position density g(r, t) comes the scaled one, G(R), R = r/sqrt(<r^2>), which is no
+    output of its own.
+    """
     shapes = {name: OUTPUTS[name].shape[1:] for name in functions}
     if "position_density" in shapes:
         shapes["scaled_position_density"] = ("n_R",)
@@ -108,7 +147,15 @@ def _function_shapes(functions: Sequence[str]) -> dict[str, tuple[str, ...]]:
 
 
 class _FunctionAtPoints:
-    """One function of a solution at points of its axes."""
+    """One function of a solution at points of its axes.
+
+    Parameters
+    ----------
+    solution : the solution, whose method `name` is evaluated
+    name : of the function
+    shape : its axes beside the time, as keys of `AXES`
+    points : the points that a user specified; see `solution_dataset`
+    """
 
     def __init__(
         self, solution: Solved, name: str, shape: tuple[str, ...], points: Mapping[str, Any]
@@ -122,19 +169,24 @@ class _FunctionAtPoints:
                 self.points[axis] = _default_points(axis, solution)
             else:
                 self.points[axis] = finite_line(axis.points, points[axis.points])
+        #: Arguments of the method: points of each axis, and the direction if one is specified.
         self.arguments: list[Any] = list(self.points.values())
         if name == "intermediate_scattering" and "direction" in points:
             self.arguments.append(points["direction"])
 
     def axes(self) -> dict[str, Variable]:
-        """Return the coordinates, by name."""
+        """Return the axes as coordinates of the dataset, by name."""
         return {
             axis.name: variable((axis.name,), x, axis.unit, axis.description)
             for axis, x in self.points.items()
         }
 
     def variables(self) -> dict[str, Variable]:
-        """Return the values, by name; beside a speed density the share that it leaves out."""
+        """Return the values as variables of the dataset, by name.
+
+        Complex values are two, with ``_real`` and ``_imag`` behind the name. Beside a density of
+        the speed is "uncollided", the share that it leaves out.
+        """
         evaluate = getattr(self.solution, self.name)
         values = evaluate(*self.arguments)
         unit, words, symbol = described(self.name, self.solution.scene.dimension)
@@ -152,19 +204,27 @@ class _FunctionAtPoints:
 
 
 def _default_points(axis: Axis, solution: Solved) -> FloatArray:
-    """Return points of an axis where the distributions are."""
+    """Return points of an axis where the distributions are, the same for all times, shape (n,)."""
     if axis.points == "speeds":
         typical = solution.typical_speed
+        # where all tracers are at rest at all times, any speeds will do
         moving = typical[typical > 0.0] if typical.any() else np.ones(1)
-        lowest = LOWEST_SPEED * moving.min()
-        return np.geomspace(lowest, HIGHEST_SPEED * moving.max(), N_SPEEDS)
+        lowest = LOWEST_SPEED_OVER_TYPICAL * moving.min()
+        highest = HIGHEST_SPEED_OVER_TYPICAL * moving.max()
+        return np.geomspace(lowest, highest, N_SPEEDS)
     if axis.points == "angles":
+        # the circle in the plane, half of it in space
         full_range = 2.0 * np.pi / (solution.scene.dimension - 1.0)
         return np.linspace(0.0, full_range, N_ANGLES)
     if axis.points == "scaled_radii":
-        return np.linspace(0.0, LARGEST_RADIUS, N_SCALED_RADII)
-    distance = max(float(solution.root_mean_square_displacement.max()), MIN_DISTANCE)
+        return np.linspace(0.0, LARGEST_RADIUS_OVER_RMS, N_SCALED_RADII)
+    largest = float(solution.root_mean_square_displacement.max())
+    distance = max(largest, MIN_DISTANCE)
     if axis.points == "radii":
-        return np.linspace(0.0, LARGEST_RADIUS * distance, N_RADII)
-    lowest, highest = WAVE_NUMBER_RANGE
-    return np.geomspace(lowest, highest, N_WAVE_NUMBERS) / distance
+        return np.linspace(0.0, LARGEST_RADIUS_OVER_RMS * distance, N_RADII)
+    if axis.points == "wave_numbers":
+        scaled = np.geomspace(
+            LOWEST_WAVE_NUMBER_TIMES_RMS, HIGHEST_WAVE_NUMBER_TIMES_RMS, N_WAVE_NUMBERS
+        )
+        return scaled / distance
+    raise AssertionError(f"an axis without default points: {axis.points}")

@@ -49,12 +49,10 @@ from kinetics.scene import Scene
 from kinetics.validation import refuse
 
 #: Least relative error that is stated of averages: sums over the initial state, and from panel to
-#: panel, leave rounding of this size. Its origin is not recorded.
+#: panel, leave rounding of this size. Chosen: some hundred roundings.
 ROUNDING_OF_AVERAGES = 1e-13
 #: Least error of G(R) that is aimed at: for less, wave numbers are needed that take minutes.
 MIN_ERROR_OF_POSITION_DENSITY = 1e-8
-#: The fraction of the tolerance of G(R) that F(k, t) may use; the rest is for its transform.
-SCATTERING_SHARE_OF_TOLERANCE = 0.4
 #: Averages are prepared for angular harmonics up to this one at least, that of the tensors.
 LEAST_HARMONIC = 2
 #: Most Chebyshev nodes of a panel of the backward equation: more only add rounding.
@@ -250,9 +248,7 @@ class UndrivenAnswer(Value):
         averages_rtol = min(self.rtol, MIN_ERROR_OF_POSITION_DENSITY)
         averages = Averages.over(*self.scene.problem, averages_rtol, self.averages.powers)
         root_mean_square = _in_range("msd", root_mean_square_displacement(averages))
-        return solve_displacement(
-            *self.scene.problem, root_mean_square, SCATTERING_SHARE_OF_TOLERANCE * tolerance
-        )
+        return solve_displacement(*self.scene.problem, root_mean_square, tolerance)
 
     # -- how it was done --------------------------------------------------------------------------
 
@@ -264,7 +260,8 @@ class UndrivenAnswer(Value):
             INITIAL_STATE: self._start_error,
         }
         if self.profiles:
-            errors[DENSITIES] = max(profile.error_estimate for profile in self.profiles.values())
+            estimates = [profile.error_estimate for profile in self.profiles.values()]
+            errors[DENSITIES] = float(np.max(estimates))  # keeps what is not a number
         if self.displacement is not None:
             errors[POSITION] = self.displacement.error_estimate
         return errors

@@ -1,19 +1,19 @@
 """Event-driven simulation: tracers among fixed scatterers, followed from collision to collision.
 
 Imports nothing else of the project. Begin reading with `simulate`. Files, each of which imports
-only those before it: `outputs`, `values`, `results` (estimates, datasets, plots), `media`, `impact`
-(a restitution of the impact speed), `drive` and `plan` (what is run), `compiled`, `events` (one
-collision; the collision law stands there alone), `streams` (random numbers), `cells` and
-`placement` (where the scatterers stand), `kernel` (the event loops), `configuration` (one
-configuration and its tracers), `arguments` (what is refused), `ensemble` (the result), `files`,
-`paths` (a picture), `executors` (threads), `simulate`.
+only those before it: `outputs`, `values`, `results` (estimates), `media`, `impact` (a restitution
+of the impact speed), `drive` and `plan` (what is run), `datasets` and `plots`, `compiled`, `events`
+(one collision; the collision law stands there alone), `streams` (random numbers), `cells`,
+`slot_search` and `placement` (where the scatterers stand), `kernel` (the event loops),
+`configuration` (one configuration and its tracers), `arguments` (what is refused), `ensemble` (the
+result), `files`, `paths` (a picture), `executors` (threads), `simulate`.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from particles.ensemble import Ensemble, Statuses, load
+    from particles.ensemble import Ensemble, load
     from particles.impact import Viscoelastic
     from particles.media import (
         BoltzmannGrad,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         Positions,
     )
     from particles.outputs import OBSERVABLES
-    from particles.results import Estimate, Histogram
+    from particles.results import Estimate, Histogram, Statuses
     from particles.simulate import simulate
 
 __all__ = [

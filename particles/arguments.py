@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from contextlib import suppress
 from math import inf, prod
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from particles.cells import box_bytes
 from particles.configuration import layout
 from particles.drive import Drive
 from particles.events import NEVER
-from particles.impact import check_restitution, compiled
+from particles.impact import check_restitution, tabulate
 from particles.media import (
     MEDIA,
     BoltzmannGrad,
@@ -34,7 +33,8 @@ from particles.values import check_number, check_whole, is_whole, real_array, re
 #: Least field times mean free path, and field times d, in U^2. Derived: fourth powers of the speed
 #: are numbers.
 WEAKEST_FIELD = 1e-100
-#: Largest field times mean free path, and field times d, in U^2; also of a depth in d.
+#: Largest field times mean free path, and field times d, in U^2; also of a depth in d. Derived: as
+#: the least one.
 STRONGEST_FIELD = 1e100
 #: Largest strength of what drives tracers, in its unit. Derived: fourth powers of speeds are
 #: numbers.
@@ -52,7 +52,7 @@ LARGEST_NUMBER = 2**31
 MOST_WORKERS = 10_000
 
 
-def check_medium(medium: Any) -> Medium:
+def check_medium(medium: object) -> Medium:
     """Return a medium."""
     if not isinstance(medium, Medium):
         names = [kind.__name__ for kind in MEDIA]
@@ -64,14 +64,18 @@ def check_medium(medium: Any) -> Medium:
 
 
 def check_drive(
-    medium: Medium, restitution: Any, tangential_restitution: Any, field: Any, mass_ratio: Any,
-    **strengths: Any,
-) -> Drive:  # fmt: skip
+    medium: Medium,
+    restitution: object,
+    tangential_restitution: object,
+    field: object,
+    mass_ratio: object,
+    **strengths: object,
+) -> Drive:
     """Return what drives tracers in a medium. strengths: of `DRIVES`, by name."""
     law = check_restitution(restitution)
     allowed = "it must be a number from 0 to 1"
     tangential = check_number("tangential_restitution", tangential_restitution, 0.0, 1.0, allowed)
-    if max(compiled(law)[1].min(), tangential) < SMALLEST_SPEED:
+    if max(tabulate(law)[1].min(), tangential) < SMALLEST_SPEED:
         allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
         refuse("tangential_restitution", tangential_restitution, allowed)
     acceleration = _check_field(field, medium)
@@ -126,7 +130,7 @@ def _require_compatible(medium: Medium, drive: Drive) -> None:
             refuse(name, getattr(drive, name), allowed)
 
 
-def _check_field(field: Any, medium: Medium) -> float:
+def _check_field(field: object, medium: Medium) -> float:
     """Return the field as a float; it must give speeds whose powers are numbers."""
     largest = sys.float_info.max
     acceleration = check_number("field", field, -largest, largest, "it must be a finite number")
@@ -147,7 +151,13 @@ def _check_field(field: Any, medium: Medium) -> float:
 
 
 def check_experiment(
-    medium: Medium, initial: Any, media: Any, tracers: Any, seed: Any, part: Any, may_rest: bool
+    medium: Medium,
+    initial: object,
+    media: object,
+    tracers: object,
+    seed: object,
+    part: object,
+    may_rest: bool,
 ) -> Experiment:
     """Return what is simulated. may_rest: whether something moves a tracer that is at rest."""
     media = check_whole("media", media, 1, LARGEST_NUMBER)
@@ -167,21 +177,21 @@ def check_experiment(
     )
 
 
-def _check_part(part: Any, media: int) -> tuple[int, int] | None:
+def _check_part(part: object, media: int) -> tuple[int, int] | None:
     """Return (k, n), 1 <= k <= n <= media, or None for the whole run."""
     if part is None:
         return None
     allowed = f"it must be two whole numbers (k, n), the k-th of n parts, 1 <= k <= n <= {media}"
     if not isinstance(part, (tuple, list)) or len(part) != 2:
         refuse("part", part, allowed)
-    k, n = (x if is_whole(x) else 0 for x in part)
-    if not 1 <= k <= n <= media:
+    k, n = part
+    if not (is_whole(k) and is_whole(n) and 1 <= k <= n <= media):
         refuse("part", part, allowed)
     return (int(k), int(n)) if n > 1 else None
 
 
 def _check_initial(
-    initial: Any, shape: tuple[int, int, int], may_rest: bool
+    initial: object, shape: tuple[int, int, int], may_rest: bool
 ) -> np.ndarray | None:  # fmt: skip
     """Return velocities that are given, or None; shape: media, tracers, dimension."""
     if isinstance(initial, str):
@@ -195,12 +205,12 @@ def _check_initial(
         refuse("initial", velocities, allowed)
     with np.errstate(over="ignore"):
         sizes = speeds(velocities)
-    good = (sizes >= SMALLEST_SPEED) & (sizes <= 1.0 / SMALLEST_SPEED)
+    is_allowed = (sizes >= SMALLEST_SPEED) & (sizes <= 1.0 / SMALLEST_SPEED)
     if may_rest:
-        good |= sizes == 0.0
-    if not good.all():
+        is_allowed |= sizes == 0.0
+    if not is_allowed.all():
         allowed = f"its size must be from {SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
-        refuse("initial", velocities[~good][0], allowed)
+        refuse("initial", velocities[~is_allowed][0], allowed)
     return velocities
 
 
@@ -208,7 +218,11 @@ def _check_initial(
 
 
 def check_recording(
-    times: Any, max_collisions: Any, observables: Iterable[str] | None, depth: Any, drive: Drive
+    times: object,
+    max_collisions: object,
+    observables: Iterable[str] | None,
+    depth: object,
+    drive: Drive,
 ) -> Recording:
     """Return what is recorded of tracers that are driven in this way."""
     if times is None:
@@ -226,7 +240,7 @@ def check_recording(
     )
 
 
-def _check_times(times: Any) -> np.ndarray:
+def _check_times(times: object) -> np.ndarray:
     if times is None:
         return np.empty(0)
     array = real_array("times", times, "it must be a sequence of numbers")
@@ -239,7 +253,7 @@ def _check_times(times: Any) -> np.ndarray:
     return array
 
 
-def _check_depth(depth: Any, field: float) -> float | None:
+def _check_depth(depth: object, field: float) -> float | None:
     if depth is None:
         return None
     allowed = (
@@ -261,7 +275,8 @@ def _check_observables(observables: Iterable[str] | None, field: float) -> froze
         refuse("observables", observables, allowed)
     for name in sorted(names - set(OBSERVABLES), key=short):
         refuse("observables", name, allowed)
-    if field and (name := "velocity_component_histogram") in names:
+    name = "velocity_component_histogram"
+    if field and name in names:
         refuse("observables", name, "it is of |v_x|, without the sign, in a field; use velocities")
     return names
 
@@ -290,8 +305,8 @@ def require_memory(plan: Plan, workers: int) -> None:
     value = getattr(plan.medium if name == "count" else plan, name)
     if name == "observables":
         value = sorted(value)
-    what = f"the run needs about {total:.2g} GB of memory, this machine has {available:.2g} GB"
-    refuse(name, value, what)
+    problem = f"the run needs about {total:.2g} GB of memory"
+    refuse(name, value, f"{problem}, this machine has {available:.2g} GB")
 
 
 def estimate_memory(plan: Plan, workers: int) -> dict[str, int]:

@@ -3,41 +3,54 @@
 A cell lists every scatterer that a tracer in it can touch, relative to the cell's centre, so that
 places have all their digits far from the origin too. It has SLOTS places in one array; the others
 are in a linked list, its chain. The dimension is the number of axes of `Cells.shape`, which the
-compiler knows: code for the other dimension leaves no trace in a kernel.
+compiler knows: code for the other dimension leaves no trace in a kernel. Begin reading with `Cells`
+and `insert`; `particles.slot_search` looks for contacts.
 """
 
 from math import floor, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
 from particles.compiled import called, inlined, kernel
-from particles.events import GRAZING, NEVER
+from particles.events import NEVER
 from particles.values import refuse
 
+#: Scatterers that a cell lists in its array. Chosen: as many as a vector of doubles holds, so that
+#: the processor looks at all of them at once.
 SLOTS = 8
-
-EMPTY = sqrt(NEVER)  # far away, and its square is still finite
-# Scatterers that a cell lists on average; only the speed depends on it: 2.5 to 10 were measured.
+#: A coordinate of no scatterer. Derived: far away, and its square is still finite.
+EMPTY = sqrt(NEVER)
+#: Scatterers that a cell lists on average. Only the speed depends on it: 2.5 to 10 were measured.
 LISTED = 5.0
-# A scatterer reaches into no cell but its own and its neighbours.
-LEAST_SIDE = 1.5  # in d
-# A tracer in a corner must know all scatterers that are so near to contact, in d. A cell lists what
-# is no farther than REACH from it: with room for them and for rounding.
+#: Least side of a cell in d. Derived: from REACH on, a scatterer reaches into its own cell and into
+#: neighbours only. The origin of what this is larger is not recorded.
+LEAST_SIDE = 1.5
+#: A tracer in a corner must know all scatterers that are so near to contact, in d. The origin of
+#: the number is not recorded.
 NEAR = 1e-8
+#: A cell lists what is no farther than this from it, in d. Chosen: with room for NEAR and rounding.
 REACH = 1.0 + 10.0 * NEAR
+#: Bytes of a line of the processor's cache.
+CACHE_LINE = 64
+#: Bytes of a double.
+DOUBLE = 8
+#: Bytes of a number of a scatterer or a node.
+INT32 = 4
 
 
 class Cells(NamedTuple):
     """Scatterers of a periodic box; lengths are in d.
 
-    side: of a cell. shape: cells along each axis, (n, n) or (n, n, n). slots
-    (n_cells, dimension * SLOTS): x of each slot, then y, then z; EMPTY where free. fill (n_cells,):
-    scatterers in each cell. head (n_cells,), links, nodes (, dimension): the chains; -1 ends one.
+    Parameters
+    ----------
+    side : of a cell
+    shape : cells along each axis, (n, n) or (n, n, n)
+    slots : x of each slot, then y, then z; EMPTY where free; shape (n_cells, dimension * SLOTS)
+    fill : scatterers in each cell, shape (n_cells,)
+    head : first node of the chain of each cell, -1 where there is none; shape (n_cells,)
+    links : the node after each node, -1 at the end of a chain; shape (n_nodes,)
+    nodes : places of the scatterers in chains, shape (n_nodes, dimension)
     """
 
     side: float
@@ -49,53 +62,68 @@ class Cells(NamedTuple):
     nodes: np.ndarray
 
 
+class BoxSize(NamedTuple):
+    """How much a box holds: cells along each axis, and nodes for scatterers in chains."""
+
+    cells_along: int
+    nodes: int
+
+
 def _cell_side(number_density: float, dimension: int) -> float:
     """Return the side of a cell that lists LISTED scatterers on average."""
+    size = LISTED / number_density  # area or volume in which so many scatterers are
     if dimension == 2:
-        return max(sqrt(LISTED / number_density) - 2.0, LEAST_SIDE)
+        return max(sqrt(size) - 2.0, LEAST_SIDE)
     # The volume within 1 of a cube of the side is to be that of LISTED; no other root is positive.
-    cubic = 1.0, 6.0, 3.0 * pi, 4.0 * pi / 3.0 - LISTED / number_density
+    cubic = (1.0, 6.0, 3.0 * pi, 4.0 * pi / 3.0 - size)
     return max(float(np.roots(cubic).real.max()), LEAST_SIDE)
 
 
-def _sizes(box: float, count: int, dimension: int) -> tuple[int, int]:
-    """Return the number of cells along the box, odd so that its centre is one's, and of nodes."""
-    n = max(int(box / _cell_side(count / box**dimension, dimension)), 1)
-    n -= n % 2 == 0
-    across = 2 if box / n > 2.0 * REACH else 3  # cells that a diameter of 2 overlaps
-    return n, count * across**dimension
+def _box_size(box: float, count: int, dimension: int) -> BoxSize:
+    """Return how much a box of this side (in d) must hold for `count` scatterers."""
+    number_density = count / box**dimension
+    n = max(int(box / _cell_side(number_density, dimension)), 1)
+    if n % 2 == 0:  # odd, so that the centre of the box is one of a cell
+        n -= 1
+    # Cells along an axis that a scatterer, of diameter 2, overlaps.
+    overlapped = 2 if box / n > 2.0 * REACH else 3
+    return BoxSize(n, count * overlapped**dimension)
 
 
 def box_bytes(box: float, count: int, dimension: int) -> int:
     """Return the bytes that `empty_box` asks for, and the positions while they are placed."""
-    n, room = _sizes(box, count, dimension)
-    each = n**dimension * (dimension * SLOTS * 8 + 4 + 4)  # slots, fill, head
-    return each + room * (4 + dimension * 8) + count * 3 * 8
+    size = _box_size(box, count, dimension)
+    of_cell = dimension * SLOTS * DOUBLE + INT32 + INT32  # slots, fill, head
+    of_node = INT32 + dimension * DOUBLE
+    of_position = 3 * DOUBLE
+    return size.cells_along**dimension * of_cell + size.nodes * of_node + count * of_position
 
 
 def empty_box(box: float, count: int, dimension: int) -> Cells:
     """Return the cells of a box of this side (in d) that is to hold `count` scatterers."""
-    n, room = _sizes(box, count, dimension)
-    if room >= 2**31:
-        most = 2**31 * count // room
-        refuse("count", count, f"it must be below {most}, as listings are counted in 32 bits")
+    size = _box_size(box, count, dimension)
+    if size.nodes >= 2**31:
+        largest = 2**31 * count // size.nodes
+        refuse("count", count, f"it must be below {largest}, as listings are counted in 32 bits")
+    n = size.cells_along
+    n_cells = n**dimension
     return Cells(
         side=box / n,
         shape=(n,) * dimension,
-        slots=_aligned_rows(n**dimension, dimension * SLOTS),
-        fill=np.zeros(n**dimension, np.int32),
-        head=np.full(n**dimension, -1, np.int32),
-        links=np.empty(room, np.int32),
-        nodes=np.empty((room, dimension)),
+        slots=_aligned_rows(n_cells, dimension * SLOTS),
+        fill=np.zeros(n_cells, np.int32),
+        head=np.full(n_cells, -1, np.int32),
+        links=np.empty(size.nodes, np.int32),
+        nodes=np.empty((size.nodes, dimension)),
     )
 
 
 def _aligned_rows(n_rows: int, columns: int) -> np.ndarray:
     """Return empty slots whose rows are aligned with the lines of the processor's cache."""
-    line = 64 // 8  # numbers in a line of 64 bytes
-    whole = np.full(n_rows * columns + line, EMPTY)
-    begin = -(whole.ctypes.data // 8) % line
-    return whole[begin : begin + n_rows * columns].reshape(n_rows, columns)
+    numbers_in_line = CACHE_LINE // DOUBLE
+    numbers = np.full(n_rows * columns + numbers_in_line, EMPTY)
+    begin = -(numbers.ctypes.data // DOUBLE) % numbers_in_line
+    return numbers[begin : begin + n_rows * columns].reshape(n_rows, columns)
 
 
 @inlined
@@ -134,7 +162,8 @@ def insert(
 
     Return the next spare node. In the plane k and z are 0, here and everywhere.
     """
-    side, half = cells.side, 0.5 * cells.side
+    side = cells.side
+    half = 0.5 * side
     layers = 1 if len(cells.shape) == 3 else 0
     for di in range(-1, 2):
         rx = x - di * side
@@ -154,28 +183,41 @@ def insert(
 @kernel
 def insert_all(cells: Cells, positions: np.ndarray) -> None:
     """List scatterers at positions (count, 3) from the middle of the box, in empty cells."""
-    side, middle = cells.side, cells.shape[0] // 2
+    side = cells.side
+    middle = cells.shape[0] // 2
     spare = 0
     for m in range(positions.shape[0]):
-        x, y, z = positions[m, 0], positions[m, 1], positions[m, 2]
-        i, j, k = floor(x / side + 0.5), floor(y / side + 0.5), floor(z / side + 0.5)
-        x, y, z = x - i * side, y - j * side, z - k * side
+        x = positions[m, 0]
+        y = positions[m, 1]
+        z = positions[m, 2]
+        i = floor(x / side + 0.5)
+        j = floor(y / side + 0.5)
+        k = floor(z / side + 0.5)
+        x -= i * side
+        y -= j * side
+        z -= k * side
         spare = insert(cells, i + middle, j + middle, k + middle, x, y, z, spare)
 
 
 @inlined
 def is_free(cells: Cells, cell: int, x: float, y: float, z: float) -> bool:
     """Tell whether no scatterer is nearer than 1 to a place, from the centre of its cell."""
-    slots, links, nodes = cells.slots, cells.links, cells.nodes
+    slots = cells.slots
+    links = cells.links
+    nodes = cells.nodes
     near = 0
     for slot in range(SLOTS):
-        dx, dy, dz = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y, 0.0
+        dx = slots[cell, slot] - x
+        dy = slots[cell, SLOTS + slot] - y
+        dz = 0.0
         if len(cells.shape) == 3:
             dz = slots[cell, 2 * SLOTS + slot] - z
         near += int(dx * dx + dy * dy + dz * dz < 1.0)
     node = cells.head[cell]
     while near == 0 and node >= 0:
-        dx, dy, dz = nodes[node, 0] - x, nodes[node, 1] - y, 0.0
+        dx = nodes[node, 0] - x
+        dy = nodes[node, 1] - y
+        dz = 0.0
         if len(cells.shape) == 3:
             dz = nodes[node, 2] - z
         near += int(dx * dx + dy * dy + dz * dz < 1.0)
@@ -193,121 +235,13 @@ def next_listed(
     """
     z = 0.0
     if slot < SLOTS:
+        x = cells.slots[cell, slot]
+        y = cells.slots[cell, SLOTS + slot]
         if len(cells.shape) == 3:
             z = cells.slots[cell, 2 * SLOTS + slot]
-        return cells.slots[cell, slot], cells.slots[cell, SLOTS + slot], z, slot + 1, node
+        return x, y, z, slot + 1, node
+    x = cells.nodes[node, 0]
+    y = cells.nodes[node, 1]
     if len(cells.shape) == 3:
         z = cells.nodes[node, 2]
-    return cells.nodes[node, 0], cells.nodes[node, 1], z, slot, cells.links[node]
-
-
-# The eight slots of a cell, searched at once: what is struck first. LLVM makes no vectors of a loop
-# that holds a minimum and the place of it. So the search is written in LLVM's own instructions, on
-# vectors of eight doubles, in compiled code only. The arithmetic is that of `events.contact`, line
-# by line, so every bit is that of the loop. With 40,000 hard disks at 0.04 d^-2 that is worth a
-# factor of two in collisions/s.
-
-_DOUBLE = ir.DoubleType()
-_INT32 = ir.IntType(32)
-_INT64 = ir.IntType(64)
-_VECTOR = ir.VectorType(_DOUBLE, SLOTS)
-
-
-def _constant(value: float) -> Any:
-    return ir.Constant(_VECTOR, [value] * SLOTS)
-
-
-def _splat(b: Any, value: Any) -> Any:
-    nothing = ir.Constant(_VECTOR, ir.Undefined)
-    first = b.insert_element(nothing, value, ir.Constant(_INT32, 0))
-    zeros = ir.Constant(ir.VectorType(_INT32, SLOTS), [0] * SLOTS)
-    return b.shuffle_vector(first, nothing, zeros)
-
-
-def _minimum(b: Any, vector: Any) -> Any:
-    """Return the least element, by halves: no element is NaN."""
-    width = SLOTS
-    while width > 1:
-        nothing = ir.Constant(ir.VectorType(_DOUBLE, width), ir.Undefined)
-        width //= 2
-        half = ir.VectorType(_INT32, width)
-        low, high = (
-            b.shuffle_vector(vector, nothing, ir.Constant(half, list(range(at, at + width))))
-            for at in (0, width)
-        )
-        vector = b.select(b.fcmp_ordered("<", low, high), low, high)
-    return b.extract_element(vector, ir.Constant(_INT32, 0))
-
-
-def _offsets(context: Any, b: Any, sig: Any, args: Any) -> list[Any]:
-    """Return a cell's slots from a place, one vector for each coordinate: args begin with these."""
-    parts = cgutils.unpack_tuple(b, args[2])
-    array = context.make_array(sig.args[0])(context, b, args[0])
-    row = b.gep(array.data, [b.mul(args[1], ir.Constant(_INT64, len(parts) * SLOTS))])
-    found = []
-    for k, part in enumerate(parts):
-        start = b.gep(row, [ir.Constant(_INT64, k * SLOTS)])
-        vector = b.load(b.bitcast(start, _VECTOR.as_pointer()))
-        vector.align = 8
-        found.append(b.fsub(vector, _splat(b, part)))
-    return found
-
-
-def _strike(typingctx, slots, cell, place, direction):  # type: ignore[no-untyped-def]
-    """Return (path to contact, slot) of the first scatterer met in a cell; NEVER if none.
-
-    slots: those of Cells. place, unit direction: two numbers each, or three in space. Of equal
-    paths the lowest slot counts.
-    """
-    signature = types.Tuple((types.float64, types.int64))(slots, cell, place, direction)
-
-    def generate(context, b, sig, args):  # type: ignore[no-untyped-def]
-        dimension = len(sig.args[2])
-
-        def total(terms: list[Any]) -> Any:
-            first = b.fadd(terms[0], terms[1])
-            return first if dimension == 2 else b.fadd(first, terms[2])
-
-        u = [_splat(b, part) for part in cgutils.unpack_tuple(b, args[3])]
-        offset = _offsets(context, b, sig, args)
-        along = total([b.fmul(d, v) for d, v in zip(offset, u, strict=True)])
-        if dimension == 2:  # the lines of `contact`, in its order
-            impact = b.fsub(b.fmul(offset[0], u[1]), b.fmul(offset[1], u[0]))
-            square = b.fmul(b.fsub(_constant(1.0), impact), b.fadd(_constant(1.0), impact))
-        else:  # of `contact_in_space`
-            across = [b.fsub(d, b.fmul(along, v)) for d, v in zip(offset, u, strict=True)]
-            square = b.fsub(_constant(1.0), total([b.fmul(p, p) for p in across]))
-        struck = b.and_(
-            b.fcmp_ordered(">", along, _constant(GRAZING)),
-            b.fcmp_ordered(">", square, _constant(0.0)),
-        )
-        root = cgutils.get_or_insert_function(
-            b.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{SLOTS}f64"
-        )
-        path = b.select(struck, b.fsub(along, b.call(root, [square])), _constant(NEVER))
-        least = _minimum(b, path)
-        equal = b.fcmp_ordered("==", path, _splat(b, least))
-        mask = b.zext(b.bitcast(equal, ir.IntType(SLOTS)), _INT32)
-        slot = b.zext(b.cttz(mask, ir.Constant(ir.IntType(1), 0)), _INT64)
-        return context.make_tuple(b, sig.return_type, (least, slot))
-
-    return signature, generate
-
-
-strike: Any = intrinsic(_strike)
-
-
-@inlined
-def near_chord(
-    slots: np.ndarray, cell: int, place: tuple[float, float], chord: tuple[float, float],
-    reach2: float,
-) -> int:  # fmt: skip
-    """Return which slots of a cell in the plane are within reach of a chord, one bit each."""
-    (x, y), (ex, ey), near = place, chord, 0
-    per = 1.0 / max(ex * ex + ey * ey, 1e-300)
-    for slot in range(SLOTS):
-        dx, dy = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y
-        part = min(max((dx * ex + dy * ey) * per, 0.0), 1.0)
-        px, py = dx - part * ex, dy - part * ey
-        near |= int(px * px + py * py <= reach2) << slot
-    return near
+    return x, y, z, slot, cells.links[node]

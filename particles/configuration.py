@@ -6,7 +6,7 @@ What a configuration leaves is a dictionary of arrays, by the names that they ha
 
 from collections.abc import Mapping
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -76,46 +76,56 @@ def empty_arrays(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray
     return {name: np.full(*shape) for name, shape in layout(plan, media, n).items()}
 
 
-class Totals:
-    """What the configurations from the first on have left, joined.
+class _Sum(NamedTuple):
+    """Sums over configurations, how many these are, and in how many pieces other arrays are."""
 
-    A signal may interrupt `add` anywhere: `_state` alone says what has been added. It holds the
-    sums over configurations, the number of configurations, and the number of pieces of each array
-    that has an element for each configuration or tracer.
+    arrays: dict[str, np.ndarray]
+    configurations: int
+    pieces: int
+
+
+class Totals:
+    """What the configurations from the first one on have left, joined.
+
+    A signal may interrupt `add` anywhere: `_sum` alone says what has been added.
 
     Parameters
     ----------
     plan : of the run
-    arrays : of the configurations that are done, to go on from; None if there are none
-    done : how many there are
+    arrays : of the configurations that have been run, to go on from; None if there are none
+    configurations : how many there are
     """
 
-    def __init__(self, plan: Plan, arrays: Arrays | None = None, done: int = 0) -> None:
+    def __init__(self, plan: Plan, arrays: Arrays | None = None, configurations: int = 0) -> None:
         self.plan = plan
-        initial = dict(arrays or _with_squares(empty_arrays(plan)))
-        is_sum = {name: name == "statuses" or name.startswith("histograms/") for name in initial}
-        sums = {name: array for name, array in initial.items() if is_sum[name]}
-        self._state = sums, done, 1
-        self._pieces = {name: [array] for name, array in initial.items() if not is_sum[name]}
+        sums = {}
+        self._pieces = {}  # of arrays that have an element for each configuration or tracer
+        for name, array in (arrays or _with_squares(empty_arrays(plan))).items():
+            if name == "statuses" or name.startswith("histograms/"):
+                sums[name] = array
+            else:
+                self._pieces[name] = [array]
+        self._sum = _Sum(sums, configurations, 1)
 
     @property
     def configurations(self) -> int:
         """How many have been added."""
-        return self._state[1]
+        return self._sum.configurations
 
     def add(self, arrays: Arrays, count: int = 1) -> None:
         """Add what the next configuration has left, or the next `count`."""
-        sums, done, n = self._state
+        previous = self._sum
         for name, pieces in self._pieces.items():
-            pieces.append(arrays[name])
-        sums = {name: array + arrays[name] for name, array in sums.items()}
-        self._state = sums, done + count, n + 1
+            # A piece that an interrupted call has added is replaced.
+            pieces[previous.pieces :] = [arrays[name]]
+        sums = {name: array + arrays[name] for name, array in previous.arrays.items()}
+        self._sum = _Sum(sums, previous.configurations + count, previous.pieces + 1)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return everything added so far, by its name in a file."""
-        sums, _done, n = self._state
+        n = self._sum.pieces
         joined = {name: _join(name, pieces[:n]) for name, pieces in self._pieces.items()}
-        return joined | sums
+        return joined | self._sum.arrays
 
 
 def _join(name: str, pieces: list[np.ndarray]) -> np.ndarray:
@@ -135,67 +145,78 @@ def run_configuration(plan: Plan, configuration: int) -> Arrays:
 def follow_tracers(plan: Plan, configuration: int, cells: "Cells | None") -> Arrays:
     """Follow the tracers of one configuration among its scatterers."""
     sums = empty_arrays(plan, 1)
-    raw_data = []
-    for first in range(0, plan.tracers, BATCH_SIZE):
-        raw_data.append(_follow_batch(plan, configuration, cells, first, sums))
-    joined = {name: _join(name, [raw[name] for raw in raw_data]) for name in raw_data[0]}
-    return _with_squares(sums) | joined
+    batches = []
+    for first_number in range(0, plan.tracers, BATCH_SIZE):
+        batches.append(_follow_batch(plan, configuration, cells, first_number, sums))
+    raw = {}
+    for name in batches[0]:
+        raw[name] = _join(name, [batch[name] for batch in batches])
+    return _with_squares(sums) | raw
 
 
 def _with_squares(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Add to the counts c of each histogram, of the sum m at one time, c^2, c m, and m and m^2."""
-    for name, c in list(arrays.items()):
+    """Return arrays with products of the counts c of each histogram, and of their sums m at a time.
+
+    `sums` are then of c, of c^2 and of c m, and `samples` of m and of m^2.
+    """
+    with_products = dict(arrays)
+    for name, counts in arrays.items():
         if name.startswith("histograms/"):
-            m = c.sum(axis=1)
-            arrays[name] = np.stack((c, c * c, c * m[:, None]))
-            arrays[name.replace("/sums", "/samples")] = np.stack((m, m * m))
-    return arrays
+            totals = counts.sum(axis=1)
+            products = (counts, counts * counts, counts * totals[:, None])
+            with_products[name] = np.stack(products)
+            with_products[name.replace("/sums", "/samples")] = np.stack((totals, totals * totals))
+    return with_products
 
 
 def _follow_batch(
-    plan: Plan, configuration: int, cells: "Cells | None", first: int, sums: Arrays
+    plan: Plan, configuration: int, cells: "Cells | None", first_number: int, sums: Arrays
 ) -> dict[str, np.ndarray]:
-    """Follow at most BATCH_SIZE tracers from a number on, adding to the sums; return the rest."""
+    """Follow at most BATCH_SIZE tracers from a number on, adding to the sums; return raw data."""
     from particles.kernel.records import CAUGHT
 
-    n = min(BATCH_SIZE, plan.tracers - first)
+    n = min(BATCH_SIZE, plan.tracers - first_number)
     raw = empty_arrays(plan, 0, n)
     records = _make_records(plan, sums, raw)
-    batch = _make_batch(plan, configuration, cells, first, n)
+    batch = _make_batch(plan, configuration, cells, first_number, n)
     _call_kernel(plan, cells, batch, records)
     traps = records.traps[: records.filled[CAUGHT]]
     raw["traps"] = np.insert(traps, 0, configuration, axis=1)
-    return {name: raw[name] for name in raw if name == "traps" or name.startswith("raw/")}
+    return {name: array for name, array in raw.items() if name == "traps" or name[:4] == "raw/"}
 
 
 def _make_batch(
-    plan: Plan, configuration: int, cells: "Cells | None", first: int, n: int
+    plan: Plan, configuration: int, cells: "Cells | None", first_number: int, n: int
 ) -> "Batch":
     """Return n tracers from a number on as a kernel takes them."""
     from particles.kernel.tracer import Batch
 
-    dimension = plan.medium.dimension
-    velocities = np.empty((0, dimension))
-    if plan.rest:
-        velocities = np.zeros((n, dimension))
-    elif plan.velocities is not None:
-        is_shared = plan.velocities.ndim == 2
-        velocities = plan.velocities if is_shared else plan.velocities[configuration]
-        velocities = velocities[first : first + n]
-    velocities = velocities.view()
+    velocities = _specified_velocities(plan, configuration, first_number, n).view()
     velocities.flags.writeable = False  # as those of a plan are: for numba that is another type
     return Batch(
-        first=first,
+        first=first_number,
         size=n,
-        dimension=dimension,
+        dimension=plan.medium.dimension,
         velocities=velocities,
         monoenergetic=plan.monoenergetic,
         seed=np.uint64(plan.seed),
         configuration=configuration,
         law=plan.drive.law,
         max_collisions=plan.max_collisions or 0,
-        places=start_places(plan, configuration, cells, first, n),
+        places=start_places(plan, configuration, cells, first_number, n),
     )
+
+
+def _specified_velocities(plan: Plan, configuration: int, first_number: int, n: int) -> np.ndarray:
+    """Return the initial velocities of n tracers, (n, dimension); none where they are drawn."""
+    dimension = plan.medium.dimension
+    if plan.rest:
+        return np.zeros((n, dimension))
+    if plan.velocities is None:
+        return np.empty((0, dimension))
+    is_shared = plan.velocities.ndim == 2
+    velocities = plan.velocities if is_shared else plan.velocities[configuration]
+    return velocities[first_number : first_number + n]
 
 
 def _make_records(plan: Plan, sums: Arrays, raw: Arrays) -> "Records":
@@ -204,7 +225,9 @@ def _make_records(plan: Plan, sums: Arrays, raw: Arrays) -> "Records":
 
     unit = plan.medium.diameter
     no_counts = np.zeros((0, 0), np.int64)
-    names = [f"histograms/{name}/sums" for name in outputs.HISTOGRAMS]
+    counts = []
+    for name in outputs.HISTOGRAMS:
+        counts.append(sums.get(f"histograms/{name}/sums", no_counts))
     return Records(
         times=plan.times / unit,
         scales=plan.scales(),
@@ -213,7 +236,7 @@ def _make_records(plan: Plan, sums: Arrays, raw: Arrays) -> "Records":
         statuses=sums["statuses"],
         field_sums=sums["field_sums"][0] if plan.drive.field else np.empty((0, 0)),
         grids=np.ascontiguousarray(plan.grids()[:, :2]),
-        counts=tuple(sums.get(name, no_counts) for name in names),
+        counts=tuple(counts),
         positions=raw.get("raw/positions", np.empty((0, 0, 0))),
         velocities=raw.get("raw/velocities", np.empty((0, 0, 0))),
         finals=raw.get("raw/finals", np.empty((0, 0))),
@@ -282,8 +305,12 @@ def _driving(plan: Plan) -> "Driving":
     mean_path = dilute_mean_path(plan.medium)
     heating = plan.drive.heating * unit
     drag = plan.drive.drag * unit
-    noise_time = (mean_path * mean_path / heating) ** (1.0 / 3.0) if heating else inf
-    drag_time = 1.0 / drag if drag else inf
+    noise_time = inf
+    if heating:
+        noise_time = (mean_path * mean_path / heating) ** (1.0 / 3.0)
+    drag_time = inf
+    if drag:
+        drag_time = 1.0 / drag
     return Driving(
         mean_path=mean_path,
         field=plan.drive.field * unit,
@@ -295,7 +322,7 @@ def _driving(plan: Plan) -> "Driving":
 
 
 def start_places(
-    plan: Plan, configuration: int, cells: "Cells | None", first: int, n: int
+    plan: Plan, configuration: int, cells: "Cells | None", first_number: int, n: int
 ) -> np.ndarray:
     """Return where n tracers from a number on start, shape (n, 4), as `placement.free_places`.
 
@@ -308,6 +335,8 @@ def start_places(
     medium = plan.medium
     if cells is None or not plan.rest:
         return AT_THE_CENTRE
-    if isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2:
-        return AT_THE_CENTRE
-    return np.asarray(free_places(cells, np.uint64(plan.seed), configuration, first, n))
+    if isinstance(medium, Positions):
+        centre = (medium.box_side / 2, medium.box_side / 2)
+        if medium.start != centre:
+            return AT_THE_CENTRE
+    return free_places(cells, np.uint64(plan.seed), configuration, first_number, n)

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from particles.impact import Law, compiled
+from particles.impact import Law, tabulate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,8 +66,8 @@ class Drive:
         return float(values[0]), self.tangential_restitution
 
     def restitution_table(self) -> tuple[int, np.ndarray]:
-        """Return e over the impact speed as `impact.compiled`, with the share of the tracer."""
-        lowest_octave, values = compiled(self.restitution)
+        """Return e over the impact speed as `impact.tabulate`, with the share of the tracer."""
+        lowest_octave, values = tabulate(self.restitution)
         if self.mass_ratio < inf:
             reduced_mass = self.mass_ratio / (1.0 + self.mass_ratio)
             values = (1.0 + values) * reduced_mass - 1.0

@@ -1,58 +1,60 @@
-"""Ensemble: the frozen result of a simulation, and the sums it is made from."""
+"""Ensemble: the frozen result of a simulation, and the sums it is made from.
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+What is computed of these sums is a table in `particles.outputs`; how, with standard errors, is in
+`particles.results`.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from operator import attrgetter
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 
 from particles import outputs as tables
 from particles.configuration import Totals
+from particles.datasets import dataset_names, make_dataframe, make_dataset
+from particles.impact import Law
+from particles.media import Medium
 from particles.plan import PER_OCTAVE, Plan
-from particles.results import Estimate, Histogram, Result, jackknife, share
-from particles.values import Value, check_path, frozen, refuse
+from particles.plots import draw_all_outputs, draw_output
+from particles.results import Estimate, Histogram, Statuses, estimate_shares, jackknife
+from particles.values import Value, check_path, read_only, refuse
 
 if TYPE_CHECKING:
+    import pandas
+    import xarray
     from matplotlib.axes import Axes
 
     from particles.paths import Trajectory
 
 
-@dataclass(frozen=True, eq=False)
-class Statuses(Value):
-    """How many tracers ended in each way, and where and when the trapped ones did.
+def _estimate(name: str) -> "cached_property[Estimate]":
+    """Return an attribute of an Ensemble: an estimate, computed when it is first used."""
 
-    finished: reached the last output time. collision_cap: made max_collisions collisions first.
-    trapped: caught in a corner between scatterers, where infinitely many collisions follow within
-    1e-9 d or so, or at rest after a head-on collision at e = 0. In a field at rest in a corner of
-    two disks that opens against the field; with a tangential restitution below 1, where it would
-    slide along a disk; and at rest on the very top of a disk. escaped: flew 1e6 mean free paths
-    without a collision. captured: struck a scatterer with a normal velocity below capture_speed.
-    trap_times (trapped + captured,) in d/U: when it was declared. With tangential restitution 1 the
-    collisions end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
-    trap_places (.., dimension) from the tracer's start, in d; trap_tracers (.., 2): configuration
-    and tracer.
-    """
+    def compute(ensemble: "Ensemble") -> Estimate:
+        return ensemble._compute_average(name)
 
-    finished: int
-    collision_cap: int
-    trapped: int
-    escaped: int
-    trap_times: np.ndarray = field(repr=False)
-    trap_places: np.ndarray = field(repr=False)
-    trap_tracers: np.ndarray = field(repr=False)
-    captured: int = 0
+    average = tables.ESTIMATES[name]
+    compute.__doc__ = f"Estimate of {average.words}; unit {average.unit}."
+    return cached_property(compute)
 
 
-def _of_plan(name: str, words: str) -> Any:
-    return property(lambda ensemble: attrgetter(name)(ensemble.plan), doc=words)
+def _histogram(name: str) -> "cached_property[Histogram]":
+    """Return an attribute of an Ensemble: a histogram, computed when it is first used."""
+
+    def compute(ensemble: "Ensemble") -> Histogram:
+        return ensemble._compute_histogram(name)
+
+    variable = tables.VARIABLES[name]
+    words = f"Histogram of the {variable.words} in {variable.unit}"
+    compute.__doc__ = f"{words}; {PER_OCTAVE} bins per octave."
+    return cached_property(compute)
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(Result):
+class Ensemble(Value):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
@@ -67,22 +69,67 @@ class Ensemble(Result):
     plan: Plan
     arrays: Mapping[str, np.ndarray]
 
-    medium = _of_plan("medium", "The medium asked for.")
-    restitution = _of_plan("drive.restitution", "The coefficient of restitution, or its law.")
-    tangential_restitution = _of_plan(
-        "drive.tangential_restitution", "The factor of what is across."
-    )
-    mass_ratio = _of_plan(
-        "drive.mass_ratio", "Mass of a scatterer over that of the tracer; often inf."
-    )
-    bath_speed = _of_plan("drive.bath_speed", "Of a component of a scatterer's velocity, in U.")
-    heating = _of_plan("drive.heating", "D of the noise <dv_i dv_j> = 2 D delta_ij dt, in U^3/d.")
-    drag = _of_plan("drive.drag", "gamma of the drag dv = -gamma v dt, in U/d.")
-    capture_speed = _of_plan("drive.capture_speed", "Impact speed below which tracers stick, in U.")
-    field = _of_plan("drive.field", "The acceleration along +x in U^2/d.")
-    number_density = _of_plan("medium.number_density", "Scatterers per unit area, or volume.")
-    times = _of_plan("times", "Output times in d/U, (n_times,).")
-    tracers = _of_plan("tracers", "Number of tracers in each configuration.")
+    # -- what was run ------------------------------------------------------------------------------
+
+    @property
+    def medium(self) -> Medium:
+        """The medium that was specified."""
+        return self.plan.medium
+
+    @property
+    def restitution(self) -> float | Law:
+        """The coefficient of restitution, or how it depends on the impact speed."""
+        return self.plan.drive.restitution
+
+    @property
+    def tangential_restitution(self) -> float:
+        """The factor of the velocity across the line of centres at a collision."""
+        return self.plan.drive.tangential_restitution
+
+    @property
+    def mass_ratio(self) -> float:
+        """Mass of a scatterer over that of the tracer, inf for fixed scatterers."""
+        return self.plan.drive.mass_ratio
+
+    @property
+    def bath_speed(self) -> float:
+        """Standard deviation of a component of a scatterer's velocity, in U."""
+        return self.plan.drive.bath_speed
+
+    @property
+    def heating(self) -> float:
+        """D of the noise <dv_i dv_j> = 2 D delta_ij dt, in U^3/d."""
+        return self.plan.drive.heating
+
+    @property
+    def drag(self) -> float:
+        """The coefficient gamma of the drag dv = -gamma v dt, in U/d."""
+        return self.plan.drive.drag
+
+    @property
+    def capture_speed(self) -> float:
+        """Impact speed below which tracers stick, in U."""
+        return self.plan.drive.capture_speed
+
+    @property
+    def field(self) -> float:
+        """The acceleration along +x in U^2/d."""
+        return self.plan.drive.field
+
+    @property
+    def number_density(self) -> float:
+        """Scatterers per unit area, or volume."""
+        return self.plan.medium.number_density
+
+    @property
+    def times(self) -> np.ndarray:
+        """Output times in d/U, (n_times,)."""
+        return self.plan.times
+
+    @property
+    def tracers(self) -> int:
+        """Number of tracers in each configuration."""
+        return self.plan.tracers
 
     @property
     def media(self) -> int:
@@ -91,29 +138,26 @@ class Ensemble(Result):
 
     def __repr__(self) -> str:
         arguments = [f"{name}={value!r}" for name, value in self.plan.reported().items()]
-        about = f"{self.statuses!r}\n  outputs: {', '.join(self.outputs)}"
-        return f"Ensemble({', '.join(arguments)}, {self.times.size} times)\n  {about}"
+        run = f"Ensemble({', '.join(arguments)}, {self.times.size} times)"
+        return f"{run}\n  {self.statuses!r}\n  outputs: {', '.join(self.outputs)}"
 
-    @property
-    def outputs(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Names of the estimates, histograms and raw data that this ensemble has."""
-        others = (n for n in (*tables.HISTOGRAMS, *tables.RAW) if n in self.plan.observables)
-        passages = ("passage_times", *tables.OF_A_DEPTH) if self.plan.depth is not None else ()
-        sticking = ("trapped_fraction",) if self.capture_speed else ()
-        return (*tables.SCALARS, *(tables.IN_FIELD if self.field else sticking), *passages, *others)
-
-    @property
-    def moments(self) -> np.ndarray:
-        """Sums that estimates are made of, per configuration and time, (media, n_times, 8)."""
-        return self.arrays["moments"]
+    # -- how the tracers ended, and how many there are ---------------------------------------------
 
     @cached_property
     def statuses(self) -> Statuses:
         """How the tracers ended."""
-        traps, unit = self.arrays["traps"], self._unit
-        finished, cap, trapped, escaped, captured = self.arrays["statuses"].tolist()
-        when, where, which = traps[:, 2] * unit, traps[:, 3:] * unit, traps[:, :2].astype(np.int64)
-        return Statuses(finished, cap, trapped, escaped, when, where, which, captured)
+        traps = self.arrays["traps"]  # configuration, tracer, time, place
+        counts = self.arrays["statuses"].tolist()
+        return Statuses(
+            finished=counts[tables.FINISHED],
+            collision_cap=counts[tables.COLLISION_CAP],
+            trapped=counts[tables.TRAPPED],
+            escaped=counts[tables.ESCAPED],
+            trap_times=traps[:, 2] * self._unit,
+            trap_places=traps[:, 3:] * self._unit,
+            trap_tracers=traps[:, :2].astype(np.int64),
+            captured=counts[tables.CAPTURED],
+        )
 
     @property
     def collision_total(self) -> int:
@@ -123,77 +167,184 @@ class Ensemble(Result):
     @cached_property
     def samples(self) -> np.ndarray:
         """Tracers that enter the estimates at each time, (n_times,)."""
-        return frozen(self.moments[:, :, tables.SAMPLES].sum(axis=0).astype(np.int64))
+        return read_only(self.moments[:, :, tables.SAMPLES].sum(axis=0).astype(np.int64))
 
     @property
     def missing(self) -> np.ndarray:
         """Tracers that ended before each time, by the collision cap or escape, (n_times,)."""
-        return frozen(self.media * self.tracers - self.samples)
+        return read_only(self.media * self.tracers - self.samples)
 
     @cached_property
     def trapped(self) -> np.ndarray:
         """Tracers among the samples at rest, in a corner or captured, at each time, (n_times,)."""
-        return frozen(self.moments[:, :, tables.CAUGHT].sum(axis=0).astype(np.int64))
+        return read_only(self.moments[:, :, tables.CAUGHT].sum(axis=0).astype(np.int64))
+
+    # -- estimates and histograms ------------------------------------------------------------------
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the estimates, histograms and raw data that this ensemble has."""
+        names = [*tables.SCALARS]
+        if self.field:
+            names.extend(tables.IN_FIELD)
+        elif self.capture_speed:
+            names.append("trapped_fraction")
+        if self.plan.depth is not None:
+            names.extend(["passage_times", *tables.OF_A_DEPTH])
+        requested = self.plan.observables
+        names.extend(name for name in (*tables.HISTOGRAMS, *tables.RAW) if name in requested)
+        return tuple(names)
+
+    thermal_speed = _estimate("thermal_speed")
+    a2 = _estimate("a2")
+    msd = _estimate("msd")
+    kurtosis = _estimate("kurtosis")
+    collisions = _estimate("collisions")
+    velocity_autocorrelation = _estimate("velocity_autocorrelation")
+
+    drift = _estimate("drift")
+    drift_of_moving = _estimate("drift_of_moving")
+    trapped_fraction = _estimate("trapped_fraction")
+    mean_velocity = _estimate("mean_velocity")
+    velocity_tensor = _estimate("velocity_tensor")
+    mean_displacement = _estimate("mean_displacement")
+    dispersion = _estimate("dispersion")
+    dispersion_parallel = _estimate("dispersion_parallel")
+    dispersion_perpendicular = _estimate("dispersion_perpendicular")
+
+    speed_histogram = _histogram("speed_histogram")
+    velocity_component_histogram = _histogram("velocity_component_histogram")
+    displacement_histogram = _histogram("displacement_histogram")
+    free_path_histogram = _histogram("free_path_histogram")
+    free_time_histogram = _histogram("free_time_histogram")
+
+    @property
+    def moments(self) -> np.ndarray:
+        """Sums that estimates are made of, per configuration and time, (media, n_times, 8)."""
+        return self.arrays["moments"]
 
     @cached_property
     def mean_free_path(self) -> Estimate:
         """Path travelled per collision, all tracers from start to end, in d. A scalar."""
-        sums, unit = self.arrays["path_sums"], self._unit
-        return jackknife(sums, lambda s: s[tables.TRAVELLED] / s[tables.ALL_COLLISIONS] * unit)
+        unit = self._unit
+
+        def path_per_collision(sums: np.ndarray) -> np.ndarray:
+            return np.asarray(sums[tables.TRAVELLED] / sums[tables.ALL_COLLISIONS] * unit)
+
+        return jackknife(self.arrays["path_sums"], path_per_collision)
+
+    @cached_property
+    def passed(self) -> Estimate:
+        """Share of the tracers that have reached the depth by each time, (n_times,)."""
+        return self._mean_over_tracers(self.passage_times[:, None] <= self.times)
+
+    @cached_property
+    def mean_passage_time(self) -> Estimate:
+        """Mean of `passage_times`, a scalar; infinite if one of the tracers never had x = depth."""
+        return self._mean_over_tracers(self.passage_times)
+
+    # -- raw data ----------------------------------------------------------------------------------
 
     @property
     def passage_times(self) -> np.ndarray:
         """When each tracer first had x = depth, in d/U, (media * tracers,); inf if it never had."""
         if "raw/passages" not in self.arrays:
             raise AttributeError("passages were not asked for: simulate(field=..., depth=...)")
-        return frozen(self.arrays["raw/passages"] * self._unit)
-
-    @cached_property
-    def passed(self) -> Estimate:
-        """Share of the tracers that have reached the depth by each time, (n_times,)."""
-        return self._over_tracers(self.passage_times[:, None] <= self.times)
-
-    @cached_property
-    def mean_passage_time(self) -> Estimate:
-        """Mean of `passage_times`, a scalar; infinite if one of the tracers never had x = depth."""
-        return self._over_tracers(self.passage_times)
+        return read_only(self.arrays["raw/passages"] * self._unit)
 
     @property
     def positions(self) -> np.ndarray:
         """Displacement in d, (n_times, media * tracers, dimension); NaN where a tracer ended."""
-        return frozen(self._get("positions", "raw/positions") * self._unit)
+        return read_only(self._requested("positions", "raw/positions") * self._unit)
 
     @property
     def velocities(self) -> np.ndarray:
         """Velocity in U, (n_times, media * tracers, dimension); NaN where a tracer ended."""
-        return self._get("velocities", "raw/velocities")
+        return self._requested("velocities", "raw/velocities")
 
     @property
     def finals(self) -> np.ndarray:
         """End of each tracer, (.., 5): ln v, ln t, x, y, number of collisions; in space z, too."""
-        d = self._unit
-        finals = self._get("finals", "raw/finals")
-        scale, shift = np.array([1, 1, d, d, 1, d]), np.array([0, np.log(d), 0, 0, 0, 0])
+        unit = self._unit
+        finals = self._requested("finals", "raw/finals")
         columns = finals.shape[1]
-        return frozen(finals * scale[:columns] + shift[:columns])
+        factor = np.array([1, 1, unit, unit, 1, unit])[:columns]
+        addend = np.array([0, np.log(unit), 0, 0, 0, 0])[:columns]
+        return read_only(finals * factor + addend)
 
-    def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
+    # -- paths, datasets, pictures -----------------------------------------------------------------
+
+    def trajectories(
+        self,
+        tracers: int = 8,
+        configuration: int = 0,
+        until: float | None = None,
+        collisions: int = 300,
+    ) -> list["Trajectory"]:
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        which: configuration (0), until (the last time), collisions (300).
+        until: the time in d/U at which they end, that of the last output if None. collisions: where
+        they end at the latest.
         """
         from particles.paths import trajectories
 
-        return trajectories(self.plan, tracers, **which)
+        return trajectories(self.plan, tracers, configuration, until, collisions)
 
-    def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
+    def plot_trajectories(
+        self,
+        tracers: int = 8,
+        ax: "Axes | None" = None,
+        colour_bar: bool = True,
+        configuration: int = 0,
+        until: float | None = None,
+        collisions: int = 300,
+    ) -> "Axes":
         """Draw such paths among the scatterers, coloured by speed; return the axes.
 
-        which: as of `trajectories`, ax (axes to draw on) and colour_bar (True).
+        ax: axes to draw on, new ones if None. Other arguments as of `trajectories`.
         """
         from particles.paths import plot_trajectories
 
-        return plot_trajectories(self.plan, tracers, **which)
+        return plot_trajectories(
+            self.plan, tracers, ax, colour_bar, configuration, until, collisions
+        )
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return estimates and histograms, each with `<name>_error`, and what was run."""
+        return make_dataset(self, dataset_names(self))
+
+    def to_dataframe(self, name: str | None = None) -> "pandas.DataFrame":
+        """Return a table with a row for each time: each estimate, or component, and its error.
+
+        With a `name`, that of a histogram for example, a row for each place of its array. Units are
+        in `frame.attrs`. ValueError for a name that is not there.
+        """
+        if name is None:
+            return make_dataframe(self)
+        self._require_output(name)
+        return make_dataset(self, [name]).to_dataframe().reset_index()
+
+    @overload
+    def plot(self, name: None = None, ax: None = None) -> "list[Axes]": ...
+
+    @overload
+    def plot(self, name: str, ax: "Axes | None" = None) -> "Axes": ...
+
+    def plot(self, name: str | None = None, ax: "Axes | None" = None) -> "Axes | list[Axes]":
+        """Draw an estimate over time with its standard errors, or the density of a histogram.
+
+        On `ax` or on new axes, which are returned, labelled with units. Without a name everything
+        is drawn in one figure, and a list of axes is returned. ValueError for a name that is not
+        there or is one number.
+        """
+        if name is not None:
+            self._require_output(name)
+            return draw_output(self, name, ax)
+        if ax is not None:
+            raise ValueError("ax: axes without a name; name what to draw on them")
+        return draw_all_outputs(self)
+
+    # -- files, parts of a run ---------------------------------------------------------------------
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything to an HDF5 file, whole; one that exists, or a link's, is replaced.
@@ -208,8 +359,9 @@ class Ensemble(Result):
         """Write positions and velocities, which must be kept, as H5MD 1.1 for other programs."""
         from particles.files import write_h5md
 
-        if missing := {"positions", "velocities"} - {*self.outputs}:
-            raise ValueError(f"H5MD needs {min(missing)}: simulate(observables=[...])")
+        for name in ("positions", "velocities"):
+            if name not in self.outputs:
+                raise ValueError(f"H5MD needs {name}: simulate(observables=[...])")
         positions = self.positions / self._unit
         write_h5md(check_path("path", path), self.plan, positions, self.velocities)
 
@@ -219,7 +371,8 @@ class Ensemble(Result):
         from particles.files import read
 
         plan, arrays, done = read(path)
-        if done < (count := len(plan.configurations)):
+        count = len(plan.configurations)
+        if done < count:
             raise ValueError(
                 f"{path}: holds {done} of {count} configurations; finish it with "
                 f"simulate(..., output=..., resume=True)"
@@ -234,84 +387,106 @@ class Ensemble(Result):
         """
         if isinstance(parts, (str, bytes, PathLike, Ensemble)):
             refuse("parts", parts, "it must be a sequence of ensembles or of their files")
-        named = [(x, "") if isinstance(x, Ensemble) else (cls.load(x), f" ({x})") for x in parts]
-        named.sort(key=lambda one: one[0].plan.configurations.start)
-        if not named:
+        runs = [_open_part(part) for part in parts]
+        if not runs:
             refuse("parts", [], "it must be at least one part of a run")
-        plan = named[0][0].plan.replaced(part=None)
+        runs.sort(key=lambda part: part.configurations.start)
+        plan = runs[0].ensemble.plan.replaced(part=None)
         totals = Totals(plan)
-        for run, name in named:
-            own, done = run.plan.configurations, totals.configurations
-            if other := plan.difference_from(run.plan.replaced(part=None)):
-                raise ValueError(f"parts: {run.plan.part or 'the whole'}{name} is of {other}")
-            if own.start < done:
-                raise ValueError(f"parts: configuration {own.start} is there twice{name}")
-            if own.start > done:
+        for run in runs:
+            run.require_of(plan)
+            done = totals.configurations
+            start = run.configurations.start
+            if start < done:
+                raise ValueError(f"parts: configuration {start} is there twice{run.source}")
+            if start > done:
                 break
-            totals.add(run.arrays, len(own))
-        if (done := totals.configurations) < plan.media:
+            totals.add(run.ensemble.arrays, len(run.configurations))
+        done = totals.configurations
+        if done < plan.media:
             raise ValueError(f"parts: configuration {done} of 0 to {plan.media - 1} is missing")
         return cls(plan, totals.arrays())
 
+    # -- helpers -----------------------------------------------------------------------------------
+
     @property
     def _unit(self) -> float:
+        """The diameter d: in files lengths are in d."""
         return self.medium.diameter
 
-    def _get(self, name: str, key: str) -> np.ndarray:
+    def _requested(self, name: str, key: str) -> np.ndarray:
+        """Return an array that is there only if it was requested; name: in `observables`."""
         if key not in self.arrays:
             raise AttributeError(f"{name} was not asked for: simulate(observables=[{name!r}, ...])")
         return self.arrays[key]
 
-    def _over_tracers(self, each: np.ndarray) -> Estimate:
-        """Return the mean of what each tracer has, (media * tracers, ...)."""
-        sums = each.reshape(self.media, self.tracers, *each.shape[1:]).sum(axis=1)
-        numbers = np.full(sums.shape, self.tracers)
-        return jackknife(np.stack((sums, numbers), axis=1), lambda total: total[0] / total[1])
+    def _require_output(self, name: object) -> None:
+        """Raise ValueError for the name of no estimate and no histogram of this ensemble."""
+        names = dataset_names(self)
+        if name not in names:
+            refuse("name", name, f"this ensemble has {', '.join(names)}")
 
-    def _average(self, name: str) -> Estimate:
-        unit, _, of, scaled = tables.ESTIMATES[name]
+    def _mean_over_tracers(self, numbers: np.ndarray) -> Estimate:
+        """Return the mean of numbers of each tracer, (media * tracers, ...)."""
+        of_configurations = numbers.reshape(self.media, self.tracers, *numbers.shape[1:])
+        sums = of_configurations.sum(axis=1)
+        counts = np.full(sums.shape, self.tracers)
+        return jackknife(np.stack((sums, counts), axis=1), lambda total: total[0] / total[1])
+
+    def _compute_average(self, name: str) -> Estimate:
+        """Return the average of this name in `outputs.ESTIMATES`, from sums over tracers."""
+        average = tables.ESTIMATES[name]
+        compute = average.compute
+        assert compute is not None
         sums = self.moments
         if self.field:
             sums = np.concatenate([sums, self.arrays["field_sums"]], axis=2)
         elif name in tables.IN_FIELD and name != "trapped_fraction":
             raise AttributeError(f"{name} is there in a field only: simulate(field=...)")
-        assert of is not None
-        d = self.medium.dimension
-        found = jackknife(sums, lambda total: of(tables.Sums(total, d)))
-        # after the jackknife: squares of late speeds are too small for a number
-        return found.divided(self.plan.scales() if scaled else self._unit ** -_LENGTHS[unit])
+        dimension = self.medium.dimension
+        estimate = jackknife(sums, lambda total: compute(tables.Sums(total, dimension)))
+        # After the jackknife: squares of late speeds are too small for a number.
+        if average.scaled:
+            return estimate.divided(self.plan.scales())
+        return estimate.divided(self._unit ** -tables.LENGTH_POWERS[average.unit])
 
-    def _histogram(self, name: str) -> Histogram:
-        counts, squares, cross = self._get(name, f"histograms/{name}/sums")
+    def _compute_histogram(self, name: str) -> Histogram:
+        """Return the histogram of this name in `outputs.VARIABLES`."""
+        counts, squares, cross = self._requested(name, f"histograms/{name}/sums")
         samples = self.arrays[f"histograms/{name}/samples"]
+        shares = estimate_shares(counts, squares, cross, samples, self.media)
         low, per_octave, bins = self.plan.grids()[tables.HISTOGRAMS.index(name)]
         edges = 2.0 ** (low + np.arange(int(bins) + 1) / per_octave)
-        if name not in tables.HISTOGRAMS[:2]:
+        if name not in tables.OF_VELOCITIES:
             edges = edges * self._unit
-        found = share(counts, squares, cross, samples, self.media)
-        inside = Estimate(found.value[:, 1:-1], found.error[:, 1:-1])
-        return Histogram(edges, inside, found.value[:, 0], found.value[:, -1])
+        inside = Estimate(shares.value[:, 1:-1], shares.error[:, 1:-1])
+        return Histogram(edges, inside, below=shares.value[:, 0], above=shares.value[:, -1])
 
 
-_LENGTHS = {"1": 0, "U": 0, "U^2": 0, "d": 1, "d^2": 2}
+class _PartOfRun(NamedTuple):
+    """A part of a run that is to be merged, and for messages the file that it was read from."""
+
+    ensemble: Ensemble
+    source: str
+
+    @property
+    def configurations(self) -> range:
+        """The numbers of its configurations."""
+        return self.ensemble.plan.configurations
+
+    def require_of(self, plan: Plan) -> None:
+        """Raise ValueError for a part of another run than this whole one."""
+        own = self.ensemble.plan
+        if difference := plan.difference_from(own.replaced(part=None)):
+            name = own.part or "the whole"
+            raise ValueError(f"parts: {name}{self.source} is of {difference}")
 
 
-def _attach(name: str, make: Callable[[Ensemble, str], Any], words: str) -> None:
-    def attribute(ensemble: Ensemble) -> Any:
-        return make(ensemble, name)
-
-    attribute.__doc__ = words
-    made = cached_property(attribute)
-    made.__set_name__(Ensemble, name)
-    setattr(Ensemble, name, made)
-
-
-for _name, _one in tables.ESTIMATES.items():
-    if _one.of is not None:
-        _attach(_name, Ensemble._average, f"Estimate of {_one.words}; unit {_one.unit}.")
-for _name, (_, _unit, _words) in tables.VARIABLES.items():
-    _words = f"Histogram of the {_words} in {_unit}; {PER_OCTAVE} bins per octave."
-    _attach(_name, Ensemble._histogram, _words)
+def _open_part(part: "Ensemble | str | PathLike[str]") -> _PartOfRun:
+    """Return a part of a run that is an ensemble or a file."""
+    if isinstance(part, Ensemble):
+        return _PartOfRun(part, "")
+    return _PartOfRun(Ensemble.load(part), f" ({part})")
 
 
 def load(path: str | PathLike[str]) -> Ensemble:

@@ -2,7 +2,8 @@
 
 Lengths are in d, so the centre of the tracer meets a scatterer on a circle of radius 1. The path
 among fixed scatterers does not depend on the speed; so a tracer is a place, a unit direction and,
-apart from them, an inverse speed: the rescaling of the paper's section 2 with the speed kept.
+apart from them, an inverse speed: the rescaling of the paper's section 2 with the speed kept. The
+collision law stands in `_rebound` and `bounce` alone. Begin reading with `contact` and `scatter`.
 """
 
 from math import copysign, frexp, sqrt
@@ -12,22 +13,30 @@ import numpy as np
 from numba import njit
 
 from particles.compiled import inlined
-from particles.impact import PER_OCTAVE
+from particles.impact import NODES_PER_OCTAVE
 
-# A contact whose normal velocity is below this fraction of the speed does not count as a collision.
-# Otherwise a tracer that slides off a scatterer (restitution 0) could meet it again by rounding.
-# Only grazing contacts that would enter the scatterer by less than 1e-18 d are left out.
+#: A contact whose normal velocity is below this fraction of the speed does not count as a
+#: collision. Chosen: otherwise a tracer that slides off a scatterer (restitution 0) could meet it
+#: again by rounding. Only contacts that would enter the scatterer by less than 1e-18 d are left
+#: out.
 GRAZING = 1e-9
+#: A time, or a path, that stands for infinity. Chosen: its square root, and products of it with
+#: numbers of a run, still are finite.
 NEVER = 1e300
-# Steps of an iteration that mostly ends after a few; more are taken for infinitely many.
+#: Steps of an iteration that mostly ends after a few; more are taken for infinitely many. The
+#: origin of the number is not recorded.
 MOST_STEPS = 10_000
 
 
 class Varying(NamedTuple):
     """A restitution that depends on the impact speed, and sticking (`particles.impact`).
 
-    values (n,): e at the nodes of `impact.compiled` from 2^lowest on; n = 1: constant. capture:
-    impact speed below which a tracer sticks. slowest: e of bounces that never end, or 1.
+    Parameters
+    ----------
+    lowest : octave of the lowest impact speed of the table
+    values : e at the nodes of `impact.tabulate` from 2^lowest on, shape (n,); n = 1: constant
+    capture : impact speed below which a tracer sticks
+    slowest : e of bounces that never end, 1 where they would stick
     """
 
     lowest: int
@@ -39,25 +48,18 @@ class Varying(NamedTuple):
 @inlined
 def restitution_at(varying: Varying, speed: float) -> float:
     """Return the restitution at an impact speed."""
-    values, last = varying.values, varying.values.size - 1
+    values = varying.values
+    last = values.size - 1
     if last == 0 or not speed > 0.0:
         return float(values[0])
     fraction, exponent = frexp(speed)
-    place = (2.0 * fraction - 1.0 + (exponent - 1 - varying.lowest)) * PER_OCTAVE
+    place = (2.0 * fraction - 1.0 + (exponent - 1 - varying.lowest)) * NODES_PER_OCTAVE
     if place <= 0.0:
         return float(values[0])
     if place >= last:
         return float(values[last])
     node = int(place)
     return float(values[node] + (place - node) * (values[node + 1] - values[node]))
-
-
-@inlined
-def law_at(varying: Varying | None, law: tuple[float, float], speed: float) -> tuple[float, float]:
-    """Return restitution and tangential restitution at an impact speed."""
-    if varying is None:
-        return law
-    return restitution_at(varying, speed), law[1]
 
 
 @njit(inline="always", error_model="numpy")
@@ -79,7 +81,9 @@ def contact(dx: float, dy: float, ux: float, uy: float) -> tuple[float, float]:
 def contact_in_space(dx: float, dy: float, dz: float, ux: float, uy: float, uz: float) -> float:
     """Return the path to contact with a scatterer at (dx, dy, dz) from the tracer, or NEVER."""
     along = dx * ux + dy * uy + dz * uz
-    px, py, pz = dx - along * ux, dy - along * uy, dz - along * uz
+    px = dx - along * ux
+    py = dy - along * uy
+    pz = dz - along * uz
     square = 1.0 - (px * px + py * py + pz * pz)
     if along > GRAZING and square > 0.0:
         return along - sqrt(square)
@@ -136,8 +140,8 @@ def scatter(
     vx = along * ux - across * uy
     vy = along * uy + across * ux
     # One Newton step on the norm: rounding of a million collisions does not add up.
-    unit = 1.5 - 0.5 * (vx * vx + vy * vy)
-    return vx * unit, vy * unit, ratio
+    scale = 1.5 - 0.5 * (vx * vx + vy * vy)
+    return vx * scale, vy * scale, ratio
 
 
 @njit(inline="always", error_model="numpy")
@@ -152,7 +156,9 @@ def bounce(
     restitution, tangential = law
     approach = -min(vx * nx + vy * ny, 0.0)
     change = (tangential + restitution) * approach
-    return tangential * vx + change * nx, tangential * vy + change * ny, restitution * approach
+    new_vx = tangential * vx + change * nx
+    new_vy = tangential * vy + change * ny
+    return new_vx, new_vy, restitution * approach
 
 
 @njit(inline="always", error_model="numpy")
@@ -177,8 +183,8 @@ def turned(
 @njit(inline="always", error_model="numpy")
 def _unit(vx: float, vy: float, vz: float) -> tuple[float, float, float]:
     """Return a unit vector exact to rounding of one that nearly is: one Newton step on the norm."""
-    per = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
-    return vx * per, vy * per, vz * per
+    scale = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
+    return vx * scale, vy * scale, vz * scale
 
 
 @njit(inline="always", error_model="numpy")
@@ -219,20 +225,25 @@ def bounce_in_space(
     a vector y across the direction u, and q = sqrt(1 - y^2), the normal is -(q u + y), exact to
     rounding, and the new velocity is that of `scatter_in_space`.
     """
-    (dx, dy, dz), (ux, uy, uz) = offset, direction
+    dx, dy, dz = offset
+    ux, uy, uz = direction
     along = dx * ux + dy * uy + dz * uz
-    px, py, pz = dx - along * ux, dy - along * uy, dz - along * uz
+    px = dx - along * ux
+    py = dy - along * uy
+    pz = dz - along * uz
     y2 = px * px + py * py + pz * pz
     square = 1.0 - y2
     depth = sqrt(square)
-    normal = -(depth * ux + px), -(depth * uy + py), -(depth * uz + pz)
-    kept, ratio = _rebound(y2, 1.0, square, restitution, tangential)
+    normal = (-(depth * ux + px), -(depth * uy + py), -(depth * uz + pz))
+    along_old, ratio = _rebound(y2, 1.0, square, restitution, tangential)
     if ratio == 0.0:
         return normal, direction, 0.0
     scale = 1.0 / ratio
-    kept *= scale
+    along_old *= scale
     across = -(tangential + restitution) * depth * scale
-    vx, vy, vz = kept * ux + across * px, kept * uy + across * py, kept * uz + across * pz
+    vx = along_old * ux + across * px
+    vy = along_old * uy + across * py
+    vz = along_old * uz + across * pz
     return normal, _unit(vx, vy, vz), ratio
 
 
@@ -254,27 +265,36 @@ def lower_rebound(
     r = restitution / tangential
     middle = -0.5 * (1.0 + r) * cosine
     square = 0.25 * ((1.0 - r) * (1.0 - r) - (1.0 + r) * (1.0 + r) * sine2)
-    if restitution >= tangential or middle <= 0.0 or square < 0.0 or rho >= middle + sqrt(square):
+    if restitution >= tangential or middle <= 0.0 or square < 0.0:
         return NEVER
-    return r / (middle + sqrt(square))
+    upper = middle + sqrt(square)
+    return r / upper if rho < upper else NEVER
 
 
 @njit(error_model="numpy")
 def is_collapsing(
-    before: tuple[float, float],
-    left: tuple[float, float],
+    previous_normal: tuple[float, float],
+    normal: tuple[float, float],
     direction: tuple[float, float],
     restitution: float,
     tangential: float,
 ) -> bool:
     """Tell whether a tracer between two straight walls collides infinitely often from now on.
 
-    before, left: unit normals of the wall before and of the one that it leaves with this unit
-    direction.
+    Parameters
+    ----------
+    previous_normal : of the wall before, a unit vector
+    normal : of the wall that the tracer leaves
+    direction : in which it leaves, a unit vector
+    restitution, tangential : e and et
     """
-    (ax, ay), (bx, by), (ux, uy) = before, left, direction
-    approach, sine = -(ux * ax + uy * ay), ax * by - ay * bx
+    ax, ay = previous_normal
+    bx, by = normal
+    ux, uy = direction
+    approach = -(ux * ax + uy * ay)
+    sine = ax * by - ay * bx
+    cosine = ax * bx + ay * by
     if approach <= 0.0:
         return False
     rho = (ux * bx + uy * by) / approach
-    return lower_rebound(ax * bx + ay * by, sine * sine, rho, restitution, tangential) < NEVER
+    return lower_rebound(cosine, sine * sine, rho, restitution, tangential) < NEVER

@@ -16,7 +16,8 @@ in the diameter d, times in d/U; columns in `outputs`:
 
 While a run goes on, its file is written whenever the time since the last writing is fifty times
 what that took: beside its target, and renamed, so that it is whole or the one before. All of it is
-checksummed by HDF5. A run that is killed goes on from its file, to the same bits.
+checksummed by HDF5. A run that is killed goes on from its file, to the same bits. Begin reading
+with `write` and `read`.
 """
 
 import json
@@ -27,79 +28,95 @@ from contextlib import suppress
 from dataclasses import fields
 from io import BytesIO
 from math import inf
+from os import PathLike
 from typing import Any
 
 import h5py
 import numpy as np
 
 from particles.configuration import Arrays, Totals
-from particles.impact import Tabulated, Viscoelastic
+from particles.impact import Law, Tabulated, Viscoelastic
 from particles.media import MEDIA
 from particles.outputs import DRIVES
 from particles.plan import Plan
 from particles.values import check_path, package_version, short
 
 FORMAT = "inelastic-lorentz particles 8"
-SHARE = 0.02  # of the time between two writings of the whole file that one of them may take
+#: Share of the time of a run that the writing of its file may take. Chosen: a run then is longer by
+#: 2 %, and what a run that is killed loses is fifty times what a writing takes.
+WRITING_SHARE = 0.02
+#: Characters of a path that a message shows. The origin of the number is not recorded.
+SHOWN_PATH = 200
 
 
-def write(path: Any, plan: Plan, arrays: Arrays, done: int) -> None:
-    """Write a run, replacing what is at `path`. Raises ValueError if it cannot be written."""
+# -- whole runs ------------------------------------------------------------------------------------
+
+
+def write(path: str | PathLike[str], plan: Plan, arrays: Arrays, done: int) -> None:
+    """Write a run, replacing what is at `path`. Raises ValueError if it cannot be written.
+
+    done: how many configurations, from the first one on, have been run.
+    """
     image = BytesIO()  # in memory: on a full disk HDF5 would end the process
     with h5py.File(image, "w", libver=("v110", "v110")) as file:  # its structure is checksummed
         file.attrs.update({"format": np.bytes_(FORMAT), "done": done})
-        text = np.frombuffer(_text(plan), np.uint8)
-        for name, array in {"plan": text, **arrays}.items():
+        plan_as_bytes = np.frombuffer(_encode(plan), np.uint8)
+        for name, array in {"plan": plan_as_bytes, **arrays}.items():
             file.create_dataset(name, data=array, fletcher32=array.size > 0 or None)
     write_whole(check_path("path", path), image.getvalue())
 
 
-def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
+def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
     """Return (plan, arrays, configurations done) from a file; ValueError if it cannot be used."""
     path = check_path("path", path)
     if not os.path.isfile(path):
         raise ValueError(f"{path}: no such file")
-    names: list[str] = []
     try:
         with h5py.File(path, "r") as file:
-            found, done = file.attrs["format"].decode(), int(file.attrs["done"])
-            if found == FORMAT:
-                file.visit(names.append)
-                arrays = {n: file[n][()] for n in names if isinstance(file[n], h5py.Dataset)}
-                plan = _understood(arrays.pop("plan").tobytes())
+            file_format = file.attrs["format"].decode()
+            done = int(file.attrs["done"])
+            if file_format == FORMAT:
+                arrays = _read_arrays(file)
+                plan = _decode(arrays.pop("plan").tobytes())
     except Exception as error:  # of nearly any class; h5py's own words are long
-        what = "is damaged, or no saved simulation"
-        raise ValueError(f"{path}: {what} ({type(error).__name__})") from None
-    if found != FORMAT:
-        raise ValueError(f"{path}: holds {short(found)}; this version reads {FORMAT!r}")
+        problem = f"is damaged, or no saved simulation ({type(error).__name__})"
+        raise ValueError(f"{path}: {problem}") from None
+    if file_format != FORMAT:
+        raise ValueError(f"{path}: holds {short(file_format)}; this version reads {FORMAT!r}")
     return plan, arrays, done
 
 
-def _text(plan: Plan) -> bytes:
+def _read_arrays(file: h5py.File) -> dict[str, np.ndarray]:
+    """Return every array of a file, by its name."""
+    names: list[str] = []
+    file.visit(names.append)
+    return {name: file[name][()] for name in names if isinstance(file[name], h5py.Dataset)}
+
+
+def _encode(plan: Plan) -> bytes:
     """Return the arguments of a plan as JSON."""
-
-    def plain(value: Any) -> Any:
-        if isinstance(value, frozenset):
-            return sorted(value)
-        if isinstance(value, np.ndarray):
-            return value.tolist()
-        own = {f.name: getattr(value, f.name) for f in fields(value) if f.init}
-        return {"kind": type(value).__name__} | own
-
-    return json.dumps(dict(plan.arguments()), default=plain).encode()
+    return json.dumps(dict(plan.arguments()), default=_as_json).encode()
 
 
-def _understood(text: bytes) -> Plan:
-    """Return the plan that `_text` was given."""
+def _as_json(value: Any) -> object:
+    """Return an argument that JSON has no form of as lists and dictionaries."""
+    if isinstance(value, frozenset):
+        return sorted(value)
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    arguments = {field.name: getattr(value, field.name) for field in fields(value) if field.init}
+    return {"kind": type(value).__name__} | arguments
+
+
+def _decode(text: bytes) -> Plan:
+    """Return the plan that `_encode` was given."""
     arguments = json.loads(text)
-    kinds = {medium.__name__: medium for medium in MEDIA}
     medium = arguments["medium"]
-    arguments["medium"] = kinds[medium.pop("kind")](**medium)
-    law = arguments["restitution"]
-    if isinstance(law, dict):
-        is_table = law.pop("kind") == "Tabulated"
-        law = Tabulated(*map(np.array, law.values())) if is_table else Viscoelastic(**law)
-        arguments["restitution"] = law
+    class_of_medium = {kind.__name__: kind for kind in MEDIA}[medium.pop("kind")]
+    arguments["medium"] = class_of_medium(**medium)
+    restitution = arguments["restitution"]
+    if isinstance(restitution, dict):
+        arguments["restitution"] = _decode_law(restitution)
     arguments["times"] = np.array(arguments["times"], float)
     if arguments["velocities"] is not None:
         arguments["velocities"] = np.array(arguments["velocities"], float)
@@ -109,12 +126,20 @@ def _understood(text: bytes) -> Plan:
     return Plan.of_arguments(arguments)
 
 
+def _decode_law(law: dict[str, Any]) -> Law:
+    """Return a restitution that depends on the impact speed."""
+    if law["kind"] == "Tabulated":
+        return Tabulated(np.array(law["speeds"]), np.array(law["values"]))
+    return Viscoelastic(law["b"])
+
+
 class Saver:
     """Writes the file of a run now and then, and at its end."""
 
     def __init__(self, path: str, plan: Plan) -> None:
-        self.path, self.plan = os.path.realpath(path), plan
-        self._next = 0.0
+        self.path = os.path.realpath(path)
+        self.plan = plan
+        self._next_writing = 0.0
 
     def begin(self, resume: bool) -> Totals:
         """Return the totals to go on from, and make sure that the run can be saved."""
@@ -122,20 +147,22 @@ class Saver:
             totals = Totals(self.plan)
             self.write(totals)
             return totals
-        where = f"output: got {short(self.path, 200)}"
+        file = f"output: got {short(self.path, SHOWN_PATH)}"
         if not resume:
-            raise ValueError(f"{where}; it exists, resume=True (--resume) would go on from it")
-        found, arrays, done = read(self.path)
-        if other := self.plan.difference_from(found):
-            raise ValueError(f"{where}; it holds {other}")
+            raise ValueError(f"{file}; it exists, resume=True (--resume) would go on from it")
+        plan, arrays, done = read(self.path)
+        if difference := self.plan.difference_from(plan):
+            raise ValueError(f"{file}; it holds {difference}")
         return Totals(self.plan, arrays, done)
 
     def write(self, totals: Totals, at_once: bool = True) -> None:
         """Save everything, at once or if the last time was long enough ago."""
-        if at_once or time.monotonic() >= self._next:
-            began = time.monotonic()
-            write(self.path, self.plan, totals.arrays(), totals.configurations)
-            self._next = time.monotonic() + (time.monotonic() - began) / SHARE
+        began = time.monotonic()
+        if not at_once and began < self._next_writing:
+            return
+        write(self.path, self.plan, totals.arrays(), totals.configurations)
+        ended = time.monotonic()
+        self._next_writing = ended + (ended - began) / WRITING_SHARE
 
 
 def write_whole(path: str, contents: bytes) -> None:
@@ -145,24 +172,27 @@ def write_whole(path: str, contents: bytes) -> None:
     """
     if os.path.exists(path) and not os.path.isfile(path):
         raise ValueError(f"{path}: is a folder, a device or a pipe, not a file")
-    home, name = os.path.split(os.path.realpath(path))
-    part = os.path.join(home, f".{name}.{secrets.token_hex(8)}.part")
+    folder, name = os.path.split(os.path.realpath(path))
+    unfinished = os.path.join(folder, f".{name}.{secrets.token_hex(8)}.part")
     try:
-        with open(part, "xb") as file:  # x: never through a symbolic link
+        with open(unfinished, "xb") as file:  # x: never through a symbolic link
             file.write(contents)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(part, os.path.join(home, name))
+        os.replace(unfinished, os.path.join(folder, name))
         if os.name == "posix":  # the new name is safe with its folder
-            descriptor = os.open(home, os.O_RDONLY)
+            descriptor = os.open(folder, os.O_RDONLY)
             os.fsync(descriptor)
             os.close(descriptor)
     except OSError as error:
         why = f"it cannot be written ({error.strerror or error})"
-        raise ValueError(f"output: got {short(path, 200)}; {why}") from None
+        raise ValueError(f"output: got {short(path, SHOWN_PATH)}; {why}") from None
     finally:
         with suppress(OSError):
-            os.unlink(part)  # it is there only if something went wrong
+            os.unlink(unfinished)  # it is there only if something went wrong
+
+
+# -- H5MD ------------------------------------------------------------------------------------------
 
 
 def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndarray) -> None:
@@ -172,28 +202,58 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
     displacements from each tracer's start, in no box; NaN where a tracer has ended. `medium` (n,)
     is the configuration of each tracer.
     """
-    unit, dimension = plan.medium.diameter, plan.medium.dimension
-    first, count = plan.configurations.start, len(plan.configurations) * plan.tracers
-    with h5py.File(image := BytesIO(), "w") as file:
-        file.create_group("h5md").attrs["version"] = np.array([1, 1], np.int32)
-        file.create_group("h5md/author").attrs["name"] = "unknown"
-        creator = {"name": "inelastic-lorentz", "version": package_version()}
-        file.create_group("h5md/creator").attrs.update(creator)
-        file.create_group("h5md/modules/units").attrs["version"] = np.array([1, 0], np.int32)
-        group = file.create_group("particles/tracers")
-        boundary = np.array([b"none"] * dimension)
-        group.create_group("box").attrs.update({"dimension": dimension, "boundary": boundary})
-        for name, values, of in (("position", positions, "d"), ("velocity", velocities, "U")):
-            group[f"{name}/value"] = values
-            group[f"{name}/value"].attrs["unit"] = of
-            group[f"{name}/step"] = np.arange(plan.times.size)
-            group[f"{name}/time"] = plan.times / unit
-            group[f"{name}/time"].attrs["unit"] = "d U-1"
-        group["id"], group["medium"] = np.arange(count), first + np.arange(count) // plan.tracers
-        law = plan.drive.restitution  # as text where it depends on the impact speed
-        file["parameters/restitution"] = law if isinstance(law, float) else repr(law)
-        for name in (name for name in DRIVES if getattr(plan.drive, name)):
-            file[f"parameters/{name}"] = getattr(plan.drive, name)
-        if plan.drive.mass_ratio < inf:
-            file["parameters/mass_ratio"] = plan.drive.mass_ratio
+    image = BytesIO()
+    with h5py.File(image, "w") as file:
+        _write_h5md_header(file)
+        _write_h5md_tracers(file, plan, positions, velocities)
+        _write_h5md_parameters(file, plan)
     write_whole(path, image.getvalue())
+
+
+def _write_h5md_header(file: h5py.File) -> None:
+    """Write what every H5MD file begins with."""
+    file.create_group("h5md").attrs["version"] = np.array([1, 1], np.int32)
+    file.create_group("h5md/author").attrs["name"] = "unknown"
+    creator = {"name": "inelastic-lorentz", "version": package_version()}
+    file.create_group("h5md/creator").attrs.update(creator)
+    units = file.create_group("h5md/modules/units")
+    units.attrs["version"] = np.array([1, 0], np.int32)
+
+
+def _write_h5md_tracers(
+    file: h5py.File, plan: Plan, positions: np.ndarray, velocities: np.ndarray
+) -> None:
+    """Write the tracers: their numbers, their configurations, where they are and how fast."""
+    dimension = plan.medium.dimension
+    group = file.create_group("particles/tracers")
+    boundary = np.array([b"none"] * dimension)
+    group.create_group("box").attrs.update({"dimension": dimension, "boundary": boundary})
+    _write_h5md_element(group, "position", positions, "d", plan)
+    _write_h5md_element(group, "velocity", velocities, "U", plan)
+    numbers = np.arange(len(plan.configurations) * plan.tracers)
+    group["id"] = numbers
+    group["medium"] = plan.configurations.start + numbers // plan.tracers
+
+
+def _write_h5md_element(
+    group: h5py.Group, name: str, values: np.ndarray, unit: str, plan: Plan
+) -> None:
+    """Write what depends on the time, as an element of H5MD."""
+    group[f"{name}/value"] = values
+    group[f"{name}/value"].attrs["unit"] = unit
+    group[f"{name}/step"] = np.arange(plan.times.size)
+    group[f"{name}/time"] = plan.times / plan.medium.diameter
+    group[f"{name}/time"].attrs["unit"] = "d U-1"
+
+
+def _write_h5md_parameters(file: h5py.File, plan: Plan) -> None:
+    """Write what drives the tracers, without what does not act."""
+    drive = plan.drive
+    law = drive.restitution  # as text where it depends on the impact speed
+    file["parameters/restitution"] = law if isinstance(law, float) else repr(law)
+    for name in DRIVES:
+        strength = getattr(drive, name)
+        if strength:
+            file[f"parameters/{name}"] = strength
+    if drive.mass_ratio < inf:
+        file["parameters/mass_ratio"] = drive.mass_ratio

@@ -16,6 +16,7 @@ from particles.values import (
     check_whole,
     real_array,
     refuse,
+    set_fields,
 )
 
 #: Least density in d^-2, or d^-3. Derived: at lower ones flights are so long that too few digits of
@@ -39,8 +40,8 @@ LARGEST_EXCLUSION = 2.0
 
 def _require_density(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
     if not in_diameters >= LEAST_DENSITY:
-        least = f"{LEAST_DENSITY:g} per d^{dimension} or more; below use BoltzmannGrad, the limit"
-        refuse(name, value, f"in units of d it is {in_diameters:.3g}, it must be {least}")
+        allowed = f"{LEAST_DENSITY:g} per d^{dimension} or more; below use BoltzmannGrad, the limit"
+        refuse(name, value, f"in units of d it is {in_diameters:.3g}, it must be {allowed}")
 
 
 class Random:
@@ -59,7 +60,7 @@ class Random:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
         count = check_whole("count", self.count, 1)
-        vars(self).update(number_density=density, diameter=d, count=count)
+        set_fields(self, number_density=density, diameter=d, count=count)
         in_diameters = density * d * d
         if self.dimension == 3:
             in_diameters *= d
@@ -77,8 +78,8 @@ class Random:
     def _require_at_most(self, density: float, largest: float) -> None:
         """Refuse a density that, in some unit, is larger than it may be."""
         if density > largest:
-            most = largest / density * self.number_density
-            allowed = f"it must be at most {most:g} for {type(self).__name__} of diameter "
+            limit = largest / density * self.number_density
+            allowed = f"it must be at most {limit:g} for {type(self).__name__} of diameter "
             allowed += f"{self.diameter:g}"
             if self.spacing not in (0.0, self.diameter):
                 allowed += f" and exclusion {self.spacing:g}"
@@ -122,7 +123,7 @@ class Hard(Random):
                 f"it must be a number from 0 to {LARGEST_EXCLUSION:g} d = {largest:g}, or None"
             )
             exclusion = check_number("exclusion", self.exclusion, 0.0, largest, allowed)
-        vars(self).update(exclusion=exclusion)
+        set_fields(self, exclusion=exclusion)
         super().__post_init__()
         if self.box_side < SMALLEST_BOX * exclusion:
             wide = f"with it the box is {self.box_side / exclusion:.3g} exclusions wide"
@@ -257,7 +258,7 @@ class BoltzmannGrad:
         dimension = check_whole("dimension", self.dimension, 2, 3)
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        vars(self).update(number_density=density, diameter=d, dimension=dimension)
+        set_fields(self, number_density=density, diameter=d, dimension=dimension)
         in_diameters = density * d * d
         if dimension == 3:
             in_diameters *= d
@@ -304,28 +305,24 @@ class Positions(Value):
             allowed = f"it must be two finite numbers, at most {FARTHEST:g} boxes away"
             refuse("start", self.start, allowed)
 
-        offset = array - origin  # from the start to the nearest image
-        with np.errstate(invalid="ignore"):
-            offset -= box * np.round(offset / box)
-        near = (abs(array) <= FARTHEST * box).all(axis=-1)
-        free = np.hypot(offset[..., 0], offset[..., 1]) >= d
-        for good, allowed in (
-            (near, f"it must be finite, at most {FARTHEST:g} boxes away"),
-            (free, f"it covers the start {tuple(origin.tolist())}; it must be {d:g} away or more"),
-        ):
-            if len(bad := np.argwhere(~good)):
-                refuse(f"positions[{bad[0][-1]}]", array[tuple(bad[0])].tolist(), allowed)
+        is_near = np.asarray(np.all(abs(array) <= FARTHEST * box, axis=-1))
+        _require_positions(array, is_near, f"it must be finite, at most {FARTHEST:g} boxes away")
+        offset = array - origin
+        offset -= box * np.round(offset / box)  # from the start to the nearest image
+        is_free = np.asarray(np.hypot(offset[..., 0], offset[..., 1]) >= d)
+        covered = f"it covers the start {tuple(origin.tolist())}"
+        _require_positions(array, is_free, f"{covered}; it must be {d:g} away or more")
         density = array.shape[-2] / (box * box)
         _require_density("box_side", self.box_side, density * d * d)
         start = tuple(origin.tolist())
-        vars(self).update(positions=array, box_side=box, diameter=d, start=start)
-        vars(self).update(number_density=density)
+        set_fields(self, positions=array, box_side=box, diameter=d, start=start)
+        set_fields(self, number_density=density)
         super().__post_init__()
 
     def __repr__(self) -> str:
-        shape = " x ".join(str(n) for n in self.positions.shape)
-        rest = f"diameter={self.diameter!r}, start={self.start!r}"
-        return f"Positions(<{shape} numbers>, box_side={self.box_side!r}, {rest})"
+        shape = " x ".join(map(str, self.positions.shape))
+        lengths = f"box_side={self.box_side!r}, diameter={self.diameter!r}, start={self.start!r}"
+        return f"Positions(<{shape} numbers>, {lengths})"
 
     @classmethod
     def from_csv(
@@ -339,7 +336,7 @@ class Positions(Value):
         try:
             with open(name, encoding="utf-8-sig") as file:
                 lines = [line for line in file if line.strip()]
-            if lines and not any(c in "0123456789" for c in lines[0].split(",")[0]):
+            if lines and _is_header(lines[0]):
                 del lines[0]
             if not lines:
                 raise ValueError("holds no positions")
@@ -357,6 +354,20 @@ class Positions(Value):
     def sets(self) -> int | None:
         """Number of sets of positions, None if all configurations share one."""
         return len(self.positions) if self.positions.ndim == 3 else None
+
+
+def _require_positions(positions: np.ndarray, is_allowed: np.ndarray, allowed: str) -> None:
+    """Refuse the first of the positions that is not allowed, if there is one."""
+    refused = np.argwhere(~is_allowed)
+    if len(refused):
+        place = tuple(refused[0])
+        refuse(f"positions[{place[-1]}]", positions[place].tolist(), allowed)
+
+
+def _is_header(line: str) -> bool:
+    """Tell whether the first column of a line holds no digit."""
+    first_column = line.split(",")[0]
+    return not any(digit in first_column for digit in "0123456789")
 
 
 Medium = HardDisks | Poisson | HardSpheres | PoissonSpheres | BoltzmannGrad | Positions

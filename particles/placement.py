@@ -1,4 +1,7 @@
-"""The scatterers of one configuration: placed at random, or given."""
+"""The scatterers of one configuration: placed at random, or where the user says.
+
+Begin reading with `placed` and `_place_at_random`.
+"""
 
 from math import floor
 
@@ -50,11 +53,10 @@ def placed(
         places *= unit
         insert_all(cells, places)
     if count < medium.count:
-        what = "disks" if medium.dimension == 2 else "spheres"
+        bodies = "disks" if medium.dimension == 2 else "spheres"
         reached = medium.number_density * count / medium.count
-        allowed = f"only {count} of {medium.count} {what} could be placed, "
-        allowed += f"a density of {reached:.3g}"
-        refuse("number_density", medium.number_density, allowed)
+        allowed = f"only {count} of {medium.count} {bodies} could be placed"
+        refuse("number_density", medium.number_density, f"{allowed}, a density of {reached:.3g}")
     return cells, places
 
 
@@ -67,8 +69,8 @@ def _spot(u: float, cells: Cells, box: float) -> tuple[int, float, float]:
     if len(cells.shape) == 2:
         # The product of n and a number close to 1 may be rounded to n.
         i = min(floor(u * n), n - 1)
-        own = (u * n - i - 0.5) * side
-        return i, own, (i - middle) * side + own
+        from_centre = (u * n - i - 0.5) * side
+        return i, from_centre, (i - middle) * side + from_centre
     x = (u - 0.5) * box
     i = floor(x / side + 0.5)
     return i + middle, x - i * side, x
@@ -122,9 +124,9 @@ def _place_at_random(
 
 @kernel
 def free_places(
-    cells: Cells, seed: np.uint64, configuration: int, first: int, n: int
+    cells: Cells, seed: np.uint64, configuration: int, first_number: int, n: int
 ) -> np.ndarray:
-    """Return where n tracers from number `first` on begin at rest: i, j, x, y of each, (n, 4).
+    """Return where n tracers from a number on begin at rest: i, j, x, y of each, (n, 4).
 
     i, j: the cell, from the middle one; x, y: the place from its centre, in d. At one place they
     would all have one path: tracer 0 begins at the centre, every other one at a random place in the
@@ -135,7 +137,7 @@ def free_places(
     middle = n_cells // 2
     places = np.zeros((n, 4))
     for m in range(n):
-        number = first + m
+        number = first_number + m
         state, gamma = open_stream(seed, PLACES, configuration, number)
         attempts = 0 if number else ATTEMPTS
         while attempts < ATTEMPTS:

@@ -1,4 +1,7 @@
-"""What is to be run, as three values: what is simulated, what drives it, and what is recorded."""
+"""What is to be run, as three values: what is simulated, what drives it, and what is recorded.
+
+Begin reading with `Experiment`, `particles.drive.Drive` and `Recording`; a `Plan` is the three.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
@@ -80,7 +83,11 @@ class Recording(Value):
     depth: float | None = None
 
 
-def _select(kind: type, arguments: dict[str, Any]) -> dict[str, Any]:
+Arguments = dict[str, Any]
+"""Values of arguments, whose types are those of the fields of the same names."""
+
+
+def _select(kind: type, arguments: Arguments) -> Arguments:
     """Return the arguments that a class has fields for."""
     return {field.name: arguments[field.name] for field in fields(kind)}
 
@@ -102,7 +109,7 @@ class Plan(Value):
                 yield argument.name, getattr(values, argument.name)
 
     @classmethod
-    def of_arguments(cls, arguments: dict[str, Any]) -> "Plan":
+    def of_arguments(cls, arguments: Arguments) -> "Plan":
         """Return the plan of checked arguments, by name."""
         return cls(
             Experiment(**_select(Experiment, arguments)),
@@ -110,18 +117,20 @@ class Plan(Value):
             Recording(**_select(Recording, arguments)),
         )
 
-    def replaced(self, **arguments: Any) -> "Plan":
+    def replaced(self, **arguments: object) -> "Plan":
         """Return the plan with other values of some arguments."""
         return self.of_arguments(dict(self.arguments()) | arguments)
 
-    def reported(self) -> dict[str, Any]:
+    def reported(self) -> dict[str, object]:
         """Return the arguments of `simulate` that are of interest, without arrays."""
         arguments = dict(self.arguments())
         names = ["medium", "restitution", "tangential_restitution", "field", "media", "tracers"]
         names += ["max_collisions", "seed"]
         if self.drive.mass_ratio < inf:
             names.append("mass_ratio")
-        names += [name for name in (*outputs.DRIVES, "part") if arguments[name]]
+        names += [name for name in outputs.DRIVES if arguments[name]]
+        if self.part:
+            names.append("part")
         return {name: arguments[name] for name in names}
 
     def difference_from(self, other: "Plan") -> str:

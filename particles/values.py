@@ -1,47 +1,64 @@
 """Values: an argument is checked when it comes in, a result frozen when it is made.
 
-What is refused is a ValueError in one line, `name: got VALUE; it must be ...`.
+What is refused is a ValueError in one line, `name: got VALUE; it must be ...` (`refuse`). Frozen
+dataclasses that hold arrays derive from `Value`.
 """
 
 import contextlib
 import math
 import os
 import sys
+from collections.abc import Mapping
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from numbers import Real
 from types import MappingProxyType
-from typing import Any, NoReturn
+from typing import NoReturn, TypeGuard
 
 import numpy as np
 
+#: Smallest positive double.
+SMALLEST_FLOAT = 5e-324
+#: Largest whole number that is accepted where there is no other limit, one that an integer of 64
+#: bits holds. The origin of the number is not recorded.
+LARGEST_WHOLE = 2**62
+#: Characters of a value that a message shows. The origin of the number is not recorded.
+SHOWN_CHARACTERS = 60
 
-def short(value: Any, limit: int = 60) -> str:
+
+# -- refusing --------------------------------------------------------------------------------------
+
+
+def short(value: object, limit: int = SHOWN_CHARACTERS) -> str:
     """Return the repr of a value on one line, cut to `limit` characters."""
     try:
         text = " ".join(repr(value).split())
     except Exception:  # an int of more digits than Python writes out; a repr that fails
         text = f"<{type(value).__name__}>"
-    return text if len(text) <= limit else text[: limit - 3] + "..."
+    if len(text) <= limit:
+        return text
+    return text[: limit - 3] + "..."
 
 
-def refuse(name: str, value: Any, allowed: str) -> NoReturn:
-    """Raise ValueError for the argument of this name and value."""
+def refuse(name: str, value: object, allowed: str) -> NoReturn:
+    """Raise ValueError for the argument of this name and value; `allowed`: what it must be."""
     raise ValueError(f"{name}: got {short(value)}; {allowed}") from None
 
 
-def is_real(value: Any) -> bool:
+# -- checking --------------------------------------------------------------------------------------
+
+
+def is_real(value: object) -> TypeGuard[Real]:
     """Tell whether this is a real number, of Python or NumPy, and no boolean."""
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
-def check_positive(name: str, value: Any) -> float:
-    """Return a positive finite number as a float."""
-    allowed = "it must be a finite number above 0"
-    return check_number(name, value, 5e-324, sys.float_info.max, allowed)
+def is_whole(value: object) -> TypeGuard[int]:
+    """Tell whether this is a whole number, of Python or NumPy, and no boolean."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
-def check_number(name: str, value: Any, low: float, high: float, allowed: str) -> float:
+def check_number(name: str, value: object, low: float, high: float, allowed: str) -> float:
     """Return a number from low to high as a float."""
     number = math.nan
     if is_real(value):
@@ -52,27 +69,28 @@ def check_number(name: str, value: Any, low: float, high: float, allowed: str) -
     return number
 
 
-def is_whole(value: Any) -> bool:
-    """Tell whether this is a whole number, of Python or NumPy, and no boolean."""
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+def check_positive(name: str, value: object) -> float:
+    """Return a positive finite number as a float."""
+    allowed = "it must be a finite number above 0"
+    return check_number(name, value, SMALLEST_FLOAT, sys.float_info.max, allowed)
 
 
-def check_whole(name: str, value: Any, low: int, high: int = 2**62) -> int:
+def check_whole(name: str, value: object, low: int, high: int = LARGEST_WHOLE) -> int:
     """Return a whole number from low to high as an int."""
     if not is_whole(value) or not low <= value <= high:
         refuse(name, value, f"it must be a whole number from {low} to {high}")
     return int(value)
 
 
-def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
+def real_array(name: str, value: object, allowed: str) -> np.ndarray:
     """Return real numbers as a new array of doubles; complex and masked ones are refused.
 
     Numbers that are too large for a double become infinite.
     """
     try:
         array = np.array(value)
-        numbers = array.dtype.kind in "iuf" or all(map(is_real, array.flat))
-        if not numbers or np.ma.is_masked(value):
+        has_numbers = array.dtype.kind in "iuf" or all(map(is_real, array.flat))
+        if not has_numbers or np.ma.is_masked(value):
             raise TypeError
         with np.errstate(over="ignore"):
             return array.astype(np.float64)
@@ -80,12 +98,12 @@ def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
         refuse(name, value, allowed)
 
 
-def check_path(name: str, value: Any) -> str:
+def check_path(name: str, value: object) -> str:
     """Return the path of a file as text."""
-    try:
-        text = os.fsdecode(value)
-    except TypeError:
-        text = ""
+    text = ""
+    if isinstance(value, (str, bytes, os.PathLike)):
+        with contextlib.suppress(TypeError):
+            text = os.fsdecode(value)
     if not text or "\0" in text:
         refuse(name, value, "it must be the path of a file")
     return text
@@ -99,17 +117,33 @@ def package_version() -> str:
         return "unknown: the package is not installed"
 
 
-def frozen(value: Any) -> Any:
-    """Return a read-only view of an array or of a dict of arrays; anything else as it is."""
+# -- frozen values ---------------------------------------------------------------------------------
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """Return a view of an array that cannot be written to."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
+
+
+def set_fields(instance: object, **values: object) -> None:
+    """Set fields of a frozen dataclass while it is being made."""
+    for name, value in values.items():
+        object.__setattr__(instance, name, value)
+
+
+def _freeze(value: object) -> object:
+    """Return an array, or a dictionary of arrays, that cannot be changed; others as they are."""
     if isinstance(value, dict):
-        return MappingProxyType({name: frozen(item) for name, item in value.items()})
+        return MappingProxyType({name: _freeze(item) for name, item in value.items()})
     if isinstance(value, np.ndarray):
-        value = value.view()
-        value.setflags(write=False)
+        return read_only(value)
     return value
 
 
-def _content(value: Any) -> Any:
+def _content(value: object) -> object:
+    """Return what tells whether two values are equal, as something that has a hash."""
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, MappingProxyType):
@@ -125,17 +159,25 @@ class Value:
     """
 
     def __post_init__(self) -> None:
-        self.__setstate__(vars(self))
+        self.__setstate__(self._fields())
 
-    def __getstate__(self) -> dict[str, Any]:
-        state = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        return {k: dict(v) if isinstance(v, MappingProxyType) else v for k, v in state.items()}
+    def _fields(self) -> dict[str, object]:
+        """Return the value of each field, by its name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update({name: frozen(value) for name, value in state.items()})
+    def __getstate__(self) -> dict[str, object]:
+        state = self._fields()
+        for name, value in state.items():
+            if isinstance(value, MappingProxyType):  # which cannot be pickled
+                state[name] = dict(value)
+        return state
 
-    def _key(self) -> tuple[Any, ...]:
-        return tuple(_content(getattr(self, f.name)) for f in fields(self))  # type: ignore[arg-type]
+    def __setstate__(self, state: Mapping[str, object]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, _freeze(value))
+
+    def _key(self) -> tuple[object, ...]:
+        return tuple(map(_content, self._fields().values()))
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self._key() == other._key()

@@ -350,7 +350,9 @@ def test_a_space_in_a_word_may_be_a_hyphen(lorentz: Any) -> None:
 
 
 def test_derive_finds_equations_by_number_and_word(lorentz: Any) -> None:
-    assert lorentz("derive", "--only", "B15") == lorentz("derive", "--only", "sonine9")
+    by_label = lorentz("derive", "--only", "sonine9")
+    for name in ("B15", "b15", "eq. B15"):
+        assert lorentz("derive", "--only", name) == by_label
     listed = lorentz("derive", "--list").splitlines()
     assert next(line.split()[:2] for line in listed if "sonine9" in line) == ["B15", "sonine9"]
     found = lorentz.json("derive", "--search", "Mean Square")["equations"]

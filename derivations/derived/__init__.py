@@ -22,6 +22,7 @@ from . import (  # noqa: F401  (they register their derivations)
     scaling_state,
     sonine,
     statements,
+    steepest_descent,
     transport,
     uniform_field,
 )

@@ -22,6 +22,7 @@ from .record import Derived, derives, result, row
 
 @derives("beyond:any-average")
 def _any_average() -> Derived:
+    """Moments of the speed in any dimension."""
     # E[(s v)^p] - v^p times the rate v/l: the mean free path is all that knows the dimension
     change = sp.powsimp(s.v / s.l * s.v**s.p * (s.s**s.p - 1)).subs(s.s**s.p, 1 - s.lam(s.p))
     factor = sp.cancel(change / s.v ** (s.p + 1))
@@ -41,9 +42,10 @@ def following_moment() -> sp.Expr:
     """
     shape = sp.Function("F")(s.c)
     weight = s.c ** (s.p + s.dim - 1)  # c^p in the volume element
-    boundary = sp.diff(weight * s.c * shape, s.c)
-    rest = s.dim * shape * weight + s.c * sp.diff(shape, s.c) * weight - boundary
-    return -s.h / 2 * sp.simplify(rest / (weight * shape)) * Avg(s.c**s.p) / s.lam(s.p)
+    boundary_term = sp.diff(weight * s.c * shape, s.c)
+    weighted = s.dim * shape * weight + s.c * sp.diff(shape, s.c) * weight
+    by_parts = sp.simplify((weighted - boundary_term) / (weight * shape))  # -p
+    return -s.h / 2 * by_parts * Avg(s.c**s.p) / s.lam(s.p)
 
 
 @cache
@@ -61,6 +63,7 @@ def cooling_rate() -> sp.Expr:
     return rate
 
 
+# scaled moments and cooling rate in any dimension
 row(
     "beyond:any-moments",
     lambda: sp.Tuple(
@@ -75,26 +78,35 @@ row(
 
 @derives("beyond:any-slope")
 def _any_slope() -> Derived:
+    """Displacement after N collisions and over time, in any dimension."""
     # the displacement r of N flights, and u the next direction. With r' = r + L u: <r'^2> = <r^2> +
     # 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since E[u'] = c u
     c = s.cos_chi
     a, b, g = sp.symbols("a b g")
-    mean, square = free_path(1) * s.l, free_path(2) * s.l**2
+    mean_path = free_path(1) * s.l
+    mean_square_path = free_path(2) * s.l**2
     power = sp.Symbol("power")  # c^N
-    along = a * (1 - power)  # <r.u> after N collisions: starts from 0
-    step = along.subs(power, c * power) - c * (along + mean)
-    along = along.subs(sp.solve(sp.Poly(step, power).coeffs(), a))
-    total = b * s.N + g * (1 - power)  # <r^2>: starts from 0
-    growth = b + g * power * (1 - c) - 2 * mean * along - square
-    found = sp.solve(sp.Poly(sp.expand(growth), power).coeffs(), (b, g))
-    after = total.subs(found).subs(power, c**s.N)
+
+    # <r.u> after N collisions, which starts from 0
+    along = a * (1 - power)
+    balance = along.subs(power, c * power) - c * (along + mean_path)
+    along = along.subs(sp.solve(sp.Poly(balance, power).coeffs(), a))
+
+    # <r^2> after N collisions, which starts from 0
+    square = b * s.N + g * (1 - power)
+    growth = b + g * power * (1 - c)
+    balance = growth - 2 * mean_path * along - mean_square_path
+    constants = sp.solve(sp.Poly(sp.expand(balance), power).coeffs(), (b, g))
+    after_collisions = square.subs(constants).subs(power, c**s.N)
+
     # dN/d ln t = t <v>/l = t v0 <c>/l, with v0 = 2 l/(h t) from dv0/dt = -h v0^2/(2 l)
-    flights = 2 / s.h * mean_scaled_speed()
-    per_flight = sp.limit(after.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)
+    flights_per_log_time = 2 / s.h * mean_scaled_speed()
+    per_flight = sp.limit(after_collisions.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)
+    slope = sp.simplify(per_flight * flights_per_log_time)
     return result(
         sp.Tuple(
-            eq(s.msdN(s.N), after),
-            eq(Partial(s.msd(s.t), sp.log(s.t)), sp.simplify(per_flight * flights)),
+            eq(s.msdN(s.N), after_collisions),
+            eq(Partial(s.msd(s.t), sp.log(s.t)), slope),
         ),
         "one flight more: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2>, <r'.u'> = c (<r.u> + <L>)",
         note="Only E[u'] = <cos chi> u is used, which holds in any dimension by symmetry about u. "
@@ -104,21 +116,24 @@ def _any_slope() -> Derived:
 
 @derives("beyond:collision-number")
 def _collision_number() -> Derived:
+    """Variances of collisions and path, per ln t at late times."""
     # E[z^N] ~ t^theta: d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)] is solved by powers
     # t^(theta-p) at every p but where 1 - z phi(theta) = 0, phi(p) = E[s^p]
-    u, first, second = sp.symbols("u theta_1 theta_2")
-    theta = first * u + second * u**2 / 2
+    u, theta_1, theta_2 = sp.symbols("u theta_1 theta_2")
+    theta = theta_1 * u + theta_2 * u**2 / 2
     square = Avg(sp.log(s.s) ** 2)
     phi = 1 - s.klog * theta + square * theta**2 / 2
-    # z = exp(u) counts collisions; E[exp(u X/l)] over a flight is 1/(1 - u)
-    found = []
-    for z in (sp.exp(u), 1 / (1 - u)):
-        left = sp.series(1 - z * phi, u, 0, 3).removeO().expand()
-        (mean,) = sp.solve(left.coeff(u, 1), first)
-        (variance,) = sp.solve(left.coeff(u, 2).subs(first, mean), second)
-        found.append(sp.factor(variance))
+
+    def variance(z: sp.Expr) -> sp.Expr:
+        condition = sp.series(1 - z * phi, u, 0, 3).removeO().expand()
+        (mean,) = sp.solve(condition.coeff(u, 1), theta_1)
+        (second_cumulant,) = sp.solve(condition.coeff(u, 2).subs(theta_1, mean), theta_2)
+        return sp.factor(second_cumulant)
+
+    of_collisions = variance(sp.exp(u))  # z = exp(u) counts collisions
+    of_path = variance(1 / (1 - u))  # E[exp(u X/l)] over a flight
     return result(
-        sp.Tuple(eq(s.VarN, found[0]), eq(s.VarX, s.l**2 * found[1])),
+        sp.Tuple(eq(s.VarN, of_collisions), eq(s.VarX, s.l**2 * of_path)),
         ("phi(theta) = E[s^theta], up to the second order", phi),
         note="E[exp(u N)] grows as t^theta(u), phi(theta) = exp(-u), and E[exp(u X/l)] with "
         "phi(theta) = 1 - u: derivatives of theta at u = 0 are the cumulants per ln t.",
@@ -130,7 +145,10 @@ def _collision_number() -> Derived:
 COSINE = sp.Symbol("cosine", real=True)
 """The cosine of the angle between the velocity and a fixed direction."""
 
-MEMBERS: dict[tuple[int, int], UndefinedFunction] = {
+Member = tuple[int, int]
+"""A function of the chain: its order in k, and its harmonic."""
+
+MEMBERS: dict[Member, UndefinedFunction] = {
     (1, 1): s.chi1,
     (2, 0): s.rho2,
     (2, 2): s.S2,
@@ -138,37 +156,41 @@ MEMBERS: dict[tuple[int, int], UndefinedFunction] = {
     (4, 0): s.rho4,
 }
 """The functions of the chain by (order in k, harmonic)."""
-_START = (0, 0)
+_START: Member = (0, 0)
 """The order 0 of <exp(i k.r)>, which is 1."""
 
 
 @cache
 def harmonic(order: int, dimension: int) -> sp.Expr:
     """cos(m angle) in the plane, P_m in space: a polynomial in that cosine."""
-    return (sp.chebyshevt if dimension == 2 else sp.legendre)(order, COSINE)
+    if dimension == 2:
+        return sp.chebyshevt(order, COSINE)
+    return sp.legendre(order, COSINE)
 
 
 def over_directions(weight: sp.Expr, dimension: int) -> sp.Expr:
     """The average over all directions of the velocity of a polynomial in that cosine."""
     if dimension == 2:
-        turned = sp.expand(weight).subs(COSINE, sp.cos(s.theta))
-        return sp.integrate(sp.expand(turned), (s.theta, 0, sp.pi)) / sp.pi
+        in_angle = sp.expand(weight).subs(COSINE, sp.cos(s.theta))
+        return sp.integrate(sp.expand(in_angle), (s.theta, 0, sp.pi)) / sp.pi
     return sp.integrate(sp.expand(weight), (COSINE, -1, 1)) / 2
 
 
-def share(weight: sp.Expr, to: int, dimension: int) -> sp.Expr:
+def share(weight: sp.Expr, order: int, dimension: int) -> sp.Expr:
     """The coefficient of a harmonic in a polynomial in that cosine."""
-    target = harmonic(to, dimension)
+    target = harmonic(order, dimension)
     return over_directions(weight * target, dimension) / over_directions(target**2, dimension)
 
 
 def kernel(order: int, dimension: int) -> sp.Expr:
     """The factor by which a deflection chi multiplies a harmonic: the addition theorem."""
-    return sp.cos(order * s.chi) if dimension == 2 else sp.legendre(order, sp.cos(s.chi))
+    if dimension == 2:
+        return sp.cos(order * s.chi)
+    return sp.legendre(order, sp.cos(s.chi))
 
 
 @cache
-def scale(member: tuple[int, int], dimension: int) -> sp.Expr:
+def scale(member: Member, dimension: int) -> sp.Expr:
     """The coefficient of a harmonic in <(k.r)^n>/n!, over the function of the chain that it is.
 
     <r^n> stands in the mean over directions: <(k.r)^n> = k^n <r^n> times the mean of cos^n. In
@@ -183,32 +205,36 @@ def scale(member: tuple[int, int], dimension: int) -> sp.Expr:
 
 
 @cache
-def sources(dimension: int) -> dict[tuple[int, int], dict[tuple[int, int], sp.Expr]]:
-    """For every member of the chain the others that drive it, each with its factor.
+def sources(dimension: int) -> dict[Member, dict[Member, sp.Expr]]:
+    """For every member of the chain the members that drive it, each with its factor.
 
     In orders of i k, with l = 1 and zeta = v t: dw_n/dzeta = cos w_(n-1) + (collisions).
     """
-    chain: dict[tuple[int, int], dict[tuple[int, int], sp.Expr]] = {}
-    for order, m in MEMBERS:
-        chain[order, m] = {}
-        for other in (_START, *MEMBERS):
-            if other[0] == order - 1:
-                factor = share(COSINE * harmonic(other[1], dimension), m, dimension)
-                factor *= scale(other, dimension) / scale((order, m), dimension)
-                if factor:
-                    chain[order, m][other] = factor
+    chain: dict[Member, dict[Member, sp.Expr]] = {}
+    for member in MEMBERS:
+        order, m = member
+        chain[member] = {}
+        for source in (_START, *MEMBERS):
+            source_order, source_m = source
+            if source_order != order - 1:
+                continue
+            factor = share(COSINE * harmonic(source_m, dimension), m, dimension)
+            factor *= scale(source, dimension) / scale(member, dimension)
+            if factor:
+                chain[member][source] = factor
     return chain
 
 
-def chain_equation(member: tuple[int, int], dimension: int) -> sp.Eq:
+def chain_equation(member: Member, dimension: int) -> sp.Eq:
     """The equation of one member of the chain."""
     unknown = MEMBERS[member]
-    after = Avg(kernel(member[1], dimension) * unknown(s.s * s.zeta))
-    drive = sum(
-        factor * (1 if other == _START else MEMBERS[other](s.zeta))
-        for other, factor in sources(dimension)[member].items()
-    )
-    return eq(sp.Derivative(unknown(s.zeta), s.zeta), after - unknown(s.zeta) + drive)
+    _, m = member
+    after_collision = Avg(kernel(m, dimension) * unknown(s.s * s.zeta))
+    drive = sp.Integer(0)
+    for source, factor in sources(dimension)[member].items():
+        drive += factor * (1 if source == _START else MEMBERS[source](s.zeta))
+    rate = after_collision - unknown(s.zeta) + drive
+    return eq(sp.Derivative(unknown(s.zeta), s.zeta), rate)
 
 
 @cache
@@ -221,18 +247,19 @@ def late_flatness(dimension: int) -> sp.Expr:
     drive = sources(dimension)
     x = sp.Symbol("X")
     log_ratio = sp.Symbol("ln_s", real=True)  # its average is -kappa
-    collided = kernel(1, dimension).subs(sp.cos(s.chi), s.cos_chi)  # E[cos(chi)]
-    along = 1 / (1 - collided)
+    mean_cosine = kernel(1, dimension).subs(sp.cos(s.chi), s.cos_chi)  # E[cos(chi)]
+    along = 1 / (1 - mean_cosine)
 
     def shift(power: int) -> sp.Expr:
         """The average of (X + ln s)^power - X^power, to the leading order in X."""
-        change = sp.Poly(sp.expand((x + log_ratio) ** power - x**power), x).LT()
-        return (change[1] * change[0].as_expr()).subs(log_ratio, -s.klog)
+        change = sp.Poly(sp.expand((x + log_ratio) ** power - x**power), x)
+        monomial, coefficient = change.LT()
+        return (coefficient * monomial.as_expr()).subs(log_ratio, -s.klog)
 
-    second = -drive[2, 0][1, 1] * along / shift(1)
-    third = drive[3, 1][2, 0] * second * x / (1 - collided)
-    fourth = -drive[4, 0][3, 1] * third / shift(2)
-    return sp.cancel(fourth / second**2)
+    square = -drive[2, 0][1, 1] * along / shift(1)  # rho_2 over X
+    third_order = drive[3, 1][2, 0] * square * x / (1 - mean_cosine)  # W_1
+    fourth_power = -drive[4, 0][3, 1] * third_order / shift(2)  # rho_4 over X^2
+    return sp.cancel(fourth_power / square**2)
 
 
 def _quartic(dimension: int) -> sp.Tuple:
@@ -240,7 +267,9 @@ def _quartic(dimension: int) -> sp.Tuple:
     return sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension)))
 
 
+# the chain of <r^4> in the plane, harmonics i^m exp(i m phi)
 row("beyond:quartic-plane", lambda: _quartic(2))
+# the chain of <r^4> in space, Legendre polynomials
 row("beyond:quartic-space", lambda: _quartic(3))
 
 
@@ -248,13 +277,15 @@ row("beyond:quartic-space", lambda: _quartic(3))
 def elastic_transform(dimension: int) -> sp.Expr:
     """The Laplace transform of <r^4> in zeta at one speed, e = e_t = 1, where s = 1."""
     rates = {0: sp.Integer(0), 1: s.nu1, 2: s.nu2}
-    found: dict[tuple[int, int], sp.Expr] = {_START: 1 / s.laplace}
+    transforms: dict[Member, sp.Expr] = {_START: 1 / s.laplace}
     for member, drive in sources(dimension).items():
-        total = sum(factor * found[other] for other, factor in drive.items())
-        found[member] = total / (s.laplace + rates[member[1]])
-    return sp.factor(found[4, 0])
+        _, m = member
+        total = sum(factor * transforms[source] for source, factor in drive.items())
+        transforms[member] = total / (s.laplace + rates[m])
+    return sp.factor(transforms[4, 0])
 
 
+# elastic <r^4> as a Laplace transform: in the plane, in space
 row(
     "beyond:quartic-elastic",
     lambda: sp.Tuple(*(eq(s.rho4z(s.laplace), elastic_transform(d)) for d in (2, 3))),
@@ -272,13 +303,14 @@ def transform(dimension: int) -> sp.Expr:
     """
     decay, tangent, a = sp.symbols("decay tangent a", positive=True)  # decay = 1 + z
     if dimension == 3:  # the cosine is uniform
-        first = sp.integrate(decay / (decay**2 + s.wave**2 * COSINE**2), (COSINE, 0, 1))
+        flight = sp.integrate(decay / (decay**2 + s.wave**2 * COSINE**2), (COSINE, 0, 1))
     else:  # a quarter of the circle with the tangent as variable: cos^2 = 1/(1 + tan^2)
         quarter = sp.integrate(decay / (a + decay**2 * tangent**2), (tangent, 0, sp.oo))
-        first = quarter.subs(a, decay**2 + s.wave**2) / (sp.pi / 2)
-    return (first / (1 - first)).subs(decay, 1 + s.laplace)
+        flight = quarter.subs(a, decay**2 + s.wave**2) / (sp.pi / 2)
+    return (flight / (1 - flight)).subs(decay, 1 + s.laplace)
 
 
+# isotropic scattering at one speed in space
 row(
     "beyond:isotropic-space",
     lambda: eq(s.Fhat(s.wave, s.laplace), transform(3)),
@@ -289,6 +321,7 @@ row(
 
 @derives("beyond:isotropic-plane")
 def _plane() -> Derived:
+    """Isotropic scattering at one speed in the plane, and its density of position."""
     height = sp.sqrt(s.zeta**2 - s.r**2)  # the w whose ring has the radius r
     spread = -sp.diff(height, s.r) * sp.exp(height - s.zeta)
     return result(

@@ -29,11 +29,14 @@ from .record import Derived, derives, result, row, zero
 def _rule() -> sp.Eq:
     matrix = collision_matrix(s.et)
     normal = dot(s.bv, s.sigma) * s.sigma
-    after = matrix[1, 1] * (s.bv - normal) + matrix[0, 0] * normal
-    return eq(s.bvp, sp.collect(sp.expand(after), normal))
+    tangential = s.bv - normal
+    v_after = matrix[1, 1] * tangential + matrix[0, 0] * normal
+    return eq(s.bvp, sp.collect(sp.expand(v_after), normal))
 
 
+# the collision rule with tangential restitution
 row("beyond:rule", _rule)
+# speed ratio s and deflection chi of one collision, in the plane and in space
 row(
     "beyond:one-collision",
     lambda: (
@@ -43,11 +46,13 @@ row(
     note="But for a factor both depend on e/e_t alone: s(e, e_t) = e_t s(e/e_t, 1), and the "
     "deflection is that of the restitution e/e_t with e_t = 1.",
 )
+# impact parameter and mean free path in the plane
 row(
     "beyond:measure-plane",
     lambda: sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, mean_free_path(2))),
     "collisions per angle: flux through the circle, over d rho0 |v|",
 )
+# impact parameter and mean free path in space
 row(
     "beyond:measure-space",
     lambda: (
@@ -64,7 +69,8 @@ row(
 
 @derives("beyond:plane-equal")
 def _plane_equal() -> Derived:
-    square, along = (part.subs(s.et, s.e) for part in one_collision())
+    """The plane with e_t = e."""
+    square, along = (component.subs(s.et, s.e) for component in one_collision())
     ratio = sp.sqrt(square)
     return result(
         sp.Tuple(
@@ -82,6 +88,7 @@ def space_power() -> sp.Expr:
     return sp.powsimp(sp.factor(space_average(s.s**s.p)))
 
 
+# mean power of the speed ratio in space
 row(
     "beyond:space-power",
     lambda: eq(Avg(s.s**s.p), space_power()),
@@ -95,11 +102,14 @@ def space_log_loss() -> sp.Expr:
     """kappa = E[-ln s] in space, in e and e_t."""
     total = sp.expand(space_average(-sp.log(s.s)))
     logarithms = [sp.log(s.e), sp.log(s.et)]
-    parts = [sp.factor(total.coeff(part)) * part for part in logarithms]
-    rest = total.subs(dict.fromkeys(logarithms, 0))
-    return sp.cancel(rest) + sum(parts)
+    without_logarithms = total.subs(dict.fromkeys(logarithms, 0))
+    log_loss = sp.cancel(without_logarithms)
+    for logarithm in logarithms:
+        log_loss += sp.factor(total.coeff(logarithm)) * logarithm
+    return log_loss
 
 
+# mean log loss kappa in space; the second with e_t = 1
 row(
     "beyond:space-log",
     lambda: sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, space_log_loss().subs(s.et, 1))),
@@ -107,11 +117,13 @@ row(
 
 
 @cache
-def space_cosine(least: sp.Expr = s.e) -> sp.Expr:
-    """The mean cosine of the deflection in space, in e and e_t."""
-    return sp.factor(space_average(one_collision()[1] / s.s, least))
+def space_cosine(lowest_ratio: sp.Expr = s.e) -> sp.Expr:
+    """The mean cosine of the deflection in space, in e and e_t; ``lowest_ratio`` is |e|."""
+    _, along = one_collision()
+    return sp.factor(space_average(along / s.s, lowest_ratio))
 
 
+# mean cosine of the deflection in space
 row(
     "beyond:space-cosine",
     lambda: eq(s.cos_chi, space_cosine()),
@@ -121,15 +133,17 @@ row(
 
 @derives("beyond:space-isotropic")
 def _space_isotropic() -> Derived:
-    square, along = (part.subs(s.et, s.e) for part in one_collision())
+    """In space with e_t = e (elastic spheres) the scattering is isotropic."""
+    square, along = (component.subs(s.et, s.e) for component in one_collision())
     cosine = sp.cancel(along / sp.sqrt(square))  # from -1 at y = 0 to 1 at y = 1
-    modes = [sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4)]
-    means = [over_impact(mode.subs(sp.cos(s.chi), cosine), 3) for mode in modes]
+    density = sp.cancel(impact_density(3) / sp.diff(cosine, s.y))
+    equations = [eq(s.chance(sp.cos(s.chi)), density)]
+    for order in (1, 2, 3, 4):
+        mode = sp.legendre(order, sp.cos(s.chi))
+        mean = over_impact(mode.subs(sp.cos(s.chi), cosine), 3)
+        equations.append(eq(Avg(mode), mean))
     return result(
-        sp.Tuple(
-            eq(s.chance(sp.cos(s.chi)), sp.cancel(impact_density(3) / sp.diff(cosine, s.y))),
-            *(eq(Avg(mode), mean) for mode, mean in zip(modes, means, strict=True)),
-        ),
+        sp.Tuple(*equations),
         ("cos(chi) with e_t = e", cosine),
         note="Uniform on [-1, 1] means that every Legendre polynomial of order 1 and more averages "
         "to zero. It holds for every e_t = e, at e = 1 for elastic spheres.",
@@ -143,6 +157,7 @@ def space_cooling_rate() -> sp.Expr:
     return cooling_rate().subs({s.klog: space_log_loss().subs(s.et, 1), s.lam(1): loss_one})
 
 
+# exact cooling rate of smooth spheres (e_t = 1)
 row(
     "beyond:space-cooling",
     lambda: eq(s.h, space_cooling_rate()),
@@ -150,7 +165,7 @@ row(
     numbers={
         "h at e = {e}": lambda e: space_cooling_rate().subs(s.e, sp.Rational(str(e))).evalf(20)
     },
-    at=(0.4, 0.7, 0.9),
+    restitutions=(0.4, 0.7, 0.9),
 )
 
 
@@ -159,7 +174,9 @@ row(
 
 def _loss_at_e_zero(dimension: int) -> sp.Expr:
     """lambda(p) of smooth scatterers at e = 0."""
-    density = impact_density(dimension) * (2 if dimension == 2 else 1)  # of |y|: both signs of y
+    density = impact_density(dimension)
+    if dimension == 2:
+        density = 2 * density  # of |y|: both signs of y
     return sp.factor(1 - sp.integrate(s.y**s.p * density, (s.y, 0, 1)))
 
 
@@ -192,11 +209,13 @@ def _rate_at_e_zero(dimension: int) -> sp.Expr:
     return _loss_at_e_zero(dimension).subs(s.p, 2) * _speed_moment(3, dimension)
 
 
+# the scaling solution at e = 0
 row(
     "beyond:e-zero",
     lambda: sp.Tuple(eq(s.F(s.bc), e_zero_solution(2)), eq(s.M2 / 2, _rate_at_e_zero(2))),
     "Y is exponential; h = lambda(2) <c^3>",
 )
+# the scaling solution of smooth spheres at e = 0
 row(
     "beyond:space-e-zero",
     lambda: sp.Tuple(
@@ -213,22 +232,28 @@ row(
 
 @derives("beyond:spin-moments")
 def _spin_moments() -> Derived:
+    """Disks that spin: <v^2> and <u^2> after a collision, u that of the rim."""
     # the impulse on the rim, over m, adds to v_t, and 1/k of it to u; v_t + u becomes -beta of it
-    normal, along, push = sp.symbols("v_n v_t J", real=True)
-    rim = along + s.spin
-    (push_,) = sp.solve(rim + push * (1 + 1 / s.inertia) + s.rolling * rim, push)
-    means = []
-    for square in ((s.e * normal) ** 2 + (along + push_) ** 2, (s.spin + push_ / s.inertia) ** 2):
+    v_n, v_t, impulse = sp.symbols("v_n v_t J", real=True)
+    rim = v_t + s.spin
+    rim_after = rim + impulse * (1 + 1 / s.inertia)
+    (impulse,) = sp.solve(rim_after + s.rolling * rim, impulse)
+
+    def mean(square: sp.Expr) -> sp.Expr:
         # an impact to the left is as likely as one to the right: v_t u is 0 on average
-        part = sp.expand(square).subs(normal**2, (1 - s.y**2) * s.v**2)
-        mean = sp.expand(over_impact(part.subs(along**2, s.y**2 * s.v**2).subs(along, 0)))
-        means.append(sum(sp.factor(mean.coeff(x, 2)) * Avg(x**2) for x in (s.v, s.spin)))
-    elastic = sum(
-        k * mean.subs({s.e: 1, s.rolling: 1}) for k, mean in zip((1, s.inertia), means, strict=True)
-    )
-    zero(elastic - Avg(s.v**2) - s.inertia * Avg(s.spin**2), "energy is not kept")
+        in_y = sp.expand(square).subs(v_n**2, (1 - s.y**2) * s.v**2)
+        in_y = in_y.subs(v_t**2, s.y**2 * s.v**2).subs(v_t, 0)
+        average = sp.expand(over_impact(in_y))
+        of_speed = sp.factor(average.coeff(s.v, 2)) * Avg(s.v**2)
+        of_spin = sp.factor(average.coeff(s.spin, 2)) * Avg(s.spin**2)
+        return of_speed + of_spin
+
+    speed_square = mean((s.e * v_n) ** 2 + (v_t + impulse) ** 2)
+    spin_square = mean((s.spin + impulse / s.inertia) ** 2)
+    energy_after = (speed_square + s.inertia * spin_square).subs({s.e: 1, s.rolling: 1})
+    zero(energy_after - Avg(s.v**2) - s.inertia * Avg(s.spin**2), "energy is not kept")
     return result(
-        sp.Tuple(eq(Avg(s.speed_after**2), means[0]), eq(Avg(s.spin_after**2), means[1])),
+        sp.Tuple(eq(Avg(s.speed_after**2), speed_square), eq(Avg(s.spin_after**2), spin_square)),
         "second route: at e = 1 and beta = 1, v^2 + k u^2 is kept",
         note="The spin changes neither the path nor the rate of collisions: second moments after N "
         "collisions are powers of a matrix of two rows. beta = -1 is a smooth disk.",
@@ -246,13 +271,15 @@ def _spin_moments() -> Derived:
 @cache
 def effective_restitution() -> sp.Expr:
     """e* in alpha and A, from the momentum and the relative velocity along the normal."""
-    before, after, struck = sp.symbols("v_n w_n V_n", real=True)
-    momentum = before - after - s.masses * struck  # over m; the scatterer was at rest
-    relative = after - struck + s.relative * before
-    (found,) = sp.solve([momentum, relative], [after, struck], dict=True)
-    return sp.factor(-found[after] / before)
+    v_n, v_n_after, scatterer_after = sp.symbols("v_n w_n V_n", real=True)
+    momentum = v_n - v_n_after - s.masses * scatterer_after  # over m; the scatterer was at rest
+    relative_velocity = v_n_after - scatterer_after + s.relative * v_n
+    unknowns = [v_n_after, scatterer_after]
+    (velocities,) = sp.solve([momentum, relative_velocity], unknowns, dict=True)
+    return sp.factor(-velocities[v_n_after] / v_n)
 
 
+# the restitution of a fixed scatterer that has the effect of a mass A m
 row(
     "beyond:mass-map",
     lambda: eq(s.effective, sp.factor(1 + effective_restitution()) - 1),
@@ -276,6 +303,7 @@ def least_share() -> sp.Expr:
 
 @derives("beyond:mass-log-loss")
 def _log_loss() -> Derived:
+    """Mean log loss in space, alpha = 1: neutrons' xi, and its a."""
     xi = mean_lethargy()
     equal = sp.limit(xi, s.least_share, 0)
     return result(
@@ -292,10 +320,13 @@ def _log_loss() -> Derived:
 @cache
 def mean_cosine(heavier: bool) -> sp.Expr:
     """E[cos(chi)] in A with alpha = 1, for scatterers heavier than the tracer, or lighter."""
-    cosine = space_cosine(s.e if heavier else -s.e).subs(s.et, 1)
-    return sp.expand(sp.cancel(cosine.subs(s.e, effective_restitution().subs(s.relative, 1))))
+    lowest_ratio = s.e if heavier else -s.e
+    cosine = space_cosine(lowest_ratio).subs(s.et, 1)
+    restitution = effective_restitution().subs(s.relative, 1)
+    return sp.expand(sp.cancel(cosine.subs(s.e, restitution)))
 
 
+# mean cosine in space, alpha = 1: A >= 1, and A <= 1
 row(
     "beyond:mass-cosine",
     lambda: sp.Tuple(eq(s.cos_chi, mean_cosine(True)), eq(s.cos_chi, mean_cosine(False))),
@@ -307,16 +338,17 @@ row(
 
 @derives("beyond:mass-age")
 def _age() -> Derived:
+    """The displacement in the mean log loss xi of the energy: Fermi's age."""
     slope = 2 / (s.klog * (1 - s.cos_chi))  # beyond:any-slope, over l^2
-    found = sp.cancel(slope.subs(s.klog, s.lethargy / 2))
+    in_lethargy = sp.cancel(slope.subs(s.klog, s.lethargy / 2))
 
     def of_mass(mass: int) -> sp.Expr:
         xi = sp.limit(mean_lethargy(), s.least_share, least_share().subs(s.masses, mass))
         cosine = mean_cosine(True).subs(s.masses, mass)
-        return found.subs({s.lethargy: xi, s.cos_chi: cosine}).evalf(20)
+        return in_lethargy.subs({s.lethargy: xi, s.cos_chi: cosine}).evalf(20)
 
     return result(
-        eq(Partial(s.msd(s.t), sp.log(s.t)) / s.l**2, found),
+        eq(Partial(s.msd(s.t), sp.log(s.t)) / s.l**2, in_lethargy),
         note="Per lethargy ln(E_0/E), which is 2 ln t, it is half as large; a sixth of that is "
         "Fermi's age, l^2/(3 xi (1 - <cos chi>)).",
         numbers={f"slope at A = {mass}": of_mass(mass) for mass in (1, 2, 12, 238)},

@@ -8,25 +8,27 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
-from .record import Derived, Status, defines, derives, result, row
+from .record import Derived, Status, Verdict, defines, derives, result, row
 from .scaling_state import cooling_rate_value, largest_cooling_ratio
 
 _F_SCALED = s.F(s.bc)
 
-_V0, _T = s.v0(s.t), s.T(s.t)
+_V0 = s.v0(s.t)
+_T = s.T(s.t)
 _ENERGY_LOSS = -2 * s.d * _V0 * s.rho0 * s.h * _T
 """dT/dt, with the cooling rate h."""
 
 
 @derives("gtilde")
-def _gtilde() -> Derived:
+def _scaling_of_position() -> Derived:
+    """(2): scaling of the position distribution, elastic."""
     root = sp.sqrt(s.msd1(s.t))
     return result(
         eq(s.g(s.r, s.t), sp.diff(s.r / root, s.r) * s.G(s.R)),
         ("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
         note="The form is a change of variable; that G does not depend on time holds at e = 1, and "
         "only asymptotically.",
-        holds=True,
+        verdict=Verdict.HOLDS,
     )
 
 
@@ -38,13 +40,14 @@ defines(
         "mup": "Twice lambda(p) <c^(p+1)> by the weak form (sonine8).",
     }
 )
+# (5): energy loss
 row(
     "tdiff",
     lambda: eq(sp.Derivative(_T, s.t), -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T),
     "weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)",
     note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
     "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
-    holds=True,
+    verdict=Verdict.HOLDS,
     numbers={
         "rate at the Gaussian start at e = {e}": lambda e: (
             sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
@@ -63,16 +66,19 @@ def _speed_equation(rate: sp.Expr) -> sp.Expr:
     return solution
 
 
+# (6): equation for the thermal velocity
 row("vdiff", lambda: eq(sp.Derivative(_V0, s.t), _speed_equation(_ENERGY_LOSS)))
 
 
 @derives("veq")
-def _veq() -> Derived:
+def _speed_over_time() -> Derived:
+    """(7): thermal velocity over time."""
     slope = _speed_equation(_ENERGY_LOSS)
     inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
     return result(eq(_V0, 1 / inverse))
 
 
+# (8): cooling rate, fitted to the simulation
 row(
     "hsimu",
     lambda: eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
@@ -94,7 +100,9 @@ def _second_moment_rate() -> sp.Expr:
 
     With v = v0 c every factor brings its power of v0, and the integral of c^2 I is -M_2.
     """
-    rate, density, volume = s.d * s.rho0 * _V0, s.n / _V0**2, _V0**2
+    rate = s.d * s.rho0 * _V0
+    density = s.n / _V0**2
+    volume = _V0**2
     return rate * density * volume / s.n * (-s.M2) * _T
 
 
@@ -113,6 +121,7 @@ def _scaled_derivative() -> sp.Expr:
     return sp.simplify((rate * _V0 / (s.n * s.d * s.rho0)).subs(s.v, s.c * _V0).doit())
 
 
+# (10): scaling form of the velocity distribution
 row(
     "tdepend",
     lambda: (
@@ -122,13 +131,15 @@ row(
     ),
     note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows beyond "
     "the paper). At e = 1 nothing cools and any isotropic F is stationary.",
-    holds=True,
+    verdict=Verdict.HOLDS,
 )
+# (13): energy loss by the second moment
 row("tdiff2", lambda: eq(sp.Derivative(_T, s.t), _second_moment_rate()))
 
 
 @derives("compare2")
-def _compare2() -> Derived:
+def _cooling_rate_by_moment() -> Derived:
+    """(14): cooling rate by the second moment."""
     difference = _ENERGY_LOSS - _second_moment_rate()
     (solution,) = sp.solve(difference, s.h)
     return result(
@@ -138,6 +149,7 @@ def _compare2() -> Derived:
     )
 
 
+# (B1): thermal velocity by the second moment
 row("rearramu2", lambda: eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()))
 
 
@@ -152,7 +164,8 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
 
 
 @derives("ifmu2")
-def _ifmu2() -> Derived:
+def _scaled_equation() -> Derived:
+    """(B2): scaled equation."""
     plain, slope = _scaled_coefficients()
     return result(
         eq(s.I_(_F_SCALED), plain * _F_SCALED + slope * dot(s.bc, Partial(_F_SCALED, s.bc))),
@@ -162,7 +175,8 @@ def _ifmu2() -> Derived:
 
 
 @derives("mueq")
-def _mueq() -> Derived:
+def _moment_condition() -> Derived:
+    """(B3): moments of the scaled equation."""
     plain, slope = _scaled_coefficients()
     # int 2 pi c^(p+1) c F' dc = -(p + 2) int 2 pi c^(p+1) F dc
     by_parts = sp.simplify(-sp.diff(s.c ** (s.p + 2), s.c) / s.c ** (s.p + 1))

@@ -12,7 +12,7 @@ from .. import symbols as s
 from ..formal import Int, Lam, Partial, chain, dot, eq
 from ..premises import isotropy, loss, mean_free_path, over_impact, parallel_component
 from . import transport
-from .record import Derived, defines, derives, result, row, zero
+from .record import Derived, Verdict, defines, derives, result, row, zero
 from .scaling_state import slope_value
 from .sonine import SONINE_AND_EXACT, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
 from .transport import solved, thermal_speed
@@ -20,21 +20,24 @@ from .transport import solved, thermal_speed
 _D = s.De(s.t)
 _MSD = s.msd(s.t)
 
-_RESTITUTIONS = (0.6, 0.7, 0.9)  # above the threshold of the Sonine a_2
+#: Those restitutions of the paper's figures that lie above the threshold of the Sonine a_2.
+_RESTITUTIONS = (0.6, 0.7, 0.9)
 _V0 = s.v0(s.t)
 
 
+# (C4): first Sonine approximation of f
 row(
     "ad4",
     note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
-    holds=False,
+    verdict=Verdict.FAILS,
     numbers=SONINE_AND_EXACT,
-    at=_RESTITUTIONS,
+    restitutions=_RESTITUTIONS,
 )
 
 
 @derives("ad5")
-def _ad5() -> Derived:
+def _sonine_vdf() -> Derived:
+    """(C5): the Sonine VDF in terms of the temperature."""
     scaled = sp.exp(-(s.c**2)) / sp.pi * (1 + s.a2 * polynomial(2).subs(s.x, s.c**2))
     dimensional = s.n / _V0**2 * scaled.subs(s.c, s.v / _V0)
     derived = dimensional.subs(_V0, thermal_speed())
@@ -57,6 +60,7 @@ def flux_relaxation() -> sp.Expr:
     return sp.factor(-2 * s.d * s.rho0 * _V0 * ratio)
 
 
+# (C6): relaxation rate of the flux
 row(
     "ad6",
     lambda: (
@@ -92,17 +96,19 @@ def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
     return sp.simplify(sonine), sp.simplify(exact)
 
 
+# (C3): first Sonine approximation of B
 row(
     "ad3",
     note="At e = 1 the equation for B is solved exactly by B ~ v f/|v|, not v f, because the "
     "collision rate is proportional to the speed. This alone makes D_e 15 % low.",
-    holds=False,
+    verdict=Verdict.FAILS,
     numbers={"D_e over its exact value at e = 1": lambda: truediv(*elastic_diffusion())},
 )
 
 
 @derives("ad7")
-def _ad7() -> Derived:
+def _diffusion_coefficient() -> Derived:
+    """(C7): diffusion coefficient, first Sonine approximation."""
     derived = sp.simplify(sonine_diffusion().subs(_V0, thermal_speed()))
     sonine, lorentz = elastic_diffusion()
     return result(
@@ -120,7 +126,8 @@ def _ad7() -> Derived:
 
 
 @derives("ad8")
-def _ad8() -> Derived:
+def _displacement_by_diffusion() -> Derived:
+    """(C8): mean square displacement from the diffusion coefficient."""
     # d<r^2>/dt = int r^2 D laplace(n) dr/n = 4 D: the Laplacian of r^2 in the plane is 4
     x_, y_ = sp.symbols("x y", real=True)
     laplacian = sp.diff(x_**2 + y_**2, x_, 2) + sp.diff(x_**2 + y_**2, y_, 2)
@@ -155,6 +162,7 @@ def sonine_slope(value: float) -> float:
     return float(slope.subs(s.e, value))
 
 
+# (C9): mean square displacement, first Sonine approximation
 row(
     "ad8#2",
     lambda: (eq(_MSD, sonine_msd()), ("D_e is proportional to v0", eq(_D, sonine_diffusion()))),
@@ -163,7 +171,7 @@ row(
         "slope in ln t at e = {e}, Sonine (l^2)": sonine_slope,
         "slope in ln t at e = {e}, exact (l^2)": slope_value,
     },
-    at=_RESTITUTIONS,
+    restitutions=_RESTITUTIONS,
 )
 
 
@@ -178,7 +186,8 @@ _SHELL = s.delta(s.vh - 1)
 
 
 @derives("ap1")
-def _ap1() -> Derived:
+def _continuity_over_speeds() -> Derived:
+    """(D1): continuity over all speeds."""
     # dv = v dv dphi: the sum over directions is n(r, v, t), that over speeds carries the factor v
     density = s.v * (sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)))
     return result(
@@ -203,7 +212,8 @@ defines(
 
 
 @derives("ap4")
-def _ap4() -> Derived:
+def _continuity_at_one_speed() -> Derived:
+    """(D4): continuity at one speed."""
     leak = Int(Lam(s.pd(s.br, _V, s.t)) * _SHELL, s.bvh)
     return result(
         eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)), leak),
@@ -212,16 +222,21 @@ def _ap4() -> Derived:
         "move tracers from one speed to another; the right-hand side is zero only at e = 1. So the "
         "speed-resolved expansion of this appendix is not justified for e < 1.",
         numbers={"energy exchanged per collision at e = {e}": lambda e: loss(2).subs(s.e, e)},
-        at=(0.9, 0.4),
+        restitutions=(0.9, 0.4),
     )
 
 
+# (D5): expansion of the time derivative of the density
 row("ap6", lambda: eq(sp.Derivative(_N, s.t), transport.density_series(_N)), note="Rests on ap4.")
 
 
-derives("ap7")(lambda: transport.continuity_order(s.Jj(s.br, s.v, s.t), _N))
+@derives("ap7")
+def _continuity_order_by_order() -> Derived:
+    """(D6): orders of the time derivative of the density at one speed."""
+    return transport.continuity_order(s.Jj(s.br, s.v, s.t), _N)
 
 
+# (D7): flux of order j
 row(
     "ap8",
     lambda: (
@@ -231,66 +246,76 @@ row(
 )
 
 
+# (D8): zeroth order
 row(
     "ap11",
     note="The factor n(r, v, t)/m(v, t) depends on the speed. The collision operator mixes speeds, "
     "so that its product with f solves the zeroth order only at e = 1, or where the factor does "
     "not depend on the speed (which is diffuse11 again).",
-    holds=False,
+    verdict=Verdict.FAILS,
 )
 
 
 @derives("ap11.6")
-def _ap11_6() -> Derived:
+def _zeroth_order_flux() -> Derived:
+    """(D10): flux of zeroth order."""
     mean = sp.integrate(sp.cos(s.theta), (s.theta, 0, 2 * sp.pi))
     isotropic = Int(s.bvh * s.f(_V, s.t) * _SHELL, s.bvh)
     flux = s.v * _N / s.mn(s.v, s.t) * isotropic
     return result(chain(s.J0(s.br, s.v, s.t), flux, mean))
 
 
+# (D11): first order
 row("ap12", lambda: transport.orders(_N)[1], note="Formally right, given ap4 and ap11.")
 
 
 @cache
 def _temperature_rate() -> sp.Expr:
-    """dT/dt of tdiff in terms of the mean free path."""
+    """dT/dt of (5) in terms of the mean free path."""
     (density,) = sp.solve(mean_free_path(2) - s.l, s.rho0)
     return (-2 * s.d * _V0 * s.rho0 * s.h * _T).subs(s.rho0, density)
 
 
+# (D12): energy loss by the mean free path
 row("ap12.5", lambda: eq(sp.Derivative(_T, s.t), _temperature_rate()), "l = 1/(2 d rho0) in tdiff")
 
 
 @cache
 def _expansion() -> transport.Expansion:
-    """ap13, ap15 and ap18: the sum of v.v f over directions is v^2 m(v, t)."""
+    """(D13), (D15) and (D18): the sum of v.v f over directions is v^2 m(v, t)."""
     m = s.mn(s.v, s.t)
     return transport.expand(_N, s.f(s.bv, s.t) / m, _temperature_rate(), _D_AT_V, s.v**2 * m)
 
 
+# (D13): first order with the zeroth inserted
 row("ap13", lambda: _expansion().first_order, note="Formally right, given ap4 and ap11.")
+# (D14): form of the first-order solution
 row(
     "ap14",
     note="At e = 1 it holds. For e < 1 the source at one speed drives p^(1) at lower speeds, and "
     "p^(1)(v) depends on the gradient of n at other speeds too.",
-    holds=False,
+    verdict=Verdict.FAILS,
 )
+# (D15): equation for B
 row("ap15", lambda: _expansion().of_b, note="Formally right, given ap14.")
 
 
 @derives("ap16")
-def _ap16() -> Derived:
+def _first_order_flux() -> Derived:
+    """(D16): first-order flux."""
     integral = sp.Symbol("integral")  # int vhat.B delta(|vhat| - 1) dvhat
     flux = s.v * isotropy() * integral * s.nabla0 * _N
     (value,) = sp.solve(_D_AT_V + s.v / 2 * integral, integral)
     return result(eq(s.J1(s.br, s.v, s.t), flux.subs(integral, value)))
 
 
+# (D18): equation for the diffusion coefficient
 row("ap18", lambda: _expansion().of_coefficient, note="Here nu_D is a function of the speed.")
 
 
 @derives("ap20")
-def _ap20() -> Derived:
+def _temperature_dependence() -> Derived:
+    """(D20): temperature dependence of the diffusion coefficient."""
     decay, exact = elastic_coefficient()
     return result(
         eq(Partial(_D_AT_V, _T), sp.diff(exact, _T)),
@@ -300,7 +325,7 @@ def _ap20() -> Derived:
         "v0, and D_e = v l g(v/v0) for any g. At e = 1 the equation can be solved: g = 3/8, D_e "
         "does not depend on the temperature at all, and nu_D is (4/3) v/l, not a number times "
         "v0/l.",
-        holds=False,
+        verdict=Verdict.FAILS,
         numbers={
             f"exact D_e over (3/8) v^2 l/v0, elastic, at v = {v} v0": 1 / v for v in (0.5, 1.0, 2.0)
         },
@@ -308,7 +333,8 @@ def _ap20() -> Derived:
 
 
 @derives("ap21")
-def _ap21() -> Derived:
+def _coefficient_at_one_speed() -> Derived:
+    """(D21): diffusion coefficient at one speed."""
     solution = solved(_expansion().of_coefficient, _D_AT_V, -sp.Rational(1, 2))
     number = sp.cancel(solution.subs(s.nuD, _V0 / s.l) / (s.v**2 * s.l / _V0))
     return result(
@@ -316,7 +342,7 @@ def _ap21() -> Derived:
         ("with nu_D = v0/l: number in front of v^2 l/v0", number),
         note="The first equality follows from ap18 and ap20, the second (up to a number) from nu_D "
         "~ v0/l. Both premises fail: the exact elastic result is (3/8) v l.",
-        holds=False,
+        verdict=Verdict.FAILS,
     )
 
 
@@ -325,6 +351,7 @@ def _hopping() -> sp.Expr:
     return sp.simplify(hopping.subs(_V0, 1 / (s.alpha + s.beta * s.t)))
 
 
+# (D22): diffusion coefficient at one speed by the scaled hopping velocity
 row(
     "ap21.5",
     lambda: eq(s.De(s.V, s.t), _hopping()),

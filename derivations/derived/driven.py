@@ -24,17 +24,20 @@ from .record import Derived, derives, result
 def tracer_temperature() -> sp.Expr:
     """tau^2 with which every collision and its reverse are equally frequent."""
     v, q = sp.symbols("v_n q", real=True)
-    after = v - (1 + s.effective) * q
+    v_after = v - (1 + s.effective) * q
     scatterer = v - q
-    reverse = q + after  # its normal is turned round: q = V - v' again
-    weight = (v**2 - after**2) / s.hot**2 + (scatterer**2 - reverse**2) / s.bath**2
-    powers = [part for part in sp.Poly(sp.expand(weight), v, q).coeffs() if part.has(s.hot)]
-    (found,) = {sp.factor(sp.solve(part, s.hot**2)[0]) for part in powers}
-    return found
+    reverse_scatterer = q + v_after  # its normal is turned round: q = V - v' again
+    of_tracer = (v**2 - v_after**2) / s.hot**2
+    of_scatterer = (scatterer**2 - reverse_scatterer**2) / s.bath**2
+    coefficients = sp.Poly(sp.expand(of_tracer + of_scatterer), v, q).coeffs()
+    conditions = [coefficient for coefficient in coefficients if coefficient.has(s.hot)]
+    (temperature,) = {sp.factor(sp.solve(condition, s.hot**2)[0]) for condition in conditions}
+    return temperature
 
 
 @derives("beyond:bath-temperature")
 def _temperature() -> Derived:
+    """Bath: the steady Maxwellian of the tracer, with its mass ratio if it were elastic."""
     # an elastic collision of the masses 1 and A takes 2 A/(1 + A) q from the tracer
     elastic = (1 + effective_restitution()).subs(s.relative, 1)
     (mass,) = sp.solve(elastic - 1 - s.effective, s.masses)
@@ -59,11 +62,11 @@ def cubed_relative_speed(dimension: int) -> sp.Expr:
     |g|^3 = |g| g.(v - V), and V exp(-V^2/2 w^2) is -w^2 times a gradient: by parts it is the
     divergence of |g| g by V.
     """
-    g = sp.symbols(f"g:{dimension}", real=True)
-    size = sp.sqrt(sum(part**2 for part in g))
-    divergence = -sum(sp.diff(size * part, part) for part in g)  # by V = v - g
-    by_rate = sp.simplify(divergence / size)
-    return s.bath_pull(s.v) - s.bath**2 * by_rate * s.bath_rate(s.v)
+    components = sp.symbols(f"g:{dimension}", real=True)
+    length = sp.sqrt(sum(g_i**2 for g_i in components))
+    divergence = -sum(sp.diff(length * g_i, g_i) for g_i in components)  # by V = v - g
+    divergence_over_length = sp.simplify(divergence / length)
+    return s.bath_pull(s.v) - s.bath**2 * divergence_over_length * s.bath_rate(s.v)
 
 
 @cache
@@ -74,20 +77,22 @@ def bath_rates(dimension: int) -> tuple[sp.Expr, sp.Expr]:
     """
     share = over_impact(1 - s.y**2, dimension)  # c = E[cos^2 theta]
     kick = 1 + s.effective
-    along = kick * s.bath_pull(s.v) / s.v**2 * -share  # of <|g| g>, its part along v
-    square = kick**2 * cubed_relative_speed(dimension) - 2 * kick * s.bath_pull(s.v)
-    gained = sp.collect(sp.cancel(square / kick).expand(), s.bath_pull(s.v))
-    return along, kick * share * gained
+    pull = s.bath_pull(s.v)
+    along = kick * pull / s.v**2 * -share  # of <|g| g>, its component along v
+    square = kick**2 * cubed_relative_speed(dimension) - 2 * kick * pull
+    square_over_kick = sp.collect(sp.cancel(square / kick).expand(), pull)
+    return along, kick * share * square_over_kick
 
 
 @derives("beyond:bath-moments")
 def _moments() -> Derived:
-    rows = []
+    """Bath: what collisions do to v and to v^2, in the plane, in space."""
+    equations = []
     for dimension in (2, 3):
         along, square = bath_rates(dimension)
-        rows += [eq(s.collided(s.bv), s.bv * along), eq(s.collided(s.v**2), square)]
+        equations += [eq(s.collided(s.bv), s.bv * along), eq(s.collided(s.v**2), square)]
     return result(
-        sp.Tuple(*rows),
+        sp.Tuple(*equations),
         "v' = v - (1 + e*) (g.n) n, v'^2 - v^2 = (1 + e*)^2 (g.n)^2 - 2 (1 + e*) (g.n) (v.n)",
         ("<|g|^3> by parts, in the plane", cubed_relative_speed(2)),
         note="In a field g these give two relations of the steady state: <L v_z> = -g and "
@@ -97,18 +102,21 @@ def _moments() -> Derived:
 
 @derives("beyond:bath-from-rest")
 def _from_rest() -> Derived:
-    rows = []
+    """Bath: growth of <v^2> of a tracer at rest, in the plane, in space."""
+    equations = []
     for dimension in (2, 3):
-        gauss = sp.exp(-(s.v**2) / (2 * s.bath**2)) * s.v ** (dimension - 1)
-        norm, first = (sp.integrate(s.v**k * gauss, (s.v, 0, sp.oo)) for k in (0, 1))
-        at_rest = {s.bath_rate(s.v): sp.simplify(first / norm), s.bath_pull(s.v): 0}
-        square = bath_rates(dimension)[1].subs(at_rest)
-        rows.append(eq(s.collided(s.v**2), square))
-    return result(sp.Tuple(*rows), "v = 0: the rate is <|V|>, and B is 0")
+        gaussian = sp.exp(-(s.v**2) / (2 * s.bath**2)) * s.v ** (dimension - 1)
+        norm = sp.integrate(gaussian, (s.v, 0, sp.oo))
+        mean_speed = sp.integrate(s.v * gaussian, (s.v, 0, sp.oo)) / norm
+        at_rest = {s.bath_rate(s.v): sp.simplify(mean_speed), s.bath_pull(s.v): 0}
+        _, square = bath_rates(dimension)
+        equations.append(eq(s.collided(s.v**2), square.subs(at_rest)))
+    return result(sp.Tuple(*equations), "v = 0: the rate is <|V|>, and B is 0")
 
 
 @derives("beyond:bath-einstein")
 def _einstein() -> Derived:
+    """Bath: Einstein's relation of a weak field."""
     v_z = sp.Symbol("v_z", real=True)
     steady = sp.exp(-(v_z**2) / (2 * s.hot**2))
     # f = steady (1 + g phi): the field adds -d steady/dv_z, and the balance makes L (phi steady)
@@ -142,6 +150,7 @@ def heated_moment() -> sp.Expr:
 
 @derives("beyond:heated-moments")
 def _heated_moments() -> Derived:
+    """Noise and drag: moments over time; steady ones in steps of three, and the energy."""
     steady = heated_moment().subs(s.drag, 0).subs(s.p, s.p + 2)
     lost = s.lam(s.p + 2) * Avg(s.v ** (s.p + 3))
     energy = heated_moment().subs(s.p, 2).subs(Avg(sp.Integer(1)), 1)
@@ -174,17 +183,22 @@ def plastic_equation(drag: int) -> tuple[sp.Expr, sp.Expr]:
 
 @derives("beyond:heated-e-zero")
 def _plastic() -> Derived:
+    """Noise and drag at e = 0, in the plane and in space: f over a factor, D_v = 1, without drag
+    and at gamma_v = 1.
+    """
     shape, equation = plastic_equation(0)
-    first, second = sp.symbols("C1 C2")
-    airy = sp.dsolve(equation, shape).rhs.subs({first: 1, second: 0})  # the other one grows
+    decaying, growing = sp.symbols("C1 C2")  # the constants of sympy's general solution
+    airy = sp.dsolve(equation, shape).rhs.subs({decaying: 1, growing: 0})
+
     shape, equation = plastic_equation(1)
     a, b = sp.symbols("a b", positive=True)
-    gauss = sp.exp(-b * s.v - s.v**2 / 2)
-    left = equation.subs(shape, (s.v + a) * gauss).doit()
-    polynomial = sp.Poly(sp.cancel(sp.expand(left / gauss)), s.v)
-    (found,) = sp.solve(polynomial.coeffs(), (a, b), dict=True)
+    gaussian = sp.exp(-b * s.v - s.v**2 / 2)
+    ansatz = (s.v + a) * gaussian
+    residual = equation.subs(shape, ansatz).doit()
+    polynomial = sp.Poly(sp.cancel(sp.expand(residual / gaussian)), s.v)
+    (constants,) = sp.solve(polynomial.coeffs(), (a, b), dict=True)
     return result(
-        sp.Tuple(eq(s.f0(s.v), airy), eq(s.f0(s.v), ((s.v + a) * gauss).subs(found))),
+        sp.Tuple(eq(s.f0(s.v), airy), eq(s.f0(s.v), ansatz.subs(constants))),
         "D_v f'' + gamma (v f)' = v f, in any dimension",
         note="With other drags f is a parabolic cylinder function.",
     )
@@ -195,15 +209,18 @@ def _plastic() -> Derived:
 
 @derives("beyond:stick-depth")
 def _depth() -> Derived:
-    rows, ratio = [], sp.Symbol("ratio", positive=True)  # v_c/v
+    """Rare sticking in a field: depth of capture, in the plane, in space."""
+    ratio = sp.Symbol("ratio", positive=True)  # v_c/v
+    sticks_above = sp.sqrt(1 - ratio**2)  # the |y| above which v_n = v sqrt(1 - y^2) is below v_c
+    equations = []
     for dimension in (2, 3):
-        beyond = sp.sqrt(1 - ratio**2)  # the |y| above which v_n = v sqrt(1 - y^2) is below v_c
-        low = -beyond if dimension == 2 else 0
-        chance = 1 - sp.integrate(impact_density(dimension), (s.y, low, beyond))
-        lowest = sp.series(chance, ratio, 0, 4).removeO() / ratio**2
-        rows.append(eq(s.depth, s.drift / (sp.simplify(lowest) * s.capture**2 * Avg(1 / s.v))))
+        lower_end = -sticks_above if dimension == 2 else 0
+        chance = 1 - sp.integrate(impact_density(dimension), (s.y, lower_end, sticks_above))
+        coefficient = sp.simplify(sp.series(chance, ratio, 0, 4).removeO() / ratio**2)
+        capture_rate = coefficient * s.capture**2 * Avg(1 / s.v)
+        equations.append(eq(s.depth, s.drift / capture_rate))
     return result(
-        sp.Tuple(*rows),
+        sp.Tuple(*equations),
         "captures per unit time: the mean of v times the chance, to the lowest order in v_c",
         note="Means and drift are those of the steady state without sticking.",
     )

@@ -32,13 +32,16 @@ def volume_ratio() -> sp.Expr:
     return 1 / sp.Abs(collision_matrix().det())
 
 
-def bounce(before: sp.Symbol) -> sp.Expr:
-    """The postcollision velocity of ``before``: its normal part times a factor, the rest kept."""
-    normal = dot(before, s.sigma) * s.sigma
-    return sp.collect(sp.expand((before - normal) + normal_factor() * normal), normal)
+def bounce(velocity: sp.Symbol) -> sp.Expr:
+    """The velocity after a collision: the normal component is multiplied by its factor."""
+    normal = dot(velocity, s.sigma) * s.sigma
+    tangential = velocity - normal
+    return sp.collect(sp.expand(tangential + normal_factor() * normal), normal)
 
 
+# (1): the collision rule
 row("vchange", lambda: eq(s.bv, bounce(s.bvs)), "the collision in (normal, tangential) components")
+# (C2): postcollision velocity
 row("ad2", lambda: eq(s.bvp, bounce(s.bv)), "the collision rule with v before")
 defines(
     {
@@ -51,11 +54,14 @@ defines(
 @cache
 def _streaming_change() -> sp.Expr:
     """What free flight does to p dr dv in a short time, to first order in that time."""
-    shifted = sp.exp(-s.dt * dot(s.bv, s.nabla))
-    return s.dt * sp.diff(shifted, s.dt).subs(s.dt, 0) * _P * Measure(s.br) * Measure(s.bv)
+    shift = sp.exp(-s.dt * dot(s.bv, s.nabla))
+    rate = sp.diff(shift, s.dt).subs(s.dt, 0)
+    return s.dt * rate * _P * Measure(s.br) * Measure(s.bv)
 
 
+# (A2): streaming
 row("gammaflow", lambda: eq(s.Gamma_flow, _streaming_change()))
+# (A3): loss
 row(
     "gamma-",
     lambda: (
@@ -73,6 +79,7 @@ row(
 
 @derives("gamma+")
 def _gamma_plus() -> Derived:
+    """(A4): gain."""
     return result(
         chain(
             s.Gamma_plus,
@@ -89,6 +96,7 @@ def _gamma_plus() -> Derived:
 
 @derives("ftdiff")
 def _ftdiff() -> Derived:
+    """(A5): kinetic equation over the impact parameter."""
     volume = Measure(s.br) * Measure(s.bv) * s.dt
     gain = Int(_GAIN * volume_ratio() * Measure(s.bv), s.b)
     loss = Int(_P * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
@@ -112,16 +120,20 @@ def loss_rate() -> sp.Expr:
 @cache
 def gain_rate() -> tuple[sp.Expr, sp.Expr]:
     """B(|v*|, sigma) in terms of v*.sigma and of v.sigma; psi is the angle of v* and sigma."""
-    before = _rate(s.vs) / (s.vs * sp.cos(s.psi)) * dot(s.bvs, s.sigma)
-    return before, before.subs(dot(s.bvs, s.sigma), dot(s.bv, s.sigma) / normal_factor())
+    normal_before = dot(s.bvs, s.sigma)
+    normal_after = dot(s.bv, s.sigma)
+    rate = _rate(s.vs) / (s.vs * sp.cos(s.psi)) * normal_before
+    return rate, rate.subs(normal_before, normal_after / normal_factor())
 
 
+# (A7): Jacobian from impact parameter to unit vector, loss
 row(
     "bexpress",
     lambda: chain(s.Brate(s.v, s.sigma), _rate(s.v), loss_rate()),
     "b = d sin(pi - psi), differentiated",
     note="The second equality takes sigma -> -sigma in the loss, where the tracer approaches.",
 )
+# (A8): Jacobian from impact parameter to unit vector, gain
 row("bexpress2", lambda: chain(s.Brate(s.vs, s.sigma), _rate(s.vs), *gain_rate()))
 
 
@@ -132,7 +144,9 @@ def collision_term() -> sp.Expr:
     return s.rho0 * Int(gain - loss_rate() * _P, s.sigma, s.hemi)
 
 
+# (A9): the inelastic Lorentz equation
 row("inelaslorentz", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, collision_term()))
+# (9): kinetic equation of a uniform tracer
 row(
     "inelaslorentz2",
     lambda: eq(
@@ -141,23 +155,27 @@ row(
     ),
     "integral over r: the streaming term is a surface term",
 )
+# (24): kinetic equation
 row("diffuse1", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, Lam(_P)))
+# (25): collision operator
 row("diffuse1.5", lambda: eq(Lam(_P), collision_term()))
 
 
-def weak_form(after: sp.Expr | int, before: sp.Expr | int) -> sp.Expr:
-    """The integral of Y Lambda X over v; ``after`` and ``before`` stand for Y(v') and Y(v).
+def weak_form(y_after: sp.Expr | int, y_before: sp.Expr | int) -> sp.Expr:
+    """The integral of Y Lambda X over v; ``y_after`` and ``y_before`` stand for Y(v') and Y(v).
 
     In the gain, v* becomes the variable v and v its postcollision velocity v'; then dv = dv*/ratio
     and v.sigma = factor (v*.sigma), with sigma -> -sigma since the factor is negative.
     """
     # the coefficient of (v.sigma) p* in the operator, in the new variables
     weight = gain_rate()[1] / dot(s.bv, s.sigma) * volume_ratio()
-    changed = weight / s.d * (-normal_factor()) / volume_ratio()
-    inner = dot(s.bv, s.sigma) * s.X(s.bv) * (sp.simplify(changed) * after - before)
-    return s.d * s.rho0 * Int(Int(inner, s.sigma, s.hemi), s.bv)
+    gain_weight = sp.simplify(weight / s.d * (-normal_factor()) / volume_ratio())
+    change = gain_weight * y_after - y_before
+    integrand = dot(s.bv, s.sigma) * s.X(s.bv) * change
+    return s.d * s.rho0 * Int(Int(integrand, s.sigma, s.hemi), s.bv)
 
 
+# (C1): collision operator between two functions
 row(
     "ad1",
     lambda: eq(Int(s.Y(s.bv) * Lam(s.X(s.bv)), s.bv), weak_form(s.Y(s.bvp), s.Y(s.bv))),
@@ -168,14 +186,22 @@ row(
 @cache
 def mass_change() -> sp.Expr:
     """The integral of the collision operator over v: its weak form with Y = 1, which vanishes."""
-    return weak_form(1, 1).replace(Int, lambda *args: Int(*args) if args[0] != 0 else args[0])
+
+    def integral(integrand: sp.Expr, *variables: sp.Expr) -> sp.Expr:
+        if integrand == 0:
+            return integrand
+        return Int(integrand, *variables)
+
+    return weak_form(1, 1).replace(Int, integral)
 
 
+# the collision operator keeps mass
 row("beyond:mass", lambda: eq(Int(Lam(s.X(s.bv)), s.bv), mass_change()))
 
 
 @derives("beyond:angular-average")
 def _angular_average() -> Derived:
+    """An isotropic VDF: one average over the impact parameter."""
     # v.sigma dsigma = v cos(theta) dtheta = v dy with y = sin(theta), -1 < y < 1
     total = sp.integrate(sp.cos(s.theta), (s.theta, -sp.pi / 2, sp.pi / 2))
     # |v'|^p - |v|^p averages to -lambda(p) |v|^p; the rate brings one more power of |v|
@@ -187,15 +213,17 @@ def _angular_average() -> Derived:
     )
 
 
+def _collision_moment() -> sp.Expr:
+    """M_p from the weak form in units of the thermal velocity."""
+    scaled = -weak_form(s.cp**s.p, s.c**s.p) / (s.d * s.rho0)
+    scaled = scaled.subs({s.X(s.bv): s.F(s.bc), s.hemi: s.hemi_c})
+    return scaled.subs(s.bv, s.bc).replace(Dot, dot)
+
+
+# (B14): moments of the collision integral
 row(
     "sonine8",
-    lambda: eq(
-        s.Mp,
-        (-weak_form(s.cp**s.p, s.c**s.p) / (s.d * s.rho0))
-        .subs({s.X(s.bv): s.F(s.bc), s.hemi: s.hemi_c})
-        .subs(s.bv, s.bc)
-        .replace(Dot, dot),
-    ),
+    lambda: eq(s.Mp, _collision_moment()),
     "weak form with X = F and Y = c^p, divided by d rho0",
     note="Holds for every p for which <c^(p+1)> exists, with no Sonine expansion.",
 )

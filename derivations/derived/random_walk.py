@@ -9,7 +9,7 @@ from sympy.concrete.gosper import gosper_sum
 
 from .. import symbols as s
 from ..formal import chain, eq
-from .record import Derived, defines, derives, result, row
+from .record import Derived, Verdict, defines, derives, result, row
 from .scaling_state import cooling_rate_value, exact_value, moment, slope_value
 
 defines(
@@ -22,20 +22,21 @@ defines(
 
 
 @derives("taun")
-def _taun() -> Derived:
+def _time_to_collision() -> Derived:
+    """(17): time between two collisions."""
     speed = (1 / (s.alpha + s.beta * s.t)).subs(s.t, s.tc(s.N - 1))
     return result(
         chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
         ("v0 as solved, at the time of the last collision", speed),
         note="The second equality follows from veq. The first is a guess: the rate of collisions "
         "is <v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
-        holds=False,
+        verdict=Verdict.FAILS,
         numbers={
             "exact <c> at e = {e}": lambda e: exact_value(moment(1) / sp.sqrt(moment(2)), e),
             "dN/d ln t at e = {e}, printed": _collisions_per_log_time,
             "dN/d ln t at e = {e}, exact": lambda e: 1 / float(exact_value(s.klog, e)),
         },
-        at=(0.4, 0.9),
+        restitutions=(0.4, 0.9),
     )
 
 
@@ -49,15 +50,16 @@ def interval() -> sp.Expr:
     """tau_N solved from tau_(N+1) = tau_N + l beta tau_N and tau_1 = l alpha."""
     index = sp.Symbol("i", integer=True)
     unknown = sp.Function("u")
-    before, after = sp.symbols("t_before t_after", positive=True)
-    longer = (s.l * (s.alpha + s.beta * after) - s.l * (s.alpha + s.beta * before)).subs(
-        after, before + unknown(index)
-    )
-    recursion = unknown(index + 1) - unknown(index) - sp.expand(longer)
+    time = sp.Symbol("t_before", positive=True)  # of collision i - 1
+    interval_from_start = s.l * (s.alpha + s.beta * time)
+    next_interval = interval_from_start.subs(time, time + unknown(index))
+    increase = sp.expand(next_interval - interval_from_start)
+    recursion = unknown(index + 1) - unknown(index) - increase
     solution = sp.rsolve(recursion, unknown(index), {unknown(1): s.l * s.alpha})
     return solution.subs(index, s.N)
 
 
+# (18): time between two collisions as a function of the number of collisions
 row("taun#2", lambda: eq(s.tau(s.N), interval()), "tau_(N+1) - tau_N, with t_N - t_(N-1) = tau_N")
 
 
@@ -65,12 +67,13 @@ row("taun#2", lambda: eq(s.tau(s.N), interval()), "tau_(N+1) - tau_N, with t_N -
 def total_time() -> sp.Expr:
     """t_N as the sum of the intervals."""
     ratio = sp.Symbol("q", positive=True)
-    first = sp.simplify(interval().subs(s.N, 1))
-    terms = gosper_sum(ratio ** (s.k - 1), (s.k, 1, s.N))
+    first_interval = sp.simplify(interval().subs(s.N, 1))
+    geometric_sum = gosper_sum(ratio ** (s.k - 1), (s.k, 1, s.N))
     growth = sp.simplify(interval().subs(s.N, s.N + 1) / interval())
-    return sp.simplify(first * terms.subs(ratio, growth))
+    return sp.simplify(first_interval * geometric_sum.subs(ratio, growth))
 
 
+# (19): time of collision N
 row("tn", lambda: chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()))
 
 
@@ -86,7 +89,8 @@ def collisions() -> sp.Expr:
 
 
 @derives("N")
-def _n() -> Derived:
+def _collision_number() -> Derived:
+    """(20): number of collisions until a time."""
     time = sp.Symbol("time", positive=True)
     elastic = sp.limit(collisions().subs(s.tc(s.N), time), s.beta, 0)
     return result(
@@ -97,7 +101,9 @@ def _n() -> Derived:
 
 
 @derives("msd")
-def _msd() -> Derived:
+def _mean_square_displacement() -> Derived:
+    """(22): mean square displacement of the random walk."""
+
     def fitted(e: float) -> float:
         return 13.5**2 / 12.5**2 / float(sp.log(1 + 13.5 * 0.058 * (1 - e)))
 
@@ -107,7 +113,7 @@ def _msd() -> Derived:
         note="<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
         "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d makes "
         "up for a part.",
-        holds=False,
+        verdict=Verdict.FAILS,
         numbers={
             "slope at e = {e}, l^2 N with the exact h (l^2)": _collisions_per_log_time,
             "slope at e = {e}, with the paper's l = 13.5 d (l^2)": fitted,

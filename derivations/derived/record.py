@@ -2,7 +2,8 @@
 
 ``row(label, lambda: formula, step, ..., note=...)`` states a derivation of one line; a longer one
 is a function without arguments under ``@derives(label)`` that returns ``result(...)``. A label
-with nothing to derive has a note alone: it stands in a table under ``defines``.
+with nothing to derive has a note alone: it stands in a table under ``defines``. What the paper says
+in words is judged by ``statement``.
 """
 
 from __future__ import annotations
@@ -11,24 +12,50 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
-from typing import Any
+from typing import SupportsFloat
 
 import sympy as sp
 
+#: The restitutions of the paper's figures, at which numbers stand beside its formulas.
 RESTITUTIONS = (0.4, 0.6, 0.7, 0.9)
-"""The restitutions of the paper's figures, at which numbers stand beside its formulas."""
 
 
 class Status(StrEnum):
-    """The verdict on one labelled equation."""
+    """What kind of row it is: how the printed formula stands to the derived one."""
 
     VERIFIED = "verified"
     ERRATUM = "erratum"
     DEFINITION = "definition"
     ASSUMPTION = "assumption"
+    STATEMENT = "statement"
     FIT = "fit"
     FIGURE = "figure"
     NOT_DERIVED = "not derived"
+
+    @property
+    def meaning(self) -> str:
+        """What the status says, in one sentence."""
+        return _MEANINGS[self]
+
+
+_MEANINGS = {
+    Status.VERIFIED: "The formula, derived from the collision rule, is the one that is printed.",
+    Status.ERRATUM: "The derived formula is another one: the printed one does not follow.",
+    Status.DEFINITION: "A name is given to something; there is nothing to derive.",
+    Status.ASSUMPTION: "The paper assumes it; the note says whether the exact theory bears it out.",
+    Status.STATEMENT: "The paper says it in words; the verdict is that of the exact theory.",
+    Status.FIT: "Numbers were fitted to the simulation; the exact ones stand beside them.",
+    Status.FIGURE: "A figure or a sketch; the note says what it shows.",
+    Status.NOT_DERIVED: "It could not be decided whether printed and derived are the same.",
+}
+
+
+class Verdict(StrEnum):
+    """What the exact theory says of an assumption, or of a statement in words."""
+
+    HOLDS = "holds"
+    IN_PART = "holds in part"
+    FAILS = "does not hold"
 
 
 @dataclass(frozen=True)
@@ -52,65 +79,107 @@ class Derived:
     """What a derivation returns.
 
     ``formula`` is built from premises; ``status`` is the kind that the row has when nothing is to
-    be compared (definition, assumption, fit, figure), None when printed and derived are compared;
-    ``holds`` says for an assumption whether it holds in the exact theory; ``note`` states what
-    follows from it, or what is wrong with it.
+    be compared (definition, assumption, statement, fit, figure), None when printed and derived are
+    compared; ``verdict`` says of an assumption or a statement whether it holds in the exact theory;
+    ``note`` states what follows from it, or what is wrong with it.
     """
 
     formula: sp.Basic | None
     steps: tuple[Step, ...] = ()
     note: str = ""
     status: Status | None = None
-    holds: bool | None = None
+    verdict: Verdict | None = None
     numbers: tuple[Number, ...] = ()
+
+
+Value = SupportsFloat | Callable[..., SupportsFloat]
+"""A number, or a function that gives it: of nothing, or of the restitution."""
+StepLike = str | tuple[str, sp.Basic]
+"""The text of a step, or its text and its formula."""
 
 
 def result(
     formula: sp.Basic | None,
-    *steps: str | tuple[str, sp.Basic],
+    *steps: StepLike,
     note: str = "",
     status: Status | None = None,
-    holds: bool | None = None,
-    numbers: Mapping[str, Any] | None = None,
-    at: Iterable[float] = RESTITUTIONS,
+    verdict: Verdict | None = None,
+    numbers: Mapping[str, Value] | None = None,
+    restitutions: Iterable[float] = RESTITUTIONS,
 ) -> Derived:
-    """A derived formula with its steps; a row that says whether it ``holds`` is an assumption.
+    """Return a derived formula with its steps; with a verdict and no status it is an assumption.
 
     ``numbers`` are values by name, or functions that give them; a function whose name holds
-    ``{e}`` is called with each restitution of ``at``.
+    ``{e}`` is called with each restitution of ``restitutions``.
     """
-    found: list[Number] = []
-    of_restitution = {name: value for name, value in (numbers or {}).items() if "{e}" in name}
-    for name, value in (numbers or {}).items():
+    if verdict is not None and status is None:
+        status = Status.ASSUMPTION
+    return Derived(
+        formula,
+        steps=tuple(_step(step) for step in steps),
+        note=note,
+        status=status,
+        verdict=verdict,
+        numbers=_evaluate_numbers(numbers or {}, restitutions),
+    )
+
+
+def _step(step: StepLike) -> Step:
+    if isinstance(step, str):
+        return Step(step)
+    text, formula = step
+    return Step(text, formula)
+
+
+def _evaluate_numbers(
+    numbers: Mapping[str, Value], restitutions: Iterable[float]
+) -> tuple[Number, ...]:
+    """Return the numbers in their order; all that depend on e stand where the first of them does.
+
+    They are sorted by restitution, so that numbers of one gas stand beside each other.
+    """
+    of_restitution = {name: value for name, value in numbers.items() if "{e}" in name}
+    evaluated: list[Number] = []
+    is_first_of_restitution = True
+    for name, value in numbers.items():
         if name not in of_restitution:
-            found.append(Number(name, float(value() if callable(value) else value)))
-        elif name == next(iter(of_restitution)):
-            found += [
-                Number(each.format(e=e), float(function(e)))
-                for e in at
-                for each, function in of_restitution.items()
-            ]
-    taken = (Step(step) if isinstance(step, str) else Step(*step) for step in steps)
-    status = status if holds is None else Status.ASSUMPTION
-    return Derived(formula, tuple(taken), note, status, holds, tuple(found))
+            evaluated.append(Number(name, float(value() if callable(value) else value)))
+        elif is_first_of_restitution:
+            evaluated.extend(_evaluate_at_restitutions(of_restitution, restitutions))
+            is_first_of_restitution = False
+    return tuple(evaluated)
 
 
-def zero(expression: sp.Expr, else_: str) -> None:
-    """What a derivation relies on: ArithmeticError with the other case unless this is zero."""
-    if all(way(expression) != 0 for way in (sp.expand, sp.cancel, sp.simplify)):
-        raise ArithmeticError(else_)
+def _evaluate_at_restitutions(
+    functions: Mapping[str, Value], restitutions: Iterable[float]
+) -> Iterable[Number]:
+    for e in restitutions:
+        for name, function in functions.items():
+            assert callable(function), name
+            yield Number(name.format(e=e), float(function(e)))
 
 
-REGISTRY: dict[str, Callable[[], Derived]] = {}
+def zero(expression: sp.Expr, otherwise: str) -> None:
+    """Raise ArithmeticError, which says what is so otherwise, unless an expression is zero."""
+    for simplification in (sp.expand, sp.cancel, sp.simplify):
+        if simplification(expression) == 0:
+            return
+    raise ArithmeticError(otherwise)
 
 
-def derives(*labels: str) -> Callable[[Callable[[], Derived]], Callable[[], Derived]]:
+Derivation = Callable[[], Derived]
+
+REGISTRY: dict[str, Derivation] = {}
+"""The derivation of each label; it runs at most once in a process."""
+
+
+def derives(*labels: str) -> Callable[[Derivation], Derivation]:
     """Register a derivation for one or more labels (the paper repeats some formulas).
 
-    It runs at most once in a process. Raises ValueError for a label that has a derivation.
+    Raises ValueError for a label that has a derivation.
     """
 
-    def register(function: Callable[[], Derived]) -> Callable[[], Derived]:
+    def register(function: Derivation) -> Derivation:
         once = cache(function)
         for label in labels:
             if label in REGISTRY:
@@ -121,17 +190,60 @@ def derives(*labels: str) -> Callable[[Callable[[], Derived]], Callable[[], Deri
     return register
 
 
-def row(label: str, derivation: Callable[[], Any] = lambda: None, *steps: str, **said: Any) -> None:
+def _nothing() -> None:
+    """Give no formula: the row is a note alone."""
+
+
+def row(
+    label: str,
+    derivation: Callable[[], sp.Basic | tuple | None] = _nothing,
+    *steps: StepLike,
+    note: str = "",
+    status: Status | None = None,
+    verdict: Verdict | None = None,
+    numbers: Mapping[str, Value] | None = None,
+    restitutions: Iterable[float] = RESTITUTIONS,
+) -> None:
     """Register a derivation that gives the formula, or a tuple of it and steps with formulas.
 
-    ``said`` is what else :func:`result` takes.
+    All else is as :func:`result` takes it.
     """
 
-    def derived() -> Derived:
-        found = derivation()
-        return result(*(found if isinstance(found, tuple) else (found,)), *steps, **said)
+    @derives(label)
+    def derive_row() -> Derived:
+        formula = derivation()
+        leading_steps: tuple[StepLike, ...] = ()
+        if isinstance(formula, tuple):
+            formula, *leading = formula
+            leading_steps = tuple(leading)
+        return result(
+            formula,
+            *leading_steps,
+            *steps,
+            note=note,
+            status=status,
+            verdict=verdict,
+            numbers=numbers,
+            restitutions=restitutions,
+        )
 
-    derives(label)(derived)
+
+def statement(
+    label: str,
+    verdict: Verdict,
+    note: str,
+    numbers: Mapping[str, Value] | None = None,
+    restitutions: Iterable[float] = RESTITUTIONS,
+) -> None:
+    """Register the verdict on what the paper says in words, with what it rests on."""
+    row(
+        label,
+        note=note,
+        status=Status.STATEMENT,
+        verdict=verdict,
+        numbers=numbers,
+        restitutions=restitutions,
+    )
 
 
 def defines(notes: Mapping[str, str], status: Status = Status.DEFINITION) -> None:

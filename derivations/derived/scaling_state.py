@@ -31,8 +31,8 @@ def plane_average(weight: sp.Expr) -> sp.Expr:
 def _finish(integral: sp.Expr) -> sp.Expr:
     """asinh(b/e) and atan(b/e) in terms of b and e alone."""
     b = sp.sqrt(1 - s.e**2)
-    plain = integral.subs({sp.asinh(b / s.e): sp.atanh(b), sp.atan(b / s.e): sp.acos(s.e)})
-    return sp.simplify(plain)
+    in_b = integral.subs({sp.asinh(b / s.e): sp.atanh(b), sp.atan(b / s.e): sp.acos(s.e)})
+    return sp.simplify(in_b)
 
 
 @cache
@@ -67,11 +67,11 @@ def mean_ratio_power() -> sp.Expr:
 @cache
 def exact_function(formula: sp.Expr) -> Callable[[mp.mpf], mp.mpf]:
     """A formula in e, kappa, <cos chi> and the lambda(p) as a function of e."""
-    known = {s.klog: mean_log_loss(), s.cos_chi: mean_cosine()}
-    losses = {
-        loss_: 1 - mean_ratio_power().subs(s.p, loss_.args[0]) for loss_ in formula.atoms(s.lam)
-    }
-    return sp.lambdify(s.e, formula.subs(known | losses), "mpmath")
+    closed_forms = {s.klog: mean_log_loss(), s.cos_chi: mean_cosine()}
+    for loss_of_order in formula.atoms(s.lam):
+        (order,) = loss_of_order.args
+        closed_forms[loss_of_order] = 1 - mean_ratio_power().subs(s.p, order)
+    return sp.lambdify(s.e, formula.subs(closed_forms), "mpmath")
 
 
 def exact_value(formula: sp.Expr, restitution: float) -> mp.mpf:
@@ -85,6 +85,7 @@ def values_of(formula: Callable[[], sp.Expr]) -> Callable[[float], mp.mpf]:
     return lambda restitution: exact_value(formula(), restitution)
 
 
+# loss of |v|^p per collision, any real p
 row(
     "beyond:loss-p",
     lambda: eq(s.lam(s.p), 1 - mean_ratio_power()),
@@ -96,6 +97,7 @@ row(
 
 @derives("beyond:loss-even")
 def _loss_even() -> Derived:
+    """Loss of |v|^p per collision, symbolic even p = 2 q."""
     # (e^2 + (1 - e^2) y^2)^q by the binomial theorem; y^(2k) averages to 1/(2k + 1)
     average = sp.integrate(s.y ** (2 * s.k), (s.y, 0, 1), conds="none")
     power = s.e ** (2 * (s.q - s.k)) * (1 - s.e**2) ** s.k
@@ -110,21 +112,26 @@ def _loss_even() -> Derived:
     )
 
 
+# loss of |v|
 row("beyond:loss-1", lambda: eq(s.lam(1), loss_one()))
+# loss of energy
 row("beyond:loss-2", lambda: eq(s.lam(2), loss(2)), "E[1 - s^2]")
+# mean log loss kappa
 row("beyond:log-loss", lambda: eq(s.klog, mean_log_loss()))
+# mean cosine of the deflection
 row("beyond:cosine", lambda: eq(s.cos_chi, mean_cosine()))
 
 
 @derives("beyond:moments")
 def _moments() -> Derived:
+    """Moments of the scaling solution."""
     scaled = s.MY(s.p) * s.t ** (-s.p)
     loss_term = -s.lam(s.p) * s.MY(s.p + 1) * s.t ** (-(s.p + 1))
     (following,) = sp.solve(sp.diff(scaled, s.t) - loss_term, s.MY(s.p + 1))
     # as p -> 0, lambda(p)/p tends to E[-ln s]
-    first = sp.limit((1 - s.s**s.p) / s.p, s.p, 0).subs(-sp.log(s.s), s.klog)
+    log_loss = sp.limit((1 - s.s**s.p) / s.p, s.p, 0).subs(-sp.log(s.s), s.klog)
     return result(
-        sp.Tuple(eq(s.MY(1), 1 / first), eq(s.MY(s.p + 1), sp.simplify(following))),
+        sp.Tuple(eq(s.MY(1), 1 / log_loss), eq(s.MY(s.p + 1), sp.simplify(following))),
         "weak form of an isotropic VDF with l = 1: d<v^p>/dt = -lambda(p) <v^(p+1)>",
         note="Hence E[Y^n] = (n-1)!/(kappa lambda(1) ... lambda(n-1)): all moments exist for e < "
         "1.",
@@ -147,6 +154,7 @@ def cooling_rate() -> sp.Expr:
 
 
 cooling_rate_value = values_of(cooling_rate)
+# exact cooling rate
 row("beyond:cooling-rate", lambda: eq(s.h, cooling_rate()), "h = M_2/2 = lambda(2) <c^3>")
 
 
@@ -173,6 +181,7 @@ def _restitution_of_no_a2() -> float:
         return float(mp.findroot(exact_function(a2()), 0.59))
 
 
+# exact a_2
 row(
     "beyond:a2",
     lambda: eq(s.a2, a2()),
@@ -187,33 +196,40 @@ def _series_near_one(order: int) -> tuple[sp.Expr, sp.Expr]:
     """(kappa, lambda(1)) in powers of w = 1 - e^2, expanded under the integral."""
     w = sp.Symbol("w", positive=True)
     averages = [sp.integrate((1 - s.y**2) ** i, (s.y, 0, 1)) for i in range(order)]
-    log_loss = sum(w**i / (2 * i) * averages[i] for i in range(1, order))
     half = sp.Rational(1, 2)
-    loss_ = -sum(sp.binomial(half, i) * (-w) ** i * averages[i] for i in range(1, order))
-    return sp.expand(log_loss), sp.expand(loss_)
+    log_loss = sp.Integer(0)
+    speed_loss = sp.Integer(0)
+    for i in range(1, order):
+        log_loss += w**i / (2 * i) * averages[i]
+        speed_loss -= sp.binomial(half, i) * (-w) ** i * averages[i]
+    return sp.expand(log_loss), sp.expand(speed_loss)
 
 
 @derives("beyond:cooling-near-1")
 def _cooling_near_1() -> Derived:
+    """h(e)/(1 - e) as e -> 1, to second order in delta = 1 - e."""
     w = sp.Symbol("w", positive=True)
-    product = sp.expand(sp.Mul(*_series_near_one(4)).subs(w, 1 - (1 - s.gap) ** 2) / s.gap**2)
-    kept = sum(product.coeff(s.gap, order) * s.gap**order for order in range(3))
-    series = sp.series(2 * sp.sqrt(kept), s.gap, 0, 3).removeO()
+    log_loss, speed_loss = _series_near_one(4)
+    product = (log_loss * speed_loss).subs(w, 1 - (1 - s.gap) ** 2)
+    product = sp.expand(product / s.gap**2)
+    truncated = sum(product.coeff(s.gap, order) * s.gap**order for order in range(3))
+    series = sp.series(2 * sp.sqrt(truncated), s.gap, 0, 3).removeO()
     return result(
         eq(s.h / s.gap, sp.expand(series)),
-        ("kappa in powers of w = 1 - e^2", _series_near_one(4)[0]),
+        ("kappa in powers of w = 1 - e^2", log_loss),
         note="With sqrt(2) at e = 0 it makes h nearly, not exactly, linear in 1 - e.",
     )
 
 
 @derives("beyond:cooling-small-e")
 def _cooling_small_e() -> Derived:
+    """h(e) as e -> 0, to order e^2."""
     logarithm = sp.Symbol("L", real=True)  # ln e, kept apart so that the rest is a power series
     b = sp.sqrt(1 - s.e**2)
-    first = loss_one().subs(sp.atanh(b), sp.log(1 + b) - logarithm)
     log_loss = sp.series(mean_log_loss(), s.e, 0, 3).removeO()
-    first = sp.series(first, s.e, 0, 3).removeO()
-    root = sp.series(sp.sqrt(sp.expand(4 * log_loss * first)), s.e, 0, 3).removeO()
+    speed_loss = loss_one().subs(sp.atanh(b), sp.log(1 + b) - logarithm)
+    speed_loss = sp.series(speed_loss, s.e, 0, 3).removeO()
+    root = sp.series(sp.sqrt(sp.expand(4 * log_loss * speed_loss)), s.e, 0, 3).removeO()
     return result(
         eq(s.h, sp.expand(root).subs(logarithm, sp.log(s.e))),
         ("kappa to order e^2", log_loss),
@@ -224,28 +240,39 @@ def _cooling_small_e() -> Derived:
 
 @derives("beyond:a2-limits")
 def _a2_limits() -> Derived:
+    """Exact a_2 at e = 0 and as e -> 1."""
     w = sp.Symbol("w", positive=True)
-    dead = {s.lam(i): sp.Rational(i, i + 1) for i in (1, 2, 3)}  # e = 0: s = y, E[y^p] = 1/(p + 1)
-    at_zero = a2().subs(dead).subs(s.klog, -sp.integrate(sp.log(s.y), (s.y, 0, 1)))
-    log_loss, first = _series_near_one(3)
-    cubic = sp.Rational(3, 2) * w * sp.integrate(1 - s.y**2, (s.y, 0, 1))  # 1 - (1 - w(..))^(3/2)
-    second = w * sp.integrate(1 - s.y**2, (s.y, 0, 1))
-    near_one = a2().subs({s.klog: log_loss, s.lam(1): first, s.lam(2): second, s.lam(3): cubic})
-    return result(sp.Tuple(eq(s.a2, at_zero), eq(s.a2, sp.limit(near_one, w, 0))))
+    # e = 0: s = y and E[y^p] = 1/(p + 1)
+    losses = {s.lam(i): sp.Rational(i, i + 1) for i in (1, 2, 3)}
+    losses[s.klog] = -sp.integrate(sp.log(s.y), (s.y, 0, 1))
+    at_zero = a2().subs(losses)
+
+    # e -> 1: s^2 = 1 - w (1 - y^2), and lambda(3) = E[1 - (1 - w (1 - y^2))^(3/2)]
+    log_loss, speed_loss = _series_near_one(3)
+    mean_square = sp.integrate(1 - s.y**2, (s.y, 0, 1))
+    losses = {
+        s.klog: log_loss,
+        s.lam(1): speed_loss,
+        s.lam(2): w * mean_square,
+        s.lam(3): sp.Rational(3, 2) * w * mean_square,
+    }
+    near_one = sp.limit(a2().subs(losses), w, 0)
+    return result(sp.Tuple(eq(s.a2, at_zero), eq(s.a2, near_one)))
 
 
 @derives("beyond:tail")
 def _tail() -> Derived:
+    """Tail of F: c^power exp(-rate c)."""
     order, shift = sp.symbols("order shift", positive=True)
     # E[s^p] for large p comes from y near 1, where -ln s = steepness (1 - y)
     steepness = sp.simplify(sp.diff(sp.log(speed_ratio_squared()) / 2, s.y).subs(s.y, 1))
     decay = sp.Symbol("decay", positive=True)
     laplace = sp.integrate(sp.exp(-decay * s.x), (s.x, 0, sp.oo))  # x = 1 - y
-    large = laplace.subs(decay, order * steepness)
-    extra = sp.limit(order * large / (1 - large), order, sp.oo)
+    ratio_power = laplace.subs(decay, order * steepness)  # E[s^p]
+    excess = sp.limit(order * ratio_power / (1 - ratio_power), order, sp.oo)
     # y^(shift - 1) exp(-y): its moments have ratio p + shift
-    ratio = sp.gammasimp(sp.gamma(order + 1 + shift) / sp.gamma(order + shift)) - order
-    (exponent,) = sp.solve(ratio - extra, shift)
+    moment_ratio = sp.gammasimp(sp.gamma(order + 1 + shift) / sp.gamma(order + shift))
+    (exponent,) = sp.solve(moment_ratio - order - excess, shift)
     scale = sp.sqrt(moment(2))  # c = Y/sqrt(E[Y^2])
     by_h = scale.subs(s.klog, s.h**2 / 4 / s.lam(1))
     return result(
@@ -258,12 +285,14 @@ def _tail() -> Derived:
 
 @derives("beyond:ring")
 def _ring() -> Derived:
+    """Relative variance of the speed as e -> 1."""
     w = sp.Symbol("w", positive=True)
     variance = moment(2) / moment(1) ** 2 - 1
-    log_loss, first = _series_near_one(4)
-    near = sp.series(variance.subs({s.klog: log_loss, s.lam(1): first}), w, 0, 2).removeO()
+    log_loss, speed_loss = _series_near_one(4)
+    in_w = variance.subs({s.klog: log_loss, s.lam(1): speed_loss})
+    leading = sp.series(in_w, w, 0, 2).removeO()
     return result(
-        eq(s.width2, near.subs(w, 1 - s.e**2)),
+        eq(s.width2, leading.subs(w, 1 - s.e**2)),
         ("E[Y^2]/E[Y]^2 - 1", variance),
         note="F tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5), not to "
         "a Gaussian: fixed scatterers never thermalise a speed.",
@@ -286,6 +315,7 @@ slope_value = values_of(slope)
 
 @derives("beyond:slope")
 def _slope() -> Derived:
+    """Slope of <r^2> in ln t, over l^2."""
     # random flights, with c/(1 - c) the sum of c^n over n >= 1; d N/d ln t = <v> t/l
     per_flight = free_path(2) + 2 * free_path(1) ** 2 * s.cos_chi / (1 - s.cos_chi)
     zero(per_flight * moment(1) - slope(), "the flux hierarchy and the random flights disagree")
@@ -293,5 +323,5 @@ def _slope() -> Derived:
         eq(s.slope, slope()),
         ("second route: <r^2> per free flight, with persistence", per_flight),
         numbers={"slope at e = {e}": slope_value},
-        at=(0.2, 0.5, 0.9),
+        restitutions=(0.2, 0.5, 0.9),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import sympy as sp
 
@@ -11,7 +10,7 @@ from .. import symbols as s
 from ..formal import Avg, Int, Partial, chain, eq
 from ..premises import free_path, gaussian_average, gaussian_moment, loss, speed_ratio_squared
 from .cooling import speed_equation_by_moment
-from .record import Derived, defines, derives, result, row, zero
+from .record import Derived, Verdict, defines, derives, result, row, zero
 from .scaling_state import a2_value
 
 
@@ -22,9 +21,9 @@ def polynomial(order: int) -> sp.Expr:
     Built by Gram-Schmidt from 1, x, x^2, ...; nothing is typed in.
     """
 
-    def inner(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    def inner(p: sp.Expr, q: sp.Expr) -> sp.Expr:
         # the integral of x^i exp(-x) is that of free paths
-        terms = sp.Poly(sp.expand(one * other), s.x).terms()
+        terms = sp.Poly(sp.expand(p * q), s.x).terms()
         return sp.Add(*(k * free_path(i) for (i,), k in terms))
 
     monic = s.x**order
@@ -48,7 +47,8 @@ def collision_moment(order: int) -> sp.Expr:
 
 
 @derives("sonine1")
-def _sonine1() -> Derived:
+def _sonine_series() -> Derived:
+    """(B4): Sonine expansion."""
     rate, reach = sp.symbols("rate reach", positive=True)
     weighted = sp.exp(-2 * rate * reach) * sp.exp(reach**2)
     return result(
@@ -57,11 +57,13 @@ def _sonine1() -> Derived:
         note="The coefficients a_p = <S_p> exist, but the series does not converge to F for any e "
         "in [0, 1): the exact tail is exp(-2 c/h), so that F^2/phi is not integrable. As e -> 1 "
         "the VDF tends to a ring, not to the Gaussian that the series starts from.",
-        holds=False,
+        verdict=Verdict.FAILS,
     )
 
 
+# (B6): Sonine polynomials of order 0 and 1
 row("sonine1.5", lambda: sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))))
+# (B7): Sonine polynomial of order 2
 row("sonine2", lambda: eq(s.S(2, s.x), polynomial(2)))
 
 
@@ -79,7 +81,8 @@ def squared_norm() -> sp.Expr:
 
 
 @derives("sonine3")
-def _sonine3() -> Derived:
+def _orthogonality() -> Derived:
+    """(B8): orthogonality."""
     u = sp.Symbol("u", positive=True)
     single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
     series = sp.series(single, u, 0, 4).removeO()
@@ -97,7 +100,8 @@ def _sonine3() -> Derived:
 
 
 @derives("sonine4")
-def _sonine4() -> Derived:
+def _sonine_coefficients() -> Derived:
+    """(B9): Sonine coefficients as averages."""
     # int S_p phi sum_q a_q S_q = a_p norm
     norm = squared_norm()
     return result(
@@ -109,28 +113,34 @@ def _sonine4() -> Derived:
 
 
 def _coefficient(order: int, symbol: sp.Symbol) -> sp.Tuple:
-    terms = sp.Poly(polynomial(order), s.x).terms()
-    average = sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
+    average = sp.Integer(0)
+    for (power,), coefficient in sp.Poly(polynomial(order), s.x).terms():
+        moment = Avg(s.c ** (2 * power)) if power else 1
+        average += coefficient * moment
     return chain(symbol, average, average.subs(Avg(s.c**2), 1))
 
 
+# (B10): first Sonine coefficient
 row("sonine4.5", lambda: _coefficient(1, s.a1), "<c^2> = 1 by the definition of v0")
+# (B11): second Sonine coefficient
 row("sonine5", lambda: _coefficient(2, s.a2), "<c^2> = 1 by the definition of v0")
 
 
+# (B12): fourth moment by the second
 row("sonine6", lambda: eq(s.M4, (s.M2 / 2 * s.p * Avg(s.c**s.p)).subs(s.p, 4)))
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
     """Factored, with e - 1 written as the paper does: through 1 - e^2."""
     for exponent in (1, -1):
-        rest = sp.factor(sp.cancel(expression / (1 - s.e**2) ** exponent))
-        if not rest.has(s.e - 1):
-            return (1 - s.e**2) ** exponent * rest
+        cofactor = sp.factor(sp.cancel(expression / (1 - s.e**2) ** exponent))
+        if not cofactor.has(s.e - 1):
+            return (1 - s.e**2) ** exponent * cofactor
     return sp.factor(expression)
 
 
-def _moment(order: int, symbol: sp.Symbol) -> tuple[Any, ...]:
+def _moment(order: int, symbol: sp.Symbol) -> tuple:
+    """The collision moment as an equation, and the steps that give it."""
     return (
         eq(symbol, tidy(collision_moment(order))),
         ("speed ratio of one collision, squared", speed_ratio_squared()),
@@ -142,7 +152,9 @@ def _moment(order: int, symbol: sp.Symbol) -> tuple[Any, ...]:
     )
 
 
+# (B15): second moment of the collision integral
 row("sonine9", lambda: _moment(2, s.M2), note="Exact in a_2; a_3 would add to it.")
+# (B16): fourth moment of the collision integral
 row("sonine10", lambda: _moment(4, s.M4))
 
 
@@ -153,6 +165,7 @@ def stationarity() -> sp.Expr:
     return sp.expand(2 * s.M2 * fourth - s.M4)
 
 
+# (B13): the equation for a_2
 row("sonine7", lambda: eq(stationarity(), sp.Integer(0)))
 
 
@@ -166,9 +179,10 @@ def quadratic() -> sp.Expr:
 @cache
 def roots() -> tuple[sp.Expr, sp.Expr]:
     """(lower, upper) root of the equation for a_2."""
-    second, first, zeroth = sp.Poly(quadratic(), s.a2).all_coeffs()
-    square = sp.sqrt(sp.expand(64 * (first**2 - 4 * second * zeroth)))
-    lower, upper = ((-8 * first + sign * square) / (16 * second) for sign in (-1, 1))
+    a, b, c = sp.Poly(quadratic(), s.a2).all_coeffs()
+    root = sp.sqrt(sp.expand(64 * (b**2 - 4 * a * c)))
+    lower = (-8 * b - root) / (16 * a)
+    upper = (-8 * b + root) / (16 * a)
     return lower, upper
 
 
@@ -178,11 +192,13 @@ def at_restitution(expression: sp.Expr, value: float) -> float:
 
 
 @derives("sonine11")
-def _sonine11() -> Derived:
+def _roots_of_a2() -> Derived:
+    """(B17): both roots for a_2."""
     lower, upper = roots()
-    mean, half = sp.expand((lower + upper) / 2), sp.expand((upper - lower) / 2)
+    mean = sp.expand((lower + upper) / 2)
+    half_distance = sp.expand((upper - lower) / 2)
     return result(
-        eq(s.a2, mean + s.pm * half),
+        eq(s.a2, mean + s.pm * half_distance),
         ("the equation for a_2, less its factor sqrt(pi)(1 - e^2)", eq(quadratic(), 0)),
         ("lower root", lower),
         note="At e = 1 every a_2 solves the equation; the roots do not tend to the Gaussian's 0 "
@@ -205,25 +221,27 @@ SONINE_AND_EXACT = {
 @cache
 def growth(root: sp.Expr | None = None) -> sp.Expr:
     """d/da_2 of the right-hand side of the a_2 equation, at a root (or at a symbol)."""
+    if root is None:
+        root = s.a2bar
     slope = sp.diff(quadratic(), s.a2)
-    return sp.expand(slope.subs(s.a2, s.a2bar if root is None else root))
+    return sp.expand(slope.subs(s.a2, root))
 
 
 @derives("sonine12")
-def _sonine12() -> Derived:
-    growths = [growth(root) for root in roots()]
-    # over the root of the discriminant both are numbers: the signs hold wherever it is real
-    spread = roots()[1] - roots()[0]
-    signs = [sp.simplify(rate / spread) for rate in growths]
-    (chosen,) = (root for root, sign in zip(roots(), signs, strict=True) if sign < 0)
+def _stable_root() -> Derived:
+    """(B18): the root adopted for a_2."""
+    lower, upper = roots()
+    # over the root of the discriminant growth is a number: its sign holds wherever that is real
+    signs = {root: sp.simplify(growth(root) / (upper - lower)) for root in roots()}
+    (stable_root,) = (root for root, sign in signs.items() if sign < 0)
     return result(
-        eq(s.a2, chosen),
-        ("growth rate H at the lower root", growths[0]),
-        ("growth rate H at the upper root", growths[1]),
+        eq(s.a2, stable_root),
+        ("growth rate H at the lower root", growth(lower)),
+        ("growth rate H at the upper root", growth(upper)),
         note="The stable root of the truncated equation, but far from the exact a_2, which exists "
         "for every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
         numbers=SONINE_AND_EXACT,
-        at=(0.9, 0.6),
+        restitutions=(0.9, 0.6),
     )
 
 
@@ -235,10 +253,12 @@ def sonine_cooling_rate() -> sp.Expr:
 
 @derives("beyond:collision-moment")
 def _collision_moment() -> Derived:
+    """M_p of the Sonine form for any real p."""
     z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
     weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
-    terms = ((factor, 2 * z - 2 + order) for (order,), factor in weight.terms())
-    average = sp.Add(*(factor * gaussian_moment().subs(s.p, order) for factor, order in terms))
+    average = sp.Integer(0)
+    for (order,), coefficient in weight.terms():
+        average += coefficient * gaussian_moment().subs(s.p, 2 * z - 2 + order)
     ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
     return result(
         eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
@@ -250,6 +270,7 @@ def _collision_moment() -> Derived:
 
 @derives("beyond:sonine-n")
 def _sonine_n() -> Derived:
+    """Sonine polynomial of order N."""
     # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
     term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
     for order in range(7):
@@ -277,6 +298,7 @@ def _moment_balance(order: sp.Expr, moment: sp.Expr, rate: sp.Expr, loss: sp.Exp
     return sp.expand(sp.simplify(product / (s.d * s.rho0 * _V0 ** (order + 1)))) + loss
 
 
+# (B20): evolution of its moments
 row(
     "ac2",
     lambda: (
@@ -287,7 +309,8 @@ row(
 
 
 @derives("ac3")
-def _ac3() -> Derived:
+def _rate_of_a2() -> Derived:
+    """(B21): evolution of a_2."""
     rate = sp.Symbol("adot")
     fourth = sonine_average(4)
     balance = _moment_balance(
@@ -302,7 +325,8 @@ def _ac3() -> Derived:
 
 
 @derives("ac5")
-def _ac5() -> Derived:
+def _linear_perturbation() -> Derived:
+    """(B23): linearised evolution of a_2."""
     prefactor = s.d * s.rho0 * _V0 / 2
     right = prefactor * sp.sqrt(sp.pi) * (1 - s.e**2) * quadratic()
     linear = sp.diff(right, s.a2).subs(s.a2, s.a2bar)
@@ -311,24 +335,26 @@ def _ac5() -> Derived:
 
 
 @derives("ac7")
-def _ac7() -> Derived:
-    lower, upper = map(growth, roots())
+def _growth_rate() -> Derived:
+    """(B25): growth rate H(e) of a perturbation of a_2."""
+    at_lower_root, at_upper_root = map(growth, roots())
     return result(
         eq(s.H, growth()),
-        ("at the lower root", lower),
-        ("at the upper root", upper),
+        ("at the lower root", at_lower_root),
+        ("at the upper root", at_upper_root),
         note="At the two roots H is minus and plus sqrt(-383 + 828 e^2 + 900 e^4)/8: the lower "
         "root is stable and the upper one unstable for every e above the threshold, where both "
         "meet.",
         numbers={
-            "H at the lower root, e = 0.9": at_restitution(lower, 0.9),
-            "H at the upper root, e = 0.9": at_restitution(upper, 0.9),
+            "H at the lower root, e = 0.9": at_restitution(at_lower_root, 0.9),
+            "H at the upper root, e = 0.9": at_restitution(at_upper_root, 0.9),
         },
     )
 
 
 @derives("ac6")
-def _ac6() -> Derived:
+def _perturbation_over_time() -> Derived:
+    """(B24): solution of the linearised evolution of a_2."""
     rate = s.d * s.rho0 / 2 * sp.sqrt(sp.pi) * (1 - s.e**2) * s.H
     # d(delta)/delta = rate v0 dt: the logarithm is rate times the integral of v0
     return result(
@@ -340,7 +366,8 @@ def _ac6() -> Derived:
 
 
 @derives("compare1")
-def _compare1() -> Derived:
+def _threshold() -> Derived:
+    """(B26): restitution below which the Sonine a_2 is not real."""
     discriminant = sp.expand(sp.discriminant(8 * quadratic(), s.a2))
     square = sp.Symbol("e2", positive=True)
     (positive,) = sp.solve(discriminant.subs(s.e, sp.sqrt(square)), square)
@@ -356,7 +383,8 @@ def _compare1() -> Derived:
 
 
 @derives("compare3", "compare3#2")
-def _compare3() -> Derived:
+def _second_moment_of_e() -> Derived:
+    """(15) and (B27): M_2 as a function of e, Sonine."""
     lower, _ = roots()
     inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - s.e**2)).subs(s.a2, lower))
 
@@ -369,5 +397,5 @@ def _compare3() -> Derived:
         ("the stable root", eq(s.a2, lower)),
         note="Real only above the threshold of compare1. Half of it is the Sonine cooling rate.",
         numbers={"M_2/2 over (1 - e) at e = {e}": ratio},
-        at=(0.6, 0.7, 0.9),
+        restitutions=(0.6, 0.7, 0.9),
     )

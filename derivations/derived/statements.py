@@ -5,16 +5,16 @@ from __future__ import annotations
 from math import pi, sqrt
 
 from .diffusion import sonine_slope
-from .record import Status, defines, row
+from .record import Status, Verdict, defines, row, statement
 from .scaling_state import a2_value, cooling_rate_value, largest_cooling_ratio, slope_value
 from .sonine import SONINE_AND_EXACT, at_restitution, roots
 
-row(
+statement(
     "statement:h-linear",
-    note="Nearly, not exactly: h/(1 - e) starts from sqrt(2), rises by 1 % to its largest value at "
+    Verdict.IN_PART,
+    "Nearly, not exactly: h/(1 - e) starts from sqrt(2), rises by 1 % to its largest value at "
     "e = 0.1464 and falls to 4/3: it varies by 7 % in all. It follows from the exact moments, with "
     "no Sonine expansion.",
-    holds=False,
     numbers={
         "largest h/(1 - e)": lambda: largest_cooling_ratio()[1],
         "restitution at which it is largest": lambda: largest_cooling_ratio()[0],
@@ -23,69 +23,69 @@ row(
         "h/(1 - e) as e -> 1": 4 / 3,
     },
 )
-row(
+statement(
     "statement:h-not-haff",
-    note="h/(1 - e^2) falls from sqrt(2) to 2/3. A Gaussian VDF would give the constant "
+    Verdict.HOLDS,
+    "h/(1 - e^2) falls from sqrt(2) to 2/3. A Gaussian VDF would give the constant "
     "sqrt(pi)/2; the exact VDF is never Gaussian.",
-    holds=True,
     numbers={
         "h/(1 - e^2) at e = 0": sqrt(2),
         "h/(1 - e^2) as e -> 1": 2 / 3,
         "of a Gaussian": sqrt(pi) / 2,
     },
 )
-row(
+statement(
     "statement:a2-missing",
-    note="Only the truncated equation has no real root there. The exact a_2 exists for every e in "
+    Verdict.FAILS,
+    "Only the truncated equation has no real root there. The exact a_2 exists for every e in "
     "[0, 1) and falls from 2 to -1/2.",
-    holds=False,
     numbers={"a_2 at e = 0": 2.0, "a_2 at e = {e}": a2_value, "a_2 as e -> 1": -0.5},
-    at=(0.2, 0.4, 0.5816, 0.9),
+    restitutions=(0.2, 0.4, 0.5816, 0.9),
 )
-row(
+statement(
     "statement:sonine-a2",
-    note="At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
+    Verdict.FAILS,
+    "At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
     "where the exact a_2 tends to -1/2.",
-    holds=False,
     numbers={**SONINE_AND_EXACT, "Sonine a_2 as e -> 1": lambda: at_restitution(roots()[0], 1)},
-    at=(0.6, 0.7, 0.9),
+    restitutions=(0.6, 0.7, 0.9),
 )
-row(
+statement(
     "statement:gaussian-f",
-    note="As e -> 1 it tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5). "
+    Verdict.FAILS,
+    "As e -> 1 it tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5). "
     "Even where a_2 vanishes, at e = 0.5929352, its tail is exponential.",
-    holds=False,
     numbers={
         "a_2 of a Gaussian": 0.0,
         "a_2 at e = {e}": a2_value,
         "relative width of the speed by the limit at e = 0.9": ((1 - 0.9 * 0.9) / 5) ** 0.5,
     },
 )
-row(
+statement(
     "statement:exponential-f",
-    note="F ~ c^(1/(1 - e^2) - 2) exp(-2 c/h): exactly exponential, for every e in [0, 1).",
-    holds=True,
+    Verdict.HOLDS,
+    "F ~ c^(1/(1 - e^2) - 2) exp(-2 c/h): exactly exponential, for every e in [0, 1).",
     numbers={"rate 2/h at e = {e}": lambda e: 2 / float(cooling_rate_value(e))},
 )
-row(
+statement(
     "statement:log-msd",
-    note="<r^2> grows as 2 l^2 ln t/[kappa (1 - <cos chi>)]: to the first power of ln t.",
-    holds=True,
+    Verdict.HOLDS,
+    "<r^2> grows as 2 l^2 ln t/[kappa (1 - <cos chi>)]: to the first power of ln t.",
     numbers={"slope at e = {e} (l^2)": slope_value},
 )
-row(
+statement(
     "statement:universal-g",
-    note="It tends to the Gaussian 2 R exp(-R^2), with corrections of order 1/ln t that depend on "
+    Verdict.FAILS,
+    "It tends to the Gaussian 2 R exp(-R^2), with corrections of order 1/ln t that depend on "
     "e; at any finite time it differs from e to e and changes.",
-    holds=False,
     numbers={"<R^4>/<R^2>^2 of the limit": 2.0, "<R^4>/<R^2>^2 of the paper's integral": 4.0},
 )
-row(
+statement(
     "statement:exponential-g",
-    note="The paper's integral is 4 R K_0(2 R) once <R^2> = 1: its tail is exponential, but its "
+    Verdict.IN_PART,
+    "The paper's integral is 4 R K_0(2 R) once <R^2> = 1: its tail is exponential, but its "
     "peak is not Gaussian (G/R diverges as -ln R). It rests on D_e ~ V^2, which fails even at e = "
     "1. At finite times the free paths do give an exponential tail; the limit is Gaussian.",
-    holds=False,
     numbers={"decay rate of the paper's integral at <R^2> = 1": 2.0},
 )
 defines(
@@ -127,5 +127,5 @@ row(
     note="The deviation that the paper reports is that of the first Sonine approximation.",
     status=Status.FIGURE,
     numbers={"slope at e = {e}, Sonine over exact": lambda e: sonine_slope(e) / slope_value(e)},
-    at=(0.6, 0.7, 0.9),
+    restitutions=(0.6, 0.7, 0.9),
 )

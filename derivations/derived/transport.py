@@ -1,4 +1,4 @@
-"""Chapman-Enskog expansion in the density gradient, order by order (diffuse1 ... diffuse22).
+"""Chapman-Enskog expansion in the density gradient, order by order: (24) to (46).
 
 The expansion is made with the formal parameter epsilon; the collision operator enters only as a
 linear operator, the gradient as a symbol that commutes with functions of the velocity.
@@ -15,17 +15,20 @@ from .. import symbols as s
 from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
 from ..premises import isotropy
 from .kinetic_equation import mass_change
-from .record import Derived, defines, derives, result, row
+from .record import Derived, Verdict, defines, derives, result, row
 
 _T = s.T(s.t)
 _D = s.De(s.t)
 _F = s.f(s.bv, s.t)
 
 _N = s.nd(s.br, s.t)
-_P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
+_P0 = s.p0(s.br, s.bv, s.t)
+_P1 = s.p1(s.br, s.bv, s.t)
+_P2 = s.p2(s.br, s.bv, s.t)
 _B = s.Bv(s.bv, _T)
 
 
+# (26): continuity
 row("diffuse2", lambda: eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()))
 defines(
     {
@@ -36,34 +39,34 @@ defines(
         "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
     }
 )
+# (29): expansion of the distribution
 row(
     "diffuse5",
     note="A formal series; that it orders the distribution holds for gradients that are small over "
     "the distance which a tracer covers while its speed falls by a fixed factor.",
-    holds=True,
+    verdict=Verdict.HOLDS,
 )
 
 
 @cache
 def _flux_orders() -> dict[int, sp.Expr]:
     """Orders of -div J with both the gradient and the flux expanded."""
-    fluxes = [sp.Function(f"J_vec_{order}")(s.br, s.t) for order in range(3)]
-    total = sp.expand(
-        sum(
-            s.eps ** (order + 1 + step) * dot(gradient, flux)
-            for step, gradient in enumerate((s.nabla0, s.nabla1))
-            for order, flux in enumerate(fluxes)
-        )
-    )
-    return {order: -total.coeff(s.eps, order + 1) for order in range(3)}
+    divergence = sp.Integer(0)
+    for order in range(3):
+        flux = sp.Function(f"J_vec_{order}")(s.br, s.t)
+        divergence += s.eps ** (order + 1) * dot(s.nabla0, flux)
+        divergence += s.eps ** (order + 2) * dot(s.nabla1, flux)
+    divergence = sp.expand(divergence)
+    return {order: -divergence.coeff(s.eps, order + 1) for order in range(3)}
 
 
 def density_series(density: sp.Expr) -> sp.Expr:
     """The time derivative of a density in orders of epsilon, from the lowest that -div J has."""
-    lowest = min(order + 1 for order, part in _flux_orders().items() if part != 0)
+    lowest = min(order + 1 for order, term in _flux_orders().items() if term != 0)
     return sp.Sum(s.eps ** (s.j + lowest) * Dt(s.j, density), (s.j, 0, sp.oo))
 
 
+# (30): expansion of the time derivative of the density
 row(
     "diffuse6",
     lambda: eq(sp.Derivative(_N, s.t), density_series(_N)),
@@ -88,15 +91,22 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
     )
 
 
-derives("diffuse7")(lambda: continuity_order(s.Jj(s.br, s.t), _N))
+@derives("diffuse7")
+def _continuity_order_by_order() -> Derived:
+    """(31): orders of the time derivative of the density."""
+    return continuity_order(s.Jj(s.br, s.t), _N)
 
 
 @derives("diffuse8")
-def _diffuse8() -> Derived:
-    series = sum(s.eps**order * part for order, part in enumerate((_P0, _P1, _P2)))
-    terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
-    factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
-    (weight,) = factor
+def _flux_of_order_j() -> Derived:
+    """(32): flux of order j."""
+    distributions = (_P0, _P1, _P2)
+    series = sum(s.eps**order * p_j for order, p_j in enumerate(distributions))
+    integrand = sp.expand(s.bv * series)
+    # each order of v p over the same order of p
+    (weight,) = {
+        sp.cancel(integrand.coeff(s.eps, order) / p_j) for order, p_j in enumerate(distributions)
+    }
     return result(eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)))
 
 
@@ -105,30 +115,34 @@ def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
     """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through the density and T."""
     change = s.eps * Dt(0, density) + s.eps**2 * Dt(1, density)
     cooling = sp.Derivative(_T, s.t)
-    left = sp.expand(
-        sum(
-            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, _T))
-            for order, part in enumerate((_P0, _P1))
-        )
-        # the gradient acts through the density, and on p^(0) alone at this order
-        + s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
-    )
-    right = sp.expand(sum(s.eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
-    zeroth, first = (eq(left.coeff(s.eps, k), right.coeff(s.eps, k)) for k in (0, 1))
-    return zeroth, first
+    # the gradient acts through the density, and on p^(0) alone at this order
+    transport = s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
+    collisions = sp.Integer(0)
+    for order, p_j in enumerate((_P0, _P1)):
+        rate = change * Partial(p_j, density) + cooling * Partial(p_j, _T)
+        transport += s.eps**order * rate
+        collisions += s.eps**order * Lam(p_j)
+    transport = sp.expand(transport)
+    collisions = sp.expand(collisions)
+    order_0 = eq(transport.coeff(s.eps, 0), collisions.coeff(s.eps, 0))
+    order_1 = eq(transport.coeff(s.eps, 1), collisions.coeff(s.eps, 1))
+    return order_0, order_1
 
 
+# (34): zeroth order
 row("diffuse10", lambda: orders()[0], "order epsilon^0 of the kinetic equation")
 
 
 @derives("diffuse11")
-def _diffuse11() -> Derived:
+def _zeroth_order() -> Derived:
+    """(35): solution of the zeroth order."""
     amplitude = sp.Symbol("A")
     # the integral of A f over v is n(r, t), that of f is n
     (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
     return result(eq(_P0, solution * _F))
 
 
+# (36): first order
 row("diffuse12", lambda: orders()[1], "order epsilon^1 of the kinetic equation")
 
 
@@ -148,36 +162,58 @@ def expand(
     ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt; ``source``, the integral of v.v f, stands
     for v f on the right.
     """
-    order = orders(density)[1]
+    first_order = _insert_zeroth_order(density, slope, cooling)
+    of_b = _divide_by_gradient(first_order, density)
+    of_coefficient = _integrate_over_velocity(of_b, coefficient, source)
+    return Expansion(first_order, of_b, of_coefficient)
+
+
+def _insert_zeroth_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
+    """The first order with p^(0) and the cooling inserted; what drives it stands on the right."""
+    _, order_1 = orders(density)
     # the flux of order 0 vanishes: f is even
-    known = {Dt(0, density): 0, sp.Derivative(_T, s.t): cooling, Partial(_P0, density): slope}
-    residual = (order.lhs - order.rhs).subs(known)
+    inserted = {Dt(0, density): 0, sp.Derivative(_T, s.t): cooling, Partial(_P0, density): slope}
+    residual = (order_1.lhs - order_1.rhs).subs(inserted)
     driven = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
-    first = eq(sp.expand(driven - residual), driven)
-    # p^(1) = B.grad n inserted; the gradient, which is arbitrary, is divided out
+    return eq(sp.expand(driven - residual), driven)
+
+
+def _divide_by_gradient(first_order: sp.Eq, density: sp.Expr) -> sp.Eq:
+    """The equation for B: p^(1) = B.grad n inserted, the gradient, which is any, divided out."""
     inserted = {
         Lam(_P1): dot(Lam(_B), s.nabla0) * density,
         Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
     }
-    sides = (sp.expand(side.subs(inserted) / density) for side in first.args)
-    of_b = eq(*(side.replace(Dot, lambda a, b: b if a == s.nabla0 else a) for side in sides))
-    # times -v/2 and integrated, with D_e and nu_D named
+    lhs, rhs = (sp.expand(side.subs(inserted) / density) for side in first_order.args)
+    return eq(lhs.replace(Dot, _without_gradient), rhs.replace(Dot, _without_gradient))
+
+
+def _integrate_over_velocity(of_b: sp.Eq, coefficient: sp.Expr, source: sp.Expr) -> sp.Eq:
+    """The equation for B times -v/2, integrated over v, with D_e and nu_D named."""
     half = -sp.Rational(1, 2)
     named = {
         Partial(_B, _T): Partial(coefficient, _T) / half,
         Lam(_B): -s.nuD * coefficient / half,
         s.bv * _F: source,
     }
-    left, right = (sp.expand(half * side) for side in of_b.args)
-    return Expansion(first, of_b, eq(sp.expand(left.subs(named)), right.subs(named)))
+    lhs, rhs = (sp.expand(half * side).subs(named) for side in of_b.args)
+    return eq(sp.expand(lhs), rhs)
+
+
+def _without_gradient(vector: sp.Expr, factor: sp.Expr) -> sp.Expr:
+    """The vector in a scalar product with the gradient."""
+    if vector == s.nabla0:
+        return factor
+    return vector
 
 
 @cache
 def _expansion() -> Expansion:
-    """diffuse13, diffuse15 and diffuse18; the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
+    """(37), (39) and (42); the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
     return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
 
 
+# (37): first order with the zeroth inserted
 row(
     "diffuse13",
     lambda: (
@@ -186,23 +222,27 @@ row(
         ("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
     ),
 )
+# (38): form of the first-order solution
 row(
     "diffuse14",
     note="Holds: the equation is linear with a source proportional to the gradient of n, and the "
     "operator commutes with rotations.",
-    holds=True,
+    verdict=Verdict.HOLDS,
 )
+# (39): equation for B
 row("diffuse15", lambda: _expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out")
 
 
 @derives("diffuse16")
-def _diffuse16() -> Derived:
+def _first_order_flux() -> Derived:
+    """(40): first-order flux."""
     integral = Int(dot(s.bv, _B), s.bv)
     flux = isotropy() * integral * s.nabla0 * _N
     coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
     return result(eq(s.J1(s.br, s.t), coefficient))
 
 
+# (42): equation for the diffusion coefficient
 row(
     "diffuse18",
     lambda: _expansion().of_coefficient,
@@ -227,6 +267,7 @@ def temperature_exponent() -> sp.Expr:
     return sp.simplify(heat * sp.diff(speed, heat) / speed)
 
 
+# (44): temperature dependence of the diffusion coefficient
 row(
     "diffuse20",
     lambda: eq(Partial(_D, _T), temperature_exponent() * _D / _T),
@@ -243,6 +284,7 @@ def solved(equation: sp.Eq, coefficient: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     return solution
 
 
+# (45): diffusion coefficient
 row(
     "diffuse21",
     lambda: eq(_D, sp.factor(solved(_expansion().of_coefficient, _D, temperature_exponent()))),
@@ -251,8 +293,11 @@ row(
 
 
 @derives("diffuse22")
-def _diffuse22() -> Derived:
+def _diffusion_equation() -> Derived:
+    """(46): diffusion equation."""
     flux = -_D * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
-    right = sp.expand(-s.nabla0 * flux)
-    return result(eq(Dt(1, _N), right), ("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])))
+    divergence = sp.expand(s.nabla0 * flux)
+    return result(
+        eq(Dt(1, _N), -divergence), ("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1]))
+    )

@@ -1,103 +1,430 @@
-"""Sections 2 and 3 as printed: cooling, random walk, transport, position."""
+"""Sections 2 and 3 as printed: cooling, random walk, transport, position.
+
+One row a formula, in the paper's order, to be read beside the paper. A piece that appears often has
+a name that shows its arguments: ``p_rvt`` is p(r, v, t).
+"""
 
 from __future__ import annotations
 
 import sympy as sp
+from sympy import Derivative, Integral, Sum, exp, log, oo, pi, sqrt
+from sympy import Rational as Q
 
-from .. import symbols as s
 from ..formal import Dt, Int, Lam, Partial, Second, chain, dot, eq
+from ..symbols import (
+    I_,
+    J1,
+    M2,
+    Bv,
+    De,
+    F,
+    G,
+    Gt,
+    J,
+    Jj,
+    Mp,
+    N,
+    R,
+    T,
+    V,
+    Vbar,
+    Vs,
+    alpha,
+    bc,
+    bcs,
+    beta,
+    bl,
+    br,
+    bv,
+    bvs,
+    c,
+    d,
+    e,
+    eps,
+    eta,
+    f,
+    g,
+    gamma,
+    ge,
+    gt,
+    h,
+    hemi,
+    hemi_c,
+    j,
+    k,
+    kappa_d,
+    l,
+    m,
+    msd,
+    msd1,
+    n,
+    nabla,
+    nabla0,
+    nabla1,
+    nd,
+    nuD,
+    p,
+    p0,
+    p1,
+    p2,
+    pd,
+    pj,
+    r,
+    rho0,
+    sigma,
+    t,
+    t1,
+    tau,
+    tau1,
+    tc,
+    v,
+    v0,
+    xi,
+)
+from .rows import Transcription
 
-Q = sp.Rational
-_half = Q(1, 2)
-_T = s.T(s.t)
-_V0 = s.v0(s.t)
-_F = s.f(s.bv, s.t)
-_F_SCALED = s.F(s.bc)
-_D = s.De(s.t)
-_p, _p0, _p1 = (s.pd(s.br, s.bv, s.t), s.p0(s.br, s.bv, s.t), s.p1(s.br, s.bv, s.t))
-_n = s.nd(s.br, s.t)
-_B = s.Bv(s.bv, s.T(s.t))
-_D_integral = sp.Integral(s.De(s.V, s.t1), (s.t1, 0, s.t))
-_curvature = Second(s.pd(s.V, s.R), s.V, s.Vs)
+# pieces that appear often, named by the function and its arguments
+half = Q(1, 2)
+T_t = T(t)
+v0_t = v0(t)
+f_vt = f(bv, t)
+F_c = F(bc)
+v_sigma = dot(bv, sigma)
+p_rvt = pd(br, bv, t)
+p_before = pd(br, bvs, t)
+p0_rvt = p0(br, bv, t)
+p1_rvt = p1(br, bv, t)
+dT_dt = Derivative(T_t, t)
+D_t = De(t)
+n_rt = nd(br, t)
+dn_dt = Derivative(n_rt, t)
+B_v = Bv(bv, T_t)
+xi_t = xi(t)
+msd_t = msd(t)
+G_R = G(R)
+t_N = tc(N)
+integral_of_D = Integral(De(V, t1), (t1, 0, t))
+curvature = Second(pd(V, R), V, Vs)
+sqrt_of_quartic = sqrt(-383 + 828 * e**2 + 900 * e**4)
 
-FORMULAS: dict[str, sp.Basic] = {
+EQUATIONS: tuple[Transcription, ...] = (
     # Sections 2 and 3.2: the collision rule, cooling, the scaling form
-    "vchange": eq(s.bv, s.bvs - (1 + s.e) * dot(s.bvs, s.sigma) * s.sigma),
-    "gtilde": eq(s.g(s.r, s.t), 1 / sp.sqrt(s.msd1(s.t)) * s.G(s.R)),
-    "v0defi": eq(_V0, sp.sqrt(1 / s.n * Int(s.v**2 * _F, s.bv))),
-    "thermo": eq(_T, _half * s.m * _V0**2),
-    "tdiff": eq(sp.Derivative(_T, s.t), -2 * s.d * _V0 * s.rho0 * s.h * _T),
-    "vdiff": eq(sp.Derivative(_V0, s.t), -s.d * s.rho0 * s.h * _V0**2),
-    "veq": eq(_V0, 1 / (1 / s.v0(0) + s.d * s.rho0 * s.h * s.t)),
-    "hsimu": eq(s.h, Q("1.45") * (1 - s.e)),
-    "inelaslorentz2": eq(sp.Derivative(_F, s.t),
-        s.d * s.rho0 * Int(dot(s.bv, s.sigma) * (s.f(s.bvs, s.t) / s.e**2 - _F), s.sigma, s.hemi)),
-    "tdepend": eq(_F, s.n / _V0**2 * _F_SCALED),
-    "if": eq(s.I_(_F_SCALED), Int(dot(s.bc, s.sigma) * (s.F(s.bcs) / s.e**2 - _F_SCALED), s.sigma,
-        s.hemi_c)),
-    "mup": eq(s.Mp, -Int(s.c**s.p * s.I_(_F_SCALED), s.bc)),
-    "tdiff2": eq(sp.Derivative(_T, s.t), -s.d * _V0 * s.rho0 * s.M2 * _T),
-    "compare2": eq(s.h, s.M2 / 2),
-    "compare3": eq(s.M2, sp.sqrt(sp.pi) * (1 - s.e**2)
-        * (Q(65, 64) + Q(15, 32) * s.e**2 - Q(1, 64)
-        * sp.sqrt(-383 + 828 * s.e**2 + 900 * s.e**4))),
+    Transcription(
+        number="1",
+        label="vchange",
+        formula=eq(bv, bvs - (1 + e) * dot(bvs, sigma) * sigma),
+    ),
+    Transcription(
+        number="2",
+        label="gtilde",
+        formula=eq(g(r, t), 1 / sqrt(msd1(t)) * G_R),
+    ),
+    Transcription(
+        number="3",
+        label="v0defi",
+        formula=eq(v0_t, sqrt(1 / n * Int(v**2 * f_vt, bv))),
+    ),
+    Transcription(
+        number="4",
+        label="thermo",
+        formula=eq(T_t, half * m * v0_t**2),
+    ),
+    Transcription(
+        number="5",
+        label="tdiff",
+        formula=eq(dT_dt, -2 * d * v0_t * rho0 * h * T_t),
+    ),
+    Transcription(
+        number="6",
+        label="vdiff",
+        formula=eq(Derivative(v0_t, t), -d * rho0 * h * v0_t**2),
+    ),
+    Transcription(
+        number="7",
+        label="veq",
+        formula=eq(v0_t, 1 / (1 / v0(0) + d * rho0 * h * t)),
+    ),
+    Transcription(
+        number="8",
+        label="hsimu",
+        formula=eq(h, Q("1.45") * (1 - e)),
+    ),
+    Transcription(
+        number="9",
+        label="inelaslorentz2",
+        formula=eq(
+            Derivative(f_vt, t), d * rho0 * Int(v_sigma * (f(bvs, t) / e**2 - f_vt), sigma, hemi)
+        ),
+    ),
+    Transcription(
+        number="10",
+        label="tdepend",
+        formula=eq(f_vt, n / v0_t**2 * F_c),
+    ),
+    Transcription(
+        number="11",
+        label="if",
+        formula=eq(I_(F_c), Int(dot(bc, sigma) * (F(bcs) / e**2 - F_c), sigma, hemi_c)),
+    ),
+    Transcription(
+        number="12",
+        label="mup",
+        formula=eq(Mp, -Int(c**p * I_(F_c), bc)),
+    ),
+    Transcription(
+        number="13",
+        label="tdiff2",
+        formula=eq(dT_dt, -d * v0_t * rho0 * M2 * T_t),
+    ),
+    Transcription(
+        number="14",
+        label="compare2",
+        formula=eq(h, M2 / 2),
+    ),
+    Transcription(
+        number="15",
+        label="compare3",
+        formula=eq(
+            M2, sqrt(pi) * (1 - e**2) * (Q(65, 64) + Q(15, 32) * e**2 - Q(1, 64) * sqrt_of_quartic)
+        ),
+    ),
     # Section 3.2: the random walk and its mean square displacement
-    "ab": sp.Tuple(eq(s.alpha, 1 / s.v0(0)), eq(s.beta, s.d * s.rho0 * s.h)),
-    "taun": chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l * (s.alpha + s.beta * s.tc(s.N - 1))),
-    "taun#2": eq(s.tau(s.N), s.l * s.alpha * (1 + s.l * s.beta)**(s.N - 1)),
-    "tn": chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)),
-        s.alpha / s.beta * ((1 + s.l * s.beta)**s.N - 1)),
-    "N": eq(s.N, sp.log(s.beta / s.alpha * s.tc(s.N) + 1) / sp.log(1 + s.l * s.beta)),
-    "msd": chain(s.msd(s.t), s.l**2 * s.N, s.l**2 * sp.log(s.beta / s.alpha * s.t + 1)
-        / sp.log(1 + s.l * s.beta)),
-    "scaledposi": eq(s.G(s.R), sp.sqrt(s.msd(s.t)) * s.ge(s.r, s.t)),
+    Transcription(
+        number="16",
+        label="ab",
+        formula=sp.Tuple(eq(alpha, 1 / v0(0)), eq(beta, d * rho0 * h)),
+    ),
+    Transcription(
+        number="17",
+        label="taun",
+        formula=chain(tau(N), l / v0(tc(N - 1)), l * (alpha + beta * tc(N - 1))),
+    ),
+    Transcription(
+        number="18",
+        label="taun#2",
+        formula=eq(tau(N), l * alpha * (1 + l * beta) ** (N - 1)),
+    ),
+    Transcription(
+        number="19",
+        label="tn",
+        formula=chain(t_N, Sum(tau(k), (k, 1, N)), alpha / beta * ((1 + l * beta) ** N - 1)),
+    ),
+    Transcription(
+        number="20",
+        label="N",
+        formula=eq(N, log(beta / alpha * t_N + 1) / log(1 + l * beta)),
+    ),
+    Transcription(
+        number="22",
+        label="msd",
+        formula=chain(msd_t, l**2 * N, l**2 * log(beta / alpha * t + 1) / log(1 + l * beta)),
+    ),
+    Transcription(
+        number="23",
+        label="scaledposi",
+        formula=eq(G_R, sqrt(msd_t) * ge(r, t)),
+    ),
     # Section 3.3: the Chapman-Enskog expansion
-    "diffuse1": eq(sp.Derivative(_p, s.t) + dot(s.bv, s.nabla) * _p, Lam(_p)),
-    "diffuse1.5": eq(Lam(_p), s.d * s.rho0 * Int(dot(s.bv, s.sigma)
-        * (s.pd(s.br, s.bvs, s.t) / s.e**2 - _p), s.sigma, s.hemi)),
-    "diffuse2": eq(sp.Derivative(_n, s.t) + dot(s.nabla, s.J(s.br, s.t)), 0),
-    "diffuse3": eq(_n, Int(_p, s.bv)),
-    "diffuse4": eq(s.J(s.br, s.t), Int(s.bv * _p, s.bv)),
-    "diffuse5": eq(_p, _p0 + s.eps * _p1 + s.eps**2 * s.p2(s.br, s.bv, s.t)),
-    "diffuse6": eq(sp.Derivative(_n, s.t), sp.Sum(s.eps**(s.j + 1) * Dt(s.j, _n), (s.j, 0, sp.oo))),
-    "diffuse7": eq(Dt(s.j, _n), -dot(s.nabla0, s.Jj(s.br, s.t))),
-    "diffuse8": eq(s.Jj(s.br, s.t), Int(s.bv * s.pj(s.br, s.bv, s.t), s.bv)),
-    "diffuse9": eq(s.nabla, s.eps * s.nabla0 + s.eps**2 * s.nabla1),
-    "diffuse10": eq(sp.Derivative(s.T(s.t), s.t) * Partial(_p0, s.T(s.t)), Lam(_p0)),
-    "diffuse11": eq(_p0, _n / s.n * _F),
-    "diffuse12": eq(Dt(0, _n) * Partial(_p0, _n) + sp.Derivative(s.T(s.t), s.t)
-        * Partial(_p1, s.T(s.t)) + dot(s.bv, s.nabla0) * _n * Partial(_p0, _n), Lam(_p1)),
-    "diffuse13": eq(s.xi(s.t) * s.T(s.t) * Partial(_p1, s.T(s.t)) + Lam(_p1),
-        dot(s.bv, s.nabla0) * _n / s.n * _F),
-    "diffuse14": eq(_p1, dot(_B, s.nabla0) * _n),
-    "diffuse15": eq(s.xi(s.t) * s.T(s.t) * Partial(_B, s.T(s.t)) + Lam(_B), s.bv / s.n * _F),
-    "diffuse16": eq(s.J1(s.br, s.t), -_D * s.nabla0 * _n),
-    "diffuse17": eq(_D, -_half * Int(dot(s.bv, _B), s.bv)),
-    "diffuse18": eq(s.xi(s.t) * s.T(s.t) * Partial(_D, s.T(s.t)) - s.nuD * _D, -s.T(s.t) / s.m),
-    "diffuse19": eq(s.nuD, -Int(dot(Lam(_B), s.bv), s.bv) / Int(dot(_B, s.bv), s.bv)),
-    "diffuse20": eq(Partial(_D, s.T(s.t)), _D / (2 * s.T(s.t))),
-    "diffuse21": eq(_D, s.T(s.t) / s.m / (s.nuD - s.xi(s.t) / 2)),
-    "diffuse22": eq(Dt(1, _n), _D * s.nabla0**2 * _n),
+    Transcription(
+        number="24",
+        label="diffuse1",
+        formula=eq(Derivative(p_rvt, t) + dot(bv, nabla) * p_rvt, Lam(p_rvt)),
+    ),
+    Transcription(
+        number="25",
+        label="diffuse1.5",
+        formula=eq(Lam(p_rvt), d * rho0 * Int(v_sigma * (p_before / e**2 - p_rvt), sigma, hemi)),
+    ),
+    Transcription(
+        number="26",
+        label="diffuse2",
+        formula=eq(dn_dt + dot(nabla, J(br, t)), 0),
+    ),
+    Transcription(
+        number="27",
+        label="diffuse3",
+        formula=eq(n_rt, Int(p_rvt, bv)),
+    ),
+    Transcription(
+        number="28",
+        label="diffuse4",
+        formula=eq(J(br, t), Int(bv * p_rvt, bv)),
+    ),
+    Transcription(
+        number="29",
+        label="diffuse5",
+        formula=eq(p_rvt, p0_rvt + eps * p1_rvt + eps**2 * p2(br, bv, t)),
+    ),
+    Transcription(
+        number="30",
+        label="diffuse6",
+        formula=eq(dn_dt, Sum(eps ** (j + 1) * Dt(j, n_rt), (j, 0, oo))),
+    ),
+    Transcription(
+        number="31",
+        label="diffuse7",
+        formula=eq(Dt(j, n_rt), -dot(nabla0, Jj(br, t))),
+    ),
+    Transcription(
+        number="32",
+        label="diffuse8",
+        formula=eq(Jj(br, t), Int(bv * pj(br, bv, t), bv)),
+    ),
+    Transcription(
+        number="33",
+        label="diffuse9",
+        formula=eq(nabla, eps * nabla0 + eps**2 * nabla1),
+    ),
+    Transcription(
+        number="34",
+        label="diffuse10",
+        formula=eq(dT_dt * Partial(p0_rvt, T_t), Lam(p0_rvt)),
+    ),
+    Transcription(
+        number="35",
+        label="diffuse11",
+        formula=eq(p0_rvt, n_rt / n * f_vt),
+    ),
+    Transcription(
+        number="36",
+        label="diffuse12",
+        formula=eq(
+            Dt(0, n_rt) * Partial(p0_rvt, n_rt)
+            + dT_dt * Partial(p1_rvt, T_t)
+            + dot(bv, nabla0) * n_rt * Partial(p0_rvt, n_rt),
+            Lam(p1_rvt),
+        ),
+    ),
+    Transcription(
+        number="37",
+        label="diffuse13",
+        formula=eq(
+            xi_t * T_t * Partial(p1_rvt, T_t) + Lam(p1_rvt), dot(bv, nabla0) * n_rt / n * f_vt
+        ),
+    ),
+    Transcription(
+        number="38",
+        label="diffuse14",
+        formula=eq(p1_rvt, dot(B_v, nabla0) * n_rt),
+    ),
+    Transcription(
+        number="39",
+        label="diffuse15",
+        formula=eq(xi_t * T_t * Partial(B_v, T_t) + Lam(B_v), bv / n * f_vt),
+    ),
+    Transcription(
+        number="40",
+        label="diffuse16",
+        formula=eq(J1(br, t), -D_t * nabla0 * n_rt),
+    ),
+    Transcription(
+        number="41",
+        label="diffuse17",
+        formula=eq(D_t, -half * Int(dot(bv, B_v), bv)),
+    ),
+    Transcription(
+        number="42",
+        label="diffuse18",
+        formula=eq(xi_t * T_t * Partial(D_t, T_t) - nuD * D_t, -T_t / m),
+    ),
+    Transcription(
+        number="43",
+        label="diffuse19",
+        formula=eq(nuD, -Int(dot(Lam(B_v), bv), bv) / Int(dot(B_v, bv), bv)),
+    ),
+    Transcription(
+        number="44",
+        label="diffuse20",
+        formula=eq(Partial(D_t, T_t), D_t / (2 * T_t)),
+    ),
+    Transcription(
+        number="45",
+        label="diffuse21",
+        formula=eq(D_t, T_t / m / (nuD - xi_t / 2)),
+    ),
+    Transcription(
+        number="46",
+        label="diffuse22",
+        formula=eq(Dt(1, n_rt), D_t * nabla0**2 * n_rt),
+    ),
     # Section 3.3: the scaled position distribution
-    "normg": eq(s.gt(s.r, s.t), 1 / (4 * _D_integral) * s.r * sp.exp(-s.r**2 / (8 * _D_integral))),
-    "ddif": eq(s.De(s.V, s.t1), s.kappa_d * s.V**2 * s.l / (s.alpha + s.beta * s.t1)),
-    "L": eq(s.V, sp.Abs(s.bl / s.tau1 / s.v0(s.t1))),
-    "eta": eq(s.eta, 4 * _D_integral / (s.V**2 * s.msd(s.t))),
-    "etadif": eq(s.eta, 4 * s.kappa_d * sp.log(1 + s.l * s.beta) / (s.l * s.beta)),
-    "posivel": eq(s.Gt(s.R, s.V), 1 / (s.eta * s.V**2) * s.R
-        * sp.exp(-s.R**2 / (2 * s.eta * s.V**2))),
-    "gdefi": chain(s.G(s.R), sp.Integral(sp.exp(-s.V**2) / sp.pi / (s.eta * s.V**2) * s.R
-        * sp.exp(-s.R**2 / (2 * s.eta * s.V**2)) * 2 * sp.pi * s.V, (s.V, 0, sp.oo)),
-        2 / s.eta * s.R * sp.Integral(sp.exp(-s.pd(s.V, s.R) * s.R**2), (s.V, 0, sp.oo))),
-    "pdefi": eq(s.pd(s.V, s.R), sp.log(s.V) / s.R**2 + s.V**2 / s.R**2 + 1 / (2 * s.eta * s.V**2)),
-    "csolu": eq(s.Vs, sp.sqrt(-Q(1, 4) + sp.sqrt(s.eta + 8 * s.R**2) / (4 * sp.sqrt(s.eta)))),
-    "tailg": chain(s.G(s.R), 2 / s.eta * s.R * sp.Integral(sp.exp(-s.pd(s.Vs, s.R) * s.R**2
-        - (s.V - s.Vs)**2 / 2 * _curvature * s.R**2), (s.V, 0, sp.oo)),
-        2 / s.eta * sp.sqrt(sp.pi / (2 * _curvature)) * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
-    "semig": eq(s.G(s.R), sp.sqrt(sp.pi * s.R / (2 * sp.sqrt(2) * s.eta**Q(3, 2)))
-        * sp.exp(-sp.sqrt(2 / s.eta) * s.R)),
-    "gammatailg": eq(s.G(s.R), 2 * s.gamma / s.eta * sp.sqrt(sp.pi / (2 * _curvature))
-        * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
-    "peakg": eq(s.G(s.R), 1 / (s.eta * s.Vbar**2) * s.R
-        * sp.exp(-s.R**2 / (2 * s.eta * s.Vbar**2))),
-}  # fmt: skip
+    Transcription(
+        number="47",
+        label="normg",
+        formula=eq(gt(r, t), 1 / (4 * integral_of_D) * r * exp(-(r**2) / (8 * integral_of_D))),
+    ),
+    Transcription(
+        number="48",
+        label="ddif",
+        formula=eq(De(V, t1), kappa_d * V**2 * l / (alpha + beta * t1)),
+    ),
+    Transcription(
+        number="49",
+        label="L",
+        formula=eq(V, sp.Abs(bl / tau1 / v0(t1))),
+    ),
+    Transcription(
+        number="50",
+        label="eta",
+        formula=eq(eta, 4 * integral_of_D / (V**2 * msd_t)),
+    ),
+    Transcription(
+        number="51",
+        label="etadif",
+        formula=eq(eta, 4 * kappa_d * log(1 + l * beta) / (l * beta)),
+    ),
+    Transcription(
+        number="52",
+        label="posivel",
+        formula=eq(Gt(R, V), 1 / (eta * V**2) * R * exp(-(R**2) / (2 * eta * V**2))),
+    ),
+    Transcription(
+        number="53",
+        label="gdefi",
+        formula=chain(
+            G_R,
+            Integral(
+                exp(-(V**2)) / pi / (eta * V**2) * R * exp(-(R**2) / (2 * eta * V**2)) * 2 * pi * V,
+                (V, 0, oo),
+            ),
+            2 / eta * R * Integral(exp(-pd(V, R) * R**2), (V, 0, oo)),
+        ),
+    ),
+    Transcription(
+        number="54",
+        label="pdefi",
+        formula=eq(pd(V, R), log(V) / R**2 + V**2 / R**2 + 1 / (2 * eta * V**2)),
+    ),
+    Transcription(
+        number="55",
+        label="csolu",
+        formula=eq(Vs, sqrt(-Q(1, 4) + sqrt(eta + 8 * R**2) / (4 * sqrt(eta)))),
+    ),
+    Transcription(
+        number="56",
+        label="tailg",
+        formula=chain(
+            G_R,
+            2
+            / eta
+            * R
+            * Integral(exp(-pd(Vs, R) * R**2 - (V - Vs) ** 2 / 2 * curvature * R**2), (V, 0, oo)),
+            2 / eta * sqrt(pi / (2 * curvature)) * exp(-pd(Vs, R) * R**2),
+        ),
+    ),
+    Transcription(
+        number="57",
+        label="semig",
+        formula=eq(G_R, sqrt(pi * R / (2 * sqrt(2) * eta ** Q(3, 2))) * exp(-sqrt(2 / eta) * R)),
+    ),
+    Transcription(
+        number="58",
+        label="gammatailg",
+        formula=eq(G_R, 2 * gamma / eta * sqrt(pi / (2 * curvature)) * exp(-pd(Vs, R) * R**2)),
+    ),
+    Transcription(
+        number="59",
+        label="peakg",
+        formula=eq(G_R, 1 / (eta * Vbar**2) * R * exp(-(R**2) / (2 * eta * Vbar**2))),
+    ),
+)

@@ -1,4 +1,4 @@
-"""Restitutions that depend on the normal component of the impact speed."""
+"""Restitutions that depend on the normal component v_n of the impact speed."""
 
 from __future__ import annotations
 

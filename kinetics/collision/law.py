@@ -37,9 +37,9 @@ from kinetics.validation import (
 
 #: Smallest value that the larger of e and et may have. Chosen: below, every bounce stops a tracer.
 MIN_LARGER_RESTITUTION = 1e-8
-#: Largest |m| of a harmonic. The origin is not recorded.
+#: Largest |m| of a harmonic. Chosen: far beyond what any density needs.
 MAX_HARMONIC = 1_000_000
-#: Arguments of a law that a text leaves out.
+#: The defaults of arguments of a law, which its text leaves out.
 DEFAULTS: dict[str, object] = {
     "tangential_restitution": 1.0,
     "dimension": 2,

@@ -2,8 +2,10 @@ r"""Scatterers at a finite density: how a tracer that meets them again changes t
 
 In a medium of number density n (per d^2, d the contact distance) a tracer that is thrown back by a
 second scatterer meets the first one again, and on its way it runs along a corridor that it knows to
-be empty. In the clock of the path length, with K one collision and B a bounce straight back
-(direction reversed, speed times e), both together replace
+be empty. e is the restitution, m an angular harmonic, p a power of the speed, and lambda_m(p) = 1 -
+E[s^p cos(m chi)] what a collision (speed ratio s, deflection chi) takes of their average. In the
+clock of the path length, with K one collision and B a bounce straight back (direction reversed,
+speed times e), both together replace
 
     K - 1  by  (K - 1)/(1 - eps B (K - 1)),      eps = (2 e/(1 + e)) n ln(1/n),
 
@@ -35,19 +37,22 @@ from kinetics.collision.return_constants import OF_SPEED as OF_SPEED
 from kinetics.collision.return_constants import ReturnConstants, constants_at
 from kinetics.validation import check_positive, one_of, refuse
 
+#: The arrangements of scatterers, as `Scene(scatterers=...)` names them.
 SCATTERERS = ("dilute", "overlapping", "hard disks")
+#: The orders of the theory, see the module.
 ORDERS = ("leading", "first", "second")
 
-#: Largest n = rho d^2 that is allowed. The origin is not recorded.
+#: Largest n = rho d^2 that is allowed. Chosen: three times the largest tested one; the theory is of
+#: first order in n.
 HIGHEST_DENSITY = 0.3
-#: Smallest one: below, n^2 underflows. The origin of the number is not recorded.
+#: Smallest one. Chosen: so that the mean free path, of the order of d/n, is finite.
 LEAST_DENSITY = 1e-300
-#: Largest n at which the theory was compared with simulations.
+#: Largest n at which the theory was compared with simulations (examples/docs/validation.md).
 TESTED_DENSITY = 0.1
 #: Smallest e of the constants of the first order: below they are held. It is where the table ends.
 LEAST_RESTITUTION = 0.2
-#: How fast near loops are cut off, per l: exp(-R (1 + |delta|/4)) averaged. The origin of the
-#: number is not recorded.
+#: How fast near loops are cut off, per l: exp(-R (1 + |delta|/4)) averaged. Chosen: a rate of the
+#: order of 1/l; at twice <v(0).v(t)> at late times, which is small, moves by 0.1 of itself.
 CORRIDOR = 0.6
 #: Largest eps. Chosen: returns of returns must add up, eps |lambda| < 1, and lambda is 2 at most.
 #: It is reached above the tested densities only.
@@ -63,18 +68,18 @@ NEAR_SHARE_ERROR = 0.2
 # Fitted (tests/kinetics/measurements/density.py). In the order (n ln n)^2 J_1(0), the way of a
 # tracer, is less by (a + b n) e^2 + (f + g n) sqrt(1 - e^2).
 
-#: a and b of (a + b n) e^2, by the scatterers.
+#: a and b of (a + b n) e^2, by the scatterers. Fitted, as above.
 SHORTER_WAY = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
 #: f of (f + g n) sqrt(1 - e^2). Fitted, as above.
 SHORTER_WAY_LOSSY = 0.2
-#: g of the same.
+#: g of the same. Fitted, as above.
 SHORTER_WAY_LOSSY_PER_DENSITY = 3.2
 #: Paths are longer by this times e (1 - e) n^2 ln(1/n). Fitted, as above.
 LONGER_PATH = 4.0
 #: J_1(0), near 1.07 - 0.45 e, loses twice what paths are longer by, because <r^2> is not longer.
 #: The origin of both numbers is not recorded.
 WAY_AT_REST = 1.07
-#: By how much J_1(0) is less at e = 1 than at e = 0.
+#: By how much J_1(0) is less at e = 1 than at e = 0; origin as of `WAY_AT_REST`.
 WAY_FALL = 0.45
 
 

@@ -1,7 +1,8 @@
 """The constants of the theory of a finite density, from the table `returns.json`.
 
-They are integrals over two scatterers and over loops, which tests/kinetics/measurements/returns.py
-computes again. Begin with :func:`constants_at`.
+n is the number density times d^2, d the contact distance, l the mean free path, e the restitution.
+The constants are integrals over two scatterers and over loops, which
+tests/kinetics/measurements/returns.py computes again. Begin with :func:`constants_at`.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ Begin with `harmonic`: what a solver is asked, what it provides, and what it giv
   nodes, the density between them, and how collisions are taken out of the equation
 - `node_masses`, `uniformisation`: of the conservative one, its state and how that collides
 - `velocity_component`: the density of one Cartesian component
-- `speed_shares`, `sharp_tracers`: the speeds as points, for averages over the tracers
+- `speed_shares`, `log_panels`, `sharp_tracers`: the speeds as points, for averages over the tracers
 - `flights`: free flights; `fronts`: speeds at which a density is not smooth
 
 Below it are `kinetics.scaling`, `kinetics.moments`, `kinetics.states`, `kinetics.collision`,

@@ -2,10 +2,10 @@ r"""Solves for a harmonic of the velocity density conservatively: for steps, pea
 
 The state is a set of masses at equidistant x = ln v (`node_masses`). A bounce takes a mass at v to
 s v, which is shared between the two nodes around it so that mass and energy are exactly those of
-the bounce. Nodes lose mass at the rate v/l. The exponential of this linear system is a sum of
-non-negative terms (`uniformisation`): no mass is ever below 0, their sum is kept to rounding, and
-the energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the
-spacing.
+the bounce. l is the mean free path, lambda(p) = 1 - E[s^p]. Nodes lose mass at the rate v/l. The
+exponential of this linear system is a sum of non-negative terms (`uniformisation`): no mass is ever
+below 0, their sum is kept to rounding, and the energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the
+exact lambda(2). Second order in the spacing.
 
 Near steps and infinities of f no nodes give f itself. What is kept to rtol is the share of the
 tracers that are slower than v, for every v. Its error is the difference of two spacings, times a
@@ -28,45 +28,48 @@ from kinetics.numerics import FOLDS, LARGEST_LOG, FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.state import LogMeasure, State
 
-#: First spacing in ln v that is tried; each next one is half of the one before. The origin is not
-#: recorded; with half or twice of it the same last spacing is found.
+#: First spacing in ln v that is tried; each next one is half of the one before. Chosen: with half
+#: or twice of it the same last spacing is found.
 COARSEST_SPACING = 0.128
-#: Finest spacing that the solver chooses by itself: after eight halvings. The origin is not
-#: recorded; the limit of the work often ends the halvings before.
+#: Finest spacing that the solver chooses by itself: after eight halvings. Chosen: the limit of the
+#: work often ends the halvings before.
 FINEST_SPACING = COARSEST_SPACING / 2**8
-#: Margin, for rounding, by which a spacing is taken to be the finest one.
+#: Margin, for rounding, by which a spacing is taken to be the finest one. Chosen: spacings differ
+#: by factors of two.
 SPACING_MARGIN = 1.01
 #: The error over the difference of two spacings from sharp speeds. The first bounces make inverse
-#: square roots, whose distribution function converges as sqrt(h): 1/(sqrt(2) - 1) = 2.4, and more
-#: where the front lies badly between the nodes.
+#: square roots, whose distribution function converges as sqrt(h). Derived: 1/(sqrt(2) - 1) = 2.4,
+#: and more where the front lies badly between the nodes.
 SAFETY_OF_SHARP_START = 4.0
-#: The same from densities. Steps and kinks converge as h at least: 1, with a margin of 2.
+#: The same from densities. Derived: steps and kinks converge as h at least: 1, with a margin of 2.
 SAFETY_OF_DENSITY = 2.0
 #: Errors are relative to the share of tracers that have left a single speed, or to this share,
 #: whichever is larger. Chosen: at t = 0 none have.
 LEAST_SHARE_OF_ERROR = 1e-9
-#: Least error of the points that represent a start: they need not be better known.
+#: Least error of the points that represent a start: they need not be better known. Origin not
+#: recorded; at half and at twice shares of flights and of slow tracers move by 2e-6 (e = 0.7, rtol
+#: 1e-3).
 MAX_RTOL_OF_START = 1e-6
 #: The axis ends so many e-folds below the slowest speed that matters, l/t, or the slowest one of
-#: the start. The origin is not recorded; at half the shares of tracers slower than v move by 3e-15
-#: (e = 0 and 0.7, one speed and a table with edges, t up to 1e3, rtol 1e-2), with 0.7 of the nodes.
+#: the start. Chosen: at half the shares of tracers slower than v move by 3e-15 (e = 0 and 0.7, one
+#: speed and a table with edges, t up to 1e3, rtol 1e-2), with 0.7 of the nodes.
 DEPTH_OF_AXIS = 12.0
 #: Nodes on top of those that span the axis: an empty one above the fastest tracers, and both ends.
+#: Derived.
 MORE_NODES = 3
 #: Radians of s^z on one cell, z a wave number, so that the losses of the collision quadrature lie a
-#: tenth of a cell apart. At half and at twice these shares move by 2e-6.
+#: tenth of a cell apart. Chosen. At half and at twice these shares move by 2e-6.
 RADIANS_PER_CELL = 16.0
-#: Equal pieces into which a cell is cut, for the steps of a density. The origin is not recorded; at
-#: half and at twice these shares move by 3e-4 and 2e-4, the estimates being 7e-3 to 2e-2.
+#: Equal pieces into which a cell is cut, for the steps of a density. Chosen: at half and at twice
+#: these shares move by 3e-4 and 2e-4, the estimates being 7e-3 to 2e-2.
 PIECES_OF_CELL = 8
-#: Gauss points of such a piece. The origin is not recorded; with 2 and with 8 these shares move by
-#: 3e-6 and 4e-4.
+#: Gauss points of such a piece. Chosen: with 2 and with 8 these shares move by 3e-6 and 4e-4.
 PIECE_POINTS = 4
 #: If the cells catch less than this fraction of the mass of the start, its density lies between
 #: their Gauss points, and its own points are shared between the nodes instead. The origin is not
 #: recorded: any start that the cells resolve is caught nearly as a whole.
 LEAST_MASS_OF_CELLS = 0.5
-#: Path in mean free paths that stands for 0 in a logarithm.
+#: Path in mean free paths that stands for 0 in a logarithm: close to the smallest number.
 TINY_PATH = 1e-300
 
 

@@ -1,5 +1,7 @@
 """Harmonics of elastic tracers (e = 1), exactly: f_m(v, t) = f_m(v, 0) exp(-lambda_m(0) v t/l).
 
+v is the speed, l the mean free path, and lambda_m(0) = 1 - E[cos(m chi)] the part of harmonic m
+that one collision, which turns the velocity by chi, takes away (`kinetics.densities.harmonic`).
 Collisions keep the speed and turn the velocity, so that each speed relaxes by itself. Begin with
 :func:`elastic_profile`.
 """
@@ -18,6 +20,7 @@ from kinetics.results.value import Value
 from kinetics.states.state import State
 
 #: Tolerance of the points that represent a start of one speed, which any tolerance gives exactly.
+#: Chosen.
 RTOL_OF_SHARP_SPEED = 1.0
 
 

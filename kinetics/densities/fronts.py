@@ -1,6 +1,8 @@
 """Fronts of speed densities: speeds at which the density from sharp speeds is not smooth.
 
-Begin with :func:`speed_fronts`.
+f is the density of the speed; it steps, or is infinite, at speeds to which sharp speeds are brought
+by head-on or grazing collisions, where the loss -ln s is an extremum. Begin with
+:func:`speed_fronts`.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 r"""The gain G of the collisions, which takes them out of the equation of a harmonic.
 
 It is the principal solution of G(z+1) = lambda_m(z) G(z), where lambda_m(z) = 1 - E[s^z cos(m chi)]
-is the decay rate of the power z of the speed, needed along a vertical line, z = tilt - i k. Far to
-the right, at z + N, Euler and Maclaurin give ln G (:mod:`kinetics.numerics.recurrence`); from
-there N steps of the recurrence, a ladder, lead down to z. Begin with :func:`log_gain`.
+is the decay rate of the power z of the speed (m the angular harmonic, s the speed ratio and chi the
+deflection of a collision), needed along a vertical line, z = tilt - i k, k the wave number of ln v.
+Far to the right, at z + N, Euler and Maclaurin give ln G (:mod:`kinetics.numerics.recurrence`);
+from there N steps of the recurrence, a ladder, lead down to z. Begin with :func:`log_gain`.
 """
 
 from __future__ import annotations
@@ -21,12 +22,14 @@ from kinetics.numerics.recurrence import log_growth, taylor_of_log
 #: N, the number of steps of the ladder. Derived: with `ORDERS` Taylor coefficients the
 #: Euler-Maclaurin formula leaves 2 * 8!/((2 pi)^10 24^9) = 3e-16 (see `log_growth`).
 STEPS_OF_LADDER = 24
-#: Number of Taylor coefficients of ln lambda at the top of the ladder, from order 0 on.
+#: Number of Taylor coefficients of ln lambda at the top of the ladder, from order 0 on. Derived
+#: with `STEPS_OF_LADDER`.
 ORDERS = 8
 #: Gauss points between two wave numbers. Derived: h < 0.5 apart, three leave
 #: (3!)^4/(7 (6!)^3) h^7 = 4e-9 of the sixth derivative of ln lambda, about 5!/24^6 = 6e-7.
 POINTS_BETWEEN = 3
-#: Numbers of a piece of a table that stay in the cache. It changes no result.
+#: Numbers of a piece of a table that stay in the cache of the processor. Origin not recorded; it
+#: changes no result.
 NUMBERS_IN_CACHE = 20_000
 
 

@@ -1,8 +1,12 @@
 """A smooth harmonic at equidistant nodes of ln v that move with the tracers.
 
-Between the nodes it is a Fourier sum. Below the lowest speed at which it is resolved it goes on as
-a power of v, or, where bounces lead to any speed, as a polynomial. Begin with
-:class:`GridDensity`.
+f is one angular harmonic f_m of the velocity density (see :mod:`kinetics.densities.harmonic`), real
+or complex, in 1/U; v is the speed and U its unit. g = v f is the density of ln v, which is known at
+nodes of x = ln v + shift(t): tracers cool, and the shift follows them.
+
+Between the nodes g is a Fourier sum. Below the lowest speed at which g is resolved, f goes on as a
+power of v or, where bounces lead to any speed, however low, as a polynomial. Begin with
+:meth:`GridDensity.at`.
 """
 
 from __future__ import annotations
@@ -17,24 +21,33 @@ from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.results.value import Value
 
-#: Where bounces lead to any speed: the speeds from which f is continued down, over the lowest of
-#: them. The origin is not recorded.
+#: The speeds, over the lowest of them, through whose f the polynomial goes by which f is continued
+#: to rest: five points make the fourth degree. Origin not recorded. With half or twice these
+#: speeds, or one point more or less, f moves by 2e-11 of its largest; three points would move it by
+#: 2e-8 (e = 0, rtol 1e-8).
 CONTINUED_FROM = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
-#: Terms of Fourier sums at once: 16 megabytes. It changes no result.
+#: Terms of Fourier sums (nodes times points) at once: 16 megabytes of complex numbers. Origin not
+#: recorded; it changes no result.
 TERMS_AT_ONCE = 1_000_000
-#: Stands for 0 in a logarithm.
+#: Stands for 0 in a logarithm of g: close to the smallest number.
 TINY = 1e-300
 
 
 def to_rows(values: HarmonicArray) -> FloatArray:
-    """Return the real and the imaginary part, or the real one alone, as rows, (1 or 2, n)."""
+    """Return values, shape (n,), as real rows: one for real values, two for complex ones.
+
+    They are the real part and, if there is one, the imaginary part: shape (1 or 2, n).
+    """
     if np.iscomplexobj(values):
         return np.stack([values.real, values.imag])
     return values[None]
 
 
 def from_rows(rows: FloatArray) -> HarmonicArray:
-    """Return values whose parts `to_rows` made rows, which are on the last axis but one."""
+    """Return the values of real rows, shape (..., 1 or 2, n): the opposite of `to_rows`.
+
+    Shape (..., n), real for one row and complex for two.
+    """
     if rows.shape[-2] == 1:
         return rows[..., 0, :]
     return np.asarray(rows[..., 0, :] + 1j * rows[..., 1, :])
@@ -42,16 +55,19 @@ def from_rows(rows: FloatArray) -> HarmonicArray:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GridDensity(Value):
-    """g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
+    """A harmonic by g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
 
     Parameters
     ----------
-    grid : the nodes of x, periodic
+    grid : the nodes of x, a periodic window
     values : g at the nodes, shape (n_times, n_nodes)
     shift : x - ln v, v in U, shape (n_times,)
-    start, end : lowest and highest x where something is left; the nodes may reach further
-    resolved : fraction of its maximum down to which g is right
-    filled : ln v below which f is a polynomial in v, (n_times,); None where it is not
+    start : lowest x where g may be more than rounding; the window may begin below it
+    end : highest x where g may be more than that; above it f is 0. The window may go on beyond it,
+        so that its two ends do not meet
+    resolved : fraction of its maximum, at the same time, down to which g is right
+    filled : ln v, v in U, below which f is a polynomial in v, shape (n_times,); None where f goes
+        on as a power of v
     """
 
     grid: LogGrid
@@ -63,7 +79,12 @@ class GridDensity(Value):
     filled: FloatArray | None = None
 
     def at(self, i: int, v: FloatArray) -> HarmonicArray:
-        """Evaluate f in 1/U at the i-th time and speeds v in U, shape (n_v,)."""
+        """Evaluate f in 1/U at the i-th time and speeds v in U, shape (n_v,).
+
+        f is 0 at v = 0 and above `end`. From there down to the lowest x where g is resolved it is
+        g/v by interpolation, below it a power of v. Where `filled` is not None, all speeds below
+        that one take the polynomial instead.
+        """
         density = np.zeros(v.shape, dtype=self.values.dtype)
         shift = self.shift[i]
         with np.errstate(divide="ignore"):
@@ -84,7 +105,10 @@ class GridDensity(Value):
         return density
 
     def _low_end(self, i: int) -> tuple[float, float]:
-        """Return the lowest x where g is resolved, and the slope of ln(g/v) there, not below 0."""
+        """Return the lowest x where g is resolved, and the slope of ln f over ln v there.
+
+        The slope is that of ln g on the e-fold above, less 1, and not below 0. f goes on with it.
+        """
         size = np.abs(self.values[i])
         x = self.grid.x
         is_resolved = (x >= self.start) & (size >= self.resolved * size.max())
@@ -97,15 +121,16 @@ class GridDensity(Value):
         return float(x[first]), max(0.0, slope_of_g - 1.0)
 
     def _continue_to_rest(self, i: int, log_v: FloatArray, log_lowest: float) -> HarmonicArray:
-        """Return f at lower speeds, by the polynomial in v through five higher ones.
+        """Return f at low speeds, by the polynomial in v through f at five higher speeds.
 
-        f is g over v, with the rounding of g over v, which is worse the lower v is.
+        g has an absolute error (rounding). In f = g/v that error grows as 1/v, so that near rest f
+        is better continued from higher speeds than taken from g.
 
         Parameters
         ----------
         i : index of the time
-        log_v : ln v, shape (n,)
-        log_lowest : ln of the lowest speed of the five
+        log_v : ln v, v in U, shape (n,)
+        log_lowest : ln of the lowest of the five speeds in U; `CONTINUED_FROM` has all
         """
         log_node = log_lowest + np.log(CONTINUED_FROM)
         f_at_nodes = self._interpolate(i, log_node + self.shift[i]) * np.exp(-log_node)
@@ -113,7 +138,10 @@ class GridDensity(Value):
         return interpolation_rows(differences, barycentric_weights(CONTINUED_FROM)) @ f_at_nodes
 
     def _interpolate(self, i: int, x: FloatArray) -> HarmonicArray:
-        """Evaluate g at the i-th time and x in the window, in pieces, so that memory stays flat."""
+        """Evaluate g at the i-th time and at x in the window, shape (n_x,), as x.
+
+        This is done in pieces of `TERMS_AT_ONCE`, so that memory stays flat.
+        """
         rows = to_rows(self.values[i])
         n_pieces = 1 + x.size * self.grid.nodes // TERMS_AT_ONCE
         pieces = [self.grid.interpolate(rows, piece) for piece in np.array_split(x, n_pieces)]

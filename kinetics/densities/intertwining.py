@@ -1,10 +1,11 @@
 r"""The equation without its collisions: any time at the cost of two Fourier transforms.
 
-With the Mellin transform f^(z) of a harmonic the inelastic Lorentz equation (paper, label
-``inelaslorentz2``) reads d f^(z)/dt = -lambda(z) f^(z+1)/l. With the gain G, G(z+1) = lambda(z)
-G(z) (`gain`), u^ = G f^ obeys d u^(z)/dt = -u^(z+1)/l, so that u(v, t) = exp(-v t/l) u(v, 0):
-tracers that are lost where they collide. In x = ln v the gain multiplies the Fourier modes, z =
--i k. With a tilt, where v^tilt times the density is transformed, z = tilt - i k.
+v is the speed, l the mean free path. With the Mellin transform f^(z), the integral of v^z f_m(v)
+over v, of a harmonic f_m, and lambda(z) = 1 - E[s^z cos(m chi)] of the collision law, the inelastic
+Lorentz equation (paper, label ``inelaslorentz2``) reads d f^(z)/dt = -lambda(z) f^(z+1)/l. With the
+gain G, G(z+1) = lambda(z) G(z) (`gain`), u^ = G f^ obeys d u^(z)/dt = -u^(z+1)/l, so that u(v, t) =
+exp(-v t/l) u(v, 0): tracers that are lost where they collide. In x = ln v the gain multiplies the
+Fourier modes, z = -i k. With a tilt, where v^tilt times the density is transformed, z = tilt - i k.
 
 For m = 0 without tilt, G has a pole at z = 0, u tends to a constant at low speeds, and what is
 transformed is w = -du/dx, w(t) = exp(-v t/l) (w(0) + (v t/l) u(0)).

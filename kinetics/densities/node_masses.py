@@ -1,7 +1,9 @@
 """Tracers as masses at equidistant nodes of x = ln v, and how points are shared between nodes.
 
-A point at v between two nodes gives each such a share of its mass that mass and energy stay as
-they are. Begin with :class:`NodeMasses`; :func:`deposit` makes them.
+v is the speed in U, and a mass a share of all tracers (of a harmonic m > 0 its weight, see
+:class:`kinetics.states.state.LogMeasure`). A point at v between two nodes gives each such a share
+of its mass that mass and energy, the mean of v^2, stay as they are. Begin with :class:`NodeMasses`;
+:func:`deposit` makes them.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ class NodeMasses(Value):
     Parameters
     ----------
     x : ln v at the nodes, v in U, equidistant and rising, shape (n_nodes,)
-    spacing : distance of the nodes
-    mass : shape (n_times, n_nodes)
+    spacing : distance of the nodes in ln v
+    mass : share of all tracers at each node, shape (n_times, n_nodes)
     uncollided : what of ``mass`` belongs to tracers of several sharp speeds that have not collided,
         same shape; None for other starts (of one sharp speed these are not in ``mass``)
     """

@@ -1,6 +1,8 @@
 """Tracers of a start of sharp speeds that have not collided yet: a share exp(-v t/l) of each speed.
 
-They are delta peaks of the speed, which no density has. Begin with :class:`SharpTracers`.
+v is the speed in U, l the mean free path. They are delta peaks of the speed, which no density has.
+At e = 1 collisions keep the speed, and all tracers of such a start stay in the peaks. Begin with
+:class:`SharpTracers`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 r"""Solves for a harmonic of the velocity density spectrally, on a logarithmic speed axis.
 
-On equidistant nodes of x = ln v a smooth density is resolved to rounding by some hundred of them
+v is the speed, l the mean free path; f is the harmonic, g = v f the density of ln v. On equidistant
+nodes of x = ln v a smooth density is resolved to rounding by some hundred of them
 (`spectral_grid`). Its collisions are taken out of the equation (`intertwining`), so that any time
 follows at once. The error is the difference of two such solutions, on nodes of which some coincide.
 Begin with :func:`solve_spectral`.
@@ -33,42 +34,42 @@ from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, FloatArray
 from kinetics.numerics.log_grid import LogGrid
 
-#: Error of the initial speeds over the tolerance.
+#: Error of the initial speeds over the tolerance. Origin not recorded; at half and at twice f moves
+#: by 4e-8 of its largest at most (rtol 1e-8, speeds from 1e-3 U).
 START_RTOL_OVER_RTOL = 1e-3
 #: Where nodes are too few for what is aimed at, a hundred times less is aimed at, and so on, up to
-#: this: the conservative method has no such digits (commit 27883ef1).
+#: this: the conservative method has no such digits (commit 27883ef1). Chosen.
 LOOSEST_AIM = 1e-4
-#: Factor by which less is aimed at, each time.
+#: Factor by which less is aimed at, each time. Origin not recorded.
 AIM_FACTOR = 100.0
 #: Where the first solution misses the tolerance, a second one aims at this fraction of it, ...
 SECOND_AIM_OVER_RTOL = 0.03
 #: ... with this tilt. Where v t/l goes on oscillating, or tracers forwards, u oscillates at low
-#: speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt. The origin of
-#: both numbers is not recorded.
+#: speeds, or stays, for long: with a tilt it falls, but rounding grows as t^tilt. Chosen.
 SECOND_TILT = 0.25
 #: Least error that is stated: for the rounding that two solutions may have in common. Measured: up
 #: to 2e-13 of it.
 MIN_ERROR = 5e-13
-#: Least error that is stated over what is aimed at, below which the low end is cut off. The origin
-#: is not recorded; half of it halves the smallest estimates.
+#: Least error that is stated over what is aimed at, below which the low end is cut off. Chosen:
+#: half of it halves the smallest estimates.
 MIN_ERROR_OVER_AIM = 0.1
-#: An error with which all is lost, so that the conservative method is tried. The origin is not
-#: recorded.
+#: An error with which all is lost, so that the conservative method is tried. Chosen: a density a
+#: tenth off is none; at a tenth and at twice nothing moves for smooth starts.
 LOST_ERROR = 0.1
 #: Most times at which two solutions are compared. It was 8 before (commit 39e460d0); with 3 some
 #: estimates are 0.88 of what they are, with 12 none differs.
 MAX_COMPARED_TIMES = 6
 #: Speed in root mean square speeds above which a density is right relative to its maximum; below,
-#: the density of ln v is. It is stated in `Solution.speed_density`.
+#: the density of ln v is. Chosen; it is stated in `Solution.speed_density`.
 LOWEST_SPEED = 1e-2
 #: Harmonics m > 0 die away: their errors are relative to a density of ln v with this maximum; the
-#: isotropic one has a larger. The origin is not recorded; at half and at twice no estimate differs,
-#: where it was measured for `spectral_grid`.
+#: isotropic one has a larger. Chosen: at half and at twice no estimate differs, where it was
+#: measured for `spectral_grid`.
 LEAST_MAXIMUM = 0.3
-#: Where bounces lead to any speed, f is a polynomial below `LOWEST_SPEED` over this. The origin is
-#: not recorded; at half and at twice f moves by less than its rounding above `LOWEST_SPEED`.
+#: Where bounces lead to any speed, f is a polynomial below `LOWEST_SPEED` over this. Chosen: at
+#: half and at twice f moves by less than its rounding above `LOWEST_SPEED`.
 FILLED_BELOW_LOWEST = 10.0
-#: Stands for 0 in a denominator.
+#: Stands for 0 in a denominator: close to the smallest number.
 TINY = 1e-300
 
 

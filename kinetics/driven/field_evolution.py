@@ -33,7 +33,8 @@ from kinetics.states.state import State
 
 #: Most steps that are tried. Measured: at most 35 in 29 solutions.
 MAX_TRIES_IN_FIELD = 300
-#: Speed over the mean one of the start, from which on densities are right. Origin not recorded.
+#: Speed over the mean one of the start, from which on densities are right. Chosen: at half and at
+#: twice averages do not move.
 SLOWEST_OF_DENSITY = 0.01
 #: Most harmonics in a field: seconds, and 200 MB of memory.
 MAX_PANEL_HARMONICS = 40

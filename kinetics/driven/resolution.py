@@ -43,8 +43,10 @@ class Growth:
         return self.base + self.per_digit * digits + self.per_squared_digit * digits**2
 
 
-# The numbers of the first resolutions. They came with commits f03ecfc4 and 07d85ecc; on what they
-# were measured is not recorded. One that is too small costs one more solution.
+# The numbers of the first resolutions. They came with commits f03ecfc4 and 07d85ecc. Chosen: one
+# that is too small costs one more solution, one that is too large time. Steady states are as
+# accurate and as fast without `MIN_SPAN`, `MIN_SPAN_IN_BATH` and `MIN_COUPLED` (24 random drives,
+# rtol 1e-4 to 1e-6); over short times, where the span is small, this was not measured.
 
 # -- panels: a field alone, over time, and the density of its steady state
 #: Nodes of a panel for the density of the steady state.
@@ -67,10 +69,6 @@ STEP_OVER_TOLERANCE = 2.0
 NODES_IN_FIELD = Growth(6.0, per_digit=2.5)
 #: Harmonics that such a field, or one that outweighs other drives, couples.
 HARMONICS_IN_FIELD = Growth(4.0, per_squared_digit=0.25)
-#: Directions vary faster by 1 + LOSS_FACTOR x, x the mean of -ln s: so many more are the harmonics.
-LOSS_FACTOR = 0.4
-#: The power of that with which nodes grow.
-NODES_LOSS_POWER = 0.4
 
 # -- one smooth variable: other drives
 #: Nodes where nothing drives.
@@ -205,7 +203,7 @@ class ChebyshevResolution:
         """
         digits = digits_of(rtol, MIN_RTOL_OF_STEADY_STATE)
         if drive.only_falls:
-            return cls._first_in_field(drive, digits)
+            return cls._first_in_field(digits)
         nodes = min(_first_nodes(drive, digits, span), MAX_FIRST_NODES)
         coupled = min(_first_coupled_harmonics(drive, digits), MAX_FIRST_HARMONICS)
         return cls(
@@ -216,15 +214,12 @@ class ChebyshevResolution:
         )
 
     @classmethod
-    def _first_in_field(cls, drive: Drive, digits: float) -> ChebyshevResolution:
+    def _first_in_field(cls, digits: float) -> ChebyshevResolution:
         """Return the first resolution where a field alone drives."""
-        assert drive.law is not None
-        faster = 1.0 + LOSS_FACTOR * drive.law.mean_log_loss
-        harmonics = math.ceil(HARMONICS_IN_FIELD.at(digits) * faster)
         return cls(
-            nodes=math.ceil(NODES_IN_FIELD.at(digits) * faster**NODES_LOSS_POWER),
+            nodes=math.ceil(NODES_IN_FIELD.at(digits)),
             points=0,
-            harmonics=min(harmonics, MAX_FIRST_HARMONICS),
+            harmonics=min(math.ceil(HARMONICS_IN_FIELD.at(digits)), MAX_FIRST_HARMONICS),
             rtol=10.0**-digits,
         )
 

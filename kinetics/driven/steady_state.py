@@ -1,4 +1,11 @@
-"""What the answers of `solve_steady` and `kinetics.solve_field` share."""
+"""The base class of steady states: what answers of `solve_steady` and `solve_field` share.
+
+A steady state is that of a driven tracer after a long time: figures (averages and diffusion
+coefficients), moments, and the density of its velocity. A subclass chooses the units, and says
+which figures there are: `kinetics.driven.field_state.FieldState`, in a field alone, and
+`kinetics.driven.driven_state.DrivenState`, for all drives. l is the mean free path, d the
+dimension, v the speed.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +30,14 @@ from kinetics.validation import finite_line, real_number, whole_number
 if TYPE_CHECKING:
     import xarray
 
-#: Highest power of the speed of a moment that may be asked for.
+#: Highest power of the speed of a moment that may be requested. Origin not recorded.
 MAX_POWER = 20.0
-#: Speeds of a dataset over the thermal one, unless others are given.
+#: Speeds of a dataset over the thermal one, sqrt(<v^2>), unless others are specified: up
+#: to where a Gaussian in the plane is 1e-7 of its largest. Origin not recorded; no other number
+#: depends on them.
 SPEEDS_SHOWN = np.linspace(0.025, 4.0, 160)
-#: Angles to the field of a dataset, unless others are given, in pi.
+#: Angles to the field of a dataset, in units of pi, unless others are specified: along the
+#: field, across it and against it.
 ANGLES_SHOWN = np.array([0.0, 0.5, 1.0])
 
 
@@ -35,8 +45,20 @@ ANGLES_SHOWN = np.array([0.0, 0.5, 1.0])
 class SteadyState(Result):
     """What the answers of `solve_steady` and `kinetics.solve_field` share.
 
+    A subclass declares its figures in ``_about``, the arguments of its question in ``_asked`` and
+    its units in ``_units``, and implements `drive`, `vdf` and ``_thermal_speed``. The units of each
+    figure are in ``_about``.
+
     Attributes
     ----------
+    restitution : e, or what else a collision law is made of (see `kinetics.Scene`)
+    dimension : d, 2 or 3
+    mass_ratio : mass of a scatterer over that of the tracer; infinite for fixed scatterers
+    rtol : relative error that was requested
+    drift : <v_x>, along the field
+    mean_square_along : <v_x^2>, with the square of the drift
+    diffusion_parallel, diffusion_perpendicular : half the growth rate of the variance of the
+        position along the field, and in one direction across it
     error_estimate : relative error of the figures, the difference of two resolutions
     status, message : SolverStatus, and in words what misses its tolerance and what to change
     plan, stats : what was solved, and numbers about the work
@@ -60,18 +82,28 @@ class SteadyState(Result):
     #: The solution; None in a loaded or pickled state, until it is needed.
     _kept: SteadySolution | None = field(default=None, init=False, compare=False, repr=False)
 
+    #: What a user may specify for a dataset, see `Result`: speeds, and angles to the field.
     _points = ("speeds", "angles")
+    #: What a dataset has only where it is requested, see `Result`; figures it always has.
     _on_demand = ("vdf",)
-    #: The figures: name -> unit, and words.
+    #: The figures: the name of an attribute, and its unit and meaning in words.
     _about: ClassVar[Mapping[str, tuple[str, str]]]
-    #: The names of the arguments of the question.
+    #: The names of the attributes that are arguments of the question.
     _asked: ClassVar[tuple[str, ...]]
-    #: The units of a speed, and of the density.
+    #: The unit of a speed, and the unit of the density of the velocity.
     _units: ClassVar[tuple[str, str]]
 
     @classmethod
     def _of(cls, solution: SteadySolution, error: float, rtol: float, **parts: Any) -> Self:
-        """Return the state of a solution and its error; `parts` are its other fields."""
+        """Return the state of a solution, with its status, message, plan and stats.
+
+        Parameters
+        ----------
+        solution : the finest solution; it is kept until the state is pickled or saved
+        error : estimated relative error of the figures
+        rtol : relative error that was requested
+        parts : the other fields of the subclass, by name
+        """
         status, message = judge_errors({AVERAGES: error}, {AVERAGES: rtol})
         resolution = solution.resolution
         highest = solution.axis.highest
@@ -84,6 +116,7 @@ class SteadyState(Result):
             plan=(
                 PlanStep("angular harmonics", True, f"0 to {resolution.harmonics}"),
                 PlanStep("speeds", True, f"{resolution.nodes} points up to {highest:.3g}"),
+                # diffusion is that of tracers for all time: where they stick, there is none
                 PlanStep("dispersion", not solution.decay, "the linear response to the velocity"),
             ),
             stats={
@@ -98,21 +131,31 @@ class SteadyState(Result):
 
     @property
     def drive(self) -> Drive:
-        """What drives the tracer."""
+        """What drives the tracer: fields, baths and drag, with the collision law."""
         raise NotImplementedError
 
     @property
     def _thermal_speed(self) -> float:
-        """sqrt(<v^2>)."""
+        """sqrt(<v^2>) in the unit of speeds, ``_units[0]``."""
         raise NotImplementedError
 
     def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
-        """Return the density of the velocity, shape (n_v, n_angle); its integral is 1."""
+        """Return the density of the velocity in ``_units[1]``; its integral is 1.
+
+        Parameters
+        ----------
+        v : speeds in ``_units[0]``, shape (n_v,)
+        angle : to the field in radians, shape (n_angle,)
+
+        Returns
+        -------
+        Shape (n_v, n_angle)
+        """
         raise NotImplementedError
 
     @property
     def _solution(self) -> SteadySolution:
-        """The solution; where it was not kept, it is solved again."""
+        """The solution; a loaded or unpickled state solves it again, at the same resolution."""
         if self._kept is None:
             resolution = ChebyshevResolution(*self._resolution)
             self.store(_kept=SteadySolution(self.drive, resolution))
@@ -121,55 +164,91 @@ class SteadyState(Result):
         return solution
 
     def __getstate__(self) -> dict[str, Any]:
+        """Return what pickle stores: all but the solution, which is large."""
         return super().__getstate__() | {"_kept": None}
 
     def _check_order(self, p: float, m: int, below: float = 0.0) -> tuple[float, int]:
-        """Return the arguments of `moment`, or raise InputError.
+        """Return the arguments of `moment`, <v^p cos(m phi)>, as numbers.
 
-        below : how far below -d p may be where m > 0
+        Parameters
+        ----------
+        p : power of the speed; it must be above -d, where the integral at v = 0 exists
+        m : angular harmonic, up to the highest that was solved for
+        below : how far below -d a power p may be where m > 0
+
+        Raises
+        ------
+        InputError
+            p or m is out of range.
         """
         m = whole_number("m", m, 0, self._solution.resolution.harmonics)
         lowest = -self.dimension - (below if m else 0.0)
         allowed = f"for m = {m} it must be above {lowest:g}, and at most {MAX_POWER:g}"
-        return real_number("p", p, math.nextafter(lowest, 0.0), MAX_POWER, allowed), m
+        least = math.nextafter(lowest, 0.0)  # `lowest` itself is excluded
+        return real_number("p", p, least, MAX_POWER, allowed), m
 
     @property
     def _arguments(self) -> dict[str, Any]:
-        """The arguments of the question, by name."""
+        """The arguments of the question, by name: the attributes in ``_asked``."""
         return {name: getattr(self, name) for name in self._asked}
 
     @property
     def _figures(self) -> dict[str, float]:
-        """The figures, by name."""
+        """The figures, by name: the attributes in ``_about``."""
         return {name: getattr(self, name) for name in self._about}
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
-        """Return a dataset; points are speeds, and angles to the field in radians."""
-        v = finite_line("speeds", points.get("speeds", SPEEDS_SHOWN * self._thermal_speed))
-        usual_angles = ANGLES_SHOWN * np.pi if self.drive.field else 0.0
-        phi = finite_line("angles", points.get("angles", usual_angles))
-        shown = {
+        """Return a dataset of all figures, and of the density of the velocity.
+
+        Parameters
+        ----------
+        only : the density is left out unless it is None or names "vdf"; figures never are
+        points : "speeds", in the unit of speeds, and "angles" to the field in radians, at which the
+            density is evaluated. By default, or if None, `SPEEDS_SHOWN` and `ANGLES_SHOWN`; without
+            a field one angle, as the density is the same at all
+        """
+        v = finite_line("speeds", self._speeds_shown(points.get("speeds")))
+        phi = finite_line("angles", self._angles_shown(points.get("angles")))
+        variables = {
             name: variable((), figure, *self._about[name]) for name, figure in self._figures.items()
         }
         unit_of_speed, unit_of_density = self._units
         if only is None or "vdf" in only:
             density = self.vdf(v, phi).T
             words = "density of the velocity"
-            shown["vdf"] = variable(("angle", "v"), density, unit_of_density, words, "f")
+            variables["vdf"] = variable(("angle", "v"), density, unit_of_density, words, "f")
         axes = {
             "v": variable(("v",), v, unit_of_speed, "speed"),
             "angle": variable(("angle",), phi, "rad", "angle to the field"),
         }
         arguments = {name: str(argument) for name, argument in self._arguments.items()}
-        title = repr(self).split("\n")[0]
-        return dataset(self, title, arguments, shown, axes)
+        return dataset(self, self._title, arguments, variables, axes)
 
-    def __repr__(self) -> str:
+    def _speeds_shown(self, speeds: ArrayLike | None) -> ArrayLike:
+        """Return the speeds of a dataset: those specified, or the usual ones."""
+        if speeds is None:
+            return SPEEDS_SHOWN * self._thermal_speed
+        return speeds
+
+    def _angles_shown(self, angles: ArrayLike | None) -> ArrayLike:
+        """Return the angles of a dataset in radians: those specified, or the usual ones."""
+        if angles is not None:
+            return angles
+        if self.drive.field:
+            return ANGLES_SHOWN * np.pi
+        return 0.0
+
+    @property
+    def _title(self) -> str:
+        """The class and the arguments that are not 0 or infinite, which are the defaults."""
         arguments = ", ".join(
             f"{name}={argument!r}"
             for name, argument in self._arguments.items()
             if name == "restitution" or argument not in (0.0, math.inf)
         )
+        return f"{type(self).__name__}({arguments}), unit of length l"
+
+    def __repr__(self) -> str:
+        """Return three lines: the title, the figures and the message."""
         figures = ", ".join(f"{name} = {figure:.10g}" for name, figure in self._figures.items())
-        head = f"{type(self).__name__}({arguments}), unit of length l"
-        return f"{head}\n  {figures}\n  {self.message}"
+        return f"{self._title}\n  {figures}\n  {self.message}"

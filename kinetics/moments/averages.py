@@ -2,7 +2,9 @@
 
     <y>(t) = sum_k w_k (v_k/l)^p f(v_k t/l),     y(X) = T^p f(T),  T = e^X
 
-over the weighted initial speeds v_k, for each observable y of the backward equation. Those of the
+over the initial speeds v_k with their weights w_k, for each observable y of the backward equation;
+l is the mean free path, p the power of the speed of y, and f a function of T alone. Times are in
+d/U, lengths in d, and speeds in U: d is the contact distance, U the unit of speed. Those of the
 displacement come from the equation with its free-streaming term (paper, label ``inelaslorentz``),
 as chains of scalar equations; no profile in space is needed. Begin with `Averages.average`; which
 averages an output is made of is in `outputs`.
@@ -28,14 +30,15 @@ from kinetics.numerics.cache import Cache
 from kinetics.states.state import LogMeasure, State
 from kinetics.validation import MAX_HARMONICS, real_number, whole_number
 
-#: Least power p of a moment <v^p> that can be asked for. Its origin is not recorded.
+#: Least power p of a moment <v^p> that can be asked for. Chosen: far beyond what data give.
 LEAST_POWER = -40.0
-#: Largest power p of such a moment. Its origin is not recorded.
+#: Largest power p of such a moment. Chosen.
 LARGEST_POWER = 40.0
-#: Least E[s^p] of which the logarithm is taken.
+#: Least E[s^p] of which the logarithm is taken: close to the smallest number.
 LEAST_MEAN_POWER = 1e-300
 #: Most e-folds by which <v^p> may fall before a first bounce counts: averages over the start are
-#: then right to 1e-26 of rtol, so that slow tracers, which have not collided, are resolved.
+#: then right to 1e-26 of rtol, so that slow tracers, which have not collided, are resolved. Origin
+#: not recorded.
 MAX_FALL_OF_START = 60.0
 #: The narrowest panel, in X. Chosen: narrower ones would take seconds.
 NARROWEST_PANEL = 1.0 / 32.0
@@ -54,10 +57,10 @@ NODES_PER_DIGIT = 1.12
 #: See `BASE_NODES`.
 ADDED_NODES_IF_DELAYED = 2
 
-#: Averages that are kept: all outputs of a scene need about 15.
+#: Number of averages that are kept. Chosen: all outputs of a scene need about 15.
 AVERAGES_KEPT = 32
-#: Points of the start that are kept, with what averages over them share: outputs need 4, of
-#: different harmonics and weights.
+#: Number of sets of points of the start that are kept, with what averages over them share. Chosen:
+#: outputs need 4, of different harmonics and weights.
 POINT_AVERAGES_KEPT = 8
 
 
@@ -67,7 +70,7 @@ class PowerRange:
 
     Parameters
     ----------
-    lowest, highest : smallest and largest power of the speed
+    lowest, highest : smallest and largest power of the speed; <r^2> counts as a second power
     harmonic : the largest angular harmonic
     """
 

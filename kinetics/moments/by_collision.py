@@ -1,8 +1,10 @@
 r"""Averages after N collisions: closed forms, for those who record by collision and not by time.
 
-Before each collision a tracer flies freely over an exponential length of mean l, and each collision
-multiplies its speed by s and turns it by chi, both independent. With c = E[cos(chi)] (in
-space P_m(cos(chi)) stands for cos(m chi)), after N collisions and at the place of the last one,
+v is the speed, phi the direction, r the displacement and t the time; < >_0 is an average over the
+initial state, E one over a collision. Before each collision a tracer flies freely over an
+exponential length of mean l, and each collision multiplies its speed by s and turns it by chi, both
+independent. With c = E[cos(chi)] (in space P_m(cos(chi)) stands for cos(m chi)), after N collisions
+and at the place of the last one,
 
     <v^p exp(i m phi)> = <v^p exp(i m phi)>_0 E[s^p cos(m chi)]^N
     <r^2> = 2 l^2 [N/(1-c) - c (1-c^N)/(1-c)^2]        for every initial state

@@ -1,9 +1,10 @@
 """The backward equation in a medium, where returns to the scatterer before take time.
 
-Harmonics m > 0, and positive powers of the speed, have returns that take time (`delayed`). Other
-observables of the harmonic m = 0, as <r^2> itself and the number of collisions, and negative powers
-of the speed, which slow tracers make, keep all returns at once. Begin with
-`DelayedBackwardEquation.integrate`.
+A medium is scatterers at a finite density (`kinetics.collision.medium`); m is the angular harmonic,
+r the displacement in mean free paths, and Y, U and W are as in `delayed`. Harmonics m > 0, and
+positive powers of the speed, have returns that take time (`delayed`). Other observables of the
+harmonic m = 0, as <r^2> itself and the number of collisions, and negative powers of the speed,
+which slow tracers make, keep all returns at once. Begin with `DelayedBackwardEquation.integrate`.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from kinetics.numerics.chebyshev import Chebyshev
 #: Terms of power series. Derived: they are used up to where the fastest loops have fallen to 1/e,
 #: and 1/20! = 4e-19.
 DELAYED_SERIES_TERMS = 20
-#: Loops that are kept, about 400 kB each: a scene needs 6.
+#: Number of loops that are kept, about 400 kB each. Chosen: a scene needs 6.
 LOOPS_KEPT = 32
 
 

@@ -1,8 +1,9 @@
-"""The unknowns of the backward equation, and what drives each of them.
+"""The unknowns of the backward equation (`backward`), and what drives each of them.
 
 Most are averages of one power of the speed or of the displacement; lengths are in mean free paths.
 The displacement r enters by its harmonics: what a tracer has moved along its first direction drives
-r^2, and so on, so that each observable is driven by simpler ones. Begin with `Observable`.
+r^2, and so on, so that each observable is driven by simpler ones. v is the speed, phi the direction
+of the velocity, T = v t/l and X = ln T. Begin with `Observable`.
 """
 
 from __future__ import annotations

@@ -3,6 +3,9 @@
 To add one, write a function that makes its array from `Averages`, and add its row to the table in
 :func:`averaged_outputs`: the row says which averages it is made of, so that its error estimate, and
 what is solved for it, follow. Then name it in :data:`kinetics.outputs.OUTPUTS`.
+
+Speeds are in U, lengths in d, times in d/U. l is the mean free path and kappa = E[-ln s] the mean
+loss of ln v in a collision.
 """
 
 from __future__ import annotations
@@ -27,7 +30,9 @@ from kinetics.moments.observables import (
 )
 from kinetics.numerics import LARGEST_LOG, FloatArray, NumberArray
 
+#: v^2.
 SQUARED_SPEED = speed_power(2.0)
+#: v cos(phi - phi_0), phi_0 the initial direction.
 VELOCITY_ALONG_START = speed_power(1.0, 1)
 
 

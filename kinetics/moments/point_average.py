@@ -1,10 +1,11 @@
 """Averages over weighted initial speeds, at a few times or at many.
 
-The average at time t is a sum over the points x_k = ln v_k of w_k y(x_k + ln(t/l)), y as function
-of X on equal panels (`backward`). Where times are many, they are gathered in panels of ln t, too,
-as wide as those in X. Relative to where such a panel begins, the points then fall on the same
-places of the panels in X in all of them: the average at its nodes is one small matrix, made once,
-times the values of y on the panels in X. Between its nodes averages are interpolated.
+The average at time t is a sum over the points x_k = ln v_k, with the weights w_k, of w_k y(x_k +
+ln(t/l)); y is a function of X = ln(v t/l) on equal panels (`backward`), l the mean free path.
+Speeds are in U, lengths in d, times in d/U. Where times are many, they are gathered in panels of ln
+t, too, as wide as those in X. Relative to where such a panel begins, the points then fall on the
+same places of the panels in X in all of them: the average at its nodes is one small matrix, made
+once, times the values of y on the panels in X. Between its nodes averages are interpolated.
 
 Begin with `PointAverage.average`.
 """

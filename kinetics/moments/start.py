@@ -1,13 +1,15 @@
-"""The initial state as weighted points: those harmonics of it that averages need."""
+"""The initial state as weighted points of ln(v/U): those angular harmonics that averages need."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 from kinetics.numerics.cache import Cache
 from kinetics.states.state import LogMeasure, State
 
-#: Harmonics that are kept: averages need m = 0, 1, 2 and the one of a moment that is asked for.
+#: Number of harmonics that are kept. Chosen: averages need m = 0, 1, 2 and the one of a moment that
+#: is asked for.
 HARMONICS_KEPT = 8
 
 
@@ -44,10 +46,16 @@ class StartHarmonics:
         return points
 
     def error(self, harmonics: Collection[int]) -> float:
-        """Return the relative error estimate of what is not resolved of these harmonics."""
+        """Return the relative error estimate of what is not resolved of these harmonics.
+
+        It is infinite where one of them has an error that is not a number.
+        """
         largest = 0.0
         for m in harmonics:
             points = self.harmonic(m)
-            if points is not None:
-                largest = max(largest, points.error)
+            if points is None:
+                continue
+            if math.isnan(points.error):
+                return math.inf
+            largest = max(largest, points.error)
         return largest

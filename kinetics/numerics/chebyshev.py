@@ -13,7 +13,8 @@ import numpy as np
 
 from kinetics.numerics import FloatArray, NumberArray
 
-#: Added to distances from nodes, in place of 0: the reciprocal is finite, and outweighs all others.
+#: Added to distances from nodes, in place of 0. Chosen: the reciprocal is finite, and outweighs all
+#: others.
 LEAST_DISTANCE = 1e-290
 
 

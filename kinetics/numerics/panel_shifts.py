@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import Chebyshev, interpolation_rows
 
-#: Matrices for panels below are left out when they stay smaller than this: rounding beside 1.
+#: Matrices for panels below are left out when they stay smaller than this. Chosen: rounding beside
+#: 1.
 NEGLIGIBLE_MATRIX = 1e-17
-#: Most panels below that returns may need; a series that converges ends long before.
+#: Most panels below that returns may need. Origin not recorded: a series that converges ends long
+#: before.
 MAX_PANELS_OF_RETURNS = 300
 
 

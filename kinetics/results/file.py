@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetics.errors import InputError, short
-from kinetics.results.record import from_json, to_json
+from kinetics.results.record import Json, from_json, to_json
 
 if TYPE_CHECKING:
     import xarray
@@ -56,8 +56,8 @@ def read_value(path: Path, find_class: Callable[[str], object]) -> Any:
     try:
         document = _read_record(path)
         if document["format"] != FORMAT:
-            found = short(document["format"])
-            raise InputError(f"this version reads {FORMAT!r}, not {found}")
+            stored_format = short(document["format"])
+            raise InputError(f"this version reads {FORMAT!r}, not {stored_format}")
         return from_json(document["value"], find_class)
     except InputError as error:
         raise InputError(f"path: got {_shown(path)}; {error}") from None
@@ -66,7 +66,7 @@ def read_value(path: Path, find_class: Callable[[str], object]) -> Any:
         raise InputError(f"path: got {_shown(path)}; {what}") from None
 
 
-def _read_record(path: Path) -> dict[str, Any]:
+def _read_record(path: Path) -> dict[str, Json]:
     """Return the record of a file; no other file is opened, and no more memory used than stored."""
     import h5py
 

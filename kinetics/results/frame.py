@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
@@ -53,10 +53,10 @@ class Solved(Protocol):
 def dataset(
     result: object,
     title: str,
-    question: Any,
+    question: object,
     variables: Mapping[str, Variable],
     coordinates: Mapping[str, Variable],
-    **attributes: Any,
+    **attributes: object,
 ) -> xarray.Dataset:
     """Return the dataset of a result; coordinates that no variable has are left out.
 
@@ -75,12 +75,14 @@ def dataset(
         attributes["message"] = result.message
         attributes["tolerance_asked"] = result.rtol
         attributes["tolerance_reached"] = result.error_estimate
-    used = {dimension for each in variables.values() for dimension in each.dimensions}
-    axes = {name: axis for name, axis in coordinates.items() if name in used}
-    about = {"title": title, **attributes}
-    about["scene"] = json.dumps(describe(question))
-    about["version"] = package_version()
-    return xarray.Dataset(dict(variables), axes, about)
+    dimensions: set[str] = set()
+    for array in variables.values():
+        dimensions.update(array.dimensions)
+    axes = {name: axis for name, axis in coordinates.items() if name in dimensions}
+    all_attributes = {"title": title, **attributes}
+    all_attributes["scene"] = json.dumps(describe(question))
+    all_attributes["version"] = package_version()
+    return xarray.Dataset(dict(variables), axes, all_attributes)
 
 
 def free_dimensions(quantity: xarray.DataArray) -> list[str]:
@@ -93,7 +95,9 @@ def split_components(quantity: xarray.DataArray) -> dict[str, xarray.DataArray]:
     inner = [name for name in quantity.dims if name in COMPONENTS]
     if not inner:
         return {str(quantity.name): quantity}
-    labels = (quantity[name].values for name in inner)
+    labels = []
+    for name in inner:
+        labels.append(quantity[name].values)
     components = {}
     for indices in product(*labels):
         place = dict(zip(inner, indices, strict=True))
@@ -101,24 +105,30 @@ def split_components(quantity: xarray.DataArray) -> dict[str, xarray.DataArray]:
     return components
 
 
-def averages_frame(made: xarray.Dataset) -> pandas.DataFrame:
+def averages_frame(averages: xarray.Dataset) -> pandas.DataFrame:
     """Return a row for each point of the first coordinate, with all that depends on it alone.
 
     If nothing does, there is one row of numbers.
     """
-    first = [str(name) for name in made.coords][:1]
-    arrays = [made[name] for name in made if first and free_dimensions(made[name]) == first]
-    if not arrays:
-        arrays = [made[name].expand_dims("row") for name in made if not made[name].dims]
-    return _as_frame(arrays, made.attrs)
+    first_coordinate = next(map(str, averages.coords), None)
+    arrays = []
+    numbers = []
+    for array in averages.data_vars.values():
+        if not array.dims:
+            numbers.append(array.expand_dims("row"))
+        elif free_dimensions(array) == [first_coordinate]:
+            arrays.append(array)
+    return _as_frame(arrays or numbers, averages.attrs)
 
 
-def quantity_frame(parts: list[xarray.DataArray]) -> pandas.DataFrame:
+def quantity_frame(components: list[xarray.DataArray]) -> pandas.DataFrame:
     """Return a row for each point of one quantity, given by its real and imaginary part."""
-    return _as_frame(parts, {})
+    return _as_frame(components, {})
 
 
-def _as_frame(arrays: list[xarray.DataArray], about: Mapping[Any, Any]) -> pandas.DataFrame:
+def _as_frame(
+    arrays: list[xarray.DataArray], attributes: Mapping[Hashable, object]
+) -> pandas.DataFrame:
     """Return arrays with the same coordinates as columns; units are in ``frame.attrs``."""
     import xarray
 
@@ -128,8 +138,8 @@ def _as_frame(arrays: list[xarray.DataArray], about: Mapping[Any, Any]) -> panda
     frame = xarray.Dataset(columns).to_dataframe().reset_index()
     frame = frame.drop(columns="row", errors="ignore")
     units = {}
-    for name in frame:
+    for name in frame.columns:
         source = columns[name] if name in columns else arrays[0][name]
         units[name] = source.attrs["units"]
-    frame.attrs = {**about, "units": units}
+    frame.attrs = {**attributes, "units": units}
     return frame

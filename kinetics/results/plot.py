@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
 from kinetics.results.frame import free_dimensions, split_components
@@ -30,12 +30,12 @@ DENSITY_BOTTOM = 1e-7
 LOGARITHMIC_ABOVE = 30.0
 
 
-def draw(name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
+def draw(name: str, components: list[xarray.DataArray], ax: Axes | None) -> Axes:
     """Draw a quantity, given by its real and imaginary part; wide ranges on logarithmic axes.
 
     Raises InputError for a quantity that depends on no or on more than two coordinates.
     """
-    real = parts[0]
+    real = components[0]
     dimensions = free_dimensions(real)
     if not 1 <= len(dimensions) <= 2:
         what = f"plot draws what depends on one or two of {dimensions}"
@@ -45,16 +45,16 @@ def draw(name: str, parts: list[xarray.DataArray], ax: Axes | None) -> Axes:
 
         _, ax = pyplot.subplots(layout="constrained")
     abscissa = real[dimensions[-1]]
-    for part, style in zip(parts, ("-", "--"), strict=False):
+    for component, style in zip(components, ("-", "--"), strict=False):
         ax.set_prop_cycle(None)  # imaginary parts are broken lines of the same colours
-        for label, curve in _curves(part).items():
+        for label, curve in _curves(component).items():
             ax.plot(abscissa, curve, style, label=label)
     has_several_curves = len(ax.lines) > 1
     is_function_over_time = len(dimensions) == 2 and dimensions[0] != "angle"
     if has_several_curves or is_function_over_time:
         ax.legend()
     ax.set(xlabel=_label(abscissa), ylabel=_label(real))
-    _scale_axes(ax, name, abscissa, parts)
+    _scale_axes(ax, name, abscissa, components)
     return ax
 
 
@@ -70,8 +70,8 @@ def draw_all(quantities: Iterable[xarray.DataArray]) -> NDArray[Any]:
     rows = math.ceil(len(groups) / columns)
     size = (AXES_WIDTH * columns, AXES_HEIGHT * rows)
     figure = pyplot.figure(figsize=size, layout="constrained")
-    for index, (name, parts) in enumerate(groups.items()):
-        draw(name, parts, figure.add_subplot(rows, columns, index + 1))
+    for index, (name, components) in enumerate(groups.items()):
+        draw(name, components, figure.add_subplot(rows, columns, index + 1))
     return np.array(figure.axes)
 
 
@@ -86,32 +86,36 @@ def _group_complex(quantities: Iterable[xarray.DataArray]) -> dict[str, list[xar
     return groups
 
 
-def _scale_axes(ax: Axes, name: str, abscissa: xarray.DataArray, parts: list[Any]) -> None:
+def _scale_axes(
+    ax: Axes, name: str, abscissa: xarray.DataArray, components: list[xarray.DataArray]
+) -> None:
     """Make the axes of wide ranges logarithmic, and show the tails of densities."""
     x = abscissa.values
     if abscissa.name == "time":
         x = x[x > 0.0]  # a logarithmic axis leaves out time 0
     if _is_wide(x):
         ax.set_xscale("log")
-    y = parts[0].values
+    y = components[0].values
     maximum = y.max(where=np.isfinite(y), initial=0.0)
     if name.endswith(("density", "vdf")) and maximum > 0.0:
         ax.set(yscale="log", ylim=(DENSITY_BOTTOM * maximum, DENSITY_TOP * maximum))
-    elif len(parts) == 1 and _is_wide(y):
+    elif len(components) == 1 and _is_wide(y):
         ax.set_yscale("log")
 
 
-def _curves(quantity: xarray.DataArray) -> dict[str, Any]:
+def _curves(quantity: xarray.DataArray) -> dict[str, ArrayLike]:
     """Return the curves by their labels: components, or a function at some of the times."""
     dimensions = free_dimensions(quantity)
     if len(dimensions) == 1:
-        components = split_components(quantity)
-        return {name.replace("_", " "): curve for name, curve in components.items()}
+        of_components: dict[str, ArrayLike] = {}
+        for name, curve in split_components(quantity).items():
+            of_components[name.replace("_", " ")] = curve
+        return of_components
     parameter = quantity[dimensions[0]]
     symbol = parameter.attrs.get("symbol", dimensions[0])
     unit = parameter.attrs["units"].replace("1", "")
     shown = np.linspace(0, parameter.size - 1, MAX_CURVES).round().astype(int)
-    curves = {}
+    curves: dict[str, ArrayLike] = {}
     for index in shown:
         label = f"{symbol} = {parameter.values[index]:.4g} {unit}".strip()
         curves[label] = quantity.values[index]

@@ -23,6 +23,9 @@ _stored_classes: dict[str, type] = {}
 
 Class = TypeVar("Class", bound=type)
 
+#: What `json` writes and reads.
+Json = bool | int | float | str | list["Json"] | dict[str, "Json"] | None
+
 
 def stored_class(cls: Class) -> Class:
     """Register a dataclass or an enumeration as one that files may hold (a class decorator)."""
@@ -34,7 +37,7 @@ def stored_class(cls: Class) -> Class:
 class HasParts(Protocol):
     """A value that says of which parts it is built again."""
 
-    def _to_storage(self) -> dict[str, Any]:
+    def _to_storage(self) -> dict[str, object]:
         """Return the parts, by name."""
 
     @classmethod
@@ -42,7 +45,7 @@ class HasParts(Protocol):
         """Build the value of its parts; sequences are tuples there."""
 
 
-def to_json(value: Any) -> Any:
+def to_json(value: object) -> Json:
     """Return a value as plain JSON types, complete, for :func:`from_json`.
 
     Raises InputError for a Python function, and for a class that is not registered.
@@ -60,11 +63,11 @@ def to_json(value: Any) -> Any:
     _check_storable(value)
     if isinstance(value, enum.Enum):
         return {"class": type(value).__name__, "name": value.name}
-    parts = value._to_storage() if isinstance(value, HasParts) else _initial_fields(value)
-    return _tagged(value, {name: to_json(part) for name, part in parts.items()})
+    stored = value._to_storage() if isinstance(value, HasParts) else initial_fields(value)
+    return _tagged(value, {name: to_json(item) for name, item in stored.items()})
 
 
-def describe(value: Any) -> Any:
+def describe(value: object) -> Json:
     """Return a value as plain JSON types for people: long arrays and functions are only named."""
     if isinstance(value, np.ndarray | np.generic):
         if value.size > MAX_NUMBERS_SHOWN:
@@ -80,22 +83,29 @@ def describe(value: Any) -> Any:
         return {"class": type(value).__name__, "name": value.name}
     if not is_dataclass(value) or isinstance(value, type):
         return str(getattr(value, "__qualname__", type(value).__name__))
-    return _tagged(value, {name: describe(part) for name, part in _initial_fields(value).items()})
+    described = {}
+    for name, item in initial_fields(value).items():
+        described[name] = describe(item)
+    return _tagged(value, described)
 
 
-def _initial_fields(value: Any) -> dict[str, Any]:
+def initial_fields(value: object) -> dict[str, object]:
     """Return the arguments with which a dataclass was made, by name."""
-    return {field.name: getattr(value, field.name) for field in fields(value) if field.init}
+    arguments: dict[str, object] = {}
+    for field in fields(value):  # type: ignore[arg-type]
+        if field.init:
+            arguments[field.name] = getattr(value, field.name)
+    return arguments
 
 
-def _tagged(value: Any, parts: dict[str, Any]) -> dict[str, Any]:
-    """Return the parts of a value with the name of its class."""
-    if parts.get("mass_ratio") == math.inf:
-        del parts["mass_ratio"]  # JSON has no infinity, and it is the default
-    return {"class": type(value).__name__} | parts
+def _tagged(value: object, arguments: dict[str, Json]) -> dict[str, Json]:
+    """Return the arguments of a value with the name of its class."""
+    if arguments.get("mass_ratio") == math.inf:
+        del arguments["mass_ratio"]  # JSON has no infinity, and it is the default
+    return {"class": type(value).__name__, **arguments}
 
 
-def _check_storable(value: Any) -> None:
+def _check_storable(value: object) -> None:
     """Raise InputError unless the class of a value is registered."""
     cls = type(value)
     if _stored_classes.get(cls.__name__) is cls:
@@ -106,7 +116,7 @@ def _check_storable(value: Any) -> None:
     raise InputError(f"value: got {short(value)}; a {cls.__name__} cannot be saved in a file")
 
 
-def from_json(document: Any, find_class: Callable[[str], object]) -> Any:
+def from_json(document: Json, find_class: Callable[[str], object]) -> Any:
     """Build the value that :func:`to_json` wrote; InputError for a class that is not registered.
 
     Parameters
@@ -120,19 +130,19 @@ def from_json(document: Any, find_class: Callable[[str], object]) -> Any:
         return document
     if "array" in document:
         return np.asarray(document["array"])
-    parts = {name: from_json(item, find_class) for name, item in document.items()}
-    if "class" not in parts:
-        return parts
-    name = parts.pop("class")
+    arguments = {name: from_json(item, find_class) for name, item in document.items()}
+    if "class" not in arguments:
+        return arguments
+    name = arguments.pop("class")
     find_class(str(name))
     cls = _stored_classes.get(str(name))
     if cls is None:
         raise InputError(f"it holds a {short(name)}, which is not known here")
     if issubclass(cls, enum.Enum):
-        return cls[parts["name"]]
+        return cls[arguments["name"]]
     if issubclass(cls, HasParts):
-        return cls._from_storage(parts)
-    return cls(**parts)
+        return cls._from_storage(arguments)
+    return cls(**arguments)
 
 
 # The classes of `kinetics.errors`, which stands below this module, are registered here.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Mapping
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Self
 
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from kinetics.errors import InputError, short, suggestion
 from kinetics.results.file import write_value
 from kinetics.results.frame import averages_frame, dataset, quantity_frame
 from kinetics.results.plot import draw, draw_all
+from kinetics.results.record import initial_fields
 from kinetics.results.value import Value
 
 if TYPE_CHECKING:
@@ -39,10 +39,9 @@ class Storable(Value):
         """Return what a file shows to other programs beside the record."""
         return dataset(self, type(self).__name__, self, {}, {})
 
-    def _to_storage(self) -> dict[str, Any]:
+    def _to_storage(self) -> dict[str, object]:
         """Return the parts of which `_from_storage` builds the value again."""
-        arguments = [field.name for field in fields(self) if field.init]  # type: ignore[arg-type]
-        return {name: getattr(self, name) for name in arguments}
+        return initial_fields(self)
 
     @classmethod
     def _from_storage(cls, parts: dict[str, Any]) -> Self:
@@ -148,22 +147,23 @@ class Result(Storable):
         return draw_all(self._checked_dataset(None, points).data_vars.values())
 
     def _checked_dataset(
-        self, only: Collection[str] | None, points: Mapping[str, Any]
+        self, only: Collection[str] | None, points: Mapping[str, object]
     ) -> xarray.Dataset:
         """Return the dataset; InputError for points that this result does not know."""
         for name in points:
             if name not in self._points:
-                known = ", ".join(("name", "ax", *self._points))
-                raise InputError(f"{name}: known are {known}")
+                allowed = ", ".join(("name", "ax", *self._points))
+                raise InputError(f"{name}: known are {allowed}")
         return self._dataset(only=only, **points)
 
-    def _quantity(self, name: str, points: Mapping[str, Any]) -> list[xarray.DataArray]:
+    def _quantity(self, name: str, points: Mapping[str, object]) -> list[xarray.DataArray]:
         """Return the quantity of a name, as its real and imaginary part if it is complex."""
-        made = self._checked_dataset((name,), points)
+        quantities = self._checked_dataset((name,), points)
         labels = (name, f"{name}_real", f"{name}_imag")
-        parts = [made[label] for label in made if label in labels]
-        if not parts:
-            known = ", ".join(dict.fromkeys([*map(str, made), *self._on_demand]))
-            near = suggestion(name, [*map(str, made), *self._on_demand])
-            raise InputError(f"name: got {short(name)}; this result has {known}{near}")
-        return parts
+        components = [quantities[label] for label in quantities if label in labels]
+        if not components:
+            names = [*map(str, quantities), *self._on_demand]
+            allowed = ", ".join(dict.fromkeys(names))
+            similar = suggestion(name, names)
+            raise InputError(f"name: got {short(name)}; this result has {allowed}{similar}")
+        return components

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import Field, fields, is_dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def _reduce_mapping_proxy(proxy: MappingProxyType[Any, Any]) -> tuple[Any, tuple
 copyreg.pickle(MappingProxyType, _reduce_mapping_proxy)
 
 
-def contents(value: Any) -> Hashable:
+def contents(value: object) -> Hashable:
     """Return an object that is equal for equal contents, where NaN equals NaN and -0 equals 0."""
     if isinstance(value, np.ndarray):
         has_signed_zero = value.dtype.kind in "fc"
@@ -54,7 +54,7 @@ def contents(value: Any) -> Hashable:
         return type(value), *(contents(item) for item in compared)
     if isinstance(value, float) and np.isnan(value):
         return "NaN"
-    return cast(Hashable, value)
+    return value
 
 
 class Value:
@@ -70,7 +70,7 @@ class Value:
     def __post_init__(self) -> None:
         self.store(**self.__dict__)
 
-    def store(self, **values: Any) -> None:
+    def store(self, **values: object) -> None:
         """Set fields in ``__post_init__``; arrays and dictionaries as copies that do not change."""
         for name, value in values.items():
             object.__setattr__(self, name, frozen(value))
@@ -84,13 +84,13 @@ class Value:
         return hash(contents(self))
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{name}={text}" for name, text in _fields_shown(self).items())
-        return f"{type(self).__name__}({shown})"
+        arguments = [f"{name}={text}" for name, text in _fields_shown(self).items()]
+        return f"{type(self).__name__}({', '.join(arguments)})"
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {name: value for name, value in vars(self).items() if not self._is_cache(name)}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
+    def __setstate__(self, state: dict[str, object]) -> None:
         self.store(**state)  # NumPy restores every array as a writable one
 
     @classmethod
@@ -99,17 +99,17 @@ class Value:
         return isinstance(getattr(cls, name, None), cached_property)
 
 
-def _fields_shown(value: Any) -> dict[str, str]:
+def _fields_shown(value: object) -> dict[str, str]:
     """Return the texts of the fields that are not as by default, by name."""
     shown = {}
-    for field in fields(value):
+    for field in fields(value):  # type: ignore[arg-type]
         item = getattr(value, field.name)
         if _is_worth_showing(field, item):
             shown[field.name] = _short_text(item)
     return shown
 
 
-def _is_worth_showing(field: Field[Any], item: Any) -> bool:
+def _is_worth_showing(field: Field[object], item: object) -> bool:
     """Return whether a repr needs a field: not if it is empty or has its default."""
     if not field.repr:
         return False
@@ -118,7 +118,7 @@ def _is_worth_showing(field: Field[Any], item: Any) -> bool:
     return contents(item) != contents(field.default)
 
 
-def _short_text(item: Any) -> str:
+def _short_text(item: object) -> str:
     """Return the text of a field: of an array its size and range, of a function its name."""
     if isinstance(item, np.ndarray):
         size = " x ".join(str(length) for length in item.shape)

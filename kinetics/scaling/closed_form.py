@@ -1,7 +1,9 @@
 r"""The scaling solution in closed form: the moments, the cooling rate and the scaled VDF.
 
-Multiply the paper's scaled equation (label ``ifmu2``) by c^p and integrate: with Y = v t/l, for all
-complex z,
+v is the speed, t the time, l the mean free path, s the speed ratio of a collision; c is the speed
+over the thermal speed, F(c) the scaled density of the velocity, lambda(z) = 1 - E[s^z] and kappa =
+E[-ln s]. Multiply the paper's scaled equation (label ``ifmu2``) by c^p and integrate: with Y = v
+t/l, for all complex z,
 
     lambda(z) E[Y^(z+1)] = z E[Y^z],     E[Y] = 1/kappa.
 

@@ -1,6 +1,7 @@
 r"""How many collisions a cooling tracer has had at late times, and how far it has flown.
 
-With phi(p) = E[s^p], from v = 1 and l = 1, the number N of collisions obeys
+s is the speed ratio of a collision. With phi(p) = E[s^p], from the speed v = 1 and with the mean
+free path l = 1, the number N of collisions obeys
 
     d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)],
 
@@ -28,12 +29,13 @@ from kinetics.scaling.log_moments import SMOOTH_FROM, integrate_log_ratio
 #: Largest |theta| that is looked for. Chosen: t^theta is beyond double precision at any t.
 MAX_POWER_OF_TIME = 1000.0
 #: Distance from an integer j below which (phi(theta) - phi(j))/(j - theta) is summed, not
-#: subtracted: otherwise digits cancel. The origin of the number is not recorded.
+#: subtracted: otherwise digits cancel. Chosen: at this distance subtraction loses a digit or two.
 SUMMED_WITHIN = 0.05
 #: Imaginary step of the derivative of phi. Chosen: its square is nothing beside 1.
 IMAGINARY_STEP = 1e-20
 #: Points of the circle on which lambda is sampled for its Taylor coefficients. It has half the
-#: radius of convergence: of the 12 coefficients the first that is aliased is 2^-64 as large.
+#: radius of convergence: of the 12 coefficients the first that is aliased is 2^-64 as large, by
+#: which it is derived.
 POINTS_ON_CIRCLE = 64
 
 

@@ -1,6 +1,7 @@
 r"""ln A(z), A(z) = kappa^z E[Y^z], of the scaled speed Y = v t/l for any real or complex power z.
 
-With the decay rate lambda(z) = 1 - E[s^z] of the law,
+v is the speed, t the time, l the mean free path, s the speed ratio of a collision and kappa = E[-ln
+s]. With the decay rate lambda(z) = 1 - E[s^z] of the law,
 
     ln A(z+1) = ln A(z) + rho(z),     rho(z) = ln(kappa z/lambda(z)),     A(0) = A(1) = 1,
 
@@ -29,8 +30,8 @@ from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
 SMOOTH_FROM = 16
 #: Smallest |z| at which rho is computed; below, it is 0. Derived: kappa z would underflow.
 MIN_POWER = 1e-290
-#: Gauss points for the integral of rho over one step of a vertical line. The origin is not
-#: recorded; at half and at twice as many F moves by 7e-15 (e from 0 to 0.99).
+#: Gauss points for the integral of rho over one step of a vertical line. Chosen: at half and at
+#: twice as many F moves by 7e-15 (e from 0 to 0.99).
 POINTS_ON_STEP = 10
 #: Gauss points for the integral of ln r over a panel of half the distance to its singularities.
 #: Derived: they lie on a Bernstein ellipse of 8 or more, which leaves 8^-24 = 2e-22.

@@ -1,7 +1,8 @@
 r"""The density of x = ln(kappa Y), Y = v t/l, by Mellin inversion of its moments A(z).
 
-The density g(x) has the exponential moments A(z) (:mod:`kinetics.scaling.log_moments`). Along the
-vertical line Re z = a,
+v is the speed, t the time, l the mean free path and kappa = E[-ln s], s the speed ratio of a
+collision. The density g(x) has the exponential moments A(z) (:mod:`kinetics.scaling.log_moments`).
+Along the vertical line Re z = a,
 
     e^(a x) g(x) = (1/2 pi) int A(a + i k) e^(-i k x) dk,
 
@@ -38,10 +39,10 @@ REACH_IN_DEVIATIONS = 1.25
 #: Gaussian there. Chosen: the sum of the line loses e^(2.4^2/2) = 18.
 REACH_NEAR_GAUSSIAN = 2.4
 #: Largest loss -ln s above which lines on the left are closer: where a bounce may leave e^-5 of the
-#: speed, the tilted density changes between two lines. The origin of both numbers is not recorded;
-#: at half and at twice of each F moves by 3e-14 at most (e from 0 to 0.99, c from 0.01 to 8).
+#: speed, the tilted density changes between two lines. Chosen: at half and at twice of each F moves
+#: by 3e-14 at most (e from 0 to 0.99, c from 0.01 to 8).
 DEEP_LOSS = 5.0
-#: Largest distance of their exponents there.
+#: Largest distance of their exponents there; origin as of `DEEP_LOSS`.
 MAX_STEP_AT_DEEP_LOSS = 0.4
 #: Smallest share of the sum of its terms' sizes that the sum of a line may have: below, it has lost
 #: two digits, and the next line serves. Chosen.
@@ -51,33 +52,32 @@ MIN_SHARE_OF_TERMS = 0.02
 #: 2e4 at v t = 1e-17 l.
 DISTANCE_TO_LOWEST_POWER = 0.25
 
-#: Tilts, over 1/deviation, at which Chernoff's bound of the tilted density is taken. The origin of
-#: these, and of the two next numbers, is not recorded; at half and at twice of those F moves by
-#: 8e-14 at most, where it was measured for `DEEP_LOSS`.
+#: Tilts, over 1/deviation, at which Chernoff's bound of the tilted density is taken. Chosen: at
+#: half and at twice of those F moves by 8e-14 at most, where it was measured for `DEEP_LOSS`.
 CHERNOFF_TILTS = np.array([0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 12.0])
 #: Step of the differences of ln A that give the mean and the deviation, over 1/deviation or over
-#: the distance to the lowest power.
+#: the distance to the lowest power; origin as of `CHERNOFF_TILTS`.
 DIFFERENCE_STEP = 0.2
-#: One more tilt to the left, over the step of the differences.
+#: One more tilt to the left, over the step of the differences; origin as of `CHERNOFF_TILTS`.
 SMALLEST_TILT = 2.5
 #: Largest -p ln s at which E[s^p] is computed. Chosen: near 710 it overflows.
 MAX_LOG_OF_POWER = 600.0
-#: Smallest number of samples of a line. The origin is not recorded; at half and at twice F moves by
-#: 5e-14.
+#: Smallest number of samples of a line. Chosen: at half and at twice F moves by 5e-14.
 MIN_SAMPLES = 32
-#: Samples that are kept beyond the last one that counts. The origin is not recorded; at half and at
-#: twice F moves by 7e-15.
+#: Samples that are kept beyond the last one that counts. Chosen: at half and at twice F moves by
+#: 7e-15.
 SPARE_SAMPLES = 4
 #: Smallest sum of a line of which the logarithm is taken. Chosen: F is 0 in double precision there.
 MIN_SUM = 1e-300
 
-#: Tilts, over 1/deviation, at which :func:`extent_of` takes Chernoff's bound. The origin of the
-#: range is not recorded.
+#: Tilts, over 1/deviation, at which :func:`extent_of` takes Chernoff's bound. Measured: from half
+#: the least, or to twice the largest, F does not move.
 EXTENT_TILTS = np.geomspace(0.3, 60.0, 24)
-#: Step of the wave number of :func:`extent_of`, over 1/deviation. The origin is not recorded.
+#: Step of the wave number of :func:`extent_of`, over 1/deviation. Measured: at half and at twice F
+#: does not move.
 EXTENT_STEP = 0.5
-#: Number of steps from which on :func:`extent_of` does not look further. The origin is not
-#: recorded.
+#: Number of steps from which on :func:`extent_of` does not look further. Measured: at half and at
+#: twice F does not move.
 MAX_EXTENT_STEPS = 1000
 
 

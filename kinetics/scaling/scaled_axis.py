@@ -1,8 +1,9 @@
 r"""ln g on the axis x = ln(kappa v t/l) and its moments, as far as they are asked for.
 
-The density is solved from the top down (:mod:`kinetics.scaling.density_march`). The march begins
-not far above the moments, and once more at 1e-100 of the bulk if a question reaches beyond; it goes
-down as far as a question needs. Begin with :meth:`ScaledSpeedAxis.log_moment`.
+v is the speed, t the time, l the mean free path, kappa = E[-ln s], and g the density of x. It is
+solved from the top down (:mod:`kinetics.scaling.density_march`). The march begins not far above the
+moments, and once more at 1e-100 of the bulk if a question reaches beyond; it goes down as far as a
+question needs. Begin with :meth:`ScaledSpeedAxis.log_moment`.
 """
 
 from __future__ import annotations
@@ -25,18 +26,19 @@ from kinetics.scaling.density_march import (
 
 #: Depth in ln F of the longest march. Chosen: below 1e-100 of its bulk F is not given.
 MAX_DEPTH = 100.0 * math.log(10.0)
-#: Fewest nodes of a panel that can be asked for. The origin is not recorded.
+#: Fewest nodes of a panel that can be asked for. Chosen: about one for each digit, and fewer than
+#: eight digits say little.
 MIN_NODES = 8
-#: Most nodes of a panel. The origin is not recorded.
+#: Most nodes of a panel. Chosen: it bounds the work.
 MAX_NODES = 256
-#: Nodes of a panel beyond one for each digit of rtol. The origin is not recorded; at half and at
-#: twice the error of F stays below 0.3 rtol, and at twice the time is a quarter longer.
+#: Nodes of a panel beyond one for each digit of rtol. Chosen: at half and at twice the error of F
+#: stays below 0.3 rtol, and at twice the time is a quarter longer.
 NODES_BEYOND_DIGITS = 6
 
 #: Error of F over the last coefficients of ln w, at most. Measured against the closed form for 6 to
 #: 18 nodes, e from 0 to 0.99, rough disks and two ratios.
 DENSITY_ERROR_FACTOR = 0.15
-#: The same for moments.
+#: The same for moments. Origin not recorded.
 MOMENT_ERROR_FACTOR = 1e-3
 #: Relative error (1.4e-14) below which no accuracy is promised: rounding moves the axis by it, and
 #: F by that times its steepness. Measured: ten times the largest that was found for e from 0.9 to
@@ -44,8 +46,8 @@ MOMENT_ERROR_FACTOR = 1e-3
 ROUNDING_FLOOR = 64 * ROUNDING
 #: Largest |ln| of an integrand that is trusted: beyond, too few nodes have gone wild. Chosen.
 MAX_LOG_INTEGRAND = 1e6
-#: Step, in deviations, of the differences that give the steepness of ln g. The origin is not
-#: recorded; at half and at twice nothing changes.
+#: Step, in deviations, of the differences that give the steepness of ln g. Chosen: at half and at
+#: twice nothing changes.
 STEEPNESS_STEP = 0.1
 
 

@@ -24,9 +24,10 @@ UserFunction = Callable[[FloatArray], ArrayLike]
 #: Speed in U beyond which a density may be NaN: no tracer is as fast. None is as slow as the
 #: reciprocal. Chosen: powers of v overflow there in formulas.
 FASTEST_TRACER = 1e30
-#: The error of a panel over rtol: several panels add up.
+#: The error of a panel over rtol, as several panels add up. Chosen; at half and at twice no average
+#: of a smooth density moves (rtol 1e-8).
 TOLERANCE_OF_PANEL = 0.1
-#: Least rtol that is aimed at: below is rounding.
+#: Least rtol that is aimed at. Chosen: below is rounding.
 MIN_RTOL = 1e-15
 
 

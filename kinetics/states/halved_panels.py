@@ -18,7 +18,7 @@ from kinetics.numerics.gauss import gauss_legendre, panels_of
 #: Gauss points of a panel, or of a half of one. Chosen; with 8 an inverse square root is 1e-5 off
 #: in place of 1e-8, with 24 smooth densities get twice as many points.
 POINTS = 12
-#: Half the width in ln v of the narrowest panel: a thousand roundings of ln v of order 1.
+#: Half the width in ln v of the narrowest panel: a thousand roundings of ln v of order 1. Chosen.
 NARROWEST = 1e3 * ROUNDING
 #: Panels halved at once beyond which a density counts as noise. Chosen; time and points until then
 #: are in proportion: 15 ms and 130,000 points.

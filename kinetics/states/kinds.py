@@ -29,18 +29,20 @@ from kinetics.validation import (
     whole_number,
 )
 
-#: Argument q beyond which scipy has no exp(-q) I(q); there it is q^-1/2 to 1e-10.
+#: Argument q beyond which scipy has no exp(-q) I(q); there it is q^-1/2 to 1e-10. Chosen.
 LARGEST_BESSEL_ARGUMENT = 1e9
-#: Largest ratio of the two deviations of a Gaussian. Its origin is not recorded.
+#: Largest ratio of the two deviations of a Gaussian. Chosen: far beyond any experiment.
 MAX_DEVIATION_RATIO = 1e4
-#: Standard deviations beyond which a Gaussian is zero, and v^2 may overflow.
+#: Standard deviations beyond which a Gaussian is zero, and v^2 may overflow. Derived: exp(-x^2/2)
+#: underflows before x = sqrt(2 LARGEST_LOG), and this is sqrt(2) times that.
 ZERO_BEYOND = 2.0 * math.sqrt(LARGEST_LOG)
 #: A harmonic of a table is zero below so many roundings of f_0: those of a Fourier transform.
+#: Origin not recorded.
 TABLE_ROUNDINGS = 10.0
-#: rtol of a table's points over that of averages. Its origin is not recorded.
+#: rtol of a table's points over that of averages. Chosen: a tenth adds little to the error.
 RTOL_SHARE_OF_TABLE = 0.1
-#: Largest rtol for a speed density: a tenth of the allowed error of its norm, so that the check of
-#: the norm sees the density.
+#: Largest rtol for a speed density. Chosen: a tenth of the allowed error of its norm, so that the
+#: check of the norm sees the density.
 MAX_RTOL_OF_NORM = 1e-7
 
 

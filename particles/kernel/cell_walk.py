@@ -10,7 +10,7 @@ from math import copysign
 
 import numpy as np
 
-from particles.cells import SLOTS, Cells, cell_at, strike
+from particles.cells import SLOTS, Cells, cell_at
 from particles.compiled import called, inlined
 from particles.events import (
     Varying,
@@ -24,6 +24,7 @@ from particles.events import (
 from particles.kernel.pockets import end_of_bounces
 from particles.kernel.straight_flight import StraightTracer, law_at_impact, start_straight
 from particles.kernel.tracer import Batch, Tracer, record_type
+from particles.slot_search import strike
 
 #: Flights shorter than this, in d, are taken to occur in corners only, whose walls are straight on
 #: this scale; `events.is_collapsing`, or in space `pockets`, then decides whether the tracer ever
@@ -190,11 +191,17 @@ def cross_cell(tracer: CellTracer, shape: tuple[int, ...]) -> None:
         dk = is_z * tracer.step_k
         n = shape[0]
         tracer.k += dk
-        k = tracer.stored_k + dk
-        k = n - 1 if k < 0 else 0 if k == n else k
-        tracer.stored_k = k
-        cell = cell * n + k
+        tracer.stored_k = _in_box(tracer.stored_k + dk, n)
+        cell = cell * n + tracer.stored_k
     tracer.cell = cell
+
+
+@inlined
+def _in_box(number: int, n: int) -> int:
+    """Return a number from -1 to n modulo n."""
+    if number < 0:
+        return n - 1
+    return 0 if number == n else number
 
 
 @inlined
@@ -205,19 +212,11 @@ def enter_cell_in_plane(tracer: CellPlace, n: int, di: int, dj: int) -> int:
     """
     tracer.i += di
     tracer.j += dj
-    i = tracer.stored_i + di
-    j = tracer.stored_j + dj
-    i = n - 1 if i < 0 else 0 if i == n else i
-    j = n - 1 if j < 0 else 0 if j == n else j
+    i = _in_box(tracer.stored_i + di, n)
+    j = _in_box(tracer.stored_j + dj, n)
     tracer.stored_i = i
     tracer.stored_j = j
     return i * n + j
-
-
-@inlined
-def _stored(i: int, n: int) -> int:
-    """Return a number from -1 to n modulo n."""
-    return n - 1 if i < 0 else 0 if i == n else i
 
 
 @inlined

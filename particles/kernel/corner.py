@@ -25,8 +25,10 @@ APPROACHING = 1e-15
 #: the event loop follows the bounces in a corner. The origin of the number is not recorded.
 BENT_BELOW = 1e3
 
-# How a tracer goes on from a disk: it falls on its parabola, slides along the disk, or rests.
-FALLS, SLIDES, RESTS = range(3)
+# How a tracer goes on from a disk.
+FALLS = 0  # on its parabola
+SLIDES = 1  # along the disk
+RESTS = 2  # it stays there
 
 
 @called

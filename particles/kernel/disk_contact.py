@@ -18,9 +18,10 @@ from numba import njit
 from particles.events import MOST_STEPS, NEVER
 from particles.kernel.parabola import SMALLEST_STEP
 
-# How a tracer and a disk are to each other when its flight begins: not in contact as far as is
-# known, on it and leaving, or on it and leaving without normal velocity.
-APART, STRUCK, TANGENT = range(3)
+# How a tracer and a disk are to each other when its flight begins.
+APART = 0  # not in contact as far as is known
+STRUCK = 1  # on the disk and leaving
+TANGENT = 2  # on the disk and leaving without normal velocity
 
 
 @njit(error_model="numpy")

@@ -8,7 +8,7 @@ from math import copysign, sqrt
 
 import numpy as np
 
-from particles.cells import SLOTS, Cells, cell_at, near_chord
+from particles.cells import SLOTS, Cells, cell_at
 from particles.compiled import inlined
 from particles.events import NEVER, bounce
 from particles.kernel.cell_walk import CellPlace, enter_cell_in_plane
@@ -16,6 +16,7 @@ from particles.kernel.disk_contact import APART, STRUCK, TANGENT, contact_in_fie
 from particles.kernel.parabola import length_flown, time_to_reach
 from particles.kernel.parabolic_flight import start_with_velocity
 from particles.kernel.tracer import AT_REST, Batch, VelocityTracer, record_type
+from particles.slot_search import near_chord
 
 #: Distance in d beyond contact at which a disk near the chord of a parabola is still looked at.
 #: Chosen: far more than rounding.

@@ -38,24 +38,21 @@ SERIES_AT_ONCE_BELOW = 0.12
 #: time. Chosen: between 1/3 (mean over the time) and 1/4 (of the mean velocity).
 MEAN_SQUARE_WEIGHT = 0.29
 
-# Rows of the work array of `times_of_lengths`. What is asked for each tracer: the length, the
-# square of the speed, the velocity along the field and the square of that across; the answer: the
-# time, and whether it is good enough (0 or more); then working memory.
-(
-    LENGTH,
-    SPEED2,
-    ALONG,
-    ACROSS2,
-    DURATION,
-    QUALITY,
-    _S0,
-    _U0,
-    _W2,
-    _G,
-    _LOW,
-    _HIGH,
-    ROWS,
-) = range(13)
+# Rows of the work array of `times_of_lengths`, one column for each tracer.
+LENGTH = 0  # requested: the length
+SPEED2 = 1  # the square of the speed
+ALONG = 2  # the velocity along the field
+ACROSS2 = 3  # the square of that across
+DURATION = 4  # the answer: the time
+QUALITY = 5  # whether it is good enough (0 or more)
+# Working memory, in units in which the length and speed^2 + field length are 1.
+_S0 = 6  # speed where the length begins
+_U0 = 7  # velocity along the field there
+_W2 = 8  # square of the velocity across
+_G = 9  # field
+_LOW = 10  # lower bound of the time
+_HIGH = 11  # upper bound of the time
+ROWS = 12  # number of rows
 
 
 @inlined

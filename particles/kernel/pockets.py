@@ -33,8 +33,10 @@ UNRESOLVED = 1e-14
 #: two are taken to be alone. The origin of the number is not recorded.
 ALONE = 1e3
 
-# How bounces end: the tracer leaves, or leaves after infinitely many, or comes to rest.
-LEAVES, FOR_EVER, RESTS = range(3)
+# How bounces end.
+LEAVES = 0  # the tracer leaves
+FOR_EVER = 1  # it leaves after infinitely many bounces
+RESTS = 2  # it comes to rest
 
 Vector = tuple[float, float, float]
 

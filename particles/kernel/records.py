@@ -141,8 +141,11 @@ def count_flight(histograms: FlightHistograms, path: float, duration: float, shi
 
 # -- states at output times ------------------------------------------------------------------------
 
+# Inlined: to a function that is called, all arrays of `Records` would be passed on the stack, 158
+# words that take eight times as long as the rest of an output.
 
-@called
+
+@inlined
 def _next_row(tracer: Tracer, caught: float, records: Records) -> OutputState:
     """Return the next row of the queue, with what does not change in a flight; count the output."""
     if records.filled[WAITING] == QUEUE:
@@ -160,7 +163,7 @@ def _next_row(tracer: Tracer, caught: float, records: Records) -> OutputState:
     return row
 
 
-@called
+@inlined
 def queue_output(tracer: StraightTracer, records: Records) -> None:
     """Queue the state of a tracer at its next output time, in its straight flight."""
     times = records.times
@@ -180,7 +183,7 @@ def queue_output(tracer: StraightTracer, records: Records) -> None:
         tracer.next_output = times[tracer.output] * tracer.unit
 
 
-@called
+@inlined
 def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> None:
     """Queue the state of a tracer at its next output time, on its parabola."""
     times = records.times
@@ -198,6 +201,7 @@ def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> No
 @called
 def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
+    # Taken out of the tuple once: in the loop, numba would count references to them each time.
     moments = records.moments
     scales = records.scales
     grids = records.grids
@@ -209,42 +213,40 @@ def enter_queue(records: Records) -> None:
     for m in range(records.filled[WAITING]):
         state = queue[m]
         k = state.output
-        scale = scales[k]
-        v2 = state.vx * state.vx + state.vy * state.vy + state.vz * state.vz
-        r2 = state.x * state.x + state.y * state.y + state.z * state.z
-        _add_moments(moments[k], state, v2, r2)
+        x = state.x
+        y = state.y
+        z = state.z
+        vx = state.vx
+        vy = state.vy
+        vz = state.vz
+        r2 = x * x + y * y + z * z
+        v2 = vx * vx + vy * vy + vz * vz
+        correlation = vx * state.start_vx + vy * state.start_vy + vz * state.start_vz
+        moments[k, outputs.SAMPLES] += 1.0
+        moments[k, outputs.SPEED2] += v2
+        moments[k, outputs.SPEED4] += v2 * v2
+        moments[k, outputs.R2] += r2
+        moments[k, outputs.R4] += r2 * r2
+        moments[k, outputs.COLLISIONS] += state.collisions
+        moments[k, outputs.CORRELATION] += correlation
+        moments[k, outputs.CAUGHT] += state.caught
         if field_sums.size:
             half = field_sums.shape[1] // 2
             dimension = 2 if field_sums.shape[1] == outputs.FIELD_SUMS_IN_PLANE else 3
-            _add_products(field_sums[k], 0, (state.vx, state.vy, state.vz), dimension)
-            _add_products(field_sums[k], half, (state.x, state.y, state.z), dimension)
+            _add_products(field_sums[k], 0, (vx, vy, vz), dimension)
+            _add_products(field_sums[k], half, (x, y, z), dimension)
         if speeds.size:
-            _count(speeds, k, 0.5 * _log2(v2) - log2(scale), grids[outputs.SPEED])
+            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[outputs.SPEED])
         if components.size:
-            _count(components, k, _log2(abs(state.vx)) - log2(scale), grids[outputs.COMPONENT])
+            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[outputs.COMPONENT])
         if distances.size:
             _count(distances, k, 0.5 * _log2(r2), grids[outputs.DISTANCE])
         if positions.size:
-            _store(positions[k, state.number], state.x, state.y, state.z)
+            _store(positions[k, state.number], x, y, z)
         if velocities.size:
-            velocity = velocities[k, state.number]
-            _store(velocity, state.vx / scale, state.vy / scale, state.vz / scale)
+            scale = scales[k]
+            _store(velocities[k, state.number], vx / scale, vy / scale, vz / scale)
     records.filled[WAITING] = 0
-
-
-@inlined
-def _add_moments(moments: np.ndarray, state: OutputState, v2: float, r2: float) -> None:
-    """Add a state to the sums of its output time; v2 and r2: squares of velocity and distance."""
-    moments[outputs.SAMPLES] += 1.0
-    moments[outputs.SPEED2] += v2
-    moments[outputs.SPEED4] += v2 * v2
-    moments[outputs.R2] += r2
-    moments[outputs.R4] += r2 * r2
-    moments[outputs.COLLISIONS] += state.collisions
-    moments[outputs.CORRELATION] += (
-        state.vx * state.start_vx + state.vy * state.start_vy + state.vz * state.start_vz
-    )
-    moments[outputs.CAUGHT] += state.caught
 
 
 @inlined

@@ -18,8 +18,10 @@ ORDER = 18
 #: Longest time for which one series is used, in sqrt(d/g). Chosen: short enough for rounding, with
 #: ORDER.
 STEP = 0.25
-#: What `time_at` may be asked for: the angle of the normal, its derivative, or its cosine.
-ANGLE, DERIVATIVE, COSINE = range(3)
+# What the time is sought of in `time_at`.
+ANGLE = 0  # of the normal
+DERIVATIVE = 1  # of the angle
+COSINE = 2  # of the angle
 
 
 @called

@@ -36,23 +36,26 @@ from particles.kernel.slide_motion import (
 #: An angle that is farther than any angle ahead.
 NO_ANGLE = 4.0 * pi
 
-# How a slide over an angle ends, or that it goes on.
-GOES_ON, REACHED, TURNED, ENDED = range(4)
+# How a slide over an angle ends.
+GOES_ON = 0  # it has not ended
+REACHED = 1  # the tracer has passed the angle
+TURNED = 2  # it turns before
+ENDED = 3  # the run ends before
 
 
 @called
-def _angle_ahead(angle: float, present: float, way: float) -> float:
-    """Return how far an angle is ahead of the present one, the way (+1 or -1) of the tracer.
+def _angle_ahead(angle: float, present: float, sense: float) -> float:
+    """Return how far an angle is ahead of the present one, the sense (+1 or -1) of its motion.
 
     One that has been passed by less than SHORT, by rounding, is reached at once.
     """
-    ahead = way * (angle - present) % (2.0 * pi)
+    ahead = sense * (angle - present) % (2.0 * pi)
     return 0.0 if ahead > 2.0 * pi - SHORT else ahead
 
 
 @called
 def _wall_ahead(
-    tracer: FallingTracer, side: float, present: float, way: float
+    tracer: FallingTracer, side: float, present: float, sense: float
 ) -> tuple[float, int, int]:
     """Return (angle to the first cell wall, step to the next cell there) along the disk struck.
 
@@ -62,7 +65,7 @@ def _wall_ahead(
     ----------
     side : of a cell
     present : angle of the normal
-    way : +1 or -1
+    sense : +1 or -1
     """
     nearest = NO_ANGLE
     di = 0
@@ -71,7 +74,7 @@ def _wall_ahead(
         # Only where the tracer goes outwards through the wall.
         cosine = sign * 0.5 * side - tracer.struck_x
         if abs(cosine) < 1.0:
-            ahead = _angle_ahead(-way * sign * acos(cosine), present, way)
+            ahead = _angle_ahead(-sense * sign * acos(cosine), present, sense)
             if ahead < nearest:
                 nearest = ahead
                 di = sign
@@ -79,7 +82,7 @@ def _wall_ahead(
         sine = sign * 0.5 * side - tracer.struck_y
         if abs(sine) < 1.0:
             angle = asin(sine)
-            ahead = _angle_ahead(angle if way * sign > 0.0 else pi - angle, present, way)
+            ahead = _angle_ahead(angle if sense * sign > 0.0 else pi - angle, present, sense)
             if ahead < nearest:
                 nearest = ahead
                 di = 0
@@ -89,11 +92,11 @@ def _wall_ahead(
 
 @called
 def _disk_ahead(
-    tracer: FallingTracer, cells: Cells, present: float, way: float
+    tracer: FallingTracer, cells: Cells, present: float, sense: float
 ) -> tuple[float, float, float]:
-    """Return (angle to the first disk in the way along the disk struck, or NO_ANGLE; its centre).
+    """Return (angle to the first disk ahead along the disk struck, or NO_ANGLE; its centre).
 
-    present: angle of the normal. way: +1 or -1.
+    present: angle of the normal. sense: +1 or -1.
     """
     nearest = NO_ANGLE
     disk_x = 0.0
@@ -106,8 +109,8 @@ def _disk_ahead(
         dy = cy - tracer.struck_y
         distance2 = dx * dx + dy * dy
         if SHORT * SHORT < distance2 < 4.0:
-            angle = atan2(dy, dx) - way * acos(0.5 * sqrt(distance2))
-            ahead = _angle_ahead(angle, present, way)
+            angle = atan2(dy, dx) - sense * acos(0.5 * sqrt(distance2))
+            ahead = _angle_ahead(angle, present, sense)
             if ahead < nearest:
                 nearest = ahead
                 disk_x = cx
@@ -116,14 +119,14 @@ def _disk_ahead(
 
 
 @called
-def _leaving_ahead(present: float, along: float, way: float, field: float) -> float:
+def _leaving_ahead(present: float, along: float, sense: float, field: float) -> float:
     """Return the angle to where the disk curves away from under a tracer.
 
     along: velocity, as d(angle)/dt. If the tracer turns before, it does not come to this place.
     """
     height = (2.0 * field * cos(present) - along * along) / (3.0 * field)
     angle = acos(min(max(height, -1.0), 1.0))
-    return _angle_ahead(-way * copysign(1.0, field) * angle, present, way)
+    return _angle_ahead(-sense * copysign(1.0, field) * angle, present, sense)
 
 
 @called
@@ -157,8 +160,8 @@ def _slide_over(
     pace = sqrt(abs(field))
     towards = copysign(1.0, field)
     along = (tracer.normal_x * tracer.vy - tracer.normal_y * tracer.vx) / pace
-    way = copysign(1.0, along if along != 0.0 else -towards * tracer.normal_y)
-    end = angle + way * distance
+    sense = copysign(1.0, along if along != 0.0 else -towards * tracer.normal_y)
+    end = angle + sense * distance
     n_times = records.times.size
     while True:
         if tracer.output == n_times and n_times > 0:
@@ -167,12 +170,12 @@ def _slide_over(
         duration = STEP
         outcome = GOES_ON
         next_angle, next_along = motion_at(series, STEP)
-        if way * next_along < 0.0:
+        if sense * next_along < 0.0:
             outcome = TURNED
             duration = time_at(series, duration, 0.0, DERIVATIVE)
             next_angle = motion_at(series, duration)[0]
             next_along = 0.0
-        if way * (next_angle - end) >= 0.0:
+        if sense * (next_angle - end) >= 0.0:
             outcome = REACHED
             duration = time_at(series, duration, end, ANGLE) if distance > 0.0 else 0.0
             next_angle = end
@@ -223,10 +226,10 @@ def slide(
         pull = -field * tracer.normal_y
         if along == 0.0 and pull == 0.0:
             return outputs.TRAPPED  # balanced on the top
-        way = copysign(1.0, along if along != 0.0 else pull)
-        to_leaving = _leaving_ahead(angle, along, way, field)
-        to_wall, di, dj = _wall_ahead(tracer, side, angle, way)
-        to_disk, disk_x, disk_y = _disk_ahead(tracer, cells, angle, way)
+        sense = copysign(1.0, along if along != 0.0 else pull)
+        to_leaving = _leaving_ahead(angle, along, sense, field)
+        to_wall, di, dj = _wall_ahead(tracer, side, angle, sense)
+        to_disk, disk_x, disk_y = _disk_ahead(tracer, cells, angle, sense)
         distance = min(to_leaving, to_wall, to_disk)
         outcome = _slide_over(tracer, distance, field, side, records)
         if outcome == ENDED:

@@ -11,9 +11,18 @@ from xml.etree import ElementTree
 
 import pytest
 
-from derivations import Check, printed_equation, to_json, to_latex_document, to_text, verify
+from derivations import (
+    Check,
+    Status,
+    printed_equation,
+    to_json,
+    to_latex_document,
+    to_text,
+    verify,
+)
+from derivations.documents import counts
 from derivations.printed import ROWS
-from derivations.printers import counts, mathml
+from derivations.printers import mathml
 from derivations.symbols import LATEX
 
 
@@ -42,8 +51,11 @@ def test_the_latex_document(checks: tuple[Check, ...], tmp_path: Path) -> None:
     (tmp_path / "all.tex").write_text(document, encoding="utf-8")
     run = subprocess.run(
         ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "all.tex"],
-        cwd=tmp_path, capture_output=True, text=True, errors="replace",
-    )  # fmt: skip
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        errors="replace",
+    )
     assert run.returncode == 0, run.stdout[-2000:]
 
 
@@ -55,16 +67,46 @@ def test_json_survives_a_round_trip(checks: tuple[Check, ...], rows: dict) -> No
     assert sum(data["counts"].values()) == len(checks)
     row = data["checks"][-1]
     assert row["status"] == "verified"
+    assert row["number"] == "B15"
     assert row["printed"] == "M_2 = sqrt(pi)*(1 - e**2)*(3*a_2/8 + 1)"
     assert row["source_latex"].startswith("M_{2}")
     assert row["steps"]
     assert set(row) == {
-        "label", "title", "section", "status", "proof", "holds", "note", "printed", "derived",
-        "printed_latex", "derived_latex", "source_latex", "numbers", "steps",
-    }  # fmt: skip
-    assert list(counts([])) == [
-        "verified", "erratum", "definition", "assumption", "fit", "figure", "not derived"
-    ]  # fmt: skip
+        "label",
+        "number",
+        "title",
+        "section",
+        "status",
+        "proof",
+        "holds",
+        "verdict",
+        "note",
+        "printed",
+        "derived",
+        "printed_latex",
+        "derived_latex",
+        "source_latex",
+        "numbers",
+        "steps",
+    }
+    assert list(counts([])) == [status.value for status in Status]
+
+
+def test_json_gives_the_verdict_in_words(rows: dict) -> None:
+    (row,) = to_json([rows["statement:h-linear"]])["checks"]
+    assert row["status"] == "statement"
+    assert row["verdict"] == "holds in part"
+    assert row["holds"] is False
+    (row,) = to_json([rows["sonine9"]])["checks"]
+    assert row["verdict"] is None
+
+
+def test_a_latex_document_explains_its_own_symbols_alone(rows: dict) -> None:
+    document = to_latex_document([rows["vdiff"]])
+    symbols = document.partition("longtable}{")[2]
+    assert "thermal velocity" in symbols
+    assert "coefficient of restitution" not in symbols
+    assert document.count(r"\paragraph") == 1
 
 
 def test_text_shows_the_steps_and_the_verdict() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from particles import OBSERVABLES, BoltzmannGrad, simulate
-from particles.results import share
+from particles.results import estimate_shares
 
 
 def test_the_error_of_a_share_of_unequal_configurations_is_cochrans() -> None:
@@ -14,7 +14,7 @@ def test_the_error_of_a_share_of_unequal_configurations_is_cochrans() -> None:
     m = rng.integers(100, 300, (n, 1)).astype(float)
     counts = rng.binomial(m.astype(int), 0.3)[:, :, None].astype(float)
     products = (part.sum(axis=0) for part in (counts, counts**2, counts * m[:, :, None]))
-    estimate = share(*products, np.stack((m.sum(axis=0), (m**2).sum(axis=0))), n)
+    estimate = estimate_shares(*products, np.stack((m.sum(axis=0), (m**2).sum(axis=0))), n)
     p = counts.sum() / m.sum()
     variance = n / (n - 1) * np.sum((counts[:, 0, 0] - p * m[:, 0]) ** 2) / m.sum() ** 2
     assert estimate.value[0, 0] == pytest.approx(p, rel=1e-14)

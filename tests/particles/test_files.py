@@ -215,7 +215,7 @@ def test_a_file_is_written_while_the_run_goes_on(
 ) -> None:
     """And what is there then is whole configurations, which a killed run goes on from."""
     path, seen = tmp_path / "run.h5", set()
-    monkeypatch.setattr("particles.files.SHARE", 1.0)
+    monkeypatch.setattr("particles.files.WRITING_SHARE", 1.0)
 
     def look(done: int, total: int) -> None:
         time.sleep(0.2)

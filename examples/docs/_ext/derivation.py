@@ -1,10 +1,15 @@
-"""The directive ``derivation``: a result and how it is derived, from `derivations` itself.
+"""The directives ``derivation`` and ``errata``: results and misprints, from `derivations` itself.
 
 ```{derivation} beyond:cooling-rate beyond:a2
 ```
 
-Nothing is typed again: title, formula, steps and verdict are those of ``lorentz derive``. A result
-whose verdict is not "verified" is an error.
+A result and how it is derived. Nothing is typed again: title, formula, steps and verdict are those
+of ``lorentz derive``. A result whose verdict is not "verified" is an error.
+
+```{errata}
+```
+
+The errata of the paper as a list: what is printed, what is right, what it changes.
 """
 
 from functools import cache
@@ -42,28 +47,25 @@ def _html(label: str, known: set[str]) -> str:
 
 def _shown(formula: Any) -> str:
     """A formula; the members of a Tuple on lines of their own."""
-    from derivations.printers import mathml
+    from derivations.printers import mathml, members
 
-    parts = (
-        () if formula is None else formula.args if formula.func.__name__ == "Tuple" else [formula]
-    )
-    return "".join(f'<div class="formula">{mathml(p, "rev-lex", "block")}</div>' for p in parts)
+    lines = (mathml(member, "rev-lex", "block") for member in members(formula))
+    return "".join(f'<div class="formula">{line}</div>' for line in lines)
 
 
 def _symbols(formula: Any, known: set[str]) -> str:
     """What the symbols of a formula mean, from the table of `derivations`."""
     import sympy as sp
-    from sympy.core.function import AppliedUndef
 
-    from derivations.printers import mathml
-    from derivations.symbols import table
+    from derivations.printers import mathml, symbol_meanings
 
-    names = {symbol.name for symbol in formula.atoms(sp.Symbol)}
-    names |= {applied.func.__name__ for applied in formula.atoms(AppliedUndef)}
-    new = [(name, meaning) for name, meaning in table() if name in names - known]
-    known |= names
-    meanings = (f"{mathml(sp.Symbol(name))}: {escape(meaning)}" for name, meaning in new)
-    return f'<p class="symbols">{"; ".join(meanings)}.</p>' if new else ""
+    meanings = [
+        f"{mathml(sp.Symbol(name))}: {escape(meaning)}"
+        for name, meaning in symbol_meanings([formula])
+        if name not in known
+    ]
+    known |= {name for name, _ in symbol_meanings([formula])}
+    return f'<p class="symbols">{"; ".join(meanings)}.</p>' if meanings else ""
 
 
 class Derivation(Directive):
@@ -79,7 +81,24 @@ class Derivation(Directive):
         return [nodes.raw("", _html(label, known), format="html") for label in labels]
 
 
+class Errata(Directive):
+    """The errata of the paper, as ``lorentz derive`` lists them."""
+
+    def run(self) -> list[nodes.Node]:
+        """Called by docutils."""
+        from derivations import ERRATA
+
+        items = "".join(
+            f"<li>Eq. ({erratum.number}), <code>{escape(erratum.label)}</code>. "
+            f"Printed: {escape(erratum.printed)} Right: {escape(erratum.correct)} "
+            f"What changes: {escape(erratum.changes)}</li>"
+            for erratum in ERRATA
+        )
+        return [nodes.raw("", f'<ul class="errata">{items}</ul>', format="html")]
+
+
 def setup(app) -> dict[str, bool]:
     """Called by Sphinx."""
     app.add_directive("derivation", Derivation)
+    app.add_directive("errata", Errata)
     return {"parallel_read_safe": True}

@@ -176,3 +176,21 @@ def test_one_component_of_one_speed(e: float, initial: Any) -> None:
     with np.errstate(invalid="ignore"):
         exact = np.where(np.abs(v_x) < 2.0, 1.0 / (np.pi * np.sqrt(4.0 - v_x**2)), 0.0)
     assert np.allclose(found, exact, rtol=1e-9)
+
+
+def test_one_component_grows_as_a_logarithm_where_the_speed_density_is_finite_at_rest() -> None:
+    """At e = 0 the speed density is g at rest, and adds (g/pi) ln(1/v_x)."""
+    solution = solve(Scene(0.0, times=[1.0, 30.0], outputs=("speed_density",)), rtol=1e-8)
+    slow = solution.velocity_component_density([1e-12, -1e-9, 0.0])
+    at_rest = solution.speed_density([1e-12])[:, 0]
+    expected = at_rest / np.pi * np.log(1e3)
+    assert slow[:, 0] - slow[:, 1] == pytest.approx(expected, rel=1e-6)
+    assert np.all(np.isposinf(slow[:, 2]))
+
+
+def test_one_component_is_finite_at_rest_where_the_speed_density_vanishes() -> None:
+    scenes = (Scene(0.4, times=[1.0], outputs=("speed_density",)),
+              Scene(0.0, dimension=3, times=[1.0], outputs=("speed_density",)))  # fmt: skip
+    for scene in scenes:
+        at_rest, slow = solve(scene, rtol=1e-8).velocity_component_density([0.0, 1e-10])[0]
+        assert at_rest == pytest.approx(slow, rel=1e-7)

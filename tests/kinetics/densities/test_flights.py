@@ -1,11 +1,21 @@
 """Lengths and durations of free flights: closed forms, particles, and what is refused."""
 
+import itertools
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
-from kinetics import Beam, Monoenergetic, Scene, SpeedSamples, VelocitySamples, solve
+from kinetics import (
+    Beam,
+    Monoenergetic,
+    Scene,
+    SpeedDensity,
+    SpeedSamples,
+    VelocitySamples,
+    solve,
+)
 from particles import BoltzmannGrad, simulate
 
 EDGES = np.geomspace(0.1, 50.0, 40)
@@ -22,6 +32,52 @@ def test_of_one_speed_that_is_kept() -> None:
     for shares in (found.free_time_fraction(EDGES), found.free_path_fraction(EDGES)):
         np.testing.assert_allclose(shares[1:], -np.diff(longer), atol=1e-12)
         assert np.isnan(shares[0]).all()
+
+
+def step(v: Any) -> Any:
+    """A density of the speed that is the same from 0.4321 to 1.7777, and 0 elsewhere."""
+    return np.where((np.asarray(v) > 0.4321) & (np.asarray(v) < 1.7777), 1.0 / 1.3456, 0.0)
+
+
+@pytest.mark.parametrize("last", [0.5, 3.0])
+@pytest.mark.parametrize(
+    ("initial", "density", "slowest", "fastest"),
+    [
+        ("gaussian", lambda v: v * np.exp(-0.5 * v * v), 0.0, 9.0),
+        (SpeedDensity(step), step, 0.4321, 1.7777),
+    ],
+    ids=["gaussian", "step"],
+)
+def test_flights_of_elastic_tracers_are_those_of_the_speeds_at_the_start(
+    initial: Any, density: Any, slowest: float, fastest: float, last: float
+) -> None:
+    """Up to T there are e^-x int v f(v) (T - x/v) dv flights longer than x, v > x/T, for l = 1."""
+    edges = np.array([0.0, 0.3, 0.7, 1.1, 2.0, 3.3])
+    scene = Scene(1.0, 0.5, initial=initial, times=[last], outputs=("collisions",))
+    solution = solve(scene, rtol=1e-8)
+
+    def longer_in_length(x: float) -> float:
+        ends = np.linspace(max(x / last, slowest), max(x / last, fastest), 10)
+        pieces = [
+            quad(lambda v: density(v) * (v * last - x), low, high, epsabs=1e-13)[0]
+            for low, high in itertools.pairwise(ends)
+        ]
+        return float(np.exp(-x) * sum(pieces))
+
+    def longer_in_time(s: float) -> float:
+        ends = np.linspace(slowest, fastest, 10)
+        pieces = [
+            quad(lambda v: density(v) * v * np.exp(-v * s), low, high, epsabs=1e-13)[0]
+            for low, high in itertools.pairwise(ends)
+        ]
+        return max(last - s, 0.0) * sum(pieces)
+
+    for fraction, longer in (
+        (solution.free_path_fraction, longer_in_length),
+        (solution.free_time_fraction, longer_in_time),
+    ):
+        numbers = np.array([longer(edge) for edge in edges])
+        np.testing.assert_allclose(fraction(edges)[0], -np.diff(numbers) / numbers[0], atol=1e-9)
 
 
 @pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from kinetics import CollisionLaw, FieldState, ToleranceWarning, solve_field
+from kinetics.driven.steady_density import SteadyDensity
+from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
@@ -147,3 +149,19 @@ def test_in_units() -> None:
         assert getattr(found, name) == pytest.approx(getattr(state, name) * unit, rel=1e-14)
     figures = path, math.sqrt(path / 9.81), state.mean_speed * math.sqrt(9.81 / path)
     assert (found.mean_free_path, found.time, found.collision_rate) == pytest.approx(figures)
+
+
+def test_points_of_a_dataset_that_are_none_are_the_usual_ones() -> None:
+    state = solve_field(0.7, rtol=1e-4)
+    specified = state.to_xarray(speeds=None, angles=None)
+    assert specified.equals(state.to_xarray())
+    assert specified.title == repr(state).split("\n")[0]
+
+
+def test_a_density_that_is_not_a_number_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    def density(self: SteadyDensity, along: FloatArray, across: FloatArray) -> FloatArray:
+        return np.where(along > 0.9, math.nan, 1.0)
+
+    monkeypatch.setattr(SteadyDensity, "density", density)
+    with pytest.warns(ToleranceWarning, match="vdf"):
+        solve_field(0.7, rtol=1e-4).vdf([0.5, 1.0], [0.0, 2.0])

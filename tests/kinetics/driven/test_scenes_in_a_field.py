@@ -18,7 +18,14 @@ from kinetics import (
     solve,
     solve_field,
 )
+from kinetics.collision import CollisionLaw
+from kinetics.driven.field_evolution import FieldEvolution, FieldProblem
+from kinetics.driven.resolution import PanelResolution
+from kinetics.driven.starts import DrivenStart
+from kinetics.driven.velocity_density import VelocityDensity
+from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
+from kinetics.states.kinds import as_state
 
 PATH = 12.5  # l at number_density 0.04
 UNIT = math.sqrt(0.08 * PATH)
@@ -290,3 +297,40 @@ def test_the_estimate_holds_from_rest_at_the_tightest_tolerance() -> None:
     off = np.abs(found.mean_velocity[:, 0] - expected) / np.sqrt(2.0 * found.temperature)
     assert found.status.name == "CONVERGED"
     assert np.max(off) < found.error_estimate
+
+
+class WithoutANumber(VelocityDensity):
+    """A density that is not a number at the first of the velocities."""
+
+    def at(self, i: int, along: FloatArray, across: FloatArray) -> FloatArray:
+        density = super().at(i, along, across)
+        density[0] = math.nan
+        return density
+
+
+def coarse_evolution() -> FieldEvolution:
+    """A solution for a Gaussian start, at a low resolution, with its density."""
+    law = CollisionLaw(0.7)
+    state = as_state("gaussian")
+    problem = FieldProblem(
+        law=law,
+        state=state,
+        start=DrivenStart.of(state, 1e-3, 1.0, 6, law.dimension),
+        times=np.array([0.5]),
+        names=frozenset({"v^2"}),
+        keeps_density=True,
+    )
+    return FieldEvolution(problem, PanelResolution.over_time(1e-2))
+
+
+def test_a_density_that_is_not_a_number_agrees_with_no_other() -> None:
+    evolution = coarse_evolution()
+    density = VelocityDensity(evolution, 1.0)
+    broken = WithoutANumber(evolution, 1.0)
+    assert density.difference(VelocityDensity(evolution, 1.0)) == 0.0
+    assert density.difference(broken) == math.inf
+    assert broken.difference(density) == math.inf
+
+
+def test_a_density_that_is_not_a_number_is_infinitely_far_below_zero() -> None:
+    assert WithoutANumber(coarse_evolution(), 1.0).negative() == math.inf

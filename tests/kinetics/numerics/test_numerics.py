@@ -1,6 +1,7 @@
 """Fourier sums are exact for what the nodes resolve; small losses count; one thread."""
 
 import math
+from dataclasses import dataclass
 
 import mpmath as mp
 import numpy as np
@@ -11,6 +12,7 @@ from collision import integer_moment
 from kinetics import Scene, solve
 from kinetics.numerics import one_blas_thread
 from kinetics.numerics.log_grid import LogGrid
+from kinetics.numerics.refinement import refine_until_converged
 
 
 @pytest.mark.parametrize("nodes", [50, 51])
@@ -55,3 +57,35 @@ def test_one_thread_meanwhile_and_as_many_as_before_after_an_error() -> None:
         with pytest.raises(KeyError):
             fails()
         assert used() == before
+
+
+@dataclass(frozen=True)
+class Refined:
+    """A solution that knows nothing but its resolution."""
+
+    resolution: int
+
+    @property
+    def finer(self) -> int | None:
+        return self.resolution + 1 if self.resolution < 4 else None
+
+
+def test_refinement_goes_on_while_a_difference_is_not_a_number() -> None:
+    def difference(fine: Refined, coarse: Refined) -> dict[str, float]:
+        return {"first": 1e-9, "second": math.nan if fine.resolution == 1 else 1e-9}
+
+    solution, errors = refine_until_converged(
+        Refined, 0, difference, tolerance={"first": 1e-6, "second": 1e-6}
+    )
+    assert solution.resolution == 2
+    assert errors["second"] <= 1e-6
+
+
+def test_a_difference_that_is_never_a_number_is_an_infinite_error() -> None:
+    def difference(fine: Refined, coarse: Refined) -> dict[str, float]:
+        return {"first": 1e-9, "second": math.nan}
+
+    _, errors = refine_until_converged(
+        Refined, 0, difference, tolerance={"first": 1e-6, "second": 1e-6}
+    )
+    assert errors["second"] == math.inf

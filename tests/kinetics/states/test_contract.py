@@ -2,7 +2,9 @@
 
 import copy
 import itertools
+import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import mpmath as mp
@@ -20,13 +22,16 @@ from example_values import (
 
 from kinetics import (
     AngularHarmonics,
+    Monoenergetic,
     PolarGrid,
     Scene,
     SolverStatus,
     SpeedTable,
+    ToleranceWarning,
     VelocitySamples,
     solve,
 )
+from kinetics.states.state import Points
 
 
 @pytest.mark.parametrize("name", STATES)
@@ -162,3 +167,19 @@ def test_isotropic_states_written_as_directed_ones() -> None:
         assert not np.any(found.mean_velocity)
         f = found.velocity_density([0.3, 1.0], [0.0, 2.0])
         assert np.array_equal(f[:, :, 0], f[:, :, 1])
+
+
+class WithoutAnError(Monoenergetic):
+    """A state that cannot say how well its points represent it."""
+
+    def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
+        points = super().harmonic(m, rtol, lowest, highest)
+        return points if points is None else replace(points, error=math.nan)
+
+
+@pytest.mark.parametrize("drive", [{}, {"heating": 0.1}])
+def test_an_error_that_is_not_a_number_has_not_converged(drive: dict[str, float]) -> None:
+    scene = Scene(0.7, initial=WithoutAnError(), times=[1.0], outputs="thermal_speed", **drive)
+    with pytest.warns(ToleranceWarning, match="initial state"):
+        solution = solve(scene, rtol=1e-4)
+    assert solution.status is SolverStatus.TOLERANCE_NOT_REACHED
