@@ -177,6 +177,7 @@ def _comparison(
         dof=None if averages is None else averages.freedom,
         units=_units(sample, clock),
         dimension=sample.law.dimension,
+        unit_names=dict(sample.unit_names),
         cannot_tell=cannot_tell,
         media=_chi_squares(judged),
         undecided=_undecided(judged, best),
@@ -438,4 +439,3 @@ def _clearest_deviation(judgement: Judgement) -> str:
         f"{clearest.observable}{at}: chi-square {numeral(clearest.chi_square, '.4g')} with "
         f"{clearest.dof} degrees of freedom, p = {numeral(clearest.p_value, '.2g')}."
     )
-

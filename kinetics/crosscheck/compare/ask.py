@@ -1,8 +1,8 @@
 """From data to a comparison: what is not specified (e, density, start, U) is found in the data.
 
 `compare_data` is what the command `lorentz compare` does, `fit_data` what `lorentz fit` does. Both
-read the data (`data.reading`), complete what was specified (`Question`), fit the rest in each medium
-that the scatterers may be (`_fits`), and judge the fits (`answer`).
+read the data (`data.reading`), complete what was specified (`Question`), fit the rest in each
+medium that the scatterers may be (`_fits`), and judge the fits (`answer`).
 """
 
 from __future__ import annotations
@@ -236,7 +236,7 @@ def _with_law(sample: Sample, restitution: Any, drives: dict[str, Any]) -> Sampl
     changed = {}
     for name, value in drives.items():
         is_default = value is None or value == getattr(Law, name)
-        if not is_default or name == "tangential_restitution" and value is not None:
+        if not is_default or (name == "tangential_restitution" and value is not None):
             changed[name] = value
     law = replace(sample.law, restitution=impact_restitution(restitution), **changed)
     return replace(sample, law=law)
@@ -331,14 +331,16 @@ class Question:
 def _first_point(sample: Sample, specified: dict[str, Any], start: Any) -> Point:
     """Return what was specified as a point, with a guess of what is to be fitted."""
     size = _size(sample)
-    guess = {
+    guess: dict[str, Any] = {
         "restitution": 0.7,
         "path": size / math.e,
         "speed_unit": _guess_of_speed(sample),
         "position_noise": 0.0,
     }
-    values = {name: guess[name] if x is None else x for name, x in specified.items()}
-    return Point(start=start, **values)
+    for name, value in specified.items():
+        if value is not None:
+            guess[name] = value
+    return Point(start=start, **guess)
 
 
 def _size(sample: Sample) -> float:
@@ -396,7 +398,7 @@ def _measured(question: Question) -> Measured:
     """Return the averages at the times that a fit and its test look at."""
     sample = question.sample
     complete = np.count_nonzero(sample.is_complete & (sample.times > 0.0))
-    only_complete = complete >= MIN_COMPLETE_TIMES and not sample.law.capture_speed
+    only_complete = bool(complete >= MIN_COMPLETE_TIMES) and not sample.law.capture_speed
     path = question.point.path
     if "path" in question.free:  # a path that is too long only leaves early times out
         path = _size(sample)

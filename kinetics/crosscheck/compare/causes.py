@@ -23,7 +23,6 @@ from kinetics.crosscheck.compare.parameters import LIMITS, free_parameter
 from kinetics.crosscheck.compare.point import Point, SampledStart
 from kinetics.crosscheck.compare.pool import N_FOR_CAUSE
 from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
@@ -159,9 +158,7 @@ def _fit_of(cause: Cause, told: Fit, measured: Measured, point: Point) -> Fit | 
     return fit(measured, point, [*free, parameter], starts, n_rounds=1, n_pool=N_FOR_CAUSE)
 
 
-def _variants(
-    cause: Cause, told: Fit, media: Sequence[str]
-) -> Iterator[tuple[Measured, Point]]:
+def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[Measured, Point]]:
     """Yield the data and the point of every variant of a cause, but for what is fitted."""
     measured = told.measured
     point = told.point
@@ -325,5 +322,7 @@ def _words(told: Fit, cause: Cause, fitted: Fit) -> _Words:
     unit = told.measured.sample.units.get(cause.kind, 1.0)  # in the data's own
     name = cause.unit if unit == 1.0 else ""
     shown = number(value * unit, error * unit)
-    headline = f"{cause.symbol} = {shown}{name} in place of {numeral(specified * unit, '.5g')}{name}"
+    headline = (
+        f"{cause.symbol} = {shown}{name} in place of {numeral(specified * unit, '.5g')}{name}"
+    )
     return _Words(headline, value * unit, error * unit)

@@ -14,7 +14,7 @@ no covariance of the data is inverted.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -369,7 +369,9 @@ class _Estimation:
         pool = pool_at(measured, point, n_pool)
         residuals = Residuals.at(measured, theory, point, pool, influence)
         own = residuals.own
-        covariance = self._covariance(without_limits, point, own if own is None else own[np.ix_(indices, indices)])
+        covariance = self._covariance(
+            without_limits, point, own if own is None else own[np.ix_(indices, indices)]
+        )
         return Fit(
             measured,
             theory,
@@ -436,9 +438,8 @@ def _slopes_of(theory: Theory, point: Point, free: Sequence[FreeParameter]) -> A
     return _derivatives(values, at, low, high) / scales
 
 
-def _derivatives(function: object, at: Array, low: Array, high: Array) -> Array:
-    """Return the derivatives (p, n_free) of a function of coordinates, centred where there is room."""
-    assert callable(function)
+def _derivatives(function: Callable[[Array], Array], at: Array, low: Array, high: Array) -> Array:
+    """Return the derivatives (p, n_free) of a function of coordinates, centred if they can be."""
     columns = []
     for index in range(at.size):
         above = at.copy()

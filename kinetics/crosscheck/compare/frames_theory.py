@@ -102,7 +102,9 @@ def _dilute_times(point: Point, law: Law, times: Array, solve_at: Solver) -> Arr
     """Return when dilute tracers have the thermal speed that those of a point have at times."""
     if point.restitution == 1.0 and law.tangential_restitution == 1.0:
         return times
-    fine = np.geomspace(SHORTEST_TIME * point.path, 3.0 * float(times.max()) + point.path, N_SPEED_TIMES)
+    fine = np.geomspace(
+        SHORTEST_TIME * point.path, 3.0 * float(times.max()) + point.path, N_SPEED_TIMES
+    )
     fine = np.concatenate([[0.0], fine])
     dilute = point.with_values(scatterers="dilute")
     dilute_speed = np.asarray(solve_at(dilute, law, fine, ("thermal_speed",), RTOL).thermal_speed)

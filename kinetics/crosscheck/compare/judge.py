@@ -107,9 +107,7 @@ def _one_p_value(
     return min(candidates)
 
 
-def _verdict(
-    p_value: float, tests: Sequence[ComparisonTest], rows: Sequence[Row]
-) -> Verdict:
+def _verdict(p_value: float, tests: Sequence[ComparisonTest], rows: Sequence[Row]) -> Verdict:
     """Return the verdict of a p-value, and of rows without scatter, which no test can hold."""
     verdicts = [row.verdict for row in rows if row.sigmas is None]
     if tests:
@@ -342,4 +340,3 @@ def _density_test(histogram: Histogram, chi_square: ChiSquare, n_tests: int) -> 
         sigmas=sigmas,
         verdict=verdict,
     )
-

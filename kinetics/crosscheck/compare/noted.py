@@ -1,4 +1,4 @@
-"""What the data show by themselves, without a fit: tracers that never move, rest, or are missing."""
+"""What the data show by themselves, without a fit: tracers at rest, and missing ones."""
 
 from __future__ import annotations
 

@@ -2,8 +2,9 @@
 
 Weights from the covariance of the data themselves bias a fit (Altonji and Segal, J. Bus. Econ.
 Stat. 14, 353 (1996)): where few tracers have collided by chance, the scatter is small too, and the
-weight large. And tests with such a covariance reject right data. So covariances are those of tracers
-of a Boltzmann-Grad simulation at the point, which know nothing of the data: begin with `Pool`.
+weight large. And tests with such a covariance reject right data. So covariances are those of
+tracers of a Boltzmann-Grad simulation at the point, which know nothing of the data: begin with
+`Pool`.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from kinetics.crosscheck.compare.observables import Array
 from kinetics.crosscheck.compare.point import Point, SampledStart
 from kinetics.crosscheck.data.sample import VX, Law
 
-#: Tracers of a pool for weights. Chosen: a variance is known to 2 %; with twice as many no pull of a
-#: fit changed by 0.1.
+#: Tracers of a pool for weights. Chosen: a variance is known to 2 %, so that errors of a fit are
+#: larger than the least possible ones by far less.
 N_FOR_WEIGHTS = 4000
 #: Tracers of a pool for the test of a verdict. Measured: the standard deviation of the kurtosis at
 #: 2.4 l/U, which rare straight flights make, is 0.147; pools of 4,000, 12,000, 20,000 and 80,000
@@ -56,7 +57,9 @@ def _tracers_per_medium(point: Point, last_time: float, wanted: int) -> int:
     paths = last_time * point.clock / point.path
     loss = 1.0 - float(point.restitution) ** 2
     # in a cooling gas the rate falls as 1/(1 + loss/4 paths), or so
-    collisions = COLLISION_RATE * (paths if loss == 0.0 else np.log1p(paths * loss / 4) / (loss / 4))
+    collisions = COLLISION_RATE * (
+        paths if loss == 0.0 else np.log1p(paths * loss / 4) / (loss / 4)
+    )
     affordable = MAX_COLLISIONS / max(collisions, 1.0)
     return int(min(wanted, affordable) / N_MEDIA)
 
@@ -163,7 +166,7 @@ def _simulated_sums(
     random = np.random.default_rng(SEED)
     tracers = _tracers_per_medium(point, float(layout.times[-1]), wanted)
     run = simulate(
-        BoltzmannGrad(law.free_path(point.path), dimension=law.dimension),
+        BoltzmannGrad(law.free_path(point.path), dimension=3 if law.dimension == 3 else 2),
         restitution=float(point.restitution),
         tangential_restitution=law.tangential_restitution,
         mass_ratio=law.mass_ratio,
@@ -177,7 +180,7 @@ def _simulated_sums(
     )
     place = point.length_unit * np.asarray(run.positions)
     velocity = point.speed_unit * np.asarray(run.velocities)
-    n_at_rest = int(round(max(point.at_rest, 0.0) * place.shape[1]))
+    n_at_rest = round(max(point.at_rest, 0.0) * place.shape[1])
     place[:, :n_at_rest] = 0.0
     velocity[:, :n_at_rest] = 0.0
     noise = np.sqrt(max(point.position_noise, 0.0)) * random.normal(size=place.shape)
@@ -192,9 +195,7 @@ def _simulated_sums(
     return _power_sums(layout, place, velocity), _pair_sums(layout, place)
 
 
-def _initial_velocities(
-    point: Point, law: Law, tracers: int, random: np.random.Generator
-) -> Array:
+def _initial_velocities(point: Point, law: Law, tracers: int, random: np.random.Generator) -> Array:
     """Return the velocities of the start, shape (N_MEDIA, tracers, d).
 
     Speeds are quantiles of their distribution, evenly spaced in probability, and only directions

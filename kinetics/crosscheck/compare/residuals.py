@@ -163,7 +163,7 @@ class Residuals:
 
     @property
     def _looks_at_groups(self) -> bool:
-        """Whether the data scatter otherwise than simulated tracers: they share media, or have gaps."""
+        """Whether the data scatter otherwise than simulated tracers: shared media, or gaps."""
         if self.pool is None or not self.measured.is_independent:
             return True
         return bool(np.any(self._shares[self.is_compared] < MIN_SHARE_PRESENT))
@@ -223,9 +223,7 @@ class Residuals:
         """Whether there is something to compare that scatters."""
         error = self._group_error if self._looks_at_groups else self._pool_error
         least = np.where(self.is_exact, ROUNDING_OF_EXACT, ROUNDING)
-        return self.is_compared & is_scatter(
-            error, self.measured.values, self.theory, least=least
-        )
+        return self.is_compared & is_scatter(error, self.measured.values, self.theory, least=least)
 
     def test(self, indices: Indices) -> ChiSquare | None:
         """Test some of the components at once; None where nothing scatters."""
@@ -276,4 +274,3 @@ class Residuals:
             return self.own
         passed = self.influence.remaining(np.eye(self.theory.size))
         return np.asarray(passed.T @ self.own @ passed)
-

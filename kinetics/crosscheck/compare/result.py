@@ -148,7 +148,8 @@ class Comparison(Result):
     explanations : Explanation; empty where nothing needs one
     medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
     covariance : of those that were fitted of restitution and ln(mean free path)
-    overall_p_value : of everything that was tested, on which the verdict rests; None where nothing was
+    overall_p_value : of everything that was tested, on which the verdict rests; None where nothing
+        was
     chi_square, dof : of all averages together, and its degrees of freedom
     units : "length", "speed" and "time": d, U and d/U in the data's units; empty if the data are in
         d and U

@@ -68,6 +68,7 @@ def start_of(sample: Sample, initial: str) -> tuple[Sample, Any]:
         refuse("initial", initial, "in a field the start must be rest, gaussian or monoenergetic")
     if name == "auto":
         sample = _with_remark_on_unit(sample)
+    assert sample.start is not None
     return sample, SampledStart(sample.start)
 
 
@@ -80,7 +81,10 @@ def _named_start(sample: Sample) -> Any:
         has_axes = sums.size > X2 and not sample.law.field
         is_along_x = has_axes and sums[VX] > (1.0 - SAME_SQUARE) * sums[N]
         return BEAM if is_along_x else "monoenergetic"
-    if squares.size > 1 and gaussian_p_value(sample.sums[:, 0].sum(axis=0), sample.law) >= MIN_P_VALUE:
+    if (
+        squares.size > 1
+        and gaussian_p_value(sample.sums[:, 0].sum(axis=0), sample.law) >= MIN_P_VALUE
+    ):
         return "gaussian"
     return None
 

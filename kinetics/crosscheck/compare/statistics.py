@@ -65,9 +65,7 @@ def jackknife_covariance(replicates: Array) -> Array:
     return np.asarray((n - 1) / n * (deviation.T @ deviation))
 
 
-def is_scatter(
-    error: Array, *values: Array, least: float | Array = ROUNDING
-) -> NDArray[np.bool_]:
+def is_scatter(error: Array, *values: Array, least: float | Array = ROUNDING) -> NDArray[np.bool_]:
     """Return where standard errors are more than rounding: over the values at least `least`."""
     with np.errstate(invalid="ignore"):
         size = np.max(np.abs(values), axis=0)

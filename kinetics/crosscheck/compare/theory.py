@@ -1,4 +1,4 @@
-"""What the kinetic equation says of the components of a `Layout` at a `Point`: begin with `Theory`."""
+"""What the kinetic equation says of components of data at a `Point`: begin with `Theory`."""
 
 from __future__ import annotations
 
@@ -107,8 +107,10 @@ class Theory:
         if layout.names:
             solution = solve_at(point, layout.law, times, outputs)
             for name, output in zip(layout.names, outputs, strict=True):
-                components = np.asarray(getattr(solution, output))
-                parts.append(components[(..., *OBSERVABLES[name].component)])
+                values = np.asarray(getattr(solution, output), float)
+                for index in reversed(OBSERVABLES[name].component):
+                    values = values[..., index]
+                parts.append(values)
         if layout.pairs is not None:
             pairs = layout.pairs
             squares = mean_square_between_frames(
@@ -125,14 +127,16 @@ class Theory:
         values[layout.is_of("drift")] *= moving * point.speed_unit
         values[layout.is_of("mean_displacement")] *= moving * point.length_unit
         is_later = layout.time > 0.0
-        noise_of_speed = point.velocity_noise * is_later
-        noise_of_place = point.position_noise * is_later
+        noise_of_speed = np.where(is_later, point.velocity_noise, 0.0)
+        noise_of_place = np.where(is_later, point.position_noise, 0.0)
         if not self.has_velocities:  # of both positions
             noise_of_place = 2.0 * noise_of_place
 
         speed = layout.is_of("thermal_speed")
         square = motion[speed] ** 2
-        values[speed] = np.sqrt(self._second(square, noise_of_speed[speed], point.speed_unit, moving))
+        values[speed] = np.sqrt(
+            self._second(square, noise_of_speed[speed], point.speed_unit, moving)
+        )
         a2 = layout.is_of("a2")
         if np.any(a2):
             gaussian = layout.law.gaussian

@@ -1,4 +1,4 @@
-"""Tracks of positions alone: e, l, U and the error of a position are found, or said to be unknown."""
+"""Tracks of positions alone: e, l, U and the error of a position are found, or said unknown."""
 
 from __future__ import annotations
 

@@ -153,7 +153,15 @@ def test_a_saved_comparison_is_loaded_equal(name: str, request: Any, tmp_path: P
 def test_files_without_the_later_fields_are_loaded(positions_alone: Comparison) -> None:
     """As versions before 2026 wrote them: twelve fields, rows of eleven numbers."""
     stored = positions_alone._to_storage()
-    later = ["overall_p_value", "chi_square", "dof", "units", "unit_names", "dimension", "cannot_tell"]
+    later = [
+        "overall_p_value",
+        "chi_square",
+        "dof",
+        "units",
+        "unit_names",
+        "dimension",
+        "cannot_tell",
+    ]
     later += ["media", "undecided", "n_times", "first_time", "last_time", "next_step"]
     old = {name: value for name, value in stored.items() if name not in later}
     old["numbers"] = tuple(tuple(numbers)[:11] for numbers in old["numbers"])

@@ -17,9 +17,13 @@ from kinetics.crosscheck.compare.pool import Pool
 from kinetics.crosscheck.compare.starts import gaussian_p_value
 from kinetics.crosscheck.compare.statistics import (
     jackknife_covariance,
-    test_by_groups as by_groups,
-    test_by_simulation as by_simulation,
     whitening,
+)
+from kinetics.crosscheck.compare.statistics import (
+    test_by_groups as by_groups,
+)
+from kinetics.crosscheck.compare.statistics import (
+    test_by_simulation as by_simulation,
 )
 from kinetics.crosscheck.compare.theory import Theory
 from kinetics.crosscheck.data.sample import Law, Sample, effective_groups, errors
