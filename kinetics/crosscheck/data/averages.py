@@ -1,15 +1,14 @@
 """Tables of averages: what a paper has, a digitised curve, or the table of another program.
 
 One row for each time, with columns such as `t, v0, v0_error, msd, msd_error`. Nothing is known of
-how the averages of different times vary together: their errors are taken for independent. Begin
-with `read_averages`.
+how the averages of different times vary together: their errors are taken for independent.
+`reading.read_averages` reads them; begin with `table_of_averages`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -71,29 +70,6 @@ class AveragesTable:
     def has_errors(self) -> bool:
         """Whether some standard error is stated."""
         return bool(np.any(self.errors > 0))
-
-
-def read_averages(source: Path | Mapping[str, Any], **arguments: Any) -> AveragesTable | None:
-    """Read a table of averages; None if the source is something else.
-
-    Parameters
-    ----------
-    source : a file of text, or columns in memory
-    arguments : of :meth:`DataOptions.checked`
-
-    Raises
-    ------
-    InputError
-        It is a table of averages that cannot be used.
-    """
-    from kinetics.crosscheck.data.formats import column_names_of, read_source
-
-    options = DataOptions.checked(**arguments)
-    if not are_averages(column_names_of(source, options), options):
-        return None
-    table = read_source(source, options)
-    assert isinstance(table, AveragesTable)
-    return table
 
 
 def are_averages(names: Iterable[Any], options: DataOptions) -> bool:
@@ -174,9 +150,9 @@ def _check_times(where: str, times: Array) -> None:
     """Raise InputError unless each row has a time of its own."""
     if times.size == 0:
         refuse_data(where, "no rows", "one for each time")
-    bad = ~np.isfinite(times) | (times < 0)
-    if np.any(bad):
-        row = int(np.argmax(bad))
+    is_refused = ~np.isfinite(times) | (times < 0)
+    if np.any(is_refused):
+        row = int(np.argmax(is_refused))
         refuse_data(f"{where}: row {row}", f"time = {times[row]}", "a number, not negative")
     if np.unique(times).size < times.size:
         refuse_data(f"{where}: time", "one that is there twice", "one row of averages for each")
@@ -184,11 +160,11 @@ def _check_times(where: str, times: Array) -> None:
 
 def _check_values(where: str, name: str, values: Array, errors: Array) -> None:
     """Raise InputError for averages that are infinite, or errors that are negative."""
-    bad = np.isinf(values) | np.isinf(errors) | (errors < 0)
-    if np.any(bad):
-        row = int(np.argmax(bad))
-        found = f"{name} = {values[row]:g} +- {errors[row]:g}"
-        refuse_data(f"{where}: row {row} by time", found, "finite, with an error above 0")
+    is_refused = np.isinf(values) | np.isinf(errors) | (errors < 0)
+    if np.any(is_refused):
+        row = int(np.argmax(is_refused))
+        number = f"{name} = {values[row]:g} +- {errors[row]:g}"
+        refuse_data(f"{where}: row {row} by time", number, "finite, with an error above 0")
     negative = values < 0
     if name != "a2" and np.any(negative):
         row = int(np.argmax(negative))
@@ -216,8 +192,8 @@ def _use_thermal_speed(values: dict[str, Array], errors: dict[str, Array]) -> No
 
 def _remarks_on(errors: Mapping[str, Array]) -> tuple[str, ...]:
     """Return what is to be said of averages without standard errors."""
-    without = [name for name, values in errors.items() if not np.any(values > 0)]
-    if not without:
+    names_without = [name for name, values in errors.items() if not np.any(values > 0)]
+    if not names_without:
         return ()
-    names = ", ".join(without)
-    return (f"No standard errors of {names}: give columns such as {without[0]}_error.",)
+    names = ", ".join(names_without)
+    return (f"No standard errors of {names}: give columns such as {names_without[0]}_error.",)

@@ -18,15 +18,20 @@ from kinetics.crosscheck.data.tracks import Tracks
 Array = NDArray[Any]
 
 #: Rows that are needed where a tracer turns between the frame before and the one after. On a
-#: straight flight the difference is the velocity.
+#: straight flight the difference is the velocity, and on a parabola in a field the central one is.
 MIN_TURNS = 20
-#: A tracer turns where the quotients before and after differ by this fraction of their mean.
-TURN = 0.02
+#: Frames with turns that are needed if velocities are in another unit than positions and times: at
+#: one frame, tracers that fall from rest all have twice the quotient before.
+MIN_FRAMES = 5
+#: A tracer turns where the quotients before and after have a cosine below this, 26 degrees.
+COSINE_OF_TURN = 0.9
 #: Velocities are a quotient where so many of the turns have it. Of true velocities at close frames
 #: some half are the quotient before, and half the one after.
-MIN_SHARE = 0.9
+MIN_SHARE_OF_TURNS = 0.9
 #: A velocity is a quotient if they differ by less than this fraction, beside the rounding.
-SAME_VELOCITY = 1e-3
+SAME_AS_QUOTIENT = 1e-3
+#: Lower bound of a squared speed that is divided by: a tracer at rest has no direction.
+TINY = 1e-200
 
 
 def quotient_of_velocities(tracks: Tracks, units: Units) -> str | None:
@@ -57,17 +62,20 @@ def quotient_of_velocities(tracks: Tracks, units: Units) -> str | None:
     speed_resolution = resolution_of(velocity * units.speed) / units.speed
     shortest = np.minimum(durations[:-1], durations[1:])[:, :, 0]
     rounding = 2.0 * place_resolution / shortest
-    is_turn = _length(after - before) > TURN * _length(after + before) / 2.0 + 4.0 * rounding
+    cosine = np.sum(before * after, axis=2) / np.maximum(_length(before) * _length(after), TINY)
+    is_turn = (cosine < COSINE_OF_TURN) & (_length(after - before) > 4.0 * rounding)
     if np.count_nonzero(is_turn) < MIN_TURNS:
         return None
+    n_frames = np.count_nonzero(np.any(is_turn, axis=1))
     for name, quotient in candidates.items():
         unit = _unit_of(measured[is_turn], quotient[is_turn])
-        if unit <= 0:
+        has_other_unit = abs(unit - 1.0) > SAME_AS_QUOTIENT
+        if unit <= 0 or (has_other_unit and n_frames < MIN_FRAMES):
             continue
         difference = _length(measured - unit * quotient)
-        allowed = SAME_VELOCITY * _length(measured) + unit * rounding + speed_resolution
+        allowed = SAME_AS_QUOTIENT * _length(measured) + unit * rounding + speed_resolution
         is_quotient = difference <= allowed
-        if np.mean(is_quotient[is_turn]) >= MIN_SHARE:
+        if np.mean(is_quotient[is_turn]) >= MIN_SHARE_OF_TURNS:
             return name
     return None
 

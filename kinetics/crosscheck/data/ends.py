@@ -27,8 +27,9 @@ MAX_ENDED = 0.01
 #: Margins of the picture that are tried, over its smaller side: tracks that start further inside
 #: leave later.
 MARGINS = np.linspace(0.0, 0.45, 10)
-#: Tracks and times that must remain.
+#: Tracks that must remain. Chosen: the errors of fewer are above 10 %.
 MIN_REMAINING_TRACKS = 50
+#: Times that must remain: the start, and two more.
 MIN_REMAINING_TIMES = 3
 
 

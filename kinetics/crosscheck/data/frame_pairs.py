@@ -8,7 +8,7 @@ have nearly all that the data know. Begin with `sum_over_pairs`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,15 @@ class FramePairs:
     earlier: Indices
     later: Indices
     sums: Array
+
+    @property
+    def has_tracers(self) -> NDArray[np.bool_]:
+        """Which groups have tracers in some pair, shape (n_groups,)."""
+        return np.asarray(self.sums[..., 0].sum(axis=1) > 0)
+
+    def of_groups(self, is_chosen: NDArray[np.bool_]) -> FramePairs:
+        """Return the sums of some of the groups."""
+        return replace(self, sums=self.sums[is_chosen])
 
 
 def choose_pairs(times: Array) -> tuple[Indices, Indices]:

@@ -38,7 +38,7 @@ SAME_TIME_OF_STEP = 1e-3
 #: Times at which velocities are needed to be of use: at one, positions alone tell more.
 MIN_TIMES_WITH_VELOCITIES = 2
 #: Rows from which it is told whether velocities are differences of positions, about.
-N_SAMPLED = 100_000
+ROWS_SAMPLED = 100_000
 #: Labels that say which tracer a row is of.
 IDENTITY_LABELS = ("tracer", "medium")
 #: The place of a row among those of its time: what tells tracers apart that have no label.
@@ -180,11 +180,11 @@ def _have_own_clocks(columns: dict[str, NDArray[Any]], file: NDArray[Any]) -> bo
     times = columns["time"]
     if "tracer" not in columns or np.count_nonzero(times == np.nanmin(times)) > 1:
         return False
-    first = _first_times(columns, file)
-    begins = times == first
+    first_times = _first_times(columns, file)
+    begins = times == first_times
     n_tracks = np.count_nonzero(begins)
     has_more_rows = times.size > n_tracks
-    are_different = np.unique(first).size == n_tracks
+    are_different = np.unique(first_times).size == n_tracks
     return bool(has_more_rows and are_different and n_tracks >= MIN_CLOCKS)
 
 
@@ -224,7 +224,7 @@ def _without_useless_velocities(rows: _Rows, options: DataOptions) -> _Rows:
 def _quotient_of_sample(rows: _Rows, options: DataOptions) -> str | None:
     """Return which difference quotient the velocities of some tracers are; None for measured."""
     labels = rows.columns["tracer" if "tracer" in rows.columns else RANK]
-    n_tracers = N_SAMPLED // rows.times.size + 1
+    n_tracers = ROWS_SAMPLED // rows.times.size + 1
     sampled_labels = labels[:: labels.size // n_tracers + 1]
     is_sampled = np.asarray(pd.Series(labels).isin(sampled_labels))
     tracks = _dense(rows.select(is_sampled, ""), options)

@@ -16,7 +16,7 @@ from kinetics.crosscheck.data.tracks import Tracks
 Array = NDArray[Any]
 
 #: Share of the rows that belong to one tracer below which their order says nothing.
-MIN_SHARE = 0.5
+MIN_SHARE_IN_ORDER = 0.5
 #: Standard error of that share above which it cannot be told.
 MAX_ERROR = 0.25
 

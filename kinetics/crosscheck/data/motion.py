@@ -37,18 +37,18 @@ SMALL_EXCESS = 0.1
 FASTER_IF_UNIT_IS_WRONG = 0.1
 #: Jumps along an axis that differ by less than this fraction are by one length: the side of a box.
 SAME_JUMP = 0.1
-#: Jumps by one length that show a box, and their length over the extent of all places: wrapped
-#: places fill the box.
+#: Jumps by one length that show a box. Chosen: two exchanged tracers make two jumps of one length.
 MIN_JUMPS = 5
+#: Their length over the extent of all places, at least: wrapped places fill the box.
 JUMP_OVER_EXTENT = 0.8
 #: Impossible steps that are named.
 MAX_STEPS_NAMED = 3
 #: Share of steps of positions alone that is no alarm: of hard disks with errors of 0.3 d 1 in 7,200
 #: was called impossible.
 MIN_SHARE_OF_PLACES = 3e-4
-#: Errors of a place beyond which a step is longer for sure, and within which two steps have one
-#: velocity.
+#: Errors of a place beyond which a step is longer for sure: of 1e6 Gaussian errors 0.6 are larger.
 SURE_ERRORS = 5.0
+#: Errors of a place within which two steps have one velocity.
 ALIKE_ERRORS = 3.0
 #: Velocity of a straight flight over the change that is within the errors: a tracer that bounces
 #: between two scatterers close by moves as little, and is fast all the same.
@@ -108,8 +108,8 @@ def impossible_motion(tracks: Tracks, where: str, units: Units) -> list[str]:
     examples = _named(tracks, units, steps, is_everywhere)
     side = _common_jump(tracks, steps.is_further & steps.is_large)
     if side is not None:
-        found = f"{n_impossible} steps that jump by {side * units.length:.4g} ({examples})"
-        refuse_data(f"{where}: positions", found, "unwrapped: a box of this side wraps them")
+        jumps = f"{n_impossible} steps that jump by about {side * units.length:.4g} ({examples})"
+        refuse_data(f"{where}: positions", jumps, "unwrapped: a box of this side wraps them")
     reason = _reason(tracks, steps, is_everywhere)
     return [
         f"{n_impossible} steps ({share:.2g} of all) are impossible without a drive: {law} "

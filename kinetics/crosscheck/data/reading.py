@@ -1,6 +1,6 @@
-"""read_sample(sources): one sample from files or tables in memory, or from one saved run.
+"""Read data: `read_sample` one sample of tracks, `read_averages` a table of averages.
 
-source -> `formats` -> table -> `tracks` -> displacements -> `sample`.
+source -> `formats` -> table -> `gather` -> tracks -> displacements -> `sample`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.averages import AveragesTable
+from kinetics.crosscheck.data.averages import AveragesTable, are_averages
 from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
-from kinetics.crosscheck.data.formats import name_of, read_source
+from kinetics.crosscheck.data.formats import column_names_of, name_of, read_source
 from kinetics.crosscheck.data.gather import gather_tracks
-from kinetics.crosscheck.data.identity import MIN_SHARE, share_in_order
+from kinetics.crosscheck.data.identity import MIN_SHARE_IN_ORDER, share_in_order
 from kinetics.crosscheck.data.motion import impossible_motion
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.sample import Law, Sample, reduce_tracks
@@ -59,18 +59,40 @@ def read_sample(
         tables.append(table)
     names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
     where = ", ".join(names)
-    seen = gather_tracks(tables, options)
-    tracks = displacements(without_biased_ends(seen), where, options)
+    gathered = gather_tracks(tables, options)
+    tracks = displacements(without_biased_ends(gathered), where, options)
     impossible: list[str] = []
     if _are_tracers_known(tracks, where) and check_motion:
-        impossible = impossible_motion(seen, where, options.units)
+        impossible = impossible_motion(gathered, where, options.units)
     sample = _group(tracks, names, options)
     return replace(
         sample,
         law=Law(dimension=options.dimension or 2),
         units=options.units.by_name(),
+        unit_names=_common_unit_names(tables),
         warnings=(*tracks.remarks, *sample.warnings, *impossible),
     )
+
+
+def read_averages(source: Path | Mapping[str, Any], **arguments: Any) -> AveragesTable | None:
+    """Read a table of averages; None if the source is something else.
+
+    Parameters
+    ----------
+    source : a file of text, or columns in memory
+    arguments : of :meth:`DataOptions.checked`
+
+    Raises
+    ------
+    InputError
+        It is a table of averages that cannot be used.
+    """
+    options = DataOptions.checked(**arguments)
+    if not are_averages(column_names_of(source, options), options):
+        return None
+    table = read_source(source, options)
+    assert isinstance(table, AveragesTable)
+    return table
 
 
 def _check_sources(sources: Sequence[Path | Mapping[str, Any]]) -> None:
@@ -84,6 +106,14 @@ def _check_sources(sources: Sequence[Path | Mapping[str, Any]]) -> None:
         refuse_data("data", f"a file twice in {names}", allowed)
 
 
+def _common_unit_names(tables: Sequence[Table]) -> dict[str, str]:
+    """Return the names of the units on which all tables agree."""
+    common = set(tables[0].unit_names.items())
+    for table in tables[1:]:
+        common &= set(table.unit_names.items())
+    return dict(common)
+
+
 def _are_tracers_known(tracks: Tracks, where: str) -> bool:
     """Return whether rows belong to tracers, by their labels or by their order.
 
@@ -93,11 +123,11 @@ def _are_tracers_known(tracks: Tracks, where: str) -> bool:
     if tracks.tracer is not None or tracks.times.size < 2:
         return True
     share = share_in_order(tracks)
-    if share is None or share >= MIN_SHARE:
+    if share is None or share >= MIN_SHARE_IN_ORDER:
         return True
     if tracks.medium is None or np.unique(tracks.medium).size < 2:
-        found = "no column tracer, and rows in another order at each time"
-        refuse_data(where, found, "with a label for each tracer (--columns tracer=...)")
+        rows = "no column tracer, and rows in another order at each time"
+        refuse_data(where, rows, "with a label for each tracer (--columns tracer=...)")
     return False
 
 

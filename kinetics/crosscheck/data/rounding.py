@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 #: and texts of 7 digits 1e-7. Chosen: ten times these.
 BEST_RESOLUTION = 1e-6
 #: Numbers from which the resolution is told.
-N_SAMPLED = 2000
-#: Decimals of a text that are looked for: a file with more is as good as one of full precision.
+NUMBERS_SAMPLED = 2000
+#: Fewest decimals of a text that are looked for: numbers of pixels in thousands.
 FEWEST_DECIMALS = -3
+#: Decimals that are not looked for any more: a text with as many is as good as full precision.
 MOST_DECIMALS = 8
 #: Multiples of a decimal place that differ by this fraction of it are whole.
 WHOLE_WITHIN = 1e-4
@@ -24,13 +25,13 @@ def resolution_of(values: NDArray[Any]) -> float:
     numbers = values[np.isfinite(values)].ravel()
     if numbers.size == 0:
         return 0.0
-    best = BEST_RESOLUTION * float(np.max(np.abs(numbers)))
-    sampled = numbers[:: numbers.size // N_SAMPLED + 1]
+    finest = BEST_RESOLUTION * float(np.max(np.abs(numbers)))
+    sampled = numbers[:: numbers.size // NUMBERS_SAMPLED + 1]
     for decimals in range(FEWEST_DECIMALS, MOST_DECIMALS):
         step = 10.0**-decimals
-        if step <= best:
+        if step <= finest:
             break
         multiples = sampled / step
         if np.all(np.abs(multiples - np.round(multiples)) < WHOLE_WITHIN):
             return step
-    return best
+    return finest

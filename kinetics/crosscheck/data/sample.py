@@ -33,8 +33,9 @@ HISTOGRAM_GROUPS = 83
 FILE_SHIFT = 97
 #: Bins of speeds and displacements in an octave.
 BINS_PER_OCTAVE = 12
-#: Octaves of the bins below and above their scale.
+#: Octaves of the bins below their scale. Origin not recorded.
 OCTAVES_BELOW = 10
+#: Octaves of the bins above their scale. Origin not recorded.
 OCTAVES_ABOVE = 6
 #: Edges of the bins, over their scale.
 EDGES = 2.0 ** (
@@ -48,11 +49,13 @@ SAME_VELOCITY = 1e-9
 #: Flights whose r/(v t) differ by less than this fraction are taken for straight ones: those that
 #: have collided put some 0.5 % into such a width.
 STRAIGHT_WITHIN = 0.002
-#: Straight flights that are needed, and their least share.
+#: Straight flights that are needed. Origin not recorded.
 MIN_STRAIGHT_FLIGHTS = 20
+#: Straight flights that are needed, over all tracers. Origin not recorded.
 MIN_STRAIGHT_SHARE = 0.05
 #: Relative accuracy of averages of the solver: far below any standard error.
 AVERAGES_RTOL = 1e-7
+#: The same where something drives the tracers, whose solvers take longer.
 DRIVEN_RTOL = 1e-5
 
 
@@ -136,6 +139,8 @@ class Sample:
     has_velocities : whether velocities were measured; else `times` begin at 0, the first frame
     pairs : displacements between frames of all tracers, also of those that come later; None for
         data that have velocities
+    unit_names : "length", "speed" and "time": names of the data's units, where their columns say
+        them ("mm", "mm/s", "s")
     """
 
     names: tuple[str, ...]
@@ -155,6 +160,25 @@ class Sample:
     ended: Counts | None = None
     has_velocities: bool = True
     pairs: FramePairs | None = None
+    unit_names: dict[str, str] = field(default_factory=dict)
+
+    def at_times(self, indices: NDArray[np.int64]) -> Sample:
+        """Return the averages of some of the times, which hold all frames of its pairs."""
+        pairs = self.pairs
+        if pairs is not None:
+            earlier = np.searchsorted(indices, pairs.earlier)
+            later = np.searchsorted(indices, pairs.later)
+            pairs = replace(pairs, earlier=earlier, later=later)
+        return replace(
+            self,
+            times=self.times[indices],
+            sums=self.sums[:, indices],
+            at_rest=self.at_rest[indices],
+            speeds=_bins_at(self.speeds, indices),
+            displacements=_bins_at(self.displacements, indices),
+            ended=None if self.ended is None else self.ended[indices],
+            pairs=pairs,
+        )
 
     def at_times(self, indices: NDArray[np.int64]) -> Sample:
         """Return the averages of some of the times, which hold all frames of its pairs."""
@@ -224,10 +248,11 @@ def reduce_tracks(
     is_there = _is_there(tracks)
     needs_axes = with_axes or (has_velocities and _is_beam(tracks.times, velocity))
     n_axes = tracks.place.shape[2] if needs_axes else 0
-    sums = np.zeros((MOST_GROUPS, tracks.times.size, VX + 3 * n_axes))
-    at_rest = np.zeros(tracks.times.size, np.int64)
-    speed_bins = _Bins.empty(tracks.times.size)
-    displacement_bins = _Bins.empty(tracks.times.size)
+    n_times = tracks.times.size
+    sums = np.zeros((MOST_GROUPS, n_times, VX + 3 * n_axes))
+    at_rest = np.zeros(n_times, np.int64)
+    speed_bins = _Bins.empty(n_times)
+    displacement_bins = _Bins.empty(n_times)
     start = None
     straightest = StraightFlights(0.0, 1.0, 0.0)
     for index, time in enumerate(tracks.times.tolist()):
@@ -251,8 +276,8 @@ def reduce_tracks(
     if not has_velocities:
         sums[..., [V2, V4]] = np.nan
         pairs = sum_over_pairs(tracks.times, tracks.place, group, MOST_GROUPS)
-        is_used |= pairs.sums[..., N].sum(axis=1) > 0
-        pairs = replace(pairs, sums=pairs.sums[is_used])
+        is_used |= pairs.has_tracers
+        pairs = pairs.of_groups(is_used)
     return Sample(
         names=names,
         times=tracks.times,

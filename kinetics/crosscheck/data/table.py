@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -37,12 +37,14 @@ class Table:
     remarks : what a reader should know of how it was read
     box : in which positions may be wrapped, where the source has one time alone: they can be
         unwrapped only with those of other times
+    unit_names : "length", "speed" and "time": the units that the names of columns say
     """
 
     where: str
     columns: Mapping[str, NDArray[Any]]
     remarks: tuple[str, ...] = ()
     box: Box | None = None
+    unit_names: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def n_rows(self) -> int:
@@ -77,7 +79,8 @@ def table_of_columns(where: str, columns: Mapping[Any, Any], options: DataOption
         arrays["time"] = options.times_of_steps(where, arrays["frame"])
     arrays.pop("frame", None)
     _check_units(where, found, options)
-    return _checked(where, arrays, options)
+    table = _checked(where, arrays, options)
+    return replace(table, unit_names=_unit_names(found))
 
 
 def _check_shapes(where: str, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -99,6 +102,15 @@ def _check_units(where: str, found: Mapping[str, ColumnName], options: DataOptio
     if length and time and len(parts_of_speed) == 2 and parts_of_speed != [length, time]:
         got = f"lengths in {length}, speeds in {speed}, times in {time}"
         refuse_data(where, got, "units that belong together, or say --time-unit")
+
+
+def _unit_names(found: Mapping[str, ColumnName]) -> dict[str, str]:
+    """Return the units of length, speed and time that the names of columns say."""
+    unit_names = {}
+    for quantity, name in (("length", "x"), ("speed", "vx"), ("time", "time")):
+        if name in found and found[name].unit:
+            unit_names[quantity] = found[name].unit
+    return unit_names
 
 
 def _checked(where: str, arrays: dict[str, NDArray[Any]], options: DataOptions) -> Table:

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.data.averages import AveragesTable, read_averages
-from kinetics.crosscheck.data.reading import read_sample
+from kinetics.crosscheck.data.averages import AveragesTable
+from kinetics.crosscheck.data.reading import read_averages, read_sample
 from kinetics.errors import InputError
 
 

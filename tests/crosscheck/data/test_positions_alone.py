@@ -20,7 +20,7 @@ from camera_data import (
 from kinetics.crosscheck.data.reading import read_sample
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N
 from kinetics.errors import InputError
-from particles import BoltzmannGrad
+from particles import BoltzmannGrad, simulate
 
 
 def test_pairs_of_frames_have_the_mean_squares_of_the_tracks(tracks: Tracks) -> None:
@@ -231,3 +231,29 @@ def test_velocities_at_one_time_alone_are_not_used(tracks: Tracks) -> None:
     assert not sample.has_velocities
     assert sample.times.size == 61
     assert any("1 of 61 times" in text for text in sample.warnings)
+
+
+@pytest.mark.parametrize("initial", ["rest", "gaussian"])
+@pytest.mark.parametrize("times", [[0.0, 5.0, 30.0], np.arange(0.0, 30.0)], ids=["few", "many"])
+def test_velocities_in_a_field_are_measured(initial: str, times: Any) -> None:
+    """On a parabola the central difference of even frames is the velocity."""
+    run = simulate(
+        BoltzmannGrad(0.04),
+        0.7,
+        initial=initial,
+        field=0.1,
+        times=times,
+        media=20,
+        tracers=50,
+        seed=2,
+        workers=1,
+        observables=("positions", "velocities"),
+    )
+    arrays = {"times": run.times, "positions": run.positions, "velocities": run.velocities}
+    assert read_sample([arrays], check_motion=False).has_velocities
+
+
+def test_units_in_the_names_of_columns_are_kept(tracks: Tracks) -> None:
+    frame = table_of(tracks[0]).rename(columns={"time": "t [s]", "x": "x (mm)", "y": "y (mm)"})
+    assert sample_of(frame).unit_names == {"length": "mm", "time": "s"}
+    assert sample_of(table_of(tracks[0])).unit_names == {}
