@@ -180,24 +180,6 @@ class Sample:
             pairs=pairs,
         )
 
-    def at_times(self, indices: NDArray[np.int64]) -> Sample:
-        """Return the averages of some of the times, which hold all frames of its pairs."""
-        pairs = self.pairs
-        if pairs is not None:
-            earlier = np.searchsorted(indices, pairs.earlier)
-            later = np.searchsorted(indices, pairs.later)
-            pairs = replace(pairs, earlier=earlier, later=later)
-        return replace(
-            self,
-            times=self.times[indices],
-            sums=self.sums[:, indices],
-            at_rest=self.at_rest[indices],
-            speeds=_bins_at(self.speeds, indices),
-            displacements=_bins_at(self.displacements, indices),
-            ended=None if self.ended is None else self.ended[indices],
-            pairs=pairs,
-        )
-
     @property
     def is_complete(self) -> NDArray[np.bool_]:
         """Whether no tracer has ended at a time; those with a gap come back. Shape (n_times,)."""
