@@ -9,9 +9,9 @@ of a Boltzmann-Grad simulation at the point, which know nothing of the data: beg
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from scipy.special import gammaincinv
 
 from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import Array
@@ -111,7 +111,8 @@ class Pool:
         """Return shaped deviations of means of n tracers drawn from it, (N_DRAWS, n_components)."""
         random = np.random.default_rng(SEED)
         if n > MAX_DRAWN:
-            return gaussian_vectors(self.covariance / n, N_DRAWS, random)
+            known = np.nan_to_num(self.covariance)  # the kurtosis has no value at time 0
+            return gaussian_vectors(known / n, N_DRAWS, random)
         drawn = random.integers(0, self.n_tracers, (N_DRAWS, n))
         drawn += self.n_tracers * np.arange(N_DRAWS)[:, None]
         counts = np.bincount(drawn.ravel(), minlength=N_DRAWS * self.n_tracers)
@@ -174,21 +175,29 @@ def _simulated_sums(
 
 def _initial_velocities(
     point: Point, law: Law, tracers: int, random: np.random.Generator
-) -> Any:
-    """Return the start as `simulate` takes it."""
-    if not isinstance(point.start, SampledStart) and not point.starts_along_x:
-        return point.start
+) -> Array:
+    """Return the velocities of the start, shape (N_MEDIA, tracers, d).
+
+    Speeds are quantiles of their distribution, evenly spaced in probability, and only directions
+    are random: so the moments of the start, on whose fast tail fourth moments hang, are right.
+    """
     shape = (N_MEDIA, tracers, law.dimension)
-    direction = random.normal(size=shape)
-    speed = np.ones(shape[:2])
+    n = N_MEDIA * tracers
+    probability = (np.arange(n) + 0.5) / n
     if isinstance(point.start, SampledStart):
         bins = point.start.bins
-        probability = bins.counts / bins.counts.sum()
-        speed = np.sqrt(random.choice(bins.squares, size=shape[:2], p=probability))
+        below = np.cumsum(bins.counts) / bins.counts.sum()
+        squares = bins.squares[np.searchsorted(below, probability)]
+    elif point.start == "gaussian":
+        squares = 2.0 * gammaincinv(law.dimension / 2.0, probability)
     else:
+        squares = np.ones(n)
+    speed = random.permutation(np.sqrt(squares)).reshape(shape[:2])
+    direction = random.normal(size=shape)
+    if point.starts_along_x:
         direction[...] = np.eye(law.dimension)[0]
     direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
-    return speed[..., None] * direction
+    return np.asarray(speed[..., None] * direction)
 
 
 def _power_sums(layout: Layout, place: Array, velocity: Array) -> Array:

@@ -34,13 +34,17 @@ SAME_AS_QUOTIENT = 1e-3
 TINY = 1e-200
 
 
-def quotient_of_velocities(tracks: Tracks, units: Units) -> str | None:
+def quotient_of_velocities(
+    tracks: Tracks, units: Units, units_belong_together: bool = False
+) -> str | None:
     """Return which difference quotient the velocities are: "forward", ...; None for measured ones.
 
     Parameters
     ----------
     tracks : places in d and velocities in U, at all frames
     units : of the data; that of time need not belong to the velocities
+    units_belong_together : whether it does: in a field a tracer that has not collided has, from
+        rest, twice its mean velocity, which is no quotient
     """
     velocity = tracks.velocity
     if velocity is None or tracks.times.size < 3:

@@ -228,7 +228,7 @@ def _quotient_of_sample(rows: _Rows, options: DataOptions) -> str | None:
     sampled_labels = labels[:: labels.size // n_tracers + 1]
     is_sampled = np.asarray(pd.Series(labels).isin(sampled_labels))
     tracks = _dense(rows.select(is_sampled, ""), options)
-    return quotient_of_velocities(tracks, options.units)
+    return quotient_of_velocities(tracks, options.units, options.with_axes)
 
 
 def _without_gaps(rows: _Rows) -> _Rows:
