@@ -103,6 +103,9 @@ class _Rows:
             remarks.append(
                 f"{len(tables)} files of one time each: joined by the labels of tracers."
             )
+        elif len(tables) > 1 and "tracer" not in columns and _hold_one_track_each(columns, file):
+            columns["tracer"] = file
+            remarks.append(f"{len(tables)} files, each of one track.")
         if _have_own_clocks(columns, file):
             columns["time"] = columns["time"] - _first_times(columns, file)
             remarks.append(
@@ -148,6 +151,12 @@ def _hold_one_time_each(tables: Sequence[Table]) -> bool:
         return False
     rising = np.sort([float(time[0]) for time in times])
     return bool(np.all(np.diff(rising) > SAME_TIME * rising[1:]))
+
+
+def _hold_one_track_each(columns: dict[str, NDArray[Any]], file: NDArray[Any]) -> bool:
+    """Return whether no file has two rows at one time."""
+    rows = pd.DataFrame({"file": file, "time": columns["time"]})
+    return not rows.duplicated().any()
 
 
 def _unwrapped(tables: Sequence[Table], where: str) -> Sequence[Table]:

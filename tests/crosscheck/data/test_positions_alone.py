@@ -257,3 +257,35 @@ def test_units_in_the_names_of_columns_are_kept(tracks: Tracks) -> None:
     frame = table_of(tracks[0]).rename(columns={"time": "t [s]", "x": "x (mm)", "y": "y (mm)"})
     assert sample_of(frame).unit_names == {"length": "mm", "time": "s"}
     assert sample_of(table_of(tracks[0])).unit_names == {}
+
+
+def test_frames_with_few_tracers_are_in_no_pair(tracks: Tracks) -> None:
+    """Time 0 is the first frame all the same."""
+    place = tracks[0].copy()
+    place[:3, 1:] = np.nan
+    sample = sample_of(table_of(place).dropna())
+    assert sample.times[0] == 0.0
+    assert pairs_of(sample).earlier.min() == 3
+    np.testing.assert_allclose(mean_squares(sample), true_mean_squares(sample, place))
+
+
+def test_of_short_tracks_close_frames_are_paired(tracks: Tracks) -> None:
+    place = np.full_like(tracks[0], np.nan)
+    first = np.random.default_rng(5).integers(0, 57, 600)
+    for tracer in range(600):
+        frames = slice(first[tracer], first[tracer] + 4)
+        place[frames, tracer] = tracks[0][frames, tracer]
+    pairs = pairs_of(sample_of(table_of(place).dropna()))
+    assert pairs.earlier.size >= 5
+    assert np.max(pairs.later - pairs.earlier) <= 3
+    assert np.all(pairs.sums[..., N].sum(axis=0) >= 2)
+
+
+def test_files_of_one_track_each(tmp_path: Path, tracks: Tracks) -> None:
+    frame = table_of(tracks[0][::6, :40], times=FRAME_TIMES[::6])
+    whole = sample_of(frame)
+    files = []
+    for tracer, rows in frame.groupby("tracer"):
+        files.append(tmp_path / f"{tracer:02}.csv")
+        rows.drop(columns="tracer").to_csv(files[-1], index=False)
+    np.testing.assert_allclose(mean_squares(read_sample(files)), mean_squares(whole))
