@@ -289,3 +289,13 @@ def test_files_of_one_track_each(tmp_path: Path, tracks: Tracks) -> None:
         files.append(tmp_path / f"{tracer:02}.csv")
         rows.drop(columns="tracer").to_csv(files[-1], index=False)
     np.testing.assert_allclose(mean_squares(read_sample(files)), mean_squares(whole))
+
+
+def test_gaps_are_kept_by_tracer(tracks: Tracks) -> None:
+    """Means with gaps are less correlated: who judges them needs to know when tracers are there."""
+    place = tracks[0].copy()
+    is_missing = np.random.default_rng(5).random(place.shape[:2]) < 0.1
+    place[is_missing] = np.nan
+    sample = sample_of(table_of(place).dropna())
+    np.testing.assert_array_equal(sample.presence, ~is_missing.T)
+    assert sample_of(table_of(tracks[0])).presence is None
