@@ -21,6 +21,7 @@ from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.media import media_of
 from kinetics.crosscheck.compare.parameters import LIMITS, free_parameter
 from kinetics.crosscheck.compare.point import Point, SampledStart
+from kinetics.crosscheck.compare.pool import N_FOR_CAUSE
 from kinetics.crosscheck.compare.result import Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.data.sample import VX, X2, X
@@ -152,15 +153,15 @@ def _fit_of(cause: Cause, told: Fit, measured: Measured, point: Point) -> Fit | 
         parameter.coordinate(float(getattr(told.point, parameter.name))) for parameter in told.free
     ]
     if not cause.free and not names:
-        return told_point(measured, point)
+        return told_point(measured, point, N_FOR_CAUSE)
     free = [free_parameter(name, point, measured) for name in names]
     if not cause.free:
-        return fit(measured, point, free, [coordinates])
+        return fit(measured, point, free, [coordinates], n_pool=N_FOR_CAUSE)
     parameter = free_parameter(cause.free, point, measured)
     starts = [
         [*coordinates, parameter.coordinate(value)] for value in _starts(cause, point, measured)
     ]
-    return fit(measured, point, [*free, parameter], starts)
+    return fit(measured, point, [*free, parameter], starts, n_rounds=1, n_pool=N_FOR_CAUSE)
 
 
 def _variants(

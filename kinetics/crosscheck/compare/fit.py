@@ -26,7 +26,12 @@ from kinetics.crosscheck.compare.measured import Layout, Measured
 from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, Array
 from kinetics.crosscheck.compare.parameters import FreeParameter
 from kinetics.crosscheck.compare.point import Point
-from kinetics.crosscheck.compare.pool import Pool, can_simulate
+from kinetics.crosscheck.compare.pool import (
+    N_FOR_TEST,
+    N_FOR_WEIGHTS,
+    Pool,
+    can_simulate,
+)
 from kinetics.crosscheck.compare.residuals import Influence, Residuals
 from kinetics.crosscheck.compare.selection import tested_components
 from kinetics.crosscheck.compare.statistics import ChiSquare, jackknife_covariance, whitening
@@ -112,7 +117,7 @@ class Fit:
 
         The pool has the components of the fit among its own, so that both move together.
         """
-        pool = pool_at(measured, self.point, for_test=True)
+        pool = pool_at(measured, self.point, N_FOR_TEST)
         influence = None
         if self.free:
             indices = _same_components(self.measured, measured, self.indices)
@@ -122,19 +127,18 @@ class Fit:
         return Residuals.at(measured, theory, self.point, pool, influence)
 
 
-def pool_at(measured: Measured, point: Point, *, for_test: bool) -> Pool | None:
-    """Return simulated tracers at a point, for a test or for weights; None where there are none."""
+def pool_at(measured: Measured, point: Point, n_tracers: int) -> Pool | None:
+    """Return tracers simulated at a point; None where there can be none."""
     layout = measured.layout
     if not can_simulate(point, layout.law, float(layout.times[-1])):
         return None
-    n_data = measured.n_tracers if for_test else 0
-    return Pool(layout, point, measured.has_velocities, n_data)
+    return Pool(layout, point, measured.has_velocities, n_tracers)
 
 
-def told_point(measured: Measured, point: Point) -> Fit:
+def told_point(measured: Measured, point: Point, n_pool: int = N_FOR_TEST) -> Fit:
     """Return the sample beside the theory of a point without fitted numbers."""
     theory = Theory(measured.layout, measured.has_velocities)
-    residuals = Residuals.at(measured, theory, point, pool_at(measured, point, for_test=True))
+    residuals = Residuals.at(measured, theory, point, pool_at(measured, point, n_pool))
     nothing = np.empty((0, 0))
     slopes = np.empty((measured.layout.size, 0))
     no_indices = np.empty(0, np.int64)
@@ -147,6 +151,7 @@ def fit(
     free: Sequence[FreeParameter],
     starts: Sequence[Sequence[float]],
     n_rounds: int = N_ROUNDS,
+    n_pool: int = N_FOR_TEST,
 ) -> Fit | None:
     """Fit some numbers of a point to data.
 
@@ -157,6 +162,7 @@ def fit(
     free : what is fitted, one number at least
     starts : coordinates to begin from, shape (n_starts, n_free)
     n_rounds : of pool and fit
+    n_pool : tracers of the pool for the test
 
     Returns
     -------
@@ -171,14 +177,14 @@ def fit(
             return None
         weights = np.eye(estimation.indices.size)
         for _ in range(n_rounds):
-            pool = pool_at(estimation.measured, estimation.point(at), for_test=False)
+            pool = pool_at(estimation.measured, estimation.point(at), N_FOR_WEIGHTS)
             if pool is None:
                 break
             weights = estimation.weights(pool)
             at = estimation.solve(at, weights)
         if any(p.is_at_limit(x) for p, x in zip(free, at, strict=True)):
             return None
-        return estimation.result(at, weights, measured)
+        return estimation.result(at, weights, measured, n_pool)
     return None
 
 
@@ -340,7 +346,7 @@ class _Estimation:
                 return change
             is_free &= ~leaves
 
-    def result(self, at: Array, weights: Array, measured: Measured) -> Fit:
+    def result(self, at: Array, weights: Array, measured: Measured, n_pool: int) -> Fit:
         """Return the fit of all averages at its solution, with the covariance of the parameters."""
         point = self.point(at)
         theory = Theory(measured.layout, measured.has_velocities)
@@ -354,7 +360,7 @@ class _Estimation:
         indices = _same_components(self.measured, measured, self.indices)
         plain_slopes = _slopes_of(theory, point, self.free)
         influence = _influence(measured, indices, plain_slopes, gain, theory.values(point))
-        pool = pool_at(measured, point, for_test=True)
+        pool = pool_at(measured, point, n_pool)
         residuals = Residuals.at(measured, theory, point, pool, influence)
         own = residuals.own
         covariance = self._covariance(gain, point, own if own is None else own[np.ix_(indices, indices)])

@@ -144,9 +144,7 @@ class Residuals:
         """The standard error of each component by the pool, 0 without one."""
         if self.pool is None:
             return np.zeros(self.theory.size)
-        deviation = np.sqrt(np.mean(self._pool_influence**2, axis=0))
-        n_tracers = np.maximum(self.measured.counts, 1)
-        return np.asarray(deviation / np.sqrt(n_tracers))
+        return np.asarray(self._draws.std(axis=0) / np.where(self._weights > 0.0, self._weights, 1.0))
 
     @property
     def _looks_at_groups(self) -> bool:

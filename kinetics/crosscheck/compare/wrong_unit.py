@@ -11,6 +11,7 @@ from kinetics.crosscheck.compare.causes import NEAR_BEST
 from kinetics.crosscheck.compare.fit import Fit, fit, told_point
 from kinetics.crosscheck.compare.parameters import free_parameter
 from kinetics.crosscheck.compare.point import Point
+from kinetics.crosscheck.compare.pool import N_FOR_CAUSE
 from kinetics.crosscheck.compare.result import Explanation
 from kinetics.crosscheck.words import Verdict, numeral
 
@@ -102,10 +103,10 @@ def _readings(fitted: Fit, time: float, ratio: float) -> list[_Reading]:
 def _fit_with(fitted: Fit, point: Point) -> Fit | None:
     """Return the fit with some numbers of its point changed."""
     if not fitted.free:
-        return told_point(fitted.measured, point)
+        return told_point(fitted.measured, point, N_FOR_CAUSE)
     free = [free_parameter(name, point, fitted.measured) for name in fitted.names]
     start = [p.coordinate(float(getattr(point, p.name))) for p in free]
-    return fit(fitted.measured, point, free, [start])
+    return fit(fitted.measured, point, free, [start], n_pool=N_FOR_CAUSE)
 
 
 def _near_best(readings: Sequence[_Reading], costs: dict[str, float]) -> list[_Reading]:

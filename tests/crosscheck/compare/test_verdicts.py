@@ -39,6 +39,7 @@ def test_the_right_theory_agrees(e: float) -> None:
     result = compare(made(e), e, DENSITY)
     assert result.verdict == "agrees"
     assert {test.verdict for test in result.tests} == {"agrees"}
+    assert result.overall_p_value > 0.02
     assert {item.outcome for item in result.explanations} <= {"noted"}
     assert (result.samples, result.initial) == (5000, "a Gaussian start")
     assert all(np.isfinite(result.rows[["value", "theory", "error"]]).all())
@@ -114,9 +115,8 @@ def test_a_wrong_start_is_seen_and_named() -> None:
     result = compare(made(0.75, "monoenergetic"), 0.75, DENSITY, "gaussian")
     assert result.verdict == "differs"
     assert explained(result, "initial speeds").outcome == "explains"
-    # the start has no spread: no chi-square holds it, but its rows do
     first = result.to_dataframe("thermal_speed").iloc[0]
-    assert (first["time"], first["verdict"], np.isnan(first["sigmas"])) == (0.0, "differs", True)
+    assert (first["time"], first["verdict"]) == (0.0, "differs")
 
 
 def test_a_start_of_no_name_is_taken_from_the_data() -> None:
@@ -231,7 +231,7 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
 @cache
 def along_x(field: float, dimension: int) -> dict[str, Any]:
     """Tracers that fall, or start, along x."""
-    told = {"restitution": 0.7, "field": field, "times": TIMES}
+    told = {"restitution": 0.7, "field": field, "times": TIMES, "seed": 5}
     if not field:
         told |= {"times": [0.0, *TIMES], "initial": np.eye(dimension)[[0] * 50]}
     return arrays_of(simulated(medium=BoltzmannGrad(DENSITY, dimension=dimension), **told))
