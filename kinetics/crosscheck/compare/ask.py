@@ -18,6 +18,7 @@ import numpy as np
 
 from kinetics.collision.impact import impact_restitution
 from kinetics.crosscheck.compare.answer import answer
+from kinetics.crosscheck.compare.curves import compare_averages
 from kinetics.crosscheck.compare.fit import Fit, first_estimate, fit, fitted_components, told_point
 from kinetics.crosscheck.compare.measured import Layout, Measured
 from kinetics.crosscheck.compare.media import media_of
@@ -27,8 +28,9 @@ from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.selection import fit_times, row_times
 from kinetics.crosscheck.compare.starts import start_of
+from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
-from kinetics.crosscheck.data.reading import read_sample
+from kinetics.crosscheck.data.reading import read_averages, read_sample
 from kinetics.crosscheck.data.sample import R2, X2, Law, N, Sample
 from kinetics.crosscheck.data.tracks import MAX_SIZE
 from kinetics.errors import InputError
@@ -140,6 +142,13 @@ def compare_data(
         "check_motion": not (field or bath_speed or heating),
     }
     sources = _sources(data)
+    averages = _averages(sources, reading)
+    if averages is not None:
+        if number_density is not None:
+            number_density *= diameter ** (dimension or 2)
+        return compare_averages(
+            averages, restitution, number_density, initial, scatterers, dimension
+        )
     sample = _sample(data, sources, reading)
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
@@ -204,6 +213,22 @@ def _sources(data: Any) -> list[Path | Mapping[str, Any]] | None:
     if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
         return [{name: data[name] for name in data.columns}]
     return [data] if isinstance(data, Mapping) else None
+
+
+def _averages(
+    sources: Sequence[Path | Mapping[str, Any]] | None, reading: dict[str, Any]
+) -> AveragesTable | None:
+    """Return the table of averages that the only source is; None for something else.
+
+    InputError if something drives the tracers: there is no theory of such averages here.
+    """
+    if sources is None or len(sources) != 1:
+        return None
+    options = {name: value for name, value in reading.items() if name != "check_motion"}
+    averages = read_averages(sources[0], **options)
+    if averages is not None and not reading["check_motion"]:
+        refuse("field", "a drive", "averages are compared without a field, a bath or heating")
+    return averages
 
 
 def _sample(

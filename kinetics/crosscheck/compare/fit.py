@@ -233,7 +233,7 @@ class _Estimation:
         if whole.layout.pairs is not None:
             names = []
         pairs = whole.layout.pairs
-        layout = Layout(tuple(names), whole.layout.times, whole.layout.law, pairs)
+        layout = Layout(tuple(names), whole.layout.times, whole.layout.law, pairs, whole.layout.presence)
         measured = Measured(whole.sample, layout)
         theory = Theory(measured.layout, whole.has_velocities)
         indices = fitted_components(measured)

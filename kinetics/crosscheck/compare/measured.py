@@ -40,12 +40,14 @@ class Layout:
     times : of the sample, in d/U, shape (n_times,)
     law : what the system has
     pairs : of frames, or None
+    presence : when tracers of the data are there, shape (n, n_times); None if always
     """
 
     names: tuple[str, ...]
     times: Array
     law: Law
     pairs: FramePairs | None = None
+    presence: Mask | None = None
 
     @cached_property
     def observable(self) -> NDArray[np.str_]:
@@ -93,7 +95,8 @@ class Layout:
 
     def restricted_to(self, time_indices: Indices) -> Layout:
         """Return the layout of the averages over some of the times, without pairs of frames."""
-        return Layout(self.names, self.times[time_indices], self.law)
+        presence = None if self.presence is None else self.presence[:, time_indices]
+        return Layout(self.names, self.times[time_indices], self.law, presence=presence)
 
     def measure(self, sums: Array, pair_sums: Array | None) -> Array:
         """Return the components of sums over tracers.
@@ -161,7 +164,9 @@ class Measured:
     @classmethod
     def of(cls, sample: Sample, names: Sequence[str]) -> Measured:
         """Measure averages over time, and all pairs of frames that the sample has."""
-        return cls(sample, Layout(tuple(names), sample.times, sample.law, sample.pairs))
+        return cls(
+            sample, Layout(tuple(names), sample.times, sample.law, sample.pairs, sample.presence)
+        )
 
     @cached_property
     def values(self) -> Array:

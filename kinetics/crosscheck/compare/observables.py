@@ -179,6 +179,13 @@ OBSERVABLES: dict[str, Observable] = {
         output="displacement_tensor",
         component=(1, 1),
     ),
+    "mean_speed": Observable(
+        title="Mean speed",
+        symbol=r"$\langle v\rangle$",
+        unit="U",
+        text="⟨v⟩",
+        of_speed=True,
+    ),
     BETWEEN_FRAMES: Observable(
         title="Mean square displacement between two frames",
         symbol=r"$\langle |r(t)-r(s)|^2\rangle$",

@@ -192,7 +192,32 @@ def _simulated_sums(
     after_start = (layout.times > 0.0)[:, None, None]
     speed_noise = np.sqrt(max(point.velocity_noise, 0.0)) * random.normal(size=velocity.shape)
     velocity = velocity + speed_noise * after_start
-    return _power_sums(layout, place, velocity), _pair_sums(layout, place)
+    sums = _power_sums(layout, place, velocity)
+    pair_sums = _pair_sums(layout, place)
+    if layout.presence is not None:
+        _leave_gaps(layout, layout.presence, has_velocities, sums, pair_sums, random)
+    return sums, pair_sums
+
+
+def _leave_gaps(
+    layout: Layout,
+    presence: NDArray[np.bool_],
+    has_velocities: bool,
+    sums: Array,
+    pair_sums: Array | None,
+    random: np.random.Generator,
+) -> None:
+    """Set the sums of tracers to 0 where they are not there, each as some tracer of the data.
+
+    Means with gaps are of other tracers at each time, and less correlated than those of all. Of
+    positions alone, averages over time are displacements from the first frame.
+    """
+    pattern = presence[random.integers(0, len(presence), len(sums))]
+    over_time = pattern if has_velocities else pattern & pattern[:, :1]
+    sums *= over_time[:, :, None]
+    if pair_sums is not None and layout.pairs is not None:
+        is_there = pattern[:, layout.pairs.earlier] & pattern[:, layout.pairs.later]
+        pair_sums *= is_there[:, :, None]
 
 
 def _initial_velocities(point: Point, law: Law, tracers: int, random: np.random.Generator) -> Array:

@@ -48,6 +48,8 @@ def verdict_sentence(comparison: Comparison) -> str:
         return "Data and theory may differ; more tracers would decide."
     if comparison.verdict is Verdict.DIFFERS:
         return "Data and theory differ."
+    if comparison.verdict is Verdict.NOT_TESTED and not comparison.groups:
+        return "Not tested: no standard errors are stated."
     if comparison.verdict is Verdict.NOT_TESTED:
         few = f"{comparison.groups} independent groups are too few for errors this large"
         return f"Not tested: {few}."
@@ -112,6 +114,8 @@ def _theory_text(comparison: Comparison) -> str:
 
 def _data_text(comparison: Comparison) -> str:
     """Return how many tracers and times there are, and what the errors are from."""
+    if not comparison.groups:
+        return f"averages at {comparison.n_times} times {range_of_times(comparison)}"
     text = f"{comparison.samples} tracers"
     if comparison.n_times:
         text += f" at {comparison.n_times} times {range_of_times(comparison)}"

@@ -206,3 +206,15 @@ def test_an_error_of_the_theory_widens_what_is_fitted() -> None:
         assert fitted is not None
         errors_of[medium] = fitted.value("path")[1] / fitted.point.path
     assert errors_of["hard disks"] > errors_of["dilute"]
+
+
+def test_means_with_gaps_scatter_more_and_together_less() -> None:
+    """Of tracers that are there half of the time, at random: x/n has 2 V, and x_s x_t has C."""
+    times = TIMES[TIMES > 0.0]
+    presence = np.random.default_rng(3).random((2000, times.size)) < 0.5
+    whole = Pool(Layout(("msd",), times, Law()), POINT).covariance
+    gaps = Pool(Layout(("msd",), times, Law(), presence=presence), POINT).covariance
+    deviations = np.sqrt(np.diag(whole))
+    expected = whole + np.diag(np.diag(whole))
+    difference = (gaps - expected) / np.outer(deviations, deviations)
+    np.testing.assert_allclose(difference, 0.0, atol=0.3)
