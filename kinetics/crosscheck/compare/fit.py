@@ -233,7 +233,9 @@ class _Estimation:
         if whole.layout.pairs is not None:
             names = []
         pairs = whole.layout.pairs
-        layout = Layout(tuple(names), whole.layout.times, whole.layout.law, pairs, whole.layout.presence)
+        layout = Layout(
+            tuple(names), whole.layout.times, whole.layout.law, pairs, whole.layout.presence
+        )
         measured = Measured(whole.sample, layout)
         theory = Theory(measured.layout, whole.has_velocities)
         indices = fitted_components(measured)
@@ -311,7 +313,7 @@ class _Estimation:
     def weights(self, pool: Pool) -> Array:
         """Return the inverse of the covariance of the relative second moments of the pool."""
         covariance = np.cov(self._relative(pool).T).reshape(self.indices.size, -1)
-        shares = self.measured.counts[self.indices] / self.measured.n_tracers
+        shares = self.measured.shares_without_gaps_of_pool[self.indices]
         axes = whitening(covariance_with_gaps(covariance, shares))
         return np.asarray(axes.T @ axes)
 

@@ -197,6 +197,16 @@ class Measured:
         """The number of tracers, at the time that has most."""
         return int(self.counts.max(initial=0))
 
+    @cached_property
+    def shares_without_gaps_of_pool(self) -> Array:
+        """The share of the tracers that are in each component, shape (n_components,).
+
+        It is 1 where simulated tracers have the gaps of the data themselves (`Layout.presence`).
+        """
+        if self.layout.presence is not None:
+            return np.ones(self.layout.size)
+        return np.asarray(self.counts / max(self.n_tracers, 1))
+
     @property
     def is_independent(self) -> bool:
         """Whether tracers, and not the media that some of them share, are independent."""

@@ -135,8 +135,8 @@ class Residuals:
 
     @cached_property
     def _shares(self) -> Array:
-        """The share of the tracers that are in each component; those with gaps are not in all."""
-        return np.asarray(self.measured.counts / max(self.measured.n_tracers, 1))
+        """The share of the tracers that are in each component, if the pool has not their gaps."""
+        return self.measured.shares_without_gaps_of_pool
 
     @cached_property
     def _pool_influence(self) -> Array:
