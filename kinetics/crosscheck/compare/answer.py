@@ -25,7 +25,9 @@ from kinetics.crosscheck.compare.wrong_unit import wrong_unit
 from kinetics.crosscheck.data.sample import Law, Sample
 from kinetics.crosscheck.words import Verdict, number, numeral
 
+#: Remark on the densities of dense scatterers, of which there is no theory that is good enough.
 NO_DENSITIES = "At a finite density averages alone are compared, with an error of the theory."
+#: Remark on a start that is the sample itself.
 OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
 #: How what drives a tracer is written, by its name in `Law`.
 SYMBOLS = {
