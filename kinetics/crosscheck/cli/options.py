@@ -167,6 +167,11 @@ def given(names: Iterable[str]) -> list[str]:
     return [options[name] for name in found if name in options]
 
 
+def is_given(name: str) -> bool:
+    """Return whether a parameter stands on the command line."""
+    return bool(given([name]))
+
+
 def refuse_given(names: Iterable[str], beside: str) -> None:
     """Raise click.UsageError if one of the parameters was given, which mean nothing `beside`."""
     for name in given(names):

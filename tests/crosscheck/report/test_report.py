@@ -15,8 +15,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from pages import Page, check_alone, check_in_browser
 from scipy.stats import t
 
-from kinetics.crosscheck.report import figures, page, rows
-from kinetics.crosscheck.report.runs import Measured, scaled_density
+from kinetics.crosscheck.report import algebra, rows
+from kinetics.crosscheck.report.cases import Measured
+from kinetics.crosscheck.report.estimates import scaled_density
 from kinetics.crosscheck.report.systems import DRIVES, Cooling, Driven
 
 KINDS: tuple[Any, ...] = ("paper", "spheres", "elastic", "field", "heated")
@@ -80,13 +81,16 @@ def test_what_could_not_have_been_seen_is_not_tested(
     value: float, error: float, looks: int, verdict: str
 ) -> None:
     measured = Measured(np.append(value, np.ones(looks - 1)), np.full(looks, error))
-    (row,) = rows.estimated("msd", ("a", "b"), measured, 1.0, groups=100)
+    question = rows.Question("msd", "a", "b")
+    (row,) = rows.statistical_rows(question, measured, 1.0, groups=100, place=None)
     assert row["verdict"] == verdict
     assert row["within"] == pytest.approx(abs(value - 1) + t.ppf(0.975, 99) * error)
 
 
 def test_two_media_that_differ_from_a_theory_by_less_than_students_limit_are_not_tested() -> None:
-    (row,) = rows.estimated("msd", ("a", "b"), Measured([1.0], [0.02]), 1.0, groups=2)
+    measured = Measured(np.array([1.0]), np.array([0.02]))
+    question = rows.Question("msd", "a", "b")
+    (row,) = rows.statistical_rows(question, measured, 1.0, groups=2, place=None)
     assert row["verdict"] == "not tested"
     assert row["within"] == pytest.approx(12.706 * 0.02, rel=1e-3)
 
@@ -112,7 +116,7 @@ def test_the_files(each: Any) -> None:
     document = json.loads((each.folder / f"{each.name}.json").read_text(encoding="utf-8"))
     assert {"headline", "claims", "rows", "verdict_counts", "algebra"} <= set(document)
     assert set(document["headline"]) == {"compared", "findings", "line"}
-    judged = each.report.results.system.is_papers_law and each.report.results.cooling
+    judged = each.report.results.system.is_papers_law and each.report.results.inelastic
     assert len(document["claims"]) == (7 if judged else 0)
     assert {c["status"] for c in document["algebra"]} <= {"verified", "erratum"}
     with open(each.folder / f"{each.name}-rows.csv", encoding="utf-8") as file:
@@ -166,7 +170,7 @@ def test_a_sheet_has_a_variable_for_every_colour_of_the_figures(each: Any) -> No
     sheets = re.findall(r":root \{(.*?)\}", style, flags=re.DOTALL)
     assert len(sheets) == 2  # light, on paper too, and dark
     for sheet in sheets:
-        for variable in figures.VARIABLES.values():
+        for variable in VARIABLES.values():
             assert sheet.count(variable[4:-1] + ":") == 1, variable
     for drawn in each.report.figures:
         known = {c.lower() for c in re.findall(r"#[0-9a-fA-F]{6}\b", drawn.svg())}
@@ -185,8 +189,8 @@ def test_the_page_in_a_browser(made: Any, browser: Any, width: int, dark: bool) 
 
 
 def test_labels_of_the_paper_become_its_numbers() -> None:
-    assert page.with_numbers("see ad8#2, eq. msd and msd") == "see eq. (C9), eq. (22) and msd"
-    assert page.with_numbers(["beyond:slope", "sonine9"]) == ["beyond:slope", "eq. (B15)"]
+    assert algebra.cite("see ad8#2, eq. msd and msd") == "see eq. (C9), eq. (22) and msd"
+    assert algebra.cite("beyond:slope, sonine9") == "beyond:slope, eq. (B15)"
 
 
 @pytest.mark.parametrize("kind", DRIVES)
@@ -197,7 +201,7 @@ def test_driven_tracers_are_judged_over_time_and_in_the_steady_state(made: Any, 
     assert not (table.verdict == "differs").any()
     exact = table[table.kind == "numerical"]
     assert set(exact.verdict) == (set() if kind == "viscoelastic" else {"agrees"})
-    state = made(kind).report.results.cases[0].solved
+    state = made(kind).report.results.driven[0].state
     if kind == "field":
         assert table.theory["drift", "Boltzmann-Grad"] == pytest.approx(0.617488570787, rel=1e-8)
     if kind == "bath":  # w^2 (1 + e)/(1 - e), in both directions
