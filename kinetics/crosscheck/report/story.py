@@ -237,12 +237,11 @@ def _rate_words(cases: Sequence[CoolingCase]) -> dict[str, str]:
 
 
 def _errata_sentence(errata: Sequence[Erratum]) -> str:
-    """Return which of the printed formulas are in error; empty where none was found."""
+    """Return how many of the printed formulas are in error; empty where none was found."""
     if not errata:
         return ""
-    places = ", ".join(erratum.place.removeprefix("eq. ") for erratum in errata)
     count = "Nine" if len(errata) == 9 else str(len(errata))
-    return report_words().cooling["errata"].format(count=count, places=f"eqs. {places}")
+    return report_words().cooling["errata"].format(count=count)
 
 
 def _last(case: CoolingCase, source: str, observable: str) -> float:

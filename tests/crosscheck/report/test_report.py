@@ -18,6 +18,7 @@ from scipy.stats import t
 from kinetics.crosscheck.report import algebra, rows
 from kinetics.crosscheck.report.cases import Measured
 from kinetics.crosscheck.report.estimates import scaled_density
+from kinetics.crosscheck.report.sheet import VARIABLES
 from kinetics.crosscheck.report.systems import DRIVES, Cooling, Driven
 
 KINDS: tuple[Any, ...] = ("paper", "spheres", "elastic", "field", "heated")
