@@ -56,9 +56,9 @@ NODES_PER_BIN = 8
 #: Samples that a bin must expect to be compared at all, where bins are not merged. At 50 the
 #: distribution of the count is close to a Gaussian.
 MIN_SAMPLES_PER_BIN = 50
-# Columns of the final states of tracers that are not components of the displacement: ln v, the
-# direction of v, collisions.
+#: Column of ln v of the final states of tracers.
 LOG_SPEED = 0
+#: Columns that are not components of the displacement: ln v, the direction of v, collisions.
 NOT_DISPLACEMENT = [0, 1, 4]
 
 

@@ -53,15 +53,19 @@ RESTITUTION_LABEL = "restitution $e$"
 RATIO_TO_SOLVER = "particles / solver"
 #: Restitutions at which a curve is drawn that is steep at 1.
 FINE_RESTITUTIONS = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))
-#: Heights in inches of a figure of two rows, of one panel, and panels in a row.
-TWO_ROWS = (2.4, 1.15)
+#: Heights in inches of the rows of a figure of two.
+TWO_ROWS = [2.4, 1.15]
+#: Height in inches of a panel of one restitution.
 PANEL_HEIGHT = 1.75
+#: Panels side by side: more would be too narrow for their ticks.
 MAX_PANELS_IN_A_ROW = 2
-#: Largest error of points that are shown of a ratio, and of F(c): larger ones only hide others.
+#: Largest error of points of a ratio that are shown: larger bars only hide others.
 MAX_ERROR_OF_RATIO = 0.1
+#: Largest error of points of F(c) that are shown.
 MAX_ERROR_OF_VDF = 0.15
-#: c at which F(c) is drawn, and R at which G(R) is.
+#: c at which F(c) is drawn.
 SHOWN_SPEEDS = np.linspace(0.01, 2.5, 120)
+#: R at which G(R) is drawn.
 SHOWN_RADII = np.linspace(0.04, 6.0, 120)
 #: Range of G(R) that is shown.
 POSITION_LIMITS = (1e-5, 3.0)

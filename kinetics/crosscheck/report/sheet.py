@@ -44,10 +44,13 @@ VARIABLES = {
 MARKERS = "os^DvP"
 STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
 
+# Strokes as matplotlib takes them: offset, then lengths of dashes and gaps in line widths.
+# Dashes.
 DASHED = (0, (4, 2))
+# Dots.
 DOTTED = (0, (1, 1.5))
+# Dashes and dots in turns.
 DASH_DOTTED = (0, (6, 1.5, 1, 1.5))
-LONG_DASHED = (0, (9, 3))
 LineStyle = Literal["-", "none"] | tuple[float, Sequence[float]]
 CORRECTED = "corrected equation"
 INTEGRAL = "paper's integral"
@@ -64,19 +67,25 @@ LINE_STYLES: dict[str, LineStyle] = {
     FIT: DASH_DOTTED,
     PEAK: DASH_DOTTED,
     GAUSSIAN: DASH_DOTTED,
-    CORRECTED: LONG_DASHED,
+    CORRECTED: DASHED,
 }
-#: Width of a figure in inches, and heights of its legend and of what is around the axes.
+#: Width of a figure in inches. Chosen: its text is then as large as that of the page.
 WIDTH = 5.0
+#: Inches below the axes for the labels of the abscissa.
 HEIGHT_OF_LABELS = 0.5
+#: Inches of a line of the legend.
 HEIGHT_OF_LEGEND_LINE = 0.2
+#: Inches above a panel for its title.
 HEIGHT_OF_PANEL_TITLE = 0.35
+#: Inches between rows without titles.
 HEIGHT_BETWEEN_ROWS = 0.15
+#: Entries in a line of the legend: as many as the width holds.
 LEGEND_COLUMNS = 3
 #: Range of a logarithmic axis from which on only powers of ten are labelled.
 DECADES_ONLY_FROM = 30
 #: Largest relative error of a point on a logarithmic axis: the bar of a larger one fills the axis.
 MAX_RELATIVE_ERROR_ON_LOG = 0.5
+#: Resolution of PNG files.
 DOTS_PER_INCH = 200
 
 FileKind = Literal["svg", "pdf", "png"]

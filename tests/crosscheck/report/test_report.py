@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from pages import Page, check_alone, check_in_browser
 from scipy.stats import t
 
-from kinetics.crosscheck.report import algebra, rows
+from kinetics.crosscheck.report import algebra, estimates, rows
 from kinetics.crosscheck.report.cases import Measured
 from kinetics.crosscheck.report.estimates import scaled_density
 from kinetics.crosscheck.report.sheet import VARIABLES
@@ -210,6 +210,43 @@ def test_driven_tracers_are_judged_over_time_and_in_the_steady_state(made: Any, 
     if kind in ("bath", "heated"):
         drift = table.theory["weak_drift", "Boltzmann-Grad"]
         assert drift == pytest.approx(state.mobility, rel=0.05)
+
+
+def test_the_report_lists_every_erratum_with_what_it_changes(made: Any) -> None:
+    document = made("paper").report.document
+    errata = {check["label"] for check in document["algebra"] if check["status"] == "erratum"}
+    assert len(errata) == 9
+    assert {erratum["label"] for erratum in document["errata"]} == errata
+    for erratum in document["errata"]:
+        assert erratum["place"].startswith("eq. (")
+        assert len(erratum["change"]) > 20
+        assert erratum["change"].split(".")[0] in made("paper").page.read_text(encoding="utf-8")
+
+
+def test_each_claim_stands_beside_the_words_of_the_paper(made: Any) -> None:
+    page = Page(made("paper").page.read_text(encoding="utf-8")).words
+    for claim in made("paper").report.document["claims"]:
+        assert claim["place"]
+        assert claim["words"] in page
+
+
+def test_bins_are_merged_until_each_expects_enough_samples_for_a_test() -> None:
+    shares = np.array([0.01, 0.04, 0.3, 0.3, 0.2, 0.1, 0.03, 0.009, 0.001])
+    edges = estimates.merge_bins(shares, 50_000)
+    assert edges is not None
+    expected = 50_000 * np.add.reduceat(shares[: edges[-1]], edges[:-1])
+    assert np.all(expected >= estimates.MIN_SAMPLES_PER_TEST)
+    assert list(edges) == [0, 2, 3, 4, 5, 6]
+    assert estimates.merge_bins(shares, 5_000) is None
+
+
+def test_densities_of_dilute_tracers_are_tested(made: Any) -> None:
+    # 2000 tracers are too few, and called so; what is tested could show a tenth
+    table = made("paper").report.table
+    densities = table[table.observable.isin(["scaled_vdf", "position"])]
+    statistical = densities[(densities.kind == "statistical")]
+    assert set(statistical.verdict) <= {"not tested", "agrees", "unclear", "differs"}
+    assert (statistical[statistical.verdict == "agrees"].within <= 0.1).all()
 
 
 def test_a_quick_report_is_of_the_same_system() -> None:
