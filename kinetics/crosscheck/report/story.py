@@ -452,5 +452,8 @@ def _field_summary(case: DrivenCase, drift: float) -> Mapping[str, float]:
     summary["overshoot of ⟨v_z⟩ from rest, %"] = 100 * (float(np.max(over_drift)) - 1)
     is_away = np.flatnonzero(abs(over_drift - 1) > REACHED_WITHIN)
     first_within = int(is_away[-1]) + 1 if is_away.size else 0
-    summary[f"within {REACHED_WITHIN:.0%} of u from t"] = case.times[first_within]
+    reached_at = math.nan
+    if first_within < len(case.times):
+        reached_at = float(case.times[first_within])
+    summary[f"within {REACHED_WITHIN:.0%} of u from t"] = reached_at
     return summary
