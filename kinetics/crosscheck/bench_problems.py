@@ -39,14 +39,17 @@ TOLERANCES = tuple(10.0**-digits for digits in range(2, 13))
 #: c at which F(c) is compared, and R at which G(R) is.
 SPEEDS = np.linspace(0.1, 4.0, 391)
 RADII = np.linspace(0.0, 6.0, 200)
-#: Restitution and time in d/U at which G(R) is compared.
+#: Restitution of G(R), one of the paper's.
 POSITION_RESTITUTION = 0.6
+#: Time in d/U at which G(R) is compared, the paper's for this restitution.
 POSITION_TIME = 300.0
-#: Restitution of the particles, and their scatterers per d^3: l = 10 d.
+#: Restitution of the particles.
 PARTICLE_RESTITUTION = 0.9
+#: Scatterers per d^3: l = 10 d.
 SPACE_DENSITY = 0.1 / math.pi
-#: Scatterers in a box, and configurations of a run.
+#: Scatterers in a box.
 COUNT = 10_000
+#: Configurations of a run.
 MEDIA = 4
 
 
@@ -299,6 +302,7 @@ def works(case: str, effort: Effort) -> Iterator[Work]:
 #: A run of one collision, whose time is that of placing the scatterers, and a long one.
 PLACING = "placing"
 RUN = "run"
+#: Collisions of each tracer of the long run.
 COLLISIONS_OF_RUN = 500
 
 

@@ -57,25 +57,37 @@ POWERS = {
 }
 #: ln(c)/w between which F(c) is kept. Below, that of hard disks may be negative.
 WIDTHS = {DILUTE: (-6.0, 6.0), HARD: (-3.0, 5.0)}
-#: Nodes of the tables: in e, and in the other variables. Chosen so that what is read is the
-#: solver's to 2e-4 (3e-4 among hard disks), which the tests hold.
+# Nodes of the tables, chosen so that what is read is the solver's to 2e-4 (3e-4 among hard disks),
+# which the tests hold.
+#: In e, of v0 and <r^2>.
 NODES_OF_AVERAGES = 24
+#: In e, of F(c).
 NODES_OF_DENSITY = 40
+#: In each panel of e, of averages among hard disks.
 NODES_OF_HARD_AVERAGES = 16
+#: In each panel of e, of F(c) among hard disks.
 NODES_OF_HARD_DENSITY = 14
+#: In e, of steady states.
 NODES_OF_STEADY_STATES = 20
+#: In the logarithm of time.
 NODES_IN_TIME = 48
+#: In the root of the density n.
 NODES_IN_ROOT_DENSITY = 6
+#: The same, of F(c).
 NODES_IN_ROOT_DENSITY_OF_VDF = 5
+#: In ln(c)/w.
 NODES_IN_SPEED = 40
+#: The same, among hard disks.
 NODES_IN_HARD_SPEED = 32
-#: Tolerance of the averages and of the steady states.
+#: Tolerance of the averages: below the error of the tables.
 AVERAGES_RTOL = 1e-7
+#: Tolerance of the steady states, likewise.
 STEADY_RTOL = 1e-6
 #: F below which its logarithm is held: smaller numbers underflow.
 MIN_DENSITY = 1e-280
-#: The Gaussian start: nodes in speed, and the largest speed over U. Beyond are 7e-10 of the mass.
+#: Gauss nodes in the speed of the Gaussian start. The origin is not recorded.
 N_START_SPEEDS = 24
+#: Largest speed of the start over U: beyond are 7e-10 of the tracers.
 LARGEST_START_SPEED = 6.5
 #: e in place of 1 where a rate is a limit.
 NEARLY_ELASTIC = 1.0 - 1e-7

@@ -15,17 +15,20 @@ FloatArray = NDArray[np.float64]
 
 #: Logarithms of v/v0 over which the mass of a density of speeds is summed.
 LOG_SPEEDS = np.linspace(math.log(1e-12), math.log(1e3), 30_001)
-#: Thermal speeds between which v and f(v) are numbers that doubles hold.
+#: Thermal speed above which f(v) is a number that doubles hold.
 MIN_THERMAL_SPEED = 1e-140
+#: Thermal speed below which moments of v are.
 MAX_THERMAL_SPEED = 1e140
-#: Edges of the panels in R over which moments of G(R) are summed, and nodes in each.
+#: Edges of the panels in R over which moments of G(R) are summed.
 RADIUS_EDGES = np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)])
+#: Gauss nodes in each of them. The origin is not recorded.
 NODES_PER_PANEL = 12
 #: Wave numbers in 1/d at which |F| <= 1 is looked at.
 WAVE_NUMBERS = [0.0, 1e-300, 1e-3, 0.1, 2.0]
 #: Errors of an answer that an invariant may be violated by, beside rounding: the answer's own,
 #: doubled for a difference and doubled again. The origin is not recorded.
 SLACK_FACTOR = 4.0
+#: Error of rounding that is allowed beside. The origin is not recorded.
 ROUNDING = 1e-12
 
 

@@ -48,14 +48,15 @@ STARTS: Mapping[str, Any] = {
 }
 #: Last time in d/U of the short horizon of `references`, with a margin.
 SHORT_HORIZON_UNTIL = 1e3
-#: The finer solution is asked for this share of the error, and must estimate its own below the
-#: other share, or the error is not known.
+#: Share of the error that the finer solution is asked for.
 TIGHTER = 0.01
+#: Share of the error below which it must estimate its own, or the error is not known.
 TIGHTER_MUST_REACH = 0.3
 #: Values below which a difference is none: products of such numbers underflow.
 TINY = 1e-300
-#: c at which speed densities are compared; below the second number as densities of ln v.
+#: c at which speed densities are compared.
 COMPARED_SPEEDS = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)])
+#: c below which they are compared as densities of ln v.
 LOGARITHMIC_BELOW = 1e-2
 #: R at which position densities are, and k in 1/d at which scattering functions are.
 COMPARED_RADII = np.linspace(0.0, 8.0, 400)
@@ -66,9 +67,11 @@ COMPARED_DIRECTIONS = (None, 0.3)
 SCALED_SPEEDS = np.geomspace(0.05, 30.0, 400)
 #: F over its peak down to which it is compared: the solver ends at 1e-100.
 MIN_SCALED_DENSITY = 1e-95
+#: c above which the peak of F is looked for: closer to 0 F may have no bound.
 PEAK_ABOVE = 0.3
 #: Error that references, or the solver's own promise in doubles, may add.
 ROUNDING = 1e-12
+#: The same of averages over time.
 ROUNDING_OVER_TIME = 1e-13
 #: Error of a balance over the tolerance that is allowed. The origin is not recorded.
 BALANCE_FACTOR = 20.0
