@@ -33,7 +33,7 @@ SPECTRAL = "spectral"
 CASES = ("scaled", "cooling", "position", "field", "driven", PARTICLES)
 #: Scatterers per d^2, of the paper: l is `references.MEAN_FREE_PATH`.
 DENSITY = 0.04
-#: Restitution of a quick benchmark. Chosen: the middle one of the paper's.
+#: Restitution of a quick benchmark, one of the paper's.
 RESTITUTION = 0.7
 TOLERANCES = tuple(10.0**-digits for digits in range(2, 13))
 #: c at which F(c) is compared, and R at which G(R) is.

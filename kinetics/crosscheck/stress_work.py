@@ -67,7 +67,7 @@ COMPARED_DIRECTIONS = (None, 0.3)
 SCALED_SPEEDS = np.geomspace(0.05, 30.0, 400)
 #: F over its peak down to which it is compared: the solver ends at 1e-100.
 MIN_SCALED_DENSITY = 1e-95
-#: c above which the peak of F is looked for: closer to 0 F may have no bound.
+#: c above which the peak of F is looked for. The origin is not recorded.
 PEAK_ABOVE = 0.3
 #: Error that references, or the solver's own promise in doubles, may add.
 ROUNDING = 1e-12

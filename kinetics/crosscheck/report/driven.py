@@ -33,8 +33,8 @@ from kinetics.crosscheck.report.systems import Driven, half_cross_section
 from kinetics.driven.driven_state import DrivenState
 from particles import BoltzmannGrad, Ensemble, simulate
 
-#: Field in U^2/l in which the drift of tracers is compared that something else drives. Chosen:
-#: weak beside the drives, which are 1, and strong enough to be seen.
+#: Field in U^2/l in which the drift of tracers is compared that something else drives; the drives
+#: are 1. The origin is not recorded.
 WEAK_FIELD = 0.3
 #: Tolerance of the drift in the weak field, which is compared with particles alone.
 WEAK_FIELD_RTOL = 1e-6

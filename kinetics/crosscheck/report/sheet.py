@@ -69,7 +69,7 @@ LINE_STYLES: dict[str, LineStyle] = {
     GAUSSIAN: DASH_DOTTED,
     CORRECTED: DASHED,
 }
-#: Width of a figure in inches. Chosen: its text is then as large as that of the page.
+#: Width of a figure in inches. The origin is not recorded.
 WIDTH = 5.0
 #: Inches below the axes for the labels of the abscissa.
 HEIGHT_OF_LABELS = 0.5

@@ -36,7 +36,7 @@ FAILS = "does not hold"
 REACHED_WITHIN = 0.01
 #: Exponent n of a tail exp(-a R^n) below which it is called exponential. Chosen.
 EXPONENTIAL_BELOW = 1.1
-#: Radius at which the tail of G(R) is looked at. Chosen: the last at which the paper shows it.
+#: Radius R at which the tail of G(R) is looked at. The origin is not recorded.
 TAIL_RADIUS = 4.0
 #: Per cents from which on a range of differences is told without decimals.
 WHOLE_PERCENTS_FROM = 5
