@@ -3,9 +3,7 @@
 import json
 import os
 import signal
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,9 +12,6 @@ from kinetics import cli
 
 # the matrices are small: threads of the linear algebra only get into each other's way
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# the formulas behind the reference values: collision.py, cooling.py, displacement.py, densities.py
-for _folder in ("references", "golden", "derivations", "particles"):
-    sys.path.insert(0, str(Path(__file__).parent / _folder))
 
 
 class Lorentz:

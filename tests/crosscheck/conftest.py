@@ -1,15 +1,10 @@
 """Debian's Chromium for the tests of pages, where it is installed."""
 
 import shutil
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # for chromium.py and pages.py
-
 from chromium import Browser
 
 

@@ -1,13 +1,10 @@
 """The fuzz tests write in a folder of their own, and leave signal handlers as they were."""
 
 import signal
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # for fuzzing.py
 
 
 @pytest.fixture(autouse=True)

@@ -1,12 +1,8 @@
 """Fixtures of made data, see made_data.py."""
 
-import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # for made_data.py
-
 from made_data import Run, place_in, write_csv
 
 

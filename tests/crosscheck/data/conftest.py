@@ -1,13 +1,7 @@
 """Tracks of one run among hard disks, whose truth is known."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))  # for camera_data.py
-
 from camera_data import FRAME_TIMES, Tracks, simulated_tracks
 
 from particles import HardDisks
