@@ -5,12 +5,13 @@ so that `lorentz --help` costs neither numpy nor scipy.
 
 Rooms, each of which imports only those before it: `numerics` (no physics), `collision` (the law of
 one bounce), `states` (initial states) and `scaling` (the scaled distribution), `moments`
-(averages), `densities` (of the velocity), `position` (of the displacement), `field` (the equation
-in a uniform field) and `driven` (baths, noise, drag, a restitution that depends on the speed). Then
-the modules of this folder: `outputs` and `scene` say what can be asked, `solver` answers it, and
-`solution` has `solve` and what it returns: begin reading there. `results` (values, datasets, plots
-and files), `errors` and `validation` serve all of them. `paper` (also `sonine`) holds the paper's
-approximations; `crosscheck` compares with particles and algebra.
+(averages), `densities` (of the velocity), `position` (of the displacement) and `driven` (fields,
+baths, noise, drag, a restitution that depends on the speed). Then the modules of this folder:
+`drive` says what drives a tracer, `outputs` and `scene` what can be asked; `solving` has `solve`,
+`answer` chooses the solver of a scene, and `solution` is what is returned: begin reading with
+`solving`. `results` (values, datasets, plots and files), `errors` and `validation` serve all of
+them. `paper` (also `sonine`) holds the paper's approximations; `crosscheck` compares with particles
+and algebra.
 """
 
 from typing import TYPE_CHECKING, Any

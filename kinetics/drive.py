@@ -93,6 +93,15 @@ class Drive:
             **check_strengths(**strengths),
         )
 
+    @property
+    def is_smooth_at_rest(self) -> bool:
+        """Whether averages are smooth functions of the velocity at rest, as even polynomials are.
+
+        Moving scatterers make them so; a term as |v| v in the motion would not leave them so. It
+        decides which axis of speeds a solver takes (`kinetics.driven.chebyshev_axis`).
+        """
+        return self.bath_speed > 0.0
+
     def per_path(self, mean_free_path: float) -> Drive:
         """Return the same drive with the mean free path as the unit of length.
 

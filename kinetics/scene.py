@@ -80,7 +80,7 @@ class Scene(Storable):
         are over the tracers that still move, of place and collisions over all;
         ``Solution.captured`` is the share that sticks
 
-    With any of the last four, or a restitution that depends on the normal impact speed (in U: a
+    With a bath, heating, drag or sticking, or with a restitution that depends on the normal impact speed (in U: a
     `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the
     outputs are fewer; in a field, and for outputs with a direction, starts are symmetric about x.
 

@@ -13,15 +13,21 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-AGREES_BELOW = 2.5  # corrected sigmas below which data and theory agree (p > 0.012)
-DIFFERS_ABOVE = 4.0  # corrected sigmas from which on data and theory differ (p < 6.4e-5)
+#: Corrected sigmas below which data and theory agree (p > 0.012). Chosen: see the module.
+AGREES_BELOW = 2.5
+#: Corrected sigmas from which on data and theory differ (p < 6.4e-5). Chosen.
+DIFFERS_ABOVE = 4.0
 #: Share of the distribution within a limit ("at 95 %"), by convention.
 LIMIT_SHARE = 0.95
 #: Relative difference that a test must be able to call "differs", or it says "not tested". Chosen:
 #: a theory that is wrong by its own value. At 0.1 the fat tails of 2000 tracers fail as well.
 LEAST_TESTABLE = 1.0
-# relative deviations below which a printed approximation is called close, and rough
-CLOSE_BELOW, ROUGH_BELOW = 0.02, 0.10
+#: Relative deviation below which a printed approximation is called close. Chosen.
+CLOSE_BELOW = 0.02
+#: Relative deviation below which it is called rough. Chosen.
+ROUGH_BELOW = 0.10
+#: Smallest p-value that is turned into sigmas: 37 of them, where doubles end.
+MIN_P_VALUE = 1e-300
 
 
 class Verdict(StrEnum):
@@ -52,25 +58,35 @@ MEANING: dict[Verdict, str] = {
 
 
 def worst(values: ArrayLike, errors: ArrayLike, theory: ArrayLike) -> tuple[int, float, int] | None:
-    """The look of one row that deviates most: its index, its sigmas, and out of how many looks that
-    have a positive error, a value and a theory; None without any.
+    """Return the look of one row that deviates most, or None without any.
+
+    Looks are those that have a positive error, a value and a theory. Returns the index of the
+    worst, its sigmas, and how many looks there are.
     """
-    v, s, t = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (values, errors, theory)))
-    z = np.where(s > 0, v - t, np.nan) / np.where(s > 0, s, 1.0)
-    usable = np.flatnonzero(np.isfinite(z) & np.isfinite(s))
-    if not usable.size:
+    value, error, expected = np.broadcast_arrays(
+        np.asarray(values, dtype=float),
+        np.asarray(errors, dtype=float),
+        np.asarray(theory, dtype=float),
+    )
+    has_error = error > 0
+    sigmas = np.where(has_error, value - expected, np.nan) / np.where(has_error, error, 1.0)
+    looks = np.flatnonzero(np.isfinite(sigmas) & np.isfinite(error))
+    if not looks.size:
         return None
-    k = int(usable[np.argmax(np.abs(z[usable]))])
-    return k, float(z[k]), int(usable.size)
+    index = int(looks[np.argmax(np.abs(sigmas[looks]))])
+    return index, float(sigmas[index]), int(looks.size)
 
 
 def corrected_sigmas(sigmas: float, groups: float, trials: int) -> float:
-    """Two-sided Gaussian sigmas of a deviation, the worst of ``trials``, errors from ``groups``."""
+    """Return two-sided Gaussian sigmas of a deviation, the worst of ``trials``.
+
+    Its error is from ``groups``: Student's distribution, and Bonferroni's correction.
+    """
     from scipy.special import betainc
 
     freedom = groups - 1
-    p = float(betainc(freedom / 2, 0.5, freedom / (freedom + sigmas**2)))
-    return gaussian_sigmas(p * trials)
+    p_value = float(betainc(freedom / 2, 0.5, freedom / (freedom + sigmas**2)))
+    return gaussian_sigmas(p_value * trials)
 
 
 def limit_factor(groups: float, share: float = LIMIT_SHARE, numbers: int = 1) -> float:
@@ -96,62 +112,103 @@ def can_differ(relative_error: float, groups: float) -> bool:
 
 
 def gaussian_sigmas(p_value: float) -> float:
-    """Two-sided Gaussian sigmas of a p-value; 0 from 1 on, 37 where doubles end."""
+    """Return two-sided Gaussian sigmas of a p-value; 0 from 1 on, 37 where doubles end."""
     from scipy.special import ndtri
 
-    return 0.0 if p_value >= 1 else float(-ndtri(max(p_value, 1e-300) / 2))
+    if p_value >= 1:
+        return 0.0
+    return float(-ndtri(max(p_value, MIN_P_VALUE) / 2))
 
 
 def judge_sigmas(corrected: float) -> Verdict:
-    """Verdict on a statistical comparison from its corrected sigmas."""
-    return _graded(corrected, AGREES_BELOW, DIFFERS_ABOVE, "agrees unclear differs")
+    """Return the verdict on a statistical comparison from its corrected sigmas."""
+    if not math.isfinite(corrected):
+        return Verdict.UNDEFINED
+    if corrected < AGREES_BELOW:
+        return Verdict.AGREES
+    if corrected < DIFFERS_ABOVE:
+        return Verdict.UNCLEAR
+    return Verdict.DIFFERS
 
 
 def judge_numerical(deviation: float, tolerance: float) -> Verdict:
-    """Verdict on a solver's relative deviation from a closed form."""
-    return Verdict.AGREES if abs(deviation) <= tolerance else Verdict.DIFFERS
+    """Return the verdict on a solver's relative deviation from a closed form."""
+    if abs(deviation) <= tolerance:
+        return Verdict.AGREES
+    return Verdict.DIFFERS
 
 
 def judge_approximation(deviation: float) -> Verdict:
-    """Verdict on a printed approximation's relative deviation from the exact value."""
-    return _graded(abs(deviation), CLOSE_BELOW, ROUGH_BELOW, "close rough far")
-
-
-def _graded(size: float, low: float, high: float, words: str) -> Verdict:
+    """Return the verdict on a printed approximation's relative deviation from the exact value."""
+    size = abs(deviation)
     if not math.isfinite(size):
         return Verdict.UNDEFINED
-    return Verdict(words.split()[(size >= low) + (size >= high)])
+    if size < CLOSE_BELOW:
+        return Verdict.CLOSE
+    if size < ROUGH_BELOW:
+        return Verdict.ROUGH
+    return Verdict.FAR
 
 
+# -- numbers as a reader is shown them -------------------------------------------------------------
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PLAIN = range(-4, 6)  # powers of ten that are written out
+#: Powers of ten that are written out.
+PLAIN_POWERS = range(-4, 6)
+#: Sizes between which a number with an error has no power of ten.
+MIN_PLAIN = 1e-4
+MAX_PLAIN = 1e6
+NO_VALUE = "–"
 
 
 def numeral(value: float, form: str) -> str:
-    """A number in a format of Python's, as print has it: −0.2, 2200 or 2.2·10⁷, not 2.2e+07."""
+    """Return a number in a format of Python's, as print has it: −0.2, 2200 or 2.2·10⁷."""
     text = format(value, form)
-    if found := re.fullmatch(r"([+-]?)([\d.]+)e([+-]?\d+)", text):
-        sign, digits, exponent = found[1], found[2], int(found[3])
-        if exponent in _PLAIN and "e" not in form:
-            decimals = max(0, len(digits.partition(".")[2]) - exponent)
-            text = f"{sign}{float(digits) * 10.0**exponent:.{decimals}f}"
-        else:
-            power = "10" + str(exponent).translate(_SUPERSCRIPTS)
-            text = f"{sign}{power}" if float(digits) == 1 else f"{sign}{digits}·{power}"
-    if text.startswith(("-", "+")) and not text.strip("+-0."):
-        text = text[1:]  # no sign before a zero
+    scientific = re.fullmatch(r"([+-]?)([\d.]+)e([+-]?\d+)", text)
+    if scientific is not None:
+        sign, digits, power = scientific.groups()
+        text = sign + _with_power(digits, int(power), is_plain="e" not in form)
+    is_zero = not text.strip("+-0.")
+    if is_zero and text.startswith(("-", "+")):
+        text = text[1:]
     return text.replace("-", "−")
 
 
+def _with_power(digits: str, power: int, is_plain: bool) -> str:
+    """Return digits times a power of ten, written out where the power is small."""
+    if is_plain and power in PLAIN_POWERS:
+        decimals = max(0, len(digits.partition(".")[2]) - power)
+        return f"{float(digits) * 10.0**power:.{decimals}f}"
+    ten = f"10{_superscript(power)}"
+    if float(digits) == 1:
+        return ten
+    return f"{digits}·{ten}"
+
+
+def _superscript(power: int) -> str:
+    """Return a whole number as a superscript."""
+    return str(power).translate(_SUPERSCRIPTS)
+
+
 def number(value: float | None, error: float | None = None, sign: str = "", digits: int = 6) -> str:
-    """A number to so many digits, or to the second digit of its error; sign "+" shows a plus."""
+    """Return a number to so many digits, or to the second digit of its error.
+
+    sign : "+" shows a plus
+    """
     if value is None or math.isnan(value):
-        return "–"
-    if not error or not math.isfinite(error):
-        return numeral(value, f"{sign}.{digits}g") + (" ± ∞" if error else "")
-    size, place = max(abs(value), error), math.floor(math.log10(float(f"{error:.1e}"))) - 1
-    power = 0 if 1e-4 <= size < 1e6 else math.floor(math.log10(size))
-    decimals = max(0, power - place)
-    v, s = (round(x, -place) / 10.0**power for x in (value, error))
-    text = f"{numeral(v, f'{sign}.{decimals}f')} ± {s:.{decimals}f}"
-    return f"({text})·10{str(power).translate(_SUPERSCRIPTS)}" if power else text
+        return NO_VALUE
+    if not error:
+        return numeral(value, f"{sign}.{digits}g")
+    if not math.isfinite(error):
+        return numeral(value, f"{sign}.{digits}g") + " ± ∞"
+    size = max(abs(value), error)
+    last_place = math.floor(math.log10(float(f"{error:.1e}"))) - 1
+    power = 0
+    if not MIN_PLAIN <= size < MAX_PLAIN:
+        power = math.floor(math.log10(size))
+    decimals = max(0, power - last_place)
+    shown_value = round(value, -last_place) / 10.0**power
+    shown_error = round(error, -last_place) / 10.0**power
+    text = f"{numeral(shown_value, f'{sign}.{decimals}f')} ± {shown_error:.{decimals}f}"
+    if power:
+        return f"({text})·10{_superscript(power)}"
+    return text

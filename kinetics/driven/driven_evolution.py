@@ -137,7 +137,7 @@ class DrivenEvolution(TimeMarch):
         else:
             power = UNDRIVEN_AXIS_POWER
             scale = UNDRIVEN_SCALE_OVER_TOP * top
-        is_smooth = drive.bath_speed > 0.0
+        is_smooth = drive.is_smooth_at_rest
         return ChebyshevSpeedAxis(top, scale, self.resolution.nodes, power, is_smooth)
 
     def _error_of_collisions(self, start: DrivenStart, projected_rate: float) -> float:

@@ -303,7 +303,7 @@ def _make_axis(drive: Drive, resolution: ChebyshevResolution) -> ChebyshevSpeedA
         scale=scale,
         size=resolution.nodes,
         power=power,
-        smooth=drive.bath_speed > 0.0,
+        smooth=drive.is_smooth_at_rest,
         fading=not drive.field or drive.capture_speed > 0.0,
     )
 

@@ -1,13 +1,14 @@
 """The benchmark: how it measures, that its other methods are right, and what its tables say."""
 
 import json
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from kinetics.crosscheck import bench, references
+from kinetics.crosscheck import bench_problems, references
 from kinetics.crosscheck.bench import FAILED, MEASURED, QUICK, SPECTRAL, BenchReport, Work, measure
 
 
@@ -25,18 +26,18 @@ class Clock:
                 raise ArithmeticError("lost\nit")
 
         clock = lambda: self.now  # noqa: E731
-        return measure(Work("s", "p", "m", run), QUICK._replace(**effort), (clock, clock))
+        return measure(Work("s", "p", "m", run), replace(QUICK, **effort), (clock, clock))
 
 
 @pytest.mark.parametrize(("seconds", "repeats"), [(0.001, 12), (0.011, 5), (0.02, 3), (2.0, 1)])
 def test_the_first_call_is_no_time_and_quick_work_is_repeated(seconds: float, repeats: int) -> None:
-    row = Clock().measure(seconds, least=3, most=12, seconds=0.05)
+    row = Clock().measure(seconds, min_repeats=3, max_repeats=12, seconds=0.05)
     assert (row["repeats"], row["warm_up"]) == (repeats, pytest.approx(7.0))
     assert [row[n] for n in ("low", "seconds", "high", "wall")] == pytest.approx([seconds] * 4)
 
 
 def test_a_failure_is_a_row() -> None:
-    row = Clock().measure(0.1, fails_at=3, least=4, most=4)
+    row = Clock().measure(0.1, fails_at=3, min_repeats=4, max_repeats=4)
     expected = (FAILED, "ArithmeticError: lost it", None)
     assert (row["status"], row["note"], row["seconds"]) == expected
 
@@ -50,7 +51,7 @@ def test_an_answer_that_is_no_number_is_a_failure() -> None:
 @pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")
 @pytest.mark.parametrize("start", references.STARTS)
 def test_cooling_meets_the_references(start: str) -> None:
-    last = [work for work in bench.works("cooling", QUICK) if start in work.problem][-1]
+    last = [work for work in bench_problems.works("cooling", QUICK) if start in work.problem][-1]
     assert last.error is not None
     assert last.error(last.call()) < 1e-12
 

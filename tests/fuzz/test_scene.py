@@ -20,7 +20,8 @@ from kinetics import (
     VelocitySamples,
     solve,
 )
-from kinetics.crosscheck.stress import again, apart, invariants
+from kinetics.crosscheck.stress_invariants import Violation, invariants
+from kinetics.crosscheck.stress_work import largest_difference, solve_again
 from kinetics.moments.outputs import averaged_outputs
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
@@ -77,7 +78,7 @@ def solved(system: dict[str, Any], rtol: Any, **options: Any) -> Any:
         repr(scene), hash(scene), repr(found)
         # of what is not reached the estimate itself is no more than a size
         more = 1.0 if found.status is SolverStatus.CONVERGED else 2.0
-        keeps({name: (x, more * allowed) for name, (x, allowed) in invariants(found).items()})
+        keeps({n: Violation(v.size, more * v.allowed) for n, v in invariants(found).items()})
         assert found.message
         if found.status is SolverStatus.CONVERGED:
             assert found.error_estimate <= 1.1 * max(found.rtol, 1e-8)
@@ -96,8 +97,8 @@ def test_averages(system: Any, rtol: Any, power: Any, order: Any) -> None:
     if found is None:
         return
     if found.status is SolverStatus.CONVERGED:
-        fine = again(found, 1e-12)
-        assert apart(found, fine) <= 1.5 * (found.rtol + fine.error_estimate)
+        fine = solve_again(found, 1e-12)
+        assert largest_difference(found, fine) <= 1.5 * (found.rtol + fine.error_estimate)
     for moment in (tried(found.moment, power), tried(found.harmonic, power, order)):
         assert moment is None or np.all(np.isfinite(moment))
 

@@ -9,7 +9,7 @@ import numpy as np
 from fuzzing import extremes, fuzz, geometric, keeps, mostly, restitutions, tried
 from hypothesis import strategies as st
 
-from kinetics.crosscheck.stress import of_particles
+from kinetics.crosscheck.stress_invariants import of_particles
 from particles import BoltzmannGrad, Ensemble, HardDisks, Poisson, Positions, simulate
 
 density = mostly(geometric(0.01, 0.3), extremes)

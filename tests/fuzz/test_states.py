@@ -7,7 +7,7 @@ from fuzzing import extremes, fuzz, laws, mostly, points, restitutions, tried
 from hypothesis import strategies as st
 
 from kinetics import CollisionLaw, ScalingSolution, SolverStatus, solve_field, solve_scaled
-from kinetics.crosscheck.stress import steady_errors
+from kinetics.crosscheck.stress_work import steady_errors
 
 powers = mostly(st.floats(-5.0, 12.0), extremes)
 

@@ -1,17 +1,33 @@
 """The commands `bench` and `stress`: measure, print the tables, and write them."""
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 import click
 
-from kinetics.crosscheck.cli.options import Output, example, json_option, progress
+from kinetics.crosscheck.cli.options import Command, Output, example, json_option, progress
 
+if TYPE_CHECKING:
+    from kinetics.crosscheck.stress import StressReport
+
+#: Cases of the benchmark: those of `kinetics.crosscheck.bench_problems`, which is slow to import.
 CASES = ("scaled", "cooling", "position", "field", "driven", "particles")
 
 
-def _output_option(names: str) -> Any:
+class WritableReport(Protocol):
+    """A report of either command."""
+
+    def to_json(self) -> str:
+        """Return one JSON document."""
+
+    def markdown(self) -> str:
+        """Return its tables in Markdown."""
+
+
+def _output_option(names: str) -> Callable[[Command], Command]:
+    """Return the option of the folder for these files."""
     return click.option(
         "-o", "--output", type=Output(), help=f"Folder for {names}. [default: none is written]"
     )
@@ -60,7 +76,7 @@ def stress(quick: bool, groups: tuple[str, ...], output: Path | None, as_json: b
     """
     from kinetics.crosscheck.stress import run_stress
 
-    def interrupted(report: Any) -> None:
+    def interrupted(report: "StressReport") -> None:
         _show(report, output, as_json)
         click.echo(f"lorentz: interrupted: {report.not_run} cases were not run", err=True)
 
@@ -70,7 +86,7 @@ def stress(quick: bool, groups: tuple[str, ...], output: Path | None, as_json: b
     return int(bool(report.rejected))
 
 
-def _show(report: Any, output: Path | None, as_json: bool) -> None:
+def _show(report: WritableReport, output: Path | None, as_json: bool) -> None:
     """Print what a run gave, Markdown with its tables drawn on a terminal, and write its files."""
     from kinetics.crosscheck.files import write_together
 
@@ -85,7 +101,7 @@ def _show(report: Any, output: Path | None, as_json: bool) -> None:
         click.echo(report.markdown(), nl=False)
     if output is not None:
         name = click.get_current_context().command.name
-        made = {f"{name}.json": report.to_json(), f"{name}.md": report.markdown()}
-        for path in write_together(output, made):
+        contents = {f"{name}.json": report.to_json(), f"{name}.md": report.markdown()}
+        for path in write_together(output, contents):
             if not as_json:
                 click.echo(f"wrote {path}")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import click
 from click import Choice, option
@@ -15,7 +15,19 @@ from click.core import ParameterSource
 
 from kinetics.errors import InputError
 
-WIDTH = 100  # columns of a line of words
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+    from rich.progress import TaskID
+
+#: A function that click makes a command of, or that it already has.
+Command = TypeVar("Command", bound=Callable[..., Any])
+#: Columns of a line of words.
+WIDTH = 100
+#: Numbers of a range at most: a longer one is a slip of the keyboard.
+MAX_NUMBERS = 100_000
+#: Times up to --until, ten in a decade, and the decades that they span.
+N_TIMES_UNTIL = 31
+RATIO_OF_TIMES_UNTIL = 1e3
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
     "of one component of the initial velocity), times in d/U, densities in d^-2 (in space d^-3)."
@@ -32,65 +44,85 @@ class Numbers(click.ParamType):
 
     name = "numbers"
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[float, ...]:
-        """The numbers, or click's complaint that names the option and the text."""
-        if isinstance(value, tuple) or not value.strip():
-            return value or ()
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        """Return the numbers; click's complaint names the option and the text."""
+        if isinstance(value, tuple):
+            return value
+        if not value.strip():
+            return ()
+        numbers: list[float] = []
         try:
-            return tuple(x for part in value.split(",") for x in _numbers(part))
+            for text in value.split(","):
+                numbers += numbers_of(text)
         except ValueError:
-            what = "it must be numbers separated by commas, or a range such as 1:1e6:50"
-            self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
+            allowed = "it must be numbers separated by commas, or a range such as 1:1e6:50"
+            self.fail(f"{value!r}: {allowed}, from 1 to 1e6 in 50", param, ctx)
+        return tuple(numbers)
 
 
-def part_of(context: Any, option: Any, text: str | None) -> tuple[int, int] | None:
-    """Two whole numbers from "3/20", or click's complaint that names the option and the text."""
-    found = re.fullmatch(r"(\d+)/(\d+)", text or "")
-    if text and not found:
-        what = f"{text!r}: it must be K/N, the K-th of N parts, such as 3/20"
-        raise click.BadParameter(what, context, option)
-    return found and (int(found[1]), int(found[2]))
+def numbers_of(text: str) -> tuple[float, ...]:
+    """Return one number, or those of a range; ValueError for another text."""
+    if ":" not in text:
+        return (float(text),)
+    first, last, count = text.split(":")
+    return geometric_range(float(first), float(last), int(count))
 
 
-class Scatterers(Choice):
+def geometric_range(first: float, last: float, count: int) -> tuple[float, ...]:
+    """Return numbers at equal ratios, of 14 digits; ValueError for no such range."""
+    is_range = 0.0 < first < math.inf and 0.0 < last < math.inf
+    if not is_range or not 2 <= count <= MAX_NUMBERS:
+        raise ValueError(f"no range: {first}:{last}:{count}")
+    ratio = last / first
+    inner = [first * ratio ** (k / (count - 1)) for k in range(1, count - 1)]
+    return (first, *(float(f"{number:.14g}") for number in inner), last)
+
+
+def part_of(
+    context: click.Context, parameter: click.Parameter, text: str | None
+) -> tuple[int, int] | None:
+    """Return two whole numbers from "3/20"; click's complaint names the option and the text."""
+    if not text:
+        return None
+    match = re.fullmatch(r"(\d+)/(\d+)", text)
+    if match is None:
+        message = f"{text!r}: it must be K/N, the K-th of N parts, such as 3/20"
+        raise click.BadParameter(message, context, parameter)
+    return int(match[1]), int(match[2])
+
+
+class Scatterers(Choice[str]):
     """A word for the scatterers, as a Scene has it; a space may be a hyphen."""
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """The word, or click's complaint that names the option and the text."""
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the word; click's complaint names the option and the text."""
         return super().convert(value.replace("-", " "), param, ctx)
 
 
 class Output(click.Path):
-    """A folder, or a file with one of these endings ("": any), that can be written: asked first."""
+    """A folder, or a file with one of these endings ("": any), checked to be writable."""
 
     def __init__(self, *endings: str) -> None:
         super().__init__(path_type=Path)
         self.endings = endings
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """The path, or click's complaint that names the option."""
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path; click's complaint names the option."""
         from kinetics.crosscheck.files import require_file, require_writable_folder
 
         if value == "":
             self.fail("'' is no path; it must name a file or a folder", param, ctx)
-        path: Any = super().convert(value, param, ctx)
-        if self.endings:
-            require_file(param.name, path, [end for end in self.endings if end])
-        else:
+        path = Path(str(super().convert(value, param, ctx)))
+        if not self.endings:
             require_writable_folder(path)
+            return path
+        name = "output"
+        if param is not None and param.name is not None:
+            name = param.name
+        require_file(name, path, [ending for ending in self.endings if ending])
         return path
-
-
-def _numbers(part: str, most: int = 100_000) -> tuple[float, ...]:
-    """One number, or those of a range."""
-    if ":" not in part:
-        return (float(part),)
-    first, last, count = part.split(":")
-    low, high, n = float(first), float(last), int(count)
-    if not (0.0 < low < math.inf and 0.0 < high < math.inf and 2 <= n <= most):
-        raise ValueError(part)
-    inner = (low * (high / low) ** (k / (n - 1)) for k in range(1, n - 1))
-    return (low, *(float(f"{x:.14g}") for x in inner), high)
 
 
 # fmt: off
@@ -132,39 +164,49 @@ _DRIVES = (
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 
 
-def drive_options(command: Any) -> Any:
-    """The options of driven tracers, and --viscoelastic."""
-    for one in reversed(_DRIVES):
-        command = one(command)
+def drive_options(command: Command) -> Command:
+    """Add the options of driven tracers, and --viscoelastic."""
+    for add_option in reversed(_DRIVES):
+        command = add_option(command)
     return command
 
 
-def impact_law(viscoelastic: float | None, package: str, otherwise: Any) -> Any:
-    """The restitution: of --viscoelastic, as a package has it, in place of what -e says."""
+def impact_law(viscoelastic: float | None, package: str, restitution: Any) -> Any:
+    """Return the restitution: of --viscoelastic, as a package has it, or else what -e says."""
     if viscoelastic is None:
-        return otherwise
+        return restitution
     refuse_given(["restitution"], "--viscoelastic")
     return import_module(package).Viscoelastic(viscoelastic)
 
 
-def law_keys(restitution: Any) -> dict[str, Any]:
-    """The keys of a JSON document that hold a restitution."""
+def law_keys(restitution: object) -> dict[str, object]:
+    """Return the keys of a JSON document that hold a restitution."""
     if isinstance(restitution, float | int):
         return {"restitution": restitution}
     return {"restitution": None, "viscoelastic": getattr(restitution, "b", None)}
 
 
 def names_in(text: str) -> tuple[str, ...]:
-    """The names in a text that separates them by commas."""
-    return tuple(part.strip() for part in text.split(",") if part.strip())
+    """Return the names in a text that separates them by commas."""
+    names = [name.strip() for name in text.split(",")]
+    return tuple(name for name in names if name)
 
 
 def given(names: Iterable[str]) -> list[str]:
-    """Those of the parameters that stand on the command line, as their options are written."""
+    """Return which parameters stand on the command line, as their options are written."""
     context = click.get_current_context()
-    options = {one.name: one.opts[-1] for one in context.command.params}
-    found = (n for n in names if context.get_parameter_source(n) is not ParameterSource.DEFAULT)
-    return [options[name] for name in found if name in options]
+    options = {parameter.name: parameter.opts[-1] for parameter in context.command.params}
+    specified = []
+    for name in names:
+        is_default = context.get_parameter_source(name) is ParameterSource.DEFAULT
+        if name in options and not is_default:
+            specified.append(options[name])
+    return specified
+
+
+def is_given(name: str) -> bool:
+    """Return whether a parameter stands on the command line."""
+    return bool(given([name]))
 
 
 def refuse_given(names: Iterable[str], beside: str) -> None:
@@ -174,58 +216,93 @@ def refuse_given(names: Iterable[str], beside: str) -> None:
 
 
 def times_until(times: tuple[float, ...], until: float | None) -> tuple[float, ...]:
-    """The times of --times, or of --until in its place. Raises InputError for one not above 0."""
+    """Return the times of --times, or of --until in its place.
+
+    Raises InputError for one that is not above 0.
+    """
     if until is None:
         return times
     refuse_given(["times"], "--until, which stands in its place")
     if not 0.0 < until < math.inf:
         raise InputError(f"until: got {until:g}; it must be a finite time above 0")
-    return _numbers(f"{until / 1e3!r}:{until!r}:31")
+    return geometric_range(until / RATIO_OF_TIMES_UNTIL, until, N_TIMES_UNTIL)
 
 
-def print_json(document: Any) -> None:
+# -- what is shown ---------------------------------------------------------------------------------
+def print_json(document: object) -> None:
     """Print one strict JSON document on standard output."""
     from kinetics.crosscheck.files import dumps
 
     click.echo(dumps(document), nl=False)
 
 
-def written(value: Any, digits: int = 6) -> str:
-    """A number as a physicist writes it: 0.0123, 1e6, 4.5e-7; other values as text."""
+def written(value: object, digits: int = 6) -> str:
+    """Return a number as a physicist writes it: 0.0123, 1e6, 4.5e-7; other values as text."""
     if not isinstance(value, float):
         return str(value)
-    return re.sub(r"e([+-])0*", lambda e: "e" + e[1].strip("+"), f"{value:.{digits}g}")
+    text = f"{value:.{digits}g}"
+    return re.sub(r"e([+-])0*", lambda match: "e" + match[1].strip("+"), text)
 
 
 def columns(table: Mapping[str, Iterable[Any]]) -> str:
-    """A table of columns of numbers or texts by their heads, a line for each row."""
-    texts = []
+    """Return a table of columns of numbers or texts by their heads, a line for each row."""
+    aligned: list[list[str]] = []
     for head, column in table.items():
-        cells = [head, *(x if isinstance(x, str) else written(float(x)) for x in column)]
-        width = max(map(len, cells))
-        texts.append([cell.rjust(width) for cell in cells])
-    top, *rows = ("  ".join(row) for row in zip(*texts, strict=True))
-    return "\n".join([click.style(top, bold=True), *rows])
+        cells = [head]
+        for cell in column:
+            cells.append(cell if isinstance(cell, str) else written(float(cell)))
+        width = max(len(cell) for cell in cells)
+        aligned.append([cell.rjust(width) for cell in cells])
+    heads, *lines = ("  ".join(line) for line in zip(*aligned, strict=True))
+    return "\n".join([click.style(heads, bold=True), *lines])
+
+
+class Tell(Protocol):
+    """Called with the name of what is worked on, and perhaps with how much of it is done."""
+
+    def __call__(self, name: str, total: int | None = None, done: int | None = None) -> None:
+        """Show it."""
+
+
+def _tell_nothing(name: str, total: int | None = None, done: int | None = None) -> None:
+    """Take what is worked on, and show nothing."""
+
+
+class _BarTell:
+    """Moves a bar: by one step at each call that does not say how much is done."""
+
+    def __init__(self, bar: "Bar", task: "TaskID") -> None:
+        self.bar = bar
+        self.task = task
+
+    def __call__(self, name: str, total: int | None = None, done: int | None = None) -> None:
+        state = self.bar.tasks[0]
+        if done is None:
+            done = int(state.completed) + 1
+        self.bar.update(self.task, description=name, total=total or state.total, completed=done)
 
 
 @contextmanager
-def progress(total: int | None = None, name: str = "") -> Iterator[Callable[..., None]]:
-    """A function tell(name, total, done) for each part of long work: a bar, on a terminal.
+def progress(total: int | None = None, name: str = "") -> Iterator[Tell]:
+    """Yield a function tell(name, total, done) for each step of long work: a bar, on a terminal.
 
-    name : shown meanwhile, for work whose parts are not told
+    Parameters
+    ----------
+    total : steps of the work
+    name : shown meanwhile, for work whose steps are not told
     """
     if sys.stderr is None or not sys.stderr.isatty():
-        yield lambda *_, **__: None
+        yield _tell_nothing
         return
-    from rich import console, progress
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
 
-    parts = (progress.BarColumn(), progress.MofNCompleteColumn(), progress.TimeElapsedColumn())
-    where = console.Console(stderr=True)
-    with progress.Progress("{task.description}", *parts, console=where, transient=True) as bar:
-        task = bar.add_task(name, total=total)
-
-        def tell(name: str, total: int | None = None, done: int | None = None) -> None:
-            now = bar.tasks[0].completed + 1 if done is None else done
-            bar.update(task, description=name, total=total or bar.tasks[0].total, completed=now)
-
-        yield tell
+    with Progress(
+        "{task.description}",
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    ) as bar:
+        yield _BarTell(bar, bar.add_task(name, total=total))

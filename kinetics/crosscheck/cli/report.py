@@ -2,53 +2,83 @@
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click import option
 
 from kinetics.crosscheck.cli import options
 
+if TYPE_CHECKING:
+    from kinetics.crosscheck.report.systems import Driven
+
 # The matrices are small: BLAS threads wait more than they work. NumPy reads this when it is first
 # imported, which the option --output does.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+#: Options of the report on the system that the driven ones have too.
+OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 
-# fmt: off
+
 @click.command(
     epilog=options.example("lorentz report --quick -e 0.7 --until 300 -o report-of-0.7"),
     short_help="Compare the three on one system: HTML, JSON, verdicts.",
 )
-@option("-o", "--output", type=options.Output(), default=Path("lorentz-report"),
-        help="Folder for report.html, report.json and its tables as CSV.")
+@option(
+    "-o",
+    "--output",
+    type=options.Output(),
+    default=Path("lorentz-report"),
+    help="Folder for report.html, report.json and its tables as CSV.",
+)
 @option("--quick", is_flag=True, help="A tenth of the samples.")
-@option("--system", "kind", default="disks",
-        type=click.Choice(("disks", "field", "bath", "heated", "viscoelastic")),
-        help="Other tracers of the dilute limit instead: in a uniform field, among scatterers that "
-        "move (w = 1), heated (noise of strength 1), or with the restitution of viscoelastic "
-        "impacts. Takes only -e (b of the viscoelastic), --dimension, --rtol, --quick, --figures, "
-        "--seed and --workers; writes field.html. [default: disks]")
+@option(
+    "--system",
+    "kind",
+    default="disks",
+    type=click.Choice(("disks", "field", "bath", "heated", "viscoelastic")),
+    help="Other tracers of the dilute limit instead: in a uniform field, among scatterers that "
+    "move (w = 1), heated (noise of strength 1), or with the restitution of viscoelastic "
+    "impacts. Takes only -e (b of the viscoelastic), --dimension, --rtol, --quick, --figures, "
+    "--seed and --workers; writes field.html. [default: disks]",
+)
 @option("--field", "kind", flag_value="field", help="The same as --system field.")
-@option("-e", "--restitution", "restitutions", type=float, multiple=True,
-        help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]")
-@option("-t", "--until", "final_times", type=float, multiple=True,
-        help="Last time in d/U: once for all, or once per restitution. "
-        "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]")
+@option(
+    "-e",
+    "--restitution",
+    "restitutions",
+    type=float,
+    multiple=True,
+    help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]",
+)
+@option(
+    "-t",
+    "--until",
+    "final_times",
+    type=float,
+    multiple=True,
+    help="Last time in d/U: once for all, or once per restitution. "
+    "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
+)
 @options.tangential_option
 @options.dimension_option
 @options.density_option
 @option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
 @option("--media", type=int, default=100, help="Configurations of them.")
 @option("--tracers", type=int, default=100, help="Tracers in each configuration.")
-@option("--free-tracers", type=int, default=200_000, help="Tracers of each Boltzmann-Grad run.")
+@option("--free-tracers", type=int, default=1_000_000, help="Tracers of each Boltzmann-Grad run.")
 @option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
-@option("--figures", multiple=True, type=click.Choice(("pdf", "png", "svg")),
-        help="Write each figure as a file beside the page; may be repeated.")
+@option(
+    "--figures",
+    multiple=True,
+    type=click.Choice(("pdf", "png", "svg")),
+    help="Write each figure as a file beside the page; may be repeated.",
+)
 @options.seed_option
 @options.workers_option
 @options.json_option
 def report(
-    output: Path, quick: bool, kind: str, figures: tuple[str, ...], as_json: bool, **system: Any,
+    output: Path, quick: bool, kind: str, figures: tuple[str, ...], as_json: bool, **arguments: Any
 ) -> None:
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
@@ -58,28 +88,33 @@ def report(
     Writes report.html, which needs nothing beside it, report.json with every number in it, and its
     tables as CSV, and prints the findings.
     """
-    # fmt: on
-    from kinetics.crosscheck import report as work
-    from kinetics.crosscheck.report.systems import Cooling, Driven
+    from kinetics.crosscheck.report import make_report
+    from kinetics.crosscheck.report.systems import Cooling
 
+    system: Cooling | Driven
     if kind == "disks":
-        asked: Any = Cooling(**system)
+        system = Cooling(**arguments)
     else:
-        nothing = [name for name in system if name not in _OF_DRIVEN]
-        options.refuse_given(nothing, f"--system {kind}")
-        given = {name: system[name] for name in _OF_DRIVEN if options.given([name])}
-        asked = Driven(name=kind, **given)
-    asked = asked.quick() if quick else asked
-    with options.progress(asked.stages) as tell:
-        found = work.make_report(asked, tell)
+        system = driven_system(kind, arguments)
+    if quick:
+        system = system.quick()
+    with options.progress(system.stages) as tell:
+        result = make_report(system, tell)
         tell("writing")
-        written = found.write(output, figures)
+        written = result.write(output, figures)
     if as_json:
-        options.print_json(found.document)
+        options.print_json(result.document)
         return
-    click.echo(found.text())
+    click.echo(result.text())
     click.echo(f"wrote {written[0]} and {len(written) - 1} files beside it")
 
 
-_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
-"""Options of the report on the system that the others have too."""
+def driven_system(kind: str, arguments: dict[str, Any]) -> "Driven":
+    """Return the driven system of this name; other options than `OPTIONS_OF_DRIVEN` are refused."""
+    from kinetics.crosscheck.report.systems import VISCOELASTIC, Driven
+
+    options.refuse_given(set(arguments) - set(OPTIONS_OF_DRIVEN), f"--system {kind}")
+    chosen = {name: arguments[name] for name in OPTIONS_OF_DRIVEN if options.is_given(name)}
+    if kind == VISCOELASTIC and "restitutions" in chosen:
+        chosen["viscoelastic"] = chosen.pop("restitutions")
+    return Driven(name=kind, **chosen)

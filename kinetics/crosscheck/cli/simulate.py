@@ -3,9 +3,10 @@
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from glob import glob
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click import Choice, option
@@ -13,22 +14,49 @@ from click import Choice, option
 from kinetics.crosscheck.cli import options
 from kinetics.errors import InputError
 
-# name in the result -> head of its column
+if TYPE_CHECKING:
+    from particles import Ensemble, Medium
+
+#: Averages that are printed: name in the result -> head of its column.
 ESTIMATES = {
-    "thermal_speed": "v0 [U]", "a2": "a2", "msd": "<r^2> [d^2]", "kurtosis": "kurtosis",
+    "thermal_speed": "v0 [U]",
+    "a2": "a2",
+    "msd": "<r^2> [d^2]",
+    "kurtosis": "kurtosis",
     "collisions": "collisions",
-}  # fmt: skip
+}
+#: The same in a field.
 IN_FIELD = {
-    "drift": "<v_x> [U]", "thermal_speed": "v0 [U]", "dispersion_parallel": "var x [d^2]",
-    "dispersion_perpendicular": "var y [d^2]", "collisions": "collisions",
-}  # fmt: skip
-# those that a document has beside ESTIMATES
+    "drift": "<v_x> [U]",
+    "thermal_speed": "v0 [U]",
+    "dispersion_parallel": "var x [d^2]",
+    "dispersion_perpendicular": "var y [d^2]",
+    "collisions": "collisions",
+}
+#: Estimates that a document of a run in a field has beside ESTIMATES.
 OF_A_FIELD = (
-    "drift_of_moving", "trapped_fraction", "drift", "mean_velocity", "velocity_tensor",
-    "mean_displacement", "dispersion", "dispersion_parallel", "dispersion_perpendicular",
-)  # fmt: skip
-ENDS = ("finished", "collision_cap", "trapped", "escaped", "captured")
-MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "dilute")
+    "drift_of_moving",
+    "trapped_fraction",
+    "drift",
+    "mean_velocity",
+    "velocity_tensor",
+    "mean_displacement",
+    "dispersion",
+    "dispersion_parallel",
+    "dispersion_perpendicular",
+)
+#: Ways in which tracers end.
+CAPTURED = "captured"
+ENDS = ("finished", "collision_cap", "trapped", "escaped", CAPTURED)
+DILUTE = "dilute"
+#: Words of --scatterers beside "dilute": the dimension, and the class of `particles`.
+PLACED_SCATTERERS = {
+    "hard disks": (2, "HardDisks"),
+    "overlapping": (2, "Poisson"),
+    "hard spheres": (3, "HardSpheres"),
+    "overlapping spheres": (3, "PoissonSpheres"),
+}
+H5MD = ".h5md"
 
 
 # fmt: off
@@ -36,7 +64,7 @@ MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "di
     epilog=options.example("lorentz simulate -e 0.7 --media 10 --times 1:1000:7 -o run.h5"),
     short_help="Follow particles from collision to collision.",
 )
-@option("--scatterers", default="hard disks", type=options.Scatterers(MEDIA),
+@option("--scatterers", default="hard disks", type=options.Scatterers([*PLACED_SCATTERERS, DILUTE]),
         help="Disks or spheres that do not overlap, that may, or dilute: random free paths. A "
         "space may be a hyphen, hard-disks.")
 @options.restitution_option
@@ -72,9 +100,12 @@ MEDIA = ("hard disks", "overlapping", "hard spheres", "overlapping spheres", "di
 @options.workers_option
 @options.json_option
 def simulate(
-    until: float | None, number_density: float, scatterers: str, count: int,
-    dimension: int | None, times: tuple[float, ...], observables: str, output: Path | None,
-    as_json: bool, viscoelastic: float | None,
+    times: tuple[float, ...],
+    until: float | None,
+    observables: str,
+    output: Path | None,
+    as_json: bool,
+    viscoelastic: float | None,
     **arguments: Any,
 ) -> None:
     """Follow particles from collision to collision; every estimate with its standard error.
@@ -84,28 +115,36 @@ def simulate(
     # fmt: on
     import particles
 
-    names = options.names_in(observables)
+    medium = make_medium(
+        arguments.pop("scatterers"),
+        arguments.pop("number_density"),
+        arguments.pop("count"),
+        arguments.pop("dimension"),
+    )
     law = options.impact_law(viscoelastic, "particles", arguments["restitution"])
-    arguments |= {"restitution": law, "times": options.times_until(times, until) or None}
-    h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
-    if h5md is not None:
+    arguments["restitution"] = law
+    arguments["times"] = options.times_until(times, until) or None
+    saved = options.names_in(observables)
+    h5md = None
+    if output is not None and output.suffix.lower() == H5MD:
+        h5md = output
+        output = None
         if arguments["resume"]:
             raise InputError("--resume: an H5MD file is written at the end; give --output FILE.h5")
         _require_new(h5md)
-        output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
-    medium = make_medium(scatterers, number_density, count, dimension)
-    with _saying_how_to_go_on(output) as told, options.progress(arguments["media"]) as tell:
+        saved = tuple(dict.fromkeys((*saved, "positions", "velocities")))
+    with _saying_how_to_go_on(output) as saving, options.progress(arguments["media"]) as tell:
 
         def progress(done: int, total: int) -> None:
-            told["total"] = total
+            saving.total = total
             tell("configurations", total, done)
 
-        run = particles.simulate(
-            medium, observables=names or None, output=output, progress=progress, **arguments
+        ensemble = particles.simulate(
+            medium, observables=saved or None, output=output, progress=progress, **arguments
         )
     if h5md is not None:
-        run.write_h5md(h5md)
-    _show(run, as_json)
+        ensemble.write_h5md(h5md)
+    _show(ensemble, as_json)
 
 
 @click.command(
@@ -121,97 +160,157 @@ def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
     import particles
 
     _require_new(output)
-    # Shells of Windows leave *.h5 as it is.
-    files = [f for part in parts for f in ([part] if Path(part).exists() else glob(part) or [part])]
+    files: list[str] = []
+    for name in parts:
+        if Path(name).exists():
+            files.append(name)
+        else:  # shells of Windows leave *.h5 as it is
+            files += glob(name) or [name]
     with options.progress(name="joining"):
-        run = particles.Ensemble.merge(files)
-        run.save(output)
-    _show(run, as_json)
+        ensemble = particles.Ensemble.merge(files)
+        ensemble.save(output)
+    _show(ensemble, as_json)
 
 
 def _require_new(output: Path) -> None:
+    """Raise InputError if a file is there."""
     if output.exists():
         raise InputError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
 
 
-def _show(run: Any, as_json: bool) -> None:
+def _show(ensemble: "Ensemble", as_json: bool) -> None:
+    """Print a run, as a document or as tables."""
     if as_json:
-        options.print_json(_document(run))
+        options.print_json(_document(ensemble))
     else:
-        click.echo(_text(run))
+        click.echo(_text(ensemble))
 
 
-def make_medium(word: str, number_density: float, count: int, dimension: int | None) -> Any:
-    """The medium that the options describe. Raises InputError where they do not fit."""
+def make_medium(
+    word: str, number_density: float, count: int, dimension: int | None
+) -> "Medium":
+    """Return the medium that the options describe. Raises InputError where they do not fit."""
     import particles
 
-    if word == "dilute":
-        chosen: Any = 2 if dimension is None else dimension
-        return particles.BoltzmannGrad(number_density, dimension=chosen)
-    own = 3 if word.endswith("spheres") else 2
-    if dimension not in (None, own):
-        others = "dilute" + ", hard or overlapping spheres" * (own == 2)
-        raise InputError(f"dimension: got {dimension}; it must be {own} unless these are {others}")
-    kinds: dict[str, Any] = {
-        "hard disks": particles.HardDisks,
-        "overlapping": particles.Poisson,
-        "hard spheres": particles.HardSpheres,
-        "overlapping spheres": particles.PoissonSpheres,
-    }
-    return kinds[word](number_density, count=count)
+    if word == DILUTE:
+        requested: Any = 2 if dimension is None else dimension
+        return particles.BoltzmannGrad(number_density, dimension=requested)
+    own_dimension, kind = PLACED_SCATTERERS[word]
+    if dimension not in (None, own_dimension):
+        others = DILUTE
+        if own_dimension == 2:
+            others = "dilute, hard or overlapping spheres"
+        allowed = f"it must be {own_dimension} unless these are {others}"
+        raise InputError(f"dimension: got {dimension}; {allowed}")
+    medium: Medium = getattr(particles, kind)(number_density, count=count)
+    return medium
+
+
+@dataclass
+class Saving:
+    """How many configurations a run has in all; 0 before the first is done."""
+
+    total: int = 0
 
 
 @contextmanager
-def _saying_how_to_go_on(output: Path | None) -> Iterator[dict[str, int]]:
-    """After Ctrl-C or SIGTERM, say what is saved, of `total`, and how the run goes on."""
-    told: dict[str, int] = {}
+def _saying_how_to_go_on(output: Path | None) -> Iterator[Saving]:
+    """After Ctrl-C or SIGTERM, say what is saved, of the total, and how the run goes on."""
+    saving = Saving()
     try:
-        yield told
+        yield saving
     except (KeyboardInterrupt, SystemExit):
-        import h5py
-
-        with suppress(OSError, KeyError), h5py.File(output or "no file", "r") as file:
-            done = f"{file.attrs['done']} of {told['total']} configurations are saved in {output}"
-            click.echo(f"lorentz: {done}; the same command with --resume goes on", err=True)
+        if output is not None and saving.total:
+            _say_what_is_saved(output, saving.total)
         raise
 
 
-def _document(run: Any) -> dict[str, Any]:
-    """What --json prints."""
-    plan, scatterers, moves = run.plan, run.medium.scatterers, math.isfinite(run.mass_ratio)
-    estimates = ["mean_free_path", *ESTIMATES, *(OF_A_FIELD if run.field else ())]
-    estimates += ["passed", "mean_passage_time"] if plan.depth is not None else []
-    estimates += ["trapped_fraction"] if plan.capture_speed and not run.field else []
-    law = ["tangential_restitution", "number_density", "field", "times", "samples", "missing"]
-    law += ["trapped", *(name for name in options.DRIVES if getattr(run, name))]
-    law += ["mass_ratio"] if moves else []  # JSON has no infinity
-    initial = "rest" if plan.rest else "monoenergetic" if plan.monoenergetic else "gaussian"
-    return {
-        "medium": scatterers, "scatterers": scatterers, **options.law_keys(run.restitution),
-        "dimension": run.medium.dimension, **{name: getattr(run, name) for name in law},
-        "initial": initial if plan.velocities is None else None,
-        **{name: getattr(plan, name) for name in ("media", "tracers", "max_collisions", "seed")},
-        **({"part": plan.part} if plan.part else {}),
-        "statuses": {name: getattr(run.statuses, name) for name in ENDS},
-        **{name: {"value": x.value, "error": x.error}
-           for name in estimates for x in [getattr(run, name)]},
-    }  # fmt: skip
+def _say_what_is_saved(output: Path, total: int) -> None:
+    """Say how many configurations a file has, if it is there."""
+    import h5py
+
+    with suppress(OSError, KeyError), h5py.File(output, "r") as file:
+        saved = f"{file.attrs['done']} of {total} configurations are saved in {output}"
+        click.echo(f"lorentz: {saved}; the same command with --resume goes on", err=True)
 
 
-def _text(run: Any) -> str:
-    """The estimates as a table, one row for each time, the mean free path, how tracers ended."""
+def _document(ensemble: "Ensemble") -> dict[str, object]:
+    """Return what --json prints."""
+    plan = ensemble.plan
+    document: dict[str, object] = {
+        "medium": ensemble.medium.scatterers,
+        "scatterers": ensemble.medium.scatterers,
+        **options.law_keys(ensemble.restitution),
+        "dimension": ensemble.medium.dimension,
+    }
+    attributes = ["tangential_restitution", "number_density", "field", "times", "samples"]
+    attributes += ["missing", "trapped"]
+    attributes += [name for name in options.DRIVES if getattr(ensemble, name)]
+    if math.isfinite(ensemble.mass_ratio):  # JSON has no infinity
+        attributes.append("mass_ratio")
+    for name in attributes:
+        document[name] = getattr(ensemble, name)
+    document["initial"] = _initial_of(ensemble)
+    for name in ("media", "tracers", "max_collisions", "seed"):
+        document[name] = getattr(plan, name)
+    if plan.part:
+        document["part"] = plan.part
+    document["statuses"] = {name: getattr(ensemble.statuses, name) for name in ENDS}
+    for name in _estimates_of(ensemble):
+        estimate = getattr(ensemble, name)
+        document[name] = {"value": estimate.value, "error": estimate.error}
+    return document
+
+
+def _initial_of(ensemble: "Ensemble") -> str | None:
+    """Return the word for the initial velocities; None where they were given one by one."""
+    plan = ensemble.plan
+    if plan.velocities is not None:
+        return None
+    if plan.rest:
+        return "rest"
+    if plan.monoenergetic:
+        return "monoenergetic"
+    return "gaussian"
+
+
+def _estimates_of(ensemble: "Ensemble") -> list[str]:
+    """Return the names of the estimates that a document of the run has."""
+    names = ["mean_free_path", *ESTIMATES]
+    if ensemble.field:
+        names += OF_A_FIELD
+    if ensemble.plan.depth is not None:
+        names += ["passed", "mean_passage_time"]
+    if ensemble.plan.capture_speed and not ensemble.field:
+        names.append("trapped_fraction")
+    return names
+
+
+def _text(ensemble: "Ensemble") -> str:
+    """Return the estimates by time, the mean free path, and how tracers ended."""
     from kinetics.crosscheck.words import number
 
-    lines, shown, depth = [], dict(IN_FIELD if run.field else ESTIMATES), run.plan.depth
-    single = {"mean free path: {} d": run.mean_free_path}
-    if depth is not None and run.times.size:
-        shown["passed"] = f"passed {depth:g} d"
-        single["mean time of the first passage: {} d/U"] = run.mean_passage_time
-    if run.times.size:
-        found = {head: getattr(run, name) for name, head in shown.items()}
-        table = {head: list(map(number, x.value, x.error)) for head, x in found.items()}
-        lines.append(options.columns({"t [d/U]": run.times, **table}))
-    lines += [text.format(number(float(x.value), float(x.error))) for text, x in single.items()]
-    names = [name for name in ENDS if name != "captured" or run.capture_speed]
-    ends = (f"{getattr(run.statuses, name)} {name}" for name in names)
-    return "\n".join([*lines, f"tracers: {', '.join(ends)}"])
+    heads = dict(IN_FIELD if ensemble.field else ESTIMATES)
+    depth = ensemble.plan.depth
+    has_passages = depth is not None and bool(ensemble.times.size)
+    if has_passages:
+        heads["passed"] = f"passed {depth:g} d"
+    lines = []
+    if ensemble.times.size:
+        table: dict[str, Any] = {"t [d/U]": ensemble.times}
+        for name, head in heads.items():
+            estimate = getattr(ensemble, name)
+            table[head] = list(map(number, estimate.value, estimate.error))
+        lines.append(options.columns(table))
+    path = ensemble.mean_free_path
+    lines.append(f"mean free path: {number(float(path.value), float(path.error))} d")
+    if has_passages:
+        passage = ensemble.mean_passage_time
+        time = number(float(passage.value), float(passage.error))
+        lines.append(f"mean time of the first passage: {time} d/U")
+    ends = []
+    for name in ENDS:
+        if name != CAPTURED or ensemble.capture_speed:
+            ends.append(f"{getattr(ensemble.statuses, name)} {name}")
+    lines.append(f"tracers: {', '.join(ends)}")
+    return "\n".join(lines)

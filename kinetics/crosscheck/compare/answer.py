@@ -25,7 +25,9 @@ from kinetics.crosscheck.compare.wrong_unit import wrong_unit
 from kinetics.crosscheck.data.sample import Law, Sample
 from kinetics.crosscheck.words import Verdict, number, numeral
 
+#: Remark on the densities of dense scatterers, of which there is no theory that is good enough.
 NO_DENSITIES = "At a finite density averages alone are compared, with an error of the theory."
+#: Remark on a start that is the sample itself.
 OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
 #: How what drives a tracer is written, by its name in `Law`.
 SYMBOLS = {
@@ -95,21 +97,22 @@ def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: b
 def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
     """Return the likeliest of the fits that agree with the data, or of all.
 
-    Its covariance holds what the others would make of the numbers, by their likelihoods (Buckland,
-    Burnham and Augustin, Biometrics 53, 603 (1997)).
+    Its covariance holds how far the numbers of every other medium are that the data do not exclude.
     """
-    if len(judged) == 1:
-        return judged[0]
     alike = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES] or list(judged)
     best = min(alike, key=lambda fit: fit.fitted.criterion)
-    least = best.fitted.criterion
-    if not np.isfinite(least) or not best.fitted.free:
-        return best
-    weights = np.exp([(least - fit.fitted.criterion) / 2.0 for fit in alike])
-    away = np.array([fit.fitted.coordinates - best.fitted.coordinates for fit in alike])
-    spread = (away.T * (weights / weights.sum())) @ away
-    fitted = replace(best.fitted, covariance=best.fitted.covariance + spread)
-    return replace(best, fitted=fitted)
+    covariance = best.fitted.covariance
+    for fit in _not_excluded(judged, best):
+        difference = fit.fitted.coordinates - best.fitted.coordinates
+        covariance = covariance + np.outer(difference, difference)
+    return replace(best, fitted=replace(best.fitted, covariance=covariance))
+
+
+def _not_excluded(judged: Sequence[JudgedFit], best: JudgedFit) -> list[JudgedFit]:
+    """Return the fits in other media that the data do not exclude."""
+    limit = best.fitted.criterion + NEAR_BEST
+    others = [fit for fit in judged if fit.medium != best.medium]
+    return [fit for fit in others if fit.fitted.criterion <= limit]
 
 
 def _explained(
@@ -180,7 +183,7 @@ def _comparison(
         unit_names=dict(sample.unit_names),
         cannot_tell=cannot_tell,
         media=_chi_squares(judged),
-        undecided=_undecided(judged, best),
+        undecided=tuple(fit.medium for fit in _not_excluded(judged, best)),
         n_times=int(sample.times.size),
         first_time=clock * float(sample.times[0]),
         last_time=clock * float(sample.times[-1]),
@@ -227,13 +230,6 @@ def _chi_squares(judged: Sequence[JudgedFit]) -> dict[str, tuple[float, int]]:
         if chi_square is not None:
             chi_squares[fit.medium] = (chi_square.value, chi_square.freedom)
     return chi_squares
-
-
-def _undecided(judged: Sequence[JudgedFit], best: JudgedFit) -> tuple[str, ...]:
-    """Return the media that the data do not exclude, beside the one that was taken."""
-    limit = best.fitted.criterion + NEAR_BEST
-    near = [fit for fit in judged if fit.fitted.criterion <= limit]
-    return tuple(fit.medium for fit in near if fit.medium != best.medium)
 
 
 def _covariance_of_two(fitted: Fit) -> tuple[tuple[float, ...], ...]:

@@ -28,8 +28,9 @@ from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
 #: -2 ln likelihood from the best up to which another explains as well: odds of 20.
 NEAR_BEST = 6.0
-#: A cause explains in part if T^2 falls by this, 4 sigma of one number, and by a tenth.
+#: A cause explains in part if T^2 falls by this: 4 sigma of one number.
 MIN_GAIN = 16.0
+#: It must fall by this share, too. Chosen: less is no explanation of a large difference.
 MIN_GAIN_SHARE = 0.1
 #: Share of the errors of a fitted value that must lie nearer to it than what was specified: 3 sigma
 #: of a Gaussian.
@@ -70,6 +71,7 @@ class Cause:
     of_positions: bool = False
 
 
+#: Everything that may explain a difference: a new cause is one row, and a place in `_starts`.
 CAUSES = (
     Cause("finite density", of_positions=True),
     Cause("restitution", "restitution", "e", of_positions=True),
@@ -84,7 +86,6 @@ CAUSES = (
     Cause("position noise", "position_noise", unit="d", title="displacement"),
     Cause("tracers at rest", "at_rest", "the share f of tracers that never move"),
 )
-"""Everything that may explain a difference: a new cause is one row, and a place in `_starts`."""
 
 
 @dataclass(frozen=True)

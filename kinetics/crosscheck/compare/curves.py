@@ -70,10 +70,12 @@ LOWEST_SPEED = 1e-4
 HIGHEST_SPEED = 8.0
 #: So many of them: the mean is right to 1e-5.
 N_SPEEDS = 400
+#: Remark on errors that a table states.
 INDEPENDENT = (
     "Errors of different times and averages are taken for independent. Those of one set of tracers "
     "are not: what is fitted may have larger errors."
 )
+#: Remark on a table that states none.
 NO_ERRORS = (
     "Without standard errors nothing is tested. The errors of what is fitted are from the scatter."
 )

@@ -32,8 +32,9 @@ MAX_LATE_TIMES = 3
 #: Mean free paths after which it is: before, sharp fronts take the solver long, and few tracers
 #: have collided.
 LATE_AFTER_PATHS = 3.0
-#: Relative accuracy of both densities.
+#: Relative accuracy of the density of the speed: below any error of counts.
 SPEED_RTOL = 1e-6
+#: The same of the displacement, which takes the solver longer.
 DISPLACEMENT_RTOL = 1e-4
 #: Bins at most.
 MAX_BINS = 40
@@ -41,8 +42,9 @@ MAX_BINS = 40
 MIN_EXPECTED = 50.0
 #: A bin is made wide enough for MIN_EXPECTED, but never wider than this share of the tracers.
 WIDEST_SHARE = 1.0 / 12.0
-#: Pieces of a bin for the quadrature of a density that is not smooth, and points of a piece.
+#: Pieces of a bin for the quadrature of a density that is not smooth: finer than the finest nodes.
 PIECES_OF_ROUGH = 120
+#: Points of the Gauss rule of a piece.
 POINTS_PER_PIECE = 3
 #: An edge this close to a sharp peak, relative to it, would share it between two bins.
 ON_PEAK = 1e-6

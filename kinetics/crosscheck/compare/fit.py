@@ -45,9 +45,11 @@ SECOND_MOMENTS = ("thermal_speed", "msd")
 N_ROUNDS = 2
 #: Step of a coordinate for derivatives. The solver's 1e-7 is then 1e-4 of one.
 STEP = 1e-3
-#: Newton steps at most, the largest change of a coordinate in one, and the one that ends them.
+#: Newton steps at most. From a first estimate three or four are usual.
 MAX_NEWTON_STEPS = 20
+#: Largest change of a coordinate in one step. Chosen: far less than the range of each.
 MAX_CHANGE = 0.3
+#: Change of a coordinate that ends the steps: far below any error.
 CONVERGED_BELOW = 1e-6
 #: Starts from which the first estimate is refined: the best ones of all that are tried.
 N_REFINED_STARTS = 2

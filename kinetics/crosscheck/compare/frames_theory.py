@@ -26,18 +26,23 @@ from kinetics.numerics.gauss import panels_between
 RTOL = 1e-6
 #: Relative accuracy of the density of the speed.
 DENSITY_RTOL = 1e-5
-#: Times of the table of B in l/U, from and to what, and how many. B = v^2 t^2 below. Chosen: with
-#: half as many points M changes by less than 1e-5.
+#: First time of the table of B in l/U; B = v^2 t^2 below, to a thousandth.
 SHORTEST_TIME = 1e-3
+#: Its last time is that of the data for a speed of this, in U: no tracer of a Gaussian is faster.
 LONGEST_SPEED = 12.0
-N_TIMES = 240
-#: Speeds of the quadrature in U, from and to what, in so many panels with so many points. Chosen:
-#: of a density in the plane 1e-12 is below the first, and exp(-32) above the last speed.
+#: Times of the table, even in the logarithm. Measured: with twice as many M moves by 4e-8 (e = 0.7,
+#: n = 0.04, up to 400 d/U).
+N_TIMES = 120
+#: Lowest speed of the quadrature in U: of a Gaussian in the plane a share of 1e-12 is below.
 LOWEST_SPEED = 1e-6
+#: Highest speed: exp(-32) is above.
 HIGHEST_SPEED = 8.0
-N_PANELS = 59
+#: Panels between them, even in the logarithm. Measured: with twice as many M moves by 7e-10.
+N_PANELS = 30
+#: Points of the Gauss rule of a panel.
 POINTS_PER_PANEL = 8
-#: Times of the table of the dilute thermal speed.
+#: Times of the table of the dilute thermal speed. Measured: with half or twice as many M moves by
+#: 1e-4, a hundredth of the error of the theory.
 N_SPEED_TIMES = 300
 
 #: Solves a point: `theory.solve_at`.

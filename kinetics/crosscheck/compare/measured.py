@@ -25,8 +25,9 @@ from kinetics.crosscheck.data.sample import FramePairs, Law, N, Sample
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-#: Columns of the sums over pairs of frames.
+#: Column of the sums over pairs of frames: the number of tracers.
 PAIR_N = 0
+#: The sum of |dr|^2.
 PAIR_R2 = 1
 
 

@@ -18,8 +18,9 @@ from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, X
 
 Array = NDArray[np.float64]
 
-#: The names of the densities.
+#: The name of the density of the speed.
 SPEED_DENSITY = "speed_density"
+#: The name of the density of the displacement.
 DISPLACEMENT_DENSITY = "position_density"
 #: The name of the mean square displacement between two frames, of tracks of positions alone.
 BETWEEN_FRAMES = "displacement_between_frames"

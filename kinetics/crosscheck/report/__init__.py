@@ -1,101 +1,146 @@
 """The report: the three methods on one system, compared number by number, as a page and as JSON.
 
-Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs the methods,
-`rows.py` makes one table of all comparisons, `figures.py` the pictures, `story.py` the findings in
-words, `page.py` the HTML page.
+Begin with `systems.py` (what is compared) and `cases.py` (what the methods give). `cooling.py` and
+`driven.py` run the methods, `rows.py` makes one table of all comparisons, `figures.py` the
+pictures, `story.py` the findings in words, `page.py` the HTML page.
 """
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from kinetics.crosscheck.report.progress import Progress, say_nothing
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from kinetics.crosscheck.report.algebra import AlgebraRow
+    from kinetics.crosscheck.report.cases import Results
+    from kinetics.crosscheck.report.figures import Drawn
+    from kinetics.crosscheck.report.story import Story
+    from kinetics.crosscheck.report.systems import System
 
 SCHEMA = "inelastic-lorentz/report/2"
+#: Packages whose versions a report names.
+PACKAGES = ("numpy", "scipy", "numba", "sympy", "matplotlib")
+#: Columns of a line of text in the terminal.
+LINE_WIDTH = 100
 
 
 @dataclass(frozen=True)
 class Report:
-    """What was run (`runs.Results`), compared (a pandas DataFrame), found, drawn and derived."""
+    """What was run, compared, found, drawn and derived."""
 
-    results: Any
-    table: Any
-    story: Any
-    figures: list[Any]
-    checks: list[dict[str, Any]]
+    results: "Results"
+    table: "DataFrame"
+    story: "Story"
+    figures: "list[Drawn]"
+    checks: "list[AlgebraRow]"
 
     @cached_property
     def document(self) -> dict[str, Any]:
         """What the JSON file holds: headline, claims, rows, verdict_counts, algebra and more."""
-        from kinetics import __version__
         from kinetics.crosscheck.files import plain
-        from kinetics.crosscheck.report import page, rows
+        from kinetics.crosscheck.report import algebra, page, rows
         from kinetics.crosscheck.words import MEANING
 
-        story, system = self.story, self.results.system
-        known = {name: version(name) for name in ("numpy", "scipy", "numba", "sympy", "matplotlib")}
-        headline = {"compared": story.compared, "findings": story.findings, "line": story.line}
-        found: dict[str, Any] = plain({
-            "schema": SCHEMA,
-            "software": {"inelastic-lorentz": __version__} | known,
-            **page.head(system),
-            "headline": {k: page.with_numbers(v) for k, v in headline.items()},
-            "claims": story.claims,
-            "settings": {n: x for n, x in vars(system).items() if n != "stages"},
-            "verdicts": {word.value: text for word, text in MEANING.items()},
-            "verdict_counts": rows.counts(self.table),
-            "rows": rows.records(self.table),
-            "algebra": self.checks,
-            "tables": story.tables,
-            "figures": [
-                {key: vars(x)[key] for key in ("name", "title", "caption")} for x in self.figures
-            ],
-        })  # fmt: skip
-        return found
+        system = self.results.system
+        story = self.story
+        document: dict[str, Any] = plain(
+            {
+                "schema": SCHEMA,
+                "software": _versions(),
+                **page.head(system),
+                "headline": {
+                    "compared": algebra.cite(story.compared),
+                    "findings": [algebra.cite(finding) for finding in story.findings],
+                    "line": algebra.cite(story.line),
+                },
+                "claims": story.claims,
+                "errata": story.errata,
+                "settings": system.settings,
+                "verdicts": {verdict.value: meaning for verdict, meaning in MEANING.items()},
+                "verdict_counts": rows.verdict_counts(self.table),
+                "rows": rows.records(self.table),
+                "algebra": self.checks,
+                "tables": story.tables,
+                "figures": [drawn.words for drawn in self.figures],
+            }
+        )
+        return document
 
     def text(self) -> str:
-        """What the terminal shows: the findings, and how many rows have each verdict."""
-        story = self.document["headline"]
-        counted = (f"{n} {verdict}" for verdict, n in self.document["verdict_counts"].items())
-        lines = (story["compared"], *story["findings"], ", ".join(counted))
-        return "\n".join(textwrap.fill(line, 100) for line in lines)
+        """Return what the terminal shows: the findings, and how many rows have each verdict."""
+        headline = self.document["headline"]
+        counts = self.document["verdict_counts"]
+        counted = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        lines = [headline["compared"], *headline["findings"], counted]
+        return "\n".join(textwrap.fill(line, LINE_WIDTH) for line in lines)
 
     def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
-        """Write the page, its JSON, its tables and figures in these formats, or nothing; paths."""
+        """Write the page, its JSON, its tables and figures in these formats, all or nothing.
+
+        Returns the paths.
+        """
         import pandas as pd
 
         from kinetics.crosscheck.files import dumps, write_together
         from kinetics.crosscheck.report import page, rows, story
 
         name = self.results.system.name
-        tables = {key: pd.DataFrame(table) for key, table in self.story.tables.items()}
-        tables |= {"rows": self.table, "points": rows.points(self.results)}
-        html = page.render(self.document, self.figures, story.chance(self.table))
-        found: dict[str, str | bytes] = {f"{name}.html": html, f"{name}.json": dumps(self.document)}
-        found |= {f"{name}-{key}.csv": table.to_csv(index=False) for key, table in tables.items()}
+        html = page.render(self.document, self.figures, story.expected_by_chance(self.table))
+        contents: dict[str, str | bytes] = {
+            f"{name}.html": html,
+            f"{name}.json": dumps(self.document),
+        }
+        tables = {key: pd.DataFrame(records) for key, records in self.story.tables.items()}
+        tables["rows"] = self.table
+        tables["points"] = rows.points(self.results)
+        for key, table in tables.items():
+            contents[f"{name}-{key}.csv"] = table.to_csv(index=False)
         for kind in dict.fromkeys(formats):
-            found |= {f"{name}-{drawn.name}.{kind}": drawn.file(kind) for drawn in self.figures}
-        return write_together(folder, found)
+            for drawn in self.figures:
+                contents[f"{name}-{drawn.name}.{kind}"] = drawn.file(kind)
+        return write_together(folder, contents)
 
 
-def make_report(system: Any, progress: Callable[[str], None] | None = None) -> Report:
+def _versions() -> Mapping[str, str]:
+    """Return the version of this package and of those that it rests on."""
+    from kinetics import __version__
+
+    own = {"inelastic-lorentz": __version__}
+    return own | {package: version(package) for package in PACKAGES}
+
+
+def make_report(system: "System", progress: Progress | None = None) -> Report:
     """Run the three methods on a system (of `systems.py`), and compare them.
 
-    progress is called with each stage. ValueError for what cannot be simulated.
-    """
-    from kinetics.crosscheck.report import figures, page, rows, runs, story
+    Parameters
+    ----------
+    system : a `Cooling` or `Driven` system
+    progress : called with the name of each stage
 
-    tell = progress or (lambda stage: None)
+    Raises
+    ------
+    ValueError : for what cannot be simulated
+    """
+    from kinetics.crosscheck.report import algebra, figures, rows, story
+    from kinetics.crosscheck.report.gather import gather
+
+    tell = progress or say_nothing
     with ThreadPoolExecutor(1) as beside:
-        deriving = beside.submit(page.algebra, system)
-        results = runs.gather(system, tell)
+        deriving = beside.submit(algebra.derive, system)
+        results = gather(system, tell)
         tell("comparing")
         table = rows.comparisons(results)
-        drawn, checks = figures.figures(results), deriving.result()
-    return Report(results, table, story.tell(results, table, checks), drawn, checks)
+        drawn = figures.draw_all(results)
+        checks = deriving.result()
+    return Report(results, table, story.tell_story(results, table, checks), drawn, checks)
 
 
 __all__ = ["Report", "make_report"]

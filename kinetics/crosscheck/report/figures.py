@@ -1,401 +1,377 @@
 """The figures of a report: one function each, in plain matplotlib, with its title and its caption.
 
-The same restitution has the same colour and marker in every figure; a stroke is who says so. An SVG
-in a page takes its colours from the page's CSS variables: one picture serves light and dark.
+`draw_all` chooses the figures of a system; axes, colours and legends are those of `sheet.py`.
 """
 
-import io
 import math
-import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cache
-from html import escape
-from importlib.resources import files
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
-from numpy.typing import ArrayLike
 
-from kinetics import ScalingSolution, sonine
-from kinetics.crosscheck.report import runs
-from kinetics.crosscheck.report.rows import OBSERVABLES, PAPER_KURTOSIS, kept
-from kinetics.crosscheck.report.systems import Driven
-from kinetics.crosscheck.words import numeral
+from kinetics import sonine
+from kinetics.crosscheck.report import estimates
+from kinetics.crosscheck.report.cases import (
+    EXACT,
+    FIT,
+    FREE,
+    KINETIC,
+    SOLVER,
+    SONINE,
+    Case,
+    CoolingCase,
+    DrivenCase,
+    FloatArray,
+    Measured,
+    Results,
+)
+from kinetics.crosscheck.report.cooling import LATEST_TIME, last_vdf
+from kinetics.crosscheck.report.curves import exact_rates, gaussian_vdf, limiting_drift
+from kinetics.crosscheck.report.rows import PAPER_KURTOSIS
+from kinetics.crosscheck.report.sheet import (
+    CORRECTED,
+    GAUSSIAN,
+    INK,
+    INTEGRAL,
+    LIMITING_LAW,
+    PEAK,
+    STYLE,
+    TAIL,
+    VARIABLES,
+    Drawn,
+    Group,
+    Sheet,
+)
+from kinetics.crosscheck.report.systems import Cooling, Driven, System
+from kinetics.crosscheck.report.words_of_report import report_words
 
-INK, FAINT = "#16191d", "#dde1e6"
-# of the restitutions of a report, in their order (after Okabe and Ito, dark enough for text)
-COLOURS = ("#0072b2", "#c04f00", "#007a58", "#b3478f", "#876600", "#3c4bb0")
-# of what is no restitution: disks and spheres, observables, densities
-GROUPS = ("#8a1538", "#00707a", "#6b4a2b", "#5a6572")
-VARIABLES = {INK: "var(--ink)", FAINT: "var(--faint)"}
-VARIABLES |= {colour: f"var(--series-{i})" for i, colour in enumerate(COLOURS)}
-VARIABLES |= {colour: f"var(--group-{i})" for i, colour in enumerate(GROUPS)}
-MARKERS = "os^DvP"
-STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
-_DASHES: dict[str, Any] = {
-    **dict.fromkeys((runs.SONINE, "paper, tail"), (0, (4, 2))),
-    **dict.fromkeys(("paper's integral", "limiting law"), (0, (1, 1.5))),
-    **dict.fromkeys((runs.FIT, "paper, peak", "Gaussian"), (0, (6, 1.5, 1, 1.5))),
-}
-_TIME, _RESTITUTION = "time $t$  [d/U]", "restitution $e$"
-_FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))  # e, ever closer to 1
-
-Made = tuple[Any, dict[str, str]]  # a figure, and the words that its caption leaves open
+TIME_LABEL = "time $t$  [d/U]"
+RESTITUTION_LABEL = "restitution $e$"
+RATIO_TO_SOLVER = "particles / solver"
+#: Restitutions at which a curve is drawn that is steep at 1.
+FINE_RESTITUTIONS = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))
+#: Heights in inches of the rows of a figure of two.
+TWO_ROWS = [2.4, 1.15]
+#: Height in inches of a panel of one restitution.
+PANEL_HEIGHT = 1.75
+#: Panels side by side: more would be too narrow for their ticks.
+MAX_PANELS_IN_A_ROW = 2
+#: Largest error of points of a ratio that are shown: larger bars only hide others.
+MAX_ERROR_OF_RATIO = 0.1
+#: Largest error of points of F(c) that are shown.
+MAX_ERROR_OF_VDF = 0.15
+#: c at which F(c) is drawn.
+SHOWN_SPEEDS = np.linspace(0.01, 2.5, 120)
+#: R at which G(R) is drawn.
+SHOWN_RADII = np.linspace(0.04, 6.0, 120)
+#: Range of G(R) that is shown.
+POSITION_LIMITS = (1e-5, 3.0)
+#: Radius from which on the paper's tail is drawn.
+TAIL_FROM = 1.0
+#: F near c = 0 over the equation's from which on the caption explains it.
+EXPLAINED_FROM = 3
+#: Shift in e of points of one observable beside those of the one before.
+SHIFT = 0.004
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """A figure with its words."""
+class Picture:
+    """A figure, and the words that its caption leaves open."""
 
-    name: str
-    title: str
-    caption: str
-    figure: Any
-
-    def file(self, kind: str) -> bytes:
-        """As a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
-        buffer = io.BytesIO()
-        dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
-        with mpl.rc_context(fname=STYLE):
-            self.figure.savefig(buffer, format=kind, metadata=dates[kind], dpi=200)
-        return buffer.getvalue()
-
-    def svg(self) -> str:
-        """As an element of a page: own ids, the page's colours, and what a screen reader says."""
-        prefix, text = f"fig-{self.name}-", self.file("svg").decode()
-        text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
-        text = re.sub(r'\s+xmlns(:\w+)?="[^"]*"', "", text).replace("xlink:href=", "href=")
-        text = re.sub(r'\b(id="|href="#)(?=[^"])', rf"\1{prefix}", text)
-        text = text.replace("url(#", f"url(#{prefix}")
-        for colour, variable in VARIABLES.items():
-            text = text.replace(colour, variable)
-        head, body = text.split(">", 1)
-        head = re.sub(r'\s(width|height)="[^"]*"', "", head)  # the page gives the size
-        words = "".join(
-            f'<{tag} id="{prefix}{tag}">{escape(said)}</{tag}>'
-            for tag, said in (("title", self.title), ("desc", self.caption))
-        )
-        named = f'role="img" aria-labelledby="{prefix}title {prefix}desc"'
-        return f"{head} {named}>{words}{body.strip()}"
+    figure: Figure
+    words: Mapping[str, str] = field(default_factory=dict)
 
 
-class _Sheet:
-    """Axes in a grid of rows of these heights, in inches, and a legend of all that is on them."""
+def draw_all(results: Results) -> list[Drawn]:
+    """Return every figure that the results allow; the first three are those of the head.
 
-    def __init__(
-        self, system: Any, heights: Sequence[float] = (2.9,), columns: int = 1, panels: bool = False
-    ) -> None:
-        self.figure, self.system, self.columns = Figure(layout="constrained"), system, columns
-        FigureCanvasAgg(self.figure)  # knows the other formats as well
-        self.tall = sum(heights) + len(heights) * (0.35 if panels else 0.15)  # panels have titles
-        axes = self.figure.subplots(
-            len(heights), columns, squeeze=False, sharex="all", sharey="all" if panels else "none",
-            height_ratios=heights,
-        )  # fmt: skip
-        self.axes = list(axes.flat)
-        self._legend: dict[str, dict[str, Any]] = {}
-
-    def style(self, key: Any) -> tuple[str, str]:
-        """Colour and marker of a restitution, of a group (its name and number), or ink."""
-        if key is None:
-            return INK, "o"
-        k = key[1] if isinstance(key, tuple) else self.system.restitutions.index(key)
-        colours = GROUPS if isinstance(key, tuple) else COLOURS
-        return colours[k % len(colours)], MARKERS[k % len(MARKERS)]
-
-    def _enter(self, source: str, stroke: dict[str, Any], key: Any, named: bool) -> None:
-        self._legend.setdefault(source, {"color": INK, **stroke})
-        if key is not None and named:
-            colour, marker = self.style(key)
-            label = key[0] if isinstance(key, tuple) else f"{self.system.parameter} = {key:g}"
-            self._legend.setdefault(label, {"color": colour, "marker": marker, "linestyle": "-"})
-
-    def line(
-        self, ax: Any, source: str, x: ArrayLike, y: ArrayLike, key: Any = None, named: bool = True
-    ) -> None:
-        """A line; its key is in the legend only if `named`."""
-        stroke = {"linestyle": _DASHES.get(source, "-")}
-        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        ax.plot(x, y, color=self.style(key)[0], **stroke)
-        self._enter(source, stroke, key, named)
-
-    def points(
-        self, ax: Any, source: str, x: ArrayLike, measured: runs.Measured, key: Any = None,
-        named: bool = True, largest: float = math.inf,
-    ) -> None:  # fmt: skip
-        """Points with bars of one standard error; without those of a larger error."""
-        x, value, error = np.broadcast_arrays(x, measured.value, measured.error)
-        seen = np.isfinite(value) & (error > 0) & (error < largest)
-        if ax.get_yscale() == "log":
-            seen &= (value > 0) & (error < 0.5 * value)
-        colour, marker = self.style(key)
-        stroke: dict[str, Any] = {"linestyle": "none", "markersize": 3.8}
-        if source.startswith("hard"):
-            stroke |= {"markerfacecolor": "none", "markersize": 4.6}
-        bars = {"color": colour, "marker": marker, "elinewidth": 1.0}
-        ax.errorbar(x[seen], value[seen], error[seen], **bars, **stroke)
-        self._enter(source, {"marker": "o", **stroke}, key, named)
-
-    def marks(self, ax: Any, source: str, x: ArrayLike, y: ArrayLike, marker: str) -> None:
-        """Marks without errors, in ink."""
-        stroke = {"marker": marker, "linestyle": "none", "markersize": 6.0}
-        ax.plot(x, y, color=INK, **stroke)
-        self._enter(source, stroke, None, False)
-
-    def done(self, x: str, *y: str) -> Any:
-        """Labels (one of y for each row, or for all), ticks and the legend; the figure."""
-        lines, many = math.ceil(len(self._legend) / 3), len(self.axes) > 1
-        self.figure.set_size_inches(5.0, self.tall + 0.5 + 0.2 * lines)
-        for k, ax in enumerate(self.axes):
-            row, column = divmod(k, self.columns)
-            if k >= len(self.axes) - self.columns:
-                ax.set_xlabel(ax.get_xlabel() or x)
-            if column == 0:
-                ax.set_ylabel(y[min(row, len(y) - 1)])
-            for side in (ax.xaxis, ax.yaxis):
-                if side.get_scale() != "log":
-                    prune = "both" if self.columns > 1 else None
-                    side.set_major_locator(
-                        MaxNLocator(4 if many else 6, prune=prune, steps=[1, 2, 2.5, 5, 10])
-                    )
-                    continue
-                low, top = side.get_view_interval()
-                subs = (1.0,) if top > 30 * low else (1.0, 2.0, 5.0)
-                side.set_major_locator(LogLocator(subs=subs, numticks=5 if many else 7))
-                side.set_minor_locator(NullLocator())
-                powers = subs == (1.0,)
-                side.set_major_formatter((lambda x, _: numeral(x, ".0e")) if powers else "{x:g}")
-        self.figure.legend(
-            handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
-            labels=list(self._legend), loc="outside upper left", ncols=3,
-        )  # fmt: skip
-        return self.figure
-
-
-def figures(results: runs.Results) -> list[Drawn]:
-    """Every figure that the results allow; the first three are those of the head of the page.
-
-    The "figures" of `kept` have title and caption of each, in which "{words}" are filled.
+    Titles and captions are in `templates/report.json`, with "{words}" to be filled.
     """
-    cases, chosen = results.cases, {"msd": msd, "position": position, "kurtosis": kurtosis}
-    if isinstance(results.system, Driven):
-        decays = cases[0].solved is None
-        chosen = {
-            "thermal_speed": _driven("thermal_speed", "$v_0$  [U]", "log" if decays else "linear"),
-            "spread": _driven("msd", r"$\langle r^2\rangle$  [l²]"),
-        }
-        if "field" in results.system.drive:
-            falling = _driven("drift_from_rest", "$⟨v_z⟩$  [√(gl)]", time="[√(l/g)]")
-            chosen = {"drift": drift, "dispersion": dispersion, "from_rest": falling}
-    elif results.cooling:
-        chosen = {"cooling_rate": cooling_rate, "msd": msd, "vdf": vdf, **chosen}
     drawn = []
     with mpl.rc_context(fname=STYLE):
-        for name, make in chosen.items():
-            figure, words = make(results)
-            title, caption = kept()["figures"][name]
-            caption = caption.format(**words).strip()
-            drawn.append(Drawn(name.replace("_", "-"), title, caption, figure))
+        for name, draw in _choose(results).items():
+            picture = draw()
+            title, caption = report_words().figures[name]
+            filled = caption.format(**picture.words).strip()
+            drawn.append(Drawn(name.replace("_", "-"), title, filled, picture.figure))
     return drawn
 
 
-def _panels(results: runs.Results, cases: Sequence[runs.Case]) -> tuple[_Sheet, list[Any]]:
-    """A sheet with a panel for each restitution, and pairs of a case and its panel."""
-    across = min(2, len(cases))
-    tall = (1.75,) * math.ceil(len(cases) / across)
-    sheet = _Sheet(results.system, tall, across, panels=True)
+def _choose(results: Results) -> dict[str, Callable[[], Picture]]:
+    """Return the figures of a system, in their order: name -> function that draws it."""
+    system = results.system
+    if isinstance(system, Driven):
+        return _choose_driven(system, results.driven)
+    if not isinstance(system, Cooling):
+        raise TypeError(f"no figures of a {type(system).__name__}")
+    figures: dict[str, Callable[[], Picture]] = {}
+    if results.inelastic:
+        figures["cooling_rate"] = lambda: cooling_rate(system, results.inelastic)
+    figures["msd"] = lambda: msd(system, results.cooling)
+    if results.inelastic:
+        figures["vdf"] = lambda: vdf(system, results.inelastic)
+    figures["position"] = lambda: position(system, results.cooling)
+    figures["kurtosis"] = lambda: kurtosis(system, results.cooling)
+    return figures
+
+
+def _choose_driven(system: Driven, cases: Sequence[DrivenCase]) -> dict[str, Callable[[], Picture]]:
+    """Return the figures of driven tracers."""
+    if "field" in system.drive:
+        return {
+            "drift": lambda: drift(system, cases),
+            "dispersion": lambda: dispersion(system, cases),
+            "from_rest": lambda: from_rest(system, cases),
+        }
+    return {
+        "thermal_speed": lambda: thermal_speed(system, cases),
+        "spread": lambda: spread(system, cases),
+    }
+
+
+# -- a gas that is left alone ----------------------------------------------------------------------
+def cooling_rate(system: Cooling, cases: Sequence[CoolingCase]) -> Picture:
+    """Draw h over e, and over the exact rate of late times."""
+    sheet = Sheet(system, TWO_ROWS)
+    e, exact = exact_rates(system.tangential_restitution, system.dimension)
+    loss = 1 - e if system.is_smooth else np.ones_like(e)
+    for ax, scale in zip(sheet.axes, (loss, exact), strict=True):
+        sheet.line(ax, EXACT, e, exact / scale)
+        if system.is_papers_law:
+            sheet.line(ax, FIT, e, sonine.cooling_rate_fitted(e) / scale)
+            sheet.line(ax, SONINE, e, sonine.cooling_rate(e) / scale)
+    for case in cases:
+        loss_of_case = 1 - case.value if system.is_smooth else 1.0
+        scales = (loss_of_case, float(case.theory[EXACT]["cooling_rate"]))
+        for ax, scale_of_case in zip(sheet.axes, scales, strict=True):
+            _draw_rates(sheet, ax, case, scale_of_case)
+    words = {"over": "h", "said": ""}
+    label = "$h(e)$"
+    if system.is_smooth:
+        words["over"] = "h/(1 − e)"
+        label = "$h(e)/(1-e)$"
+    if system.is_papers_law:
+        words["said"] = " Exactly it is √2 at e = 0 and 4/3 as e → 1; Sonine exists above e = 0.58."
+    return Picture(sheet.finish(RESTITUTION_LABEL, label, "$h$ / exact $h$"), words)
+
+
+def _draw_rates(sheet: Sheet, ax: Axes, case: CoolingCase, scale: float) -> None:
+    """Draw the rates of one restitution: of the solver, of its averages, and of the particles."""
+    e = case.value
+    sheet.marks(ax, SOLVER, e, float(case.theory[SOLVER]["cooling_rate"]) / scale, "x")
+    same_times = np.asarray(case.theory[KINETIC]["cooling_rate"]) / scale
+    sheet.marks(ax, "equation, same times", e, same_times, "D")
+    for source, measured in case.measured.items():
+        rate = measured["cooling_rate"] / scale
+        sheet.points(ax, source, e, rate, e, in_legend=False)
+
+
+def _draw_over_time(
+    cases: Sequence[Case], sheet: Sheet, observable: str, against: str, source: str
+) -> None:
+    """Draw an average over time; below, what a source measured over the theory."""
+    top, below = sheet.axes
+    top.set_xscale("log")
+    for case in cases:
+        theory = np.asarray(case.theory[against][observable])
+        sheet.line(top, against, case.times, theory, case.value)
+        for name, measured in case.measured.items():
+            sheet.points(top, name, case.times, measured[observable], case.value)
+        ratio = case.measured[source][observable] / theory
+        sheet.points(below, source, case.times, ratio, case.value, max_error=MAX_ERROR_OF_RATIO)
+    below.axhline(1, color=INK, linewidth=0.8)
+
+
+def msd(system: Cooling, cases: Sequence[CoolingCase]) -> Picture:
+    """Draw <r^2> over time, and over the dilute equation."""
+    sheet = Sheet(system, TWO_ROWS)
+    _draw_over_time(cases, sheet, "msd", KINETIC, system.hard)
+    top, below = sheet.axes
+    explanation = ""
+    for case in cases:
+        dense = case.solutions.dense
+        if dense is not None:
+            over_dilute = dense.msd / np.asarray(case.theory[KINETIC]["msd"])
+            sheet.line(below, CORRECTED, case.times, over_dilute, case.value)
+            explanation = (
+                "Dashed there: the equation corrected for hard disks at this density, with "
+                "nothing fitted here."
+            )
+        if system.is_papers_law:
+            walk = np.asarray(case.theory[FIT]["msd"])
+            sheet.line(top, FIT, case.times, walk, case.value)
+    ratio = r"$\langle r^2\rangle$ / dilute"
+    figure = sheet.finish(TIME_LABEL, r"$\langle r^2\rangle$  [d²]", ratio)
+    return Picture(figure, {"said": explanation})
+
+
+def _draw_panels(
+    system: System, cases: Sequence[CoolingCase]
+) -> tuple[Sheet, Iterator[tuple[CoolingCase, Axes]]]:
+    """Return a sheet with a panel for each restitution, and pairs of a case and its panel."""
+    columns = min(MAX_PANELS_IN_A_ROW, len(cases))
+    rows = math.ceil(len(cases) / columns)
+    sheet = Sheet(system, (PANEL_HEIGHT,) * rows, columns, has_panels=True)
     for spare in sheet.axes[len(cases) :]:
         spare.set_axis_off()
     for case, ax in zip(cases, sheet.axes, strict=False):
-        colour = sheet.style(case.restitution)[0]
-        ax.set_title(f"e = {case.restitution:g}", loc="left", color=colour, fontsize=10.5, pad=3)
-    return sheet, list(zip(cases, sheet.axes, strict=False))
+        title = f"e = {case.value:g}"
+        ax.set_title(title, loc="left", color=sheet.colour(case.value), fontsize=10.5, pad=3)
+    return sheet, zip(cases, sheet.axes, strict=False)
 
 
-@cache
-def exact_rates(tangential: float, dimension: int) -> tuple[runs.Array, runs.Array]:
-    """Restitutions from 0 to 1, with that from which on the printed a2 is real, and exact h."""
-    e = np.sort([*np.linspace(0.0, 0.99, 67), 0.999, sonine.THRESHOLD_RESTITUTION + 1e-12])
-    states = (ScalingSolution(float(x), tangential, dimension) for x in e)
-    return e, np.array([state.cooling_rate for state in states])
-
-
-def gaussian_vdf(c: ArrayLike, dimension: int) -> runs.Array:
-    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
-    d = dimension
-    return np.asarray((d / 2 / math.pi) ** (d / 2) * np.exp(-d / 2 * np.square(c)))
-
-
-def limiting_drift(restitution: Any, dimension: int) -> Any:
-    """The drift in sqrt(g l) as collisions become elastic.
-
-    With eps = 1 - e^2 speeds are distributed as exp(-a v^4), which grows as eps, and
-    u = lambda(2) <v^3>/2.
-    """
-    d, (fall, loss) = dimension, ((2 / 9, 2 / 3) if dimension == 2 else (3 / 16, 1 / 2))
-    third = fall**-0.75 * math.gamma((3 + d) / 4) / math.gamma(d / 4)
-    return loss * third / 2 * (1.0 - np.square(restitution)) ** 0.25
-
-
-def cooling_rate(results: runs.Results) -> Made:
-    """h over e, and over the exact rate of late times."""
-    system: Any = results.system
-    sheet, smooth, said = _Sheet(system, (2.4, 1.15)), system.is_smooth, ""
-    e, exact = exact_rates(system.tangential_restitution, system.dimension)
-    for ax, scale in zip(sheet.axes, (1 - e if smooth else e**0, exact), strict=True):
-        sheet.line(ax, "exact", e, exact / scale)
-        if system.is_papers_law:
-            sheet.line(ax, runs.FIT, e, sonine.cooling_rate_fitted(e) / scale)
-            sheet.line(ax, runs.SONINE, e, sonine.cooling_rate(e) / scale)
-            said = " Exactly it is √2 at e = 0 and 4/3 as e → 1; Sonine exists above e = 0.58."
-    for case in results.cooling:
-        x, limit = case.restitution, case.theory[runs.EXACT]["cooling_rate"]
-        for ax, scale in zip(sheet.axes, (1 - x if smooth else 1.0, limit), strict=True):
-            sheet.marks(ax, "solver", x, case.theory[runs.SOLVER]["cooling_rate"] / scale, "x")
-            same = case.theory[runs.KINETIC]["cooling_rate"] / scale
-            sheet.marks(ax, "equation, same times", x, same, "_")
-            for source, found in case.measured.items():
-                sheet.points(ax, source, x, found["cooling_rate"] / scale, x, named=False)
-    over, y = ("h/(1 − e)", "$h(e)/(1-e)$") if smooth else ("h", "$h(e)$")
-    return sheet.done(_RESTITUTION, y, "over exact"), {"over": over, "said": said}
-
-
-def _over_time(results: runs.Results, name: str, against: str, source: str, scale: str) -> _Sheet:
-    """An average over time; below, what a source measured over the theory."""
-    sheet = _Sheet(results.system, (2.4, 1.15))
-    top, below = sheet.axes
-    top.set(xscale="log", yscale=scale)
-    for case in results.cases:
-        e, t, theory = case.restitution, case.times, case.theory[against][name]
-        sheet.line(top, against, t, theory, e)
-        for who, found in case.measured.items():
-            sheet.points(top, who, t, found[name], e)
-        sheet.points(below, source, t, case.measured[source][name] / theory, e, largest=0.1)
-    below.axhline(1, color=INK, linewidth=0.8)
-    return sheet
-
-
-def msd(results: runs.Results) -> Made:
-    """<r^2> over time, and over the dilute equation."""
-    system: Any = results.system
-    sheet = _over_time(results, "msd", runs.KINETIC, f"hard {system.scatterers}", "linear")
-    said, (top, below) = "", sheet.axes
-    for case in results.cases:
-        e, t, dense, theory = case.restitution, case.times, case.solved.dense, case.theory
-        if dense is not None:
-            over = dense.msd / theory[runs.KINETIC]["msd"]
-            sheet.line(below, "corrected equation", t, over, e)
-            said = "Lines there: the equation of hard disks at this density, with nothing fitted"
-            said += " here."
-        if system.is_papers_law:
-            sheet.line(top, runs.FIT, t, theory[runs.FIT]["msd"], e)
-    return sheet.done(_TIME, r"$\langle r^2\rangle$  [d²]", "over dilute"), {"said": said}
-
-
-def vdf(results: runs.Results) -> Made:
-    """F(c) at the last time."""
-    sheet, panels = _panels(results, results.cooling)
-    hard, near, reason = f"hard {results.system.scatterers}", [], ""
-    c, at = np.linspace(0.01, 2.5, 120), runs.SPEEDS
+def vdf(system: Cooling, cases: Sequence[CoolingCase]) -> Picture:
+    """Draw F(c) at the last time."""
+    sheet, panels = _draw_panels(system, cases)
+    is_shown = np.less(estimates.SPEEDS, SHOWN_SPEEDS[-1])
     for case, ax in panels:
-        e, inside = case.restitution, at < c[-1]
-        sheet.line(ax, runs.KINETIC, c, runs.last_vdf(case.solved.kinetic)(c), e, named=False)
-        for source, found in case.measured.items():
-            sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
-        sheet.line(ax, "Gaussian", c, gaussian_vdf(c, case.dimension))
-        first, equation = case.measured[hard]["scaled_vdf"], case.theory[runs.KINETIC]["scaled_vdf"]
-        near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
-    most, error, expected, e = max(near)
-    if most > 3 * expected:
-        reason = (
-            f" Near c = 0 {hard} have more (e = {e:g}: {most:.2f} ± {error:.2f}, equation "
-            f"{expected:.2g}): tracers that bounce to and fro between two near scatterers, or in a "
-            "corner of them, come to rest. The dilute equation has no such pairs."
-        )
-    return sheet.done("scaled speed $c = v/v_0$", "$F(c)$"), {"reason": reason}
+        equation = last_vdf(case.solutions.kinetic, SHOWN_SPEEDS)
+        sheet.line(ax, KINETIC, SHOWN_SPEEDS, equation, case.value, in_legend=False)
+        for source, measured in case.measured.items():
+            sheet.points(
+                ax,
+                source,
+                estimates.SPEEDS[is_shown],
+                measured["scaled_vdf"].select(is_shown),
+                case.value,
+                in_legend=False,
+                max_error=MAX_ERROR_OF_VDF,
+            )
+        sheet.line(ax, GAUSSIAN, SHOWN_SPEEDS, gaussian_vdf(SHOWN_SPEEDS, case.dimension))
+    figure = sheet.finish("scaled speed $c = v/v_0$", "$F(c)$")
+    return Picture(figure, {"reason": _explain_slow_tracers(system, cases)})
 
 
-def position(results: runs.Results) -> Made:
-    """G(R) at the last time."""
-    sheet, panels = _panels(results, results.cases)
-    r, at = np.linspace(0.04, 6.0, 120), runs.DISTANCES
+def _explain_slow_tracers(system: Cooling, cases: Sequence[CoolingCase]) -> str:
+    """Return why hard scatterers have more slow tracers; empty where they do not."""
+
+    def density_at_rest(case: CoolingCase) -> float:
+        return float(case.measured[system.hard]["scaled_vdf"].value[0])
+
+    case = max(cases, key=density_at_rest)
+    density = density_at_rest(case)
+    error = float(case.measured[system.hard]["scaled_vdf"].error[0])
+    equation = float(np.asarray(case.theory[KINETIC]["scaled_vdf"])[0])
+    if density <= EXPLAINED_FROM * equation:
+        return ""
+    return (
+        f" Near c = 0 {system.hard} have more (e = {case.value:g}: {density:.2f} ± {error:.2f}, "
+        f"equation {equation:.2g}): tracers that bounce to and fro between two near scatterers, or "
+        "in a corner of them, come to rest. The dilute equation has no such pairs."
+    )
+
+
+def position(system: Cooling, cases: Sequence[CoolingCase]) -> Picture:
+    """Draw G(R) at the last time."""
+    sheet, panels = _draw_panels(system, cases)
+    radii = SHOWN_RADII
     for case, ax in panels:
-        e, d = case.restitution, case.dimension
-        ax.set(yscale="log", ylim=(1e-5, 3.0))
-        g = case.solved.position.scaled_position_density(r)[-1]
-        sheet.line(ax, runs.KINETIC, r, np.where(g > 0, g, np.nan), e, named=False)
-        for source, found in case.measured.items():
-            sheet.points(ax, source, at, found["position"], e, named=False)
-        if results.system.is_papers_law:
-            sheet.line(ax, "paper, peak", r, sonine.position_peak(r))
-            sheet.line(ax, "paper, tail", r[r > 1], sonine.position_tail(r[r > 1]))
-            sheet.line(ax, "paper's integral", r, sonine.position_integral(r))
+        ax.set_yscale("log")
+        ax.set_ylim(POSITION_LIMITS)
+        density = case.solutions.position.scaled_position_density(radii)[-1]
+        shown = np.where(density > 0, density, np.nan)
+        sheet.line(ax, KINETIC, radii, shown, case.value, in_legend=False)
+        for source, measured in case.measured.items():
+            sheet.points(
+                ax,
+                source,
+                estimates.DISTANCES,
+                measured["position"],
+                case.value,
+                in_legend=False,
+            )
+        if system.is_papers_law:
+            far = radii[radii > TAIL_FROM]
+            sheet.line(ax, PEAK, radii, sonine.position_peak(radii))
+            sheet.line(ax, TAIL, far, sonine.position_tail(far))
+            sheet.line(ax, INTEGRAL, radii, sonine.position_integral(radii))
         else:  # as of c: a density in the plane or in space
-            surface = d * runs.ball(d) * r ** (d - 1)
-            sheet.line(ax, "Gaussian", r, surface * gaussian_vdf(r, d))
-    return sheet.done("scaled distance $R$", "$G(R)$"), {}
+            d = case.dimension
+            surface = d * estimates.unit_ball(d) * radii ** (d - 1)
+            sheet.line(ax, GAUSSIAN, radii, surface * gaussian_vdf(radii, d))
+    return Picture(sheet.finish("scaled distance $R$", "$G(R)$"))
 
 
-def kurtosis(results: runs.Results) -> Made:
-    """<r^4>/<r^2>^2 over time."""
-    sheet = _Sheet(results.system)
+def kurtosis(system: Cooling, cases: Sequence[CoolingCase]) -> Picture:
+    """Draw <r^4>/<r^2>^2 over time."""
+    sheet = Sheet(system)
     (ax,) = sheet.axes
     ax.set_xscale("log")
-    for case in results.cases:
-        late = case.solved.late
-        sheet.line(ax, runs.KINETIC, late.times, late.kurtosis, case.restitution)
-        for source, found in case.measured.items():
-            sheet.points(ax, source, case.times, found["kurtosis"], case.restitution)
-    ends = [results.cases[0].times[0], runs.LATEST]
-    sheet.line(ax, "Gaussian", ends, 1 + 2 / results.cases[0].dimension)
-    if results.system.is_papers_law:
-        sheet.line(ax, "paper's integral", ends, PAPER_KURTOSIS)
-    return sheet.done(_TIME, r"$\langle r^4\rangle/\langle r^2\rangle^2$"), {}
+    for case in cases:
+        late = case.solutions.late
+        sheet.line(ax, KINETIC, late.times, late.kurtosis, case.value)
+        for source, measured in case.measured.items():
+            sheet.points(ax, source, case.times, measured["kurtosis"], case.value)
+    ends = [cases[0].times[0], LATEST_TIME]
+    sheet.line(ax, GAUSSIAN, ends, 1 + 2 / cases[0].dimension)
+    if system.is_papers_law:
+        sheet.line(ax, INTEGRAL, ends, PAPER_KURTOSIS)
+    return Picture(sheet.finish(TIME_LABEL, r"$\langle r^4\rangle/\langle r^2\rangle^2$"))
 
 
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------
-def _over_e(results: runs.Results, *names: str) -> _Sheet:
-    """Steady averages over e, and particles over the solver."""
-    sheet = _Sheet(results.system, (2.4, 1.15))
+def _draw_over_restitution(system: Driven, cases: Sequence[DrivenCase], *observables: str) -> Sheet:
+    """Draw steady averages over e, and particles over the solver."""
+    sheet = Sheet(system, TWO_ROWS)
     top, below = sheet.axes
-    e = np.array([case.restitution for case in results.cases])
-    for k, name in enumerate(names):
-        found = [case.measured[runs.FREE][name] for case in results.cases]
-        value, error = (np.array([getattr(x, n) for x in found]) for n in ("value", "error"))
-        measured, group = runs.Measured(value, error), (OBSERVABLES[name][1], k)
-        solved = np.array([case.theory[runs.SOLVER][name] for case in results.cases])
-        sheet.line(top, runs.SOLVER, e, solved, group)
-        sheet.points(top, runs.FREE, e, measured, group)
-        sheet.points(below, runs.FREE, e + 0.004 * k, measured / solved, group)
+    e: FloatArray = np.array([case.value for case in cases])
+    for index, name in enumerate(observables):
+        estimates_of_cases = [case.measured[FREE][name] for case in cases]
+        values = np.array([estimate.value for estimate in estimates_of_cases])
+        errors = np.array([estimate.error for estimate in estimates_of_cases])
+        measured = Measured(values, errors)
+        solved = np.array([float(case.theory[SOLVER][name]) for case in cases])
+        group = Group(report_words().observables[name].short, index)
+        sheet.line(top, SOLVER, e, solved, group)
+        sheet.points(top, FREE, e, measured, group)
+        sheet.points(below, FREE, e + SHIFT * index, measured / solved, group)
     below.axhline(1, color=INK, linewidth=0.8)
-    top.set(ylim=(0, None), xlim=(-0.02, 1.0))
+    top.set_xlim(-0.02, 1.0)
+    top.set_ylim(bottom=0)
     return sheet
 
 
-def drift(results: runs.Results) -> Made:
-    """Drift over e."""
-    sheet, d = _over_e(results, "drift"), results.cases[0].dimension
-    sheet.line(sheet.axes[0], "limiting law", _FINE, limiting_drift(_FINE, d))
-    return sheet.done(_RESTITUTION, "drift $u$  [√(gl)]", "over the solver"), {}
+def drift(system: Driven, cases: Sequence[DrivenCase]) -> Picture:
+    """Draw the drift over e."""
+    sheet = _draw_over_restitution(system, cases, "drift")
+    limit = limiting_drift(FINE_RESTITUTIONS, system.dimension)
+    sheet.line(sheet.axes[0], LIMITING_LAW, FINE_RESTITUTIONS, limit)
+    return Picture(sheet.finish(RESTITUTION_LABEL, "drift $u$  [√(gl)]", RATIO_TO_SOLVER))
 
 
-def dispersion(results: runs.Results) -> Made:
-    """Both coefficients over e."""
-    sheet = _over_e(results, "diffusion_parallel", "diffusion_perpendicular")
-    return sheet.done(_RESTITUTION, "$D$  [√(gl³)]", "over the solver"), {}
+def dispersion(system: Driven, cases: Sequence[DrivenCase]) -> Picture:
+    """Draw both coefficients of dispersion over e."""
+    names = ("diffusion_parallel", "diffusion_perpendicular")
+    sheet = _draw_over_restitution(system, cases, *names)
+    return Picture(sheet.finish(RESTITUTION_LABEL, "$D$  [√(gl³)]", RATIO_TO_SOLVER))
 
 
-def _driven(name: str, y: str, scale: str = "log", time: str = "[l/U]") -> Callable[..., Made]:
-    """The figure of an average over time, and of particles over the solver."""
+def from_rest(system: Driven, cases: Sequence[DrivenCase]) -> Picture:
+    """Draw the mean velocity of tracers that start at rest in a field."""
+    sheet = Sheet(system, TWO_ROWS)
+    sheet.axes[0].set_yscale("log")
+    _draw_over_time(cases, sheet, "drift_from_rest", SOLVER, FREE)
+    return Picture(sheet.finish("time $t$  [√(l/g)]", "$⟨v_z⟩$  [√(gl)]", RATIO_TO_SOLVER))
 
-    def made(results: runs.Results) -> Made:
-        sheet = _over_time(results, name, runs.SOLVER, runs.FREE, scale)
-        return sheet.done(f"time $t$  {time}", y, "over the solver"), {}
 
-    return made
+def thermal_speed(system: Driven, cases: Sequence[DrivenCase]) -> Picture:
+    """Draw v0(t)."""
+    sheet = Sheet(system, TWO_ROWS)
+    if system.is_viscoelastic:
+        sheet.axes[0].set_yscale("log")
+    _draw_over_time(cases, sheet, "thermal_speed", SOLVER, FREE)
+    return Picture(sheet.finish("time $t$  [l/U]", "$v_0$  [U]", RATIO_TO_SOLVER))
+
+
+def spread(system: Driven, cases: Sequence[DrivenCase]) -> Picture:
+    """Draw <r^2>(t) of driven tracers."""
+    sheet = Sheet(system, TWO_ROWS)
+    sheet.axes[0].set_yscale("log")
+    _draw_over_time(cases, sheet, "msd", SOLVER, FREE)
+    return Picture(sheet.finish("time $t$  [l/U]", r"$\langle r^2\rangle$  [l²]", RATIO_TO_SOLVER))
+
+
+__all__ = ["VARIABLES", "Drawn", "Picture", "draw_all"]

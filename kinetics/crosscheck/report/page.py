@@ -1,137 +1,160 @@
-"""The report as one HTML page with nothing beside it and as text, and the formulas on it."""
+"""The report as one HTML page with nothing beside it."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
 from itertools import repeat
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kinetics.crosscheck.files import rendered
-from kinetics.crosscheck.report.rows import kept, scale_of
+from kinetics.crosscheck.report.algebra import cite
+from kinetics.crosscheck.report.figures import Drawn
+from kinetics.crosscheck.report.rows import APPROXIMATION, NUMERICAL, scale_of
+from kinetics.crosscheck.report.systems import System
+from kinetics.crosscheck.report.words_of_report import report_words
 from kinetics.crosscheck.words import number, numeral
 
-_WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", "collision")
-"""Labels of the paper that are words or symbols too: they are labels only after "eq."."""
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+#: The document of a report, as its JSON file holds it.
+Document = Mapping[str, Any]
+NO_VALUE = "–"
+# Symbols that differ between the plane and space.
+PLANE = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
+SPACE = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
+#: Digits of a number without an error in the table by restitution.
+SUMMARY_DIGITS = 4
 
 
-def algebra(system: Any) -> list[dict[str, Any]]:
-    """The formulas of the report, derived: title, status, note, and both as text and as MathML."""
-    from derivations import report_subset, verify
+@dataclass(frozen=True)
+class HtmlTable:
+    """A table: its heads, and lines of a name and cells; a line of a name alone is a heading."""
 
-    labels: Iterable[str] = report_subset
-    if not system.is_papers_law:
-        of = system.name if system.name != "report" else str(system.dimension)
-        labels = [f"beyond:{name}" for name in kept()["algebra"][of]]
-    names = ("label", "title", "proof", "note", "printed_mathml", "derived_mathml")
-    return [
-        {name: getattr(check, name) for name in names}
-        | {
-            "status": str(check.status),
-            "printed": "" if check.printed is None else str(check.printed),
-            "derived": "" if check.derived is None else str(check.derived),
-            "numbers": {each.name: float(each.value) for each in check.numbers},
-        }
-        for check in (verify(labels) if labels else ())
-    ]
+    heads: list[str]
+    lines: list[list[Any]]
 
 
-def with_numbers(text: Any) -> Any:
-    """A text, or several, with the numbers of the paper's equations in place of their labels."""
-    if not isinstance(text, str):
-        return [with_numbers(each) for each in text]
-    from derivations.printed import ROWS
-
-    numbers = {label: row.number for label, row in ROWS.items() if row.number}
-    every = sorted(numbers, key=len, reverse=True)
-    sure = [label for label in every if label not in _WORDS]
-    for start, known in ((r"\b(?:eq\. |label )", every), (r"(?<![\w:])", sure)):
-        pattern = rf"{start}({'|'.join(map(re.escape, known))})(?![\w#]|\.\d)"
-        text = re.sub(pattern, lambda match: f"eq. ({numbers[match[1]]})", text)
-    return text
-
-
-def head(system: Any) -> dict[str, str]:
-    """The "title" of the page, its "symbols", the "units" of all numbers, what the equation
-    has "also", and the "parameter" that `restitutions` are.
+def head(system: System) -> dict[str, str]:
+    """Return the "title" of the page, its "symbols", the "units" of all numbers, what the equation
+    has "also", and the "parameter" that differs between cases.
     """
-    words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
-    if system.dimension == 3:
-        words = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
-    found = kept()["head"].get(system.name, kept()["head"]["cooling"])
-    texts = (text.format(**words) for text in found)
+    symbols = SPACE if system.dimension == 3 else PLANE
+    heads = report_words().head
+    texts = heads.get(system.name, heads["cooling"])
     names = ("title", "symbols", "units", "also")
-    return dict(zip(names, texts, strict=True)) | {"parameter": system.parameter}
+    document = {name: text.format(**symbols) for name, text in zip(names, texts, strict=True)}
+    document["parameter"] = system.parameter
+    return document
 
 
 def deviation(row: Mapping[str, Any]) -> str:
-    """A row's relative deviation, with its standard error where it has one."""
+    """Return a row's relative deviation, with its standard error where it has one."""
     value = row["deviation"]
     if value is None:
-        return "–"
-    if row["kind"] == "numerical":
+        return NO_VALUE
+    if row["kind"] == NUMERICAL:
         return numeral(100 * value, ".0e") + " %"
+    if row["kind"] == APPROXIMATION and value >= 1:
+        return f"factor {numeral(1 + value, '.2g')}"
     if row["error"] is None:
-        if value >= 1:
-            return f"factor {numeral(1 + value, '.2g')}"
         return numeral(100 * value, "+.1f") + " %"
     error = float(100 * row["error"] / scale_of(row["observable"], row["theory"]))
     return number(100 * value, error, "+") + " %"
 
 
-def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> str:
-    """The page. Every text of the document is escaped."""
+def render(document: Document, figures: Sequence[Drawn], chance: str) -> str:
+    """Return the page. Every text of the document is escaped."""
+    from markupsafe import Markup
+
+    # Formulas are of this package's own printer, figures are matplotlib's with escaped texts:
+    # nothing of a user's goes in unescaped.
+    settings = document["settings"]
+    cools = "tangential_restitution" in settings
+    dimension = settings["dimension"]
+    is_papers_law = cools and dimension == 2 and settings["tangential_restitution"] == 1
+    rule = "collision"
+    if cools and not is_papers_law:
+        rule = "rule"
+    return rendered(
+        "report.html.j2",
+        {"numeral": numeral, "number": number, "cited": cite},
+        doc=document,
+        chance=chance,
+        today=date.today().isoformat(),
+        formula=Markup,
+        deviation=deviation,
+        figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
+        strip=[_equation(rule), _equation("lorentz")],
+        equations=[_equation(name) for name in _folded_equations(cools, is_papers_law, dimension)],
+        summary=_summary(document),
+        verdicts=_verdicts(document),
+    )
+
+
+def _folded_equations(cools: bool, is_papers_law: bool, dimension: int) -> Iterable[str]:
+    """Return the names of the equations that are folded at the end of the page."""
+    if not cools:
+        return ()
+    kind = "paper" if is_papers_law else str(dimension)
+    return report_words().below[kind]
+
+
+def _equation(name: str) -> "tuple[str, Markup]":
+    """Return what an equation says in words, and its formulas."""
     from markupsafe import Markup
 
     from derivations import printed_equation
     from derivations.printers import mathml
 
-    # Formulas are of this package's own printer, figures are matplotlib's with escaped texts:
-    # nothing of a user's goes in unescaped.
-    filters = {"numeral": numeral, "number": number, "cited": with_numbers}
-    settings = document["settings"]
-    cools, dimension = "tangential_restitution" in settings, settings.get("dimension", 2)
-    papers_law = cools and dimension == 2 and settings["tangential_restitution"] == 1
-    below = kept()["below"]["paper" if papers_law else str(dimension)] if cools else ()
-
-    def equation(name: str) -> tuple[str, Markup]:
-        words, *labels = kept()["equations"][name]
-        # ascending powers read better: 1 - e^2
-        printed = (mathml(printed_equation(x).formula, "rev-lex", "block") for x in labels)
-        return words, Markup("".join(printed))
-
-    return rendered(
-        "report.html.j2", filters, doc=document, chance=chance, formula=Markup, deviation=deviation,
-        figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
-        strip=[equation("collision" if papers_law or not cools else "rule"), equation("lorentz")],
-        equations=[equation(name) for name in below],
-        summary=_summary(document), verdicts=_verdicts(document),
-    )  # fmt: skip
+    words, *labels = report_words().equations[name]
+    # Ascending powers read better: 1 - e^2.
+    formulas = [mathml(printed_equation(label).formula, "rev-lex", "block") for label in labels]
+    return words, Markup("".join(formulas))
 
 
-def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Restitutions, and for each quantity its name and a cell for each of them."""
-    lines: dict[str, dict[float, str]] = {}
-    for row in document["tables"]["summary"]:
-        name, value = row["quantity"], row["value"]
-        sign = "+" if name.endswith("%") else ""
-        shown = numeral(value, "+.1f") if sign else number(value, digits=4)
-        if row["error"]:
-            shown = number(value, row["error"], sign)
-        lines.setdefault(name, {})[row["restitution"]] = shown
-    every = sorted({e for cells in lines.values() for e in cells})
-    return [f"{document['parameter']} = {e:g}" for e in every], [
-        [quantity, *(cells.get(e, "–") for e in every)] for quantity, cells in lines.items()
+def _heads(document: Document, values: Iterable[float]) -> list[str]:
+    """Return the heads of columns, one for each value of the parameter."""
+    return [f"{document['parameter']} = {value:g}" for value in values]
+
+
+def _summary(document: Document) -> HtmlTable:
+    """Return the table of quantities by restitution."""
+    cells_by_quantity: dict[str, dict[float, str]] = {}
+    for record in document["tables"]["summary"]:
+        cells = cells_by_quantity.setdefault(record["quantity"], {})
+        cells[record["restitution"]] = _summary_cell(record)
+    values = sorted({value for cells in cells_by_quantity.values() for value in cells})
+    lines = [
+        [quantity, *(cells.get(value, NO_VALUE) for value in values)]
+        for quantity, cells in cells_by_quantity.items()
     ]
+    return HtmlTable(_heads(document, values), lines)
 
 
-def _verdicts(document: Mapping[str, Any]) -> tuple[list[str], list[list[Any]]]:
-    """Restitutions, and lines: a heading, or who against whom and the row of each restitution."""
-    every = sorted({row["restitution"] for row in document["rows"]})
+def _summary_cell(record: Mapping[str, Any]) -> str:
+    """Return a number of the summary as text: per cents with a sign, errors where there are any."""
+    is_percent = record["quantity"].endswith("%")
+    sign = "+" if is_percent else ""
+    if record["error"]:
+        return number(record["value"], record["error"], sign)
+    if is_percent:
+        return numeral(record["value"], "+.1f")
+    return number(record["value"], digits=SUMMARY_DIGITS)
+
+
+def _verdicts(document: Document) -> HtmlTable:
+    """Return the table of all rows: a heading for each observable, a line for who against whom."""
     groups: dict[str, dict[str, dict[float, Any]]] = {}
     for row in document["rows"]:
-        heading = f"{kept()['observables'][row['observable']][0]}, {row['system']}"
-        who = groups.setdefault(heading, {}).setdefault(f"{row['source']} / {row['against']}", {})
-        who[row["restitution"]] = row
-    lines = list[list[Any]]()
-    for heading, whos in groups.items():
-        lines += [[heading], *([w, *map(x.get, every, repeat("–"))] for w, x in whos.items())]
-    return [f"{document['parameter']} = {e:g}" for e in every], lines
+        observable = report_words().observables[row["observable"]]
+        lines_of_group = groups.setdefault(f"{observable.title}, {row['system']}", {})
+        rows_of_line = lines_of_group.setdefault(f"{row['source']} / {row['against']}", {})
+        rows_of_line[row["restitution"]] = row
+    values = sorted({row["restitution"] for row in document["rows"]})
+    lines: list[list[Any]] = []
+    for heading, lines_of_group in groups.items():
+        lines.append([heading])
+        for name, rows_of_line in lines_of_group.items():
+            lines.append([name, *map(rows_of_line.get, values, repeat(NO_VALUE))])
+    return HtmlTable(_heads(document, values), lines)

@@ -1,235 +1,459 @@
 """The findings of a report in words, and the small tables that the words point to.
 
 A number that belongs to one restitution stands in a table, beside its e; each finding is said once.
-Sentences are in `templates/report.json`, with "{words}" that are filled here.
+Sentences are in `templates/report.json`, with "{words}" that are filled in `story.py`.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from pandas import DataFrame
 
-from kinetics.crosscheck.report import runs
-from kinetics.crosscheck.report.figures import exact_rates, limiting_drift
-from kinetics.crosscheck.report.rows import OBSERVABLES, kept
-from kinetics.crosscheck.report.systems import Driven
+from kinetics.crosscheck.report import algebra, rows
+from kinetics.crosscheck.report.algebra import AlgebraRow, Erratum
+from kinetics.crosscheck.report.cases import (
+    EXACT,
+    FIT,
+    FREE,
+    KINETIC,
+    SOLVER,
+    CoolingCase,
+    DrivenCase,
+    FloatArray,
+    Measured,
+    Results,
+)
+from kinetics.crosscheck.report.curves import exact_rates, limiting_drift
+from kinetics.crosscheck.report.systems import Cooling, Driven
+from kinetics.crosscheck.report.words_of_report import report_words
 from kinetics.crosscheck.words import AGREES_BELOW, Verdict, numeral
 
-HOLDS, FAILS = "holds", "does not hold"
-CLOSE = 0.01  # relative: a drift, or the limit of d<r^2>/d ln t, from which on it is reached
-Record = dict[str, Any]
-_WORDS: dict[str, Any] = kept()["story"]
+HOLDS = "holds"
+FAILS = "does not hold"
+#: Relative difference from a limit (of a drift, of d<r^2>/d ln t) from which on it is reached.
+REACHED_WITHIN = 0.01
+#: Exponent n of a tail exp(-a R^n) below which it is called exponential. Chosen.
+EXPONENTIAL_BELOW = 1.1
+#: Radius R at which the tail of G(R) is looked at. The origin is not recorded.
+TAIL_RADIUS = 4.0
+#: Per cents from which on a range of differences is told without decimals.
+WHOLE_PERCENTS_FROM = 5
+#: Observables whose agreement a finding tells in numbers.
+TOLD_OBSERVABLES = ("thermal_speed", "msd", "drift")
+NARROW_SPACE = "\u202f"
 
 
-class Story(NamedTuple):
-    """Findings first, the paper's claims, tables of tidy records: "summary" has quantity,
-    restitution, value and error.
-    """
+@dataclass(frozen=True)
+class SummaryRecord:
+    """A number of the table of the findings, at one restitution."""
+
+    quantity: str
+    restitution: float
+    value: float
+    error: float | None = None
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim of the paper: where it stands and in which words, whether it holds, and why."""
+
+    claim: str
+    place: str
+    words: str
+    judgement: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Story:
+    """What was compared, the findings, one line, the paper's claims and errata, and tables."""
 
     compared: str
     findings: list[str]
     line: str
-    claims: Sequence[dict[str, str]] = ()
-    tables: Mapping[str, list[Record]] = {}
+    tables: Mapping[str, list[SummaryRecord]]
+    claims: Sequence[Claim] = ()
+    errata: Sequence[Erratum] = ()
 
 
-def tell(results: runs.Results, table: Any, checks: Sequence[Record]) -> Story:
-    """The story of any report; `checks` are the rows of the algebra."""
-    if isinstance(results.system, Driven):
-        return _driven(results, table)
-    return _cooling(results, table, checks)
+def tell_story(results: Results, table: DataFrame, checks: Sequence[AlgebraRow]) -> Story:
+    """Return the story of any report; `checks` are the rows of the algebra."""
+    system = results.system
+    if isinstance(system, Driven):
+        return _story_of_driven(results.driven, system, table)
+    if isinstance(system, Cooling):
+        return _story_of_cooling(results, system, table, checks)
+    raise TypeError(f"no story of a {type(system).__name__}")
 
 
+# -- sentences of all reports ----------------------------------------------------------------------
 def span(values: Iterable[float], form: str) -> str:
-    """Smallest to largest of some numbers, as a sentence says it; NaN is left out."""
-    known = [v for v in values if math.isfinite(v)]
-    if not known:
+    """Return the smallest and the largest of some numbers, as a sentence says it, without NaN."""
+    finite = [value for value in values if math.isfinite(value)]
+    if not finite:
         return "–"
-    low, high = (numeral(f(known), form) for f in (min, max))
-    return low if low == high else f"{low} to {high}"
+    low = numeral(min(finite), form)
+    high = numeral(max(finite), form)
+    if low == high:
+        return low
+    return f"{low} to {high}"
 
 
-def off(values: Sequence[float]) -> str:
-    """Relative differences as a range of per cent: "15 to 20 % below"."""
+def range_of_differences(values: Sequence[float]) -> str:
+    """Return relative differences as a range of per cent: "15 to 20 % below"."""
     percents = [100 * value for value in values]
-    form = ".0f" if all(abs(p) >= 5 for p in percents) else ".1f"
-    for sign, word in ((-1, "below"), (1, "above")):
-        if all(p * sign > 0 for p in percents):
-            return f"{span([p * sign for p in percents], form)} % {word}"
+    is_coarse = all(abs(percent) >= WHOLE_PERCENTS_FROM for percent in percents)
+    form = ".0f" if is_coarse else ".1f"
+    if all(percent < 0 for percent in percents):
+        return f"{span([-percent for percent in percents], form)} % below"
+    if all(percent > 0 for percent in percents):
+        return f"{span(percents, form)} % above"
     return f"{span(percents, '+' + form)} % from"
 
 
-def agreement(table: Any) -> str:
-    """In how many comparisons that could have shown a difference particles and solver show none."""
-    strict = table[(table.kind == "statistical") & (table.source == runs.FREE)]
-    tested = strict[strict.verdict != Verdict.NOT_TESTED]
-    same, blind = int((tested.verdict == Verdict.AGREES).sum()), len(strict) - len(tested)
-    within = [
-        f"{OBSERVABLES[name][1]} within {numeral(100 * rows.within.max(), '.2g')} %"
-        for name in ("thermal_speed", "msd", "drift")
-        if len(rows := tested[tested.observable == name])
-    ]
-    solver = table[table.kind == "numerical"]
-    met = f"{int((solver.verdict == Verdict.AGREES).sum())} of {len(solver)}"
-    return str(_WORDS["agreement"]).format(
-        same=same, tested=len(tested), within=f": {', '.join(within)}" if within else "",
-        blind=f" that could show a difference of 10 % ({blind} could not)" if blind else "",
-        solver=f". The solver meets the closed forms in {met}" if len(solver) else "",
-    )  # fmt: skip
-
-
-def chance(table: Any) -> str:
-    """What the verdicts allow for, and what they expect by chance."""
-    rows = int((table.kind == "statistical").sum())
-    expected = numeral(rows * math.erfc(AGREES_BELOW / math.sqrt(2)), ".2g")
-    return str(_WORDS["chance"]).format(rows=rows, expected=expected)
-
-
-def _cooling(results: runs.Results, table: Any, checks: Sequence[Record]) -> Story:
-    system: Any = results.system
-    of, cases, paper = system.scatterers, results.cooling, system.is_papers_law
-    told, first, rates = _WORDS["cooling"], results.cases[0], ""
-    free, hard = (f"{first.samples(name):,}".replace(",", "\u202f") for name in first.runs)
-    both = [(case, case.measured[f"hard {of}"]["msd"].last) for case in results.cases]
-    ends = [msd / case.theory[runs.KINETIC]["msd"][-1] for case, msd in both]
-    # the second order was fitted to other runs
-    left = [float(r2.value) / c.solved.dense.msd[-1] - 1 for c, r2 in both if c.solved.dense]
-    words: dict[str, Any] = {
-        "of": of, "free": free, "hard": hard, "density": system.number_density,
-        "rough": "" if system.is_smooth else f", e_t = {system.tangential_restitution:g},",
-        "authors": " (H.-D. Kim and H. Hayakawa)" if paper else "",
-        "rtol": numeral(system.rtol, ".0e"), "power": "³" if system.dimension == 3 else "²",
-        "disks": off([float(ratio.value) - 1 for ratio in ends]),
-        "sure": f"± {span([100 * float(ratio.error) for ratio in ends], '.1f')} %",
-        "corrected": f"; corrected for density, nothing fitted here, {off(left)} it" * bool(left),
-    }  # fmt: skip
-    if paper and cases:
-        e, exact = exact_rates(1.0, 2)
-        of_late = (c.theory[runs.EXACT]["cooling_rate"] / (1 - c.restitution) for c in cases)
-        errata = ", ".join(c["label"] for c in checks if c["status"] == "erratum")
-        words |= {
-            "most": max(exact / (1 - e)), "rates": span(of_late, ".2f"), "checks": len(checks),
-            "errata": f" but {errata}, a misprint" if errata else "",
-        }  # fmt: skip
-        rates = f"exact h/(1 − e) at these e is {words['rates']}, not 1.45; "
-    words |= {"rates_of_paper": rates, "spread": told["spread"].format(**words)}
-    found = told["paper" if rates else "others" if cases else "elastic"]
-    compared, line, *findings = (
-        text.format(**words) for text in (told["compared"], told["line"], *found)
+def agreement(table: DataFrame) -> str:
+    """Return in how many comparisons particles and solver agree, and what was not tested."""
+    with_free = table[(table.kind == rows.STATISTICAL) & (table.source == FREE)]
+    is_tested = with_free.verdict != Verdict.NOT_TESTED
+    tested = with_free[is_tested]
+    limits = []
+    for name in TOLD_OBSERVABLES:
+        limits_of_observable = tested[tested.observable == name].within
+        if len(limits_of_observable):
+            within = numeral(100 * limits_of_observable.max(), ".2g")
+            limits.append(f"{_short_name(name)} within {within} %")
+    untested = with_free[~is_tested].observable.value_counts()
+    names = [f"{_short_name(str(name))} ({count})" for name, count in untested.items()]
+    solver = table[table.kind == rows.NUMERICAL]
+    n_met = int((solver.verdict == Verdict.AGREES).sum())
+    return (
+        report_words()
+        .story["agreement"]
+        .format(
+            same=int((tested.verdict == Verdict.AGREES).sum()),
+            tested=len(tested),
+            testable=" that could show a difference of 10 %" if names else "",
+            within=f": {', '.join(limits)}" if limits else "",
+            not_tested=f"; not tested: {', '.join(names)}" if names else "",
+            solver=f". The solver meets the closed forms in {n_met} of {len(solver)}"
+            if len(solver)
+            else "",
+        )
     )
-    summary = [row for case in results.cases for row in _summary(case, system)]
-    claims = _claims(cases) if paper and cases else []
-    return Story(compared, [agreement(table), *findings], line, claims, {"summary": summary})
 
 
-def _summary(case: runs.Case, system: Any) -> Iterable[Record]:
-    """What the findings rest on, at one restitution."""
-    e, solved, theory = case.restitution, case.solved, case.theory
-    hard, name = case.measured[f"hard {system.scatterers}"], f"hard {system.scatterers}"
-    unit, over = (1 - e, "/(1 − e)") if system.is_smooth else (1.0, "")
-
-    def row(quantity: str, value: Any, error: float | None = None) -> Record:
-        if isinstance(value, runs.Measured):
-            value, error = float(value.last.value), float(value.last.error)
-        return {"quantity": quantity, "restitution": e, "value": float(value), "error": error}
-
-    def percent(quantity: str, ratio: Any) -> Record:
-        found = row(f"{quantity}, %", ratio)
-        error = None if found["error"] is None else 100 * found["error"]
-        return found | {"value": 100 * (found["value"] - 1), "error": error}
-
-    if case.cools:
-        exact, rate = (float(theory[who]["cooling_rate"]) for who in (runs.EXACT, runs.KINETIC))
-        yield row(f"h{over}, exact, late times", exact / unit)
-        yield percent("… start not yet forgotten", rate / exact)
-        yield percent("… finite density, measured", hard["cooling_rate"] / rate)
-        if solved.dense is not None:
-            speeds = [1 / solved.dense.thermal_speed[k] for k in (solved.early, -1)]
-            window = (case.times[-1] - case.times[solved.early]) * system.half_rate
-            yield percent("… finite density, predicted", (speeds[1] - speeds[0]) / window / rate)
-        yield row(f"h{over}, {name}", hard["cooling_rate"] / unit)
-    yield percent("free path over dilute", hard["free_path"] / theory[runs.KINETIC]["free_path"])
-    kinetic = theory[runs.KINETIC]["msd"][-1]
-    yield percent(f"⟨r²⟩ of {name} at the end over dilute", hard["msd"] / kinetic)
-    if solved.dense is not None:
-        yield percent("⟨r²⟩ at the end over corrected", hard["msd"] / solved.dense.msd[-1])
-    if runs.FIT in theory and case.cools:
-        walk, slope = (theory[runs.FIT][name] for name in ("msd", "msd_slope"))
-        yield percent("⟨r²⟩ at the end over the paper’s walk", hard["msd"] / walk[-1])
-        yield percent("late slope of the walk over dilute", slope / theory[runs.EXACT]["msd_slope"])
-    if case.cools:
-        share = np.maximum.accumulate(solved.late.msd_slope / theory[runs.EXACT]["msd_slope"])
-        time = np.exp(np.interp(1 - CLOSE, share, np.log(solved.late.times)))
-        when = f"time from which d⟨r²⟩/d ln t has {1 - CLOSE:.0%} of its limit, d/U"
-        yield row(when, f"{time:.2g}")
-        yield row("a₂, exact (a Gaussian has 0)", theory[runs.EXACT]["a2"])
-    exponent = solved.position.position_tail((4.0,))[0][-1][0]
-    yield row("tail exponent n at R = 4 (exponential 1, Gaussian 2)", exponent)
-    yield row("kurtosis of the displacement at the end", solved.kinetic.kurtosis[-1])
-    yield row("… at 10⁹ d/U", solved.late.kurtosis[-1])
-    yield row("tracers at rest in corners of hard scatterers", hard["trapped"].value)
+def _short_name(observable: str) -> str:
+    """Return the short name of an observable."""
+    return report_words().observables[observable].short
 
 
-def _claims(cases: Sequence[runs.Case]) -> list[dict[str, str]]:
-    """What the paper claims, where, whether it holds, and why; numbers are in the summary."""
-    tails = [float(c.solved.position.position_tail((4.0,))[0][-1][0]) for c in cases]
-    exponential = max([n for n in tails if math.isfinite(n)], default=math.nan) < 1.1
-    words = {
-        "decades": span([c.theory[runs.EXACT]["msd_slope"] * math.log(10) for c in cases], ".3g"),
-        "tail": HOLDS if exponential else FAILS,
+def expected_by_chance(table: DataFrame) -> str:
+    """Return what the verdicts allow for, and what they expect by chance."""
+    count = int((table.kind == rows.STATISTICAL).sum())
+    expected = numeral(count * math.erfc(AGREES_BELOW / math.sqrt(2)), ".2g")
+    return report_words().story["chance"].format(rows=count, expected=expected)
+
+
+# -- a gas that is left alone ----------------------------------------------------------------------
+def _story_of_cooling(
+    results: Results, system: Cooling, table: DataFrame, checks: Sequence[AlgebraRow]
+) -> Story:
+    """Return the story of a gas that is left alone."""
+    words = report_words()
+    is_judged = system.is_papers_law and bool(results.inelastic)
+    errata = algebra.errata(checks)
+    sentences = _system_words(results, system) | _spread_words(results, system)
+    sentences["rates_of_paper"] = ""
+    findings = words.findings["elastic"]
+    if is_judged:
+        sentences |= _rate_words(results.inelastic)
+        sentences["errata"] = _errata_sentence(errata)
+        findings = words.findings["paper"]
+    elif results.inelastic:
+        findings = words.findings["others"]
+    sentences["spread"] = words.cooling["spread"].format(**sentences)
+    summary: list[SummaryRecord] = []
+    for case in results.cooling:
+        summary += _summary(case, system)
+    return Story(
+        compared=words.cooling["compared"].format(**sentences),
+        findings=[agreement(table), *(text.format(**sentences) for text in findings)],
+        line=words.cooling["line"].format(**sentences),
+        tables={"summary": summary},
+        claims=_claims(results.inelastic) if is_judged else [],
+        errata=errata,
+    )
+
+
+def _system_words(results: Results, system: Cooling) -> dict[str, str]:
+    """Return the words that say what was compared."""
+    first = results.cooling[0]
+    tangential = f", e_t = {system.tangential_restitution:g},"
+    return {
+        "of": system.scatterers,
+        "free": f"{first.sizes[FREE].total:,}".replace(",", NARROW_SPACE),
+        "hard": f"{first.sizes[system.hard].total:,}".replace(",", NARROW_SPACE),
+        "density": f"{system.number_density:g}",
+        "rough": "" if system.is_smooth else tangential,
+        "authors": " (H.-D. Kim and H. Hayakawa)" if system.is_papers_law else "",
+        "rtol": numeral(system.rtol, ".0e"),
+        "power": "³" if system.dimension == 3 else "²",
     }
-    names = ("claim", "place", "judgement", "text")
-    return [
-        dict(zip(names, (text.format(**words) for text in claim), strict=True))
-        for claim in kept()["claims"]
-    ]
+
+
+def _spread_words(results: Results, system: Cooling) -> dict[str, str]:
+    """Return how far hard scatterers spread beside the dilute and the corrected equation."""
+    ratios = []
+    corrected = []
+    for case in results.cooling:
+        msd = case.measured[system.hard]["msd"].last
+        ratios.append(msd / _last(case, KINETIC, "msd"))
+        if case.solutions.dense is not None:
+            # The second order of the correction was fitted to other runs.
+            corrected.append(float(msd.value) / case.solutions.dense.msd[-1] - 1)
+    errors = span([100 * float(ratio.error) for ratio in ratios], ".1f")
+    of_corrected = ""
+    if corrected:
+        difference = range_of_differences(corrected)
+        of_corrected = f"; corrected for density, nothing fitted here, {difference} it"
+    return {
+        "disks": range_of_differences([float(ratio.value) - 1 for ratio in ratios]),
+        "sure": f"± {errors} %",
+        "corrected": of_corrected,
+    }
+
+
+def _rate_words(cases: Sequence[CoolingCase]) -> dict[str, str]:
+    """Return the exact h/(1 - e), over all e and at those of the report."""
+    restitutions, exact = exact_rates(1.0, 2)
+    rates = span([_number(case, EXACT, "cooling_rate") / (1 - case.value) for case in cases], ".2f")
+    return {
+        "most": f"{max(exact / (1 - restitutions)):.2f}",
+        "rates": rates,
+        "rates_of_paper": f"exact h/(1 − e) at these e is {rates}, not 1.45; ",
+    }
+
+
+def _errata_sentence(errata: Sequence[Erratum]) -> str:
+    """Return how many of the printed formulas are in error; empty where none was found."""
+    if not errata:
+        return ""
+    count = "Nine" if len(errata) == 9 else str(len(errata))
+    return report_words().cooling["errata"].format(count=count)
+
+
+def _last(case: CoolingCase, source: str, observable: str) -> float:
+    """Return the last value of what a source says of an observable."""
+    return float(np.ravel(case.theory[source][observable])[-1])
+
+
+def _number(case: CoolingCase, source: str, observable: str) -> float:
+    """Return what a source says of an observable that is one number."""
+    return float(case.theory[source][observable])
+
+
+@dataclass(frozen=True)
+class SummaryWriter:
+    """Makes the records of one restitution."""
+
+    restitution: float
+
+    def record(self, quantity: str, value: float) -> SummaryRecord:
+        """Return a number without an error."""
+        return SummaryRecord(quantity, self.restitution, float(value))
+
+    def estimate(self, quantity: str, estimate: Measured) -> SummaryRecord:
+        """Return the last value of an estimate."""
+        last = estimate.last
+        return SummaryRecord(quantity, self.restitution, float(last.value), float(last.error))
+
+    def percent(self, quantity: str, ratio: float) -> SummaryRecord:
+        """Return a ratio as the per cent by which it differs from 1."""
+        return SummaryRecord(f"{quantity}, %", self.restitution, 100 * (float(ratio) - 1))
+
+    def percent_of_estimate(self, quantity: str, ratio: Measured) -> SummaryRecord:
+        """Return the last value of a measured ratio in the same way."""
+        last = ratio.last
+        percent = 100 * (float(last.value) - 1)
+        return SummaryRecord(f"{quantity}, %", self.restitution, percent, 100 * float(last.error))
+
+
+def _summary(case: CoolingCase, system: Cooling) -> Iterator[SummaryRecord]:
+    """Yield what the findings rest on, at one restitution."""
+    write = SummaryWriter(case.value)
+    if case.cools:
+        yield from _summary_of_rates(case, system)
+    yield from _summary_of_displacement(case, system)
+    if case.cools:
+        share = np.maximum.accumulate(
+            case.solutions.late.msd_slope / _number(case, EXACT, "msd_slope")
+        )
+        late_times = case.solutions.late.times
+        time = np.exp(np.interp(1 - REACHED_WITHIN, share, np.log(late_times)))
+        limit = f"{1 - REACHED_WITHIN:.0%}"
+        when = f"time from which d⟨r²⟩/d ln t has {limit} of its limit, d/U"
+        yield write.record(when, float(f"{time:.2g}"))
+        yield write.record("a₂, exact (a Gaussian has 0)", _number(case, EXACT, "a2"))
+    exponent = tail_exponent(case)
+    yield write.record("tail exponent n at R = 4 (exponential 1, Gaussian 2)", exponent)
+    kurtosis = case.solutions.kinetic.kurtosis[-1]
+    yield write.record("kurtosis of the displacement at the end", kurtosis)
+    yield write.record("… at 10⁹ d/U", case.solutions.late.kurtosis[-1])
+    trapped = float(case.measured[system.hard]["trapped"].value)
+    yield write.record("tracers at rest in corners of hard scatterers", trapped)
+
+
+def tail_exponent(case: CoolingCase) -> float:
+    """Return n of the tail exp(-a R^n) of G at `TAIL_RADIUS`, at the last time."""
+    exponents, _ = case.solutions.position.position_tail((TAIL_RADIUS,))
+    return float(exponents[-1][0])
+
+
+def _summary_of_rates(case: CoolingCase, system: Cooling) -> Iterator[SummaryRecord]:
+    """Yield the cooling rate, exact, and how the start and the density change it."""
+    write = SummaryWriter(case.value)
+    hard = case.measured[system.hard]["cooling_rate"]
+    exact = _number(case, EXACT, "cooling_rate")
+    rate = _number(case, KINETIC, "cooling_rate")
+    unit = 1.0
+    title = "h"
+    if system.is_smooth:
+        unit = 1 - case.value
+        title = "h/(1 − e)"
+    yield write.record(f"{title}, exact, late times", exact / unit)
+    yield write.percent("… start not yet forgotten", rate / exact)
+    yield write.percent_of_estimate("… finite density, measured", hard / rate)
+    dense = case.solutions.dense
+    if dense is not None:
+        rise = 1 / dense.thermal_speed[-1] - 1 / dense.thermal_speed[case.early]
+        window = (case.times[-1] - case.times[case.early]) * system.half_rate
+        yield write.percent("… finite density, predicted", rise / window / rate)
+    yield write.estimate(f"{title}, {system.hard}", hard / unit)
+
+
+def _summary_of_displacement(case: CoolingCase, system: Cooling) -> Iterator[SummaryRecord]:
+    """Yield the free path and <r^2> of hard scatterers beside what theories say."""
+    write = SummaryWriter(case.value)
+    hard = case.measured[system.hard]
+    free_path = hard["free_path"] / _number(case, KINETIC, "free_path")
+    yield write.percent_of_estimate("free path over dilute", free_path)
+    over_dilute = hard["msd"].last / _last(case, KINETIC, "msd")
+    yield write.percent_of_estimate(f"⟨r²⟩ of {system.hard} at the end over dilute", over_dilute)
+    dense = case.solutions.dense
+    if dense is not None:
+        over_corrected = hard["msd"].last / dense.msd[-1]
+        yield write.percent_of_estimate("⟨r²⟩ at the end over corrected", over_corrected)
+    if FIT in case.theory and case.cools:
+        over_walk = hard["msd"].last / _last(case, FIT, "msd")
+        yield write.percent_of_estimate("⟨r²⟩ at the end over the paper’s walk", over_walk)
+        slope = _number(case, FIT, "msd_slope") / _number(case, EXACT, "msd_slope")
+        yield write.percent("late slope of the walk over dilute", slope)
+
+
+def _claims(cases: Sequence[CoolingCase]) -> list[Claim]:
+    """Return what the paper claims, where, whether it holds, and why."""
+    exponents = [n for n in map(tail_exponent, cases) if math.isfinite(n)]
+    is_exponential = max(exponents, default=math.nan) < EXPONENTIAL_BELOW
+    slopes = [_number(case, EXACT, "msd_slope") * math.log(10) for case in cases]
+    sentences = {
+        "decades": span(slopes, ".3g"),
+        "tail": HOLDS if is_exponential else FAILS,
+        "a2": span([_number(case, EXACT, "a2") for case in cases], ".2f"),
+    }
+    return [Claim(*(text.format(**sentences) for text in claim)) for claim in report_words().claims]
 
 
 # -- driven tracers, and a restitution of the impact speed -----------------------------------------
-def _driven(results: runs.Results, table: Any) -> Story:
-    records: list[Record] = []
-    for case in results.cases:
-        state, said = case.solved, case.theory[runs.SOLVER]
-        if state is None:
-            v0, r2, a2 = (said[n] for n in ("thermal_speed", "msd", "a2"))
-            slope = math.log(v0[-1] / v0[-3]) / math.log(case.times[-1] / case.times[-3])
-            values = {"v₀ at the end": v0[-1], "⟨r²⟩ at the end": r2[-1],
-                      "local power of t in v₀ at the end": slope,
-                      "a₂ at the end": a2[-1]}  # fmt: skip
-        elif state.field:
-            over = said["drift_from_rest"] / state.drift
-            away = [-1, *np.flatnonzero(abs(over - 1) > CLOSE)][-1]
-            names = ("diffusion_parallel", "diffusion_perpendicular", "drift", "mean_speed")
-            values = {OBSERVABLES[name][1]: said[name] for name in names}
-            values |= {"D⊥/D∥": said[names[1]] / said[names[0]],
-                       "overshoot of ⟨v_z⟩ from rest, %": 100 * (np.max(over) - 1),
-                       f"within {CLOSE:.0%} of u from t": case.times[away + 1]}  # fmt: skip
-        else:
-            values = {
-                "v₀, steady": state.thermal_speed,
-                "a₂, steady": state.a2 if abs(state.a2) > state.rtol else 0.0,
-                "collision rate": state.collision_rate, "D": state.diffusion_coefficient,
-                "mobility μ": state.mobility,
-                "μ⟨vₓ²⟩/D": state.mobility * state.mean_square_along / state.diffusion_coefficient,
-            }  # fmt: skip
-        records += [
-            {"quantity": name, "restitution": case.restitution, "value": float(x), "error": None}
-            for name, x in values.items()
-        ]
+@dataclass(frozen=True)
+class Span:
+    """A word of a finding: the range of a quantity of the summary, in a format."""
 
-    forms = {
-        "diffusion": ("D", ".4g"), "a2": ("a₂, steady", ".3g"), "einstein": ("μ⟨vₓ²⟩/D", ".4g"),
-        "power": ("local power of t in v₀ at the end", ".3g"), "msd": ("⟨r²⟩ at the end", ".4g"),
-        "ratio": ("D⊥/D∥", ".2f"),
-    }  # fmt: skip
-    words = {
-        word: span([r["value"] for r in records if r["quantity"] == name], form)
-        for word, (name, form) in forms.items()
+    quantity: str
+    form: str
+
+
+DRIVEN_SPANS = {
+    "diffusion": Span("D", ".4g"),
+    "a2": Span("a₂, steady", ".3g"),
+    "einstein": Span("μ⟨vₓ²⟩/D", ".4g"),
+    "power": Span("local power of t in v₀ at the end", ".3g"),
+    "msd": Span("⟨r²⟩ at the end", ".4g"),
+    "ratio": Span("D⊥/D∥", ".2f"),
+}
+
+
+def _story_of_driven(cases: Sequence[DrivenCase], system: Driven, table: DataFrame) -> Story:
+    """Return the story of driven tracers."""
+    records: list[SummaryRecord] = []
+    for case in cases:
+        for quantity, value in _driven_summary(case).items():
+            records.append(SummaryRecord(quantity, case.value, float(value)))
+    sentences: dict[str, str] = {"of": system.scatterers}
+    for word, wanted in DRIVEN_SPANS.items():
+        values = [record.value for record in records if record.quantity == wanted.quantity]
+        sentences[word] = span(values, wanted.form)
+    for name, strength in system.drive.items():
+        sentences[name] = f"{strength:g}"
+    sentences["constant"] = f"{float(limiting_drift(0.0, system.dimension)):.4f}"
+    words = report_words()
+    compared, first, last = (text.format(**sentences) for text in words.driven[system.name])
+    agree = agreement(table)
+    return Story(
+        compared=words.story["driven"].format(what=compared),
+        findings=[first, agree, last],
+        line=f"Finding: {agree}",
+        tables={"summary": records},
+    )
+
+
+def _driven_summary(case: DrivenCase) -> Mapping[str, float]:
+    """Return what the findings rest on, by name."""
+    if case.state is None:
+        return _decay_summary(case)
+    if case.state.field:
+        return _field_summary(case, case.state.drift)
+    state = case.state
+    einstein = state.mobility * state.mean_square_along / state.diffusion_coefficient
+    return {
+        "v₀, steady": state.thermal_speed,
+        "a₂, steady": state.a2 if abs(state.a2) > state.rtol else 0.0,
+        "collision rate": state.collision_rate,
+        "D": state.diffusion_coefficient,
+        "mobility μ": state.mobility,
+        "μ⟨vₓ²⟩/D": einstein,
     }
-    system: Any = results.system
-    words |= {"of": system.scatterers, **system.drive}
-    words |= {"constant": f"{limiting_drift(0.0, system.dimension):.4f}"}
-    what, first, last = (t.format(**words) for t in _WORDS["driven"][system.name])
-    compared, agree = _WORDS["driven"]["compared"].format(what=what), agreement(table)
-    return Story(compared, [first, agree, last], f"Finding: {agree}", tables={"summary": records})
+
+
+def _decay_summary(case: DrivenCase) -> Mapping[str, float]:
+    """Return the last averages of tracers that nothing drives."""
+    averages = case.theory[SOLVER]
+    speeds = np.asarray(averages["thermal_speed"])
+    fall = math.log(speeds[-1] / speeds[-3])
+    return {
+        "v₀ at the end": speeds[-1],
+        "⟨r²⟩ at the end": np.asarray(averages["msd"])[-1],
+        "local power of t in v₀ at the end": fall / math.log(case.times[-1] / case.times[-3]),
+        "a₂ at the end": np.asarray(averages["a2"])[-1],
+    }
+
+
+def _field_summary(case: DrivenCase, drift: float) -> Mapping[str, float]:
+    """Return drift and dispersion in a field, and how the drift is reached from rest."""
+    averages = case.theory[SOLVER]
+    summary = {}
+    for name in ("diffusion_parallel", "diffusion_perpendicular", "drift", "mean_speed"):
+        summary[_short_name(name)] = float(averages[name])
+    parallel = float(averages["diffusion_parallel"])
+    perpendicular = float(averages["diffusion_perpendicular"])
+    summary["D⊥/D∥"] = perpendicular / parallel
+    over_drift: FloatArray = np.asarray(averages["drift_from_rest"]) / drift
+    summary["overshoot of ⟨v_z⟩ from rest, %"] = 100 * (float(np.max(over_drift)) - 1)
+    is_away = np.flatnonzero(abs(over_drift - 1) > REACHED_WITHIN)
+    first_within = int(is_away[-1]) + 1 if is_away.size else 0
+    reached_at = math.nan
+    if first_within < len(case.times):
+        reached_at = float(case.times[first_within])
+    summary[f"within {REACHED_WITHIN:.0%} of u from t"] = reached_at
+    return summary

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from kinetics.crosscheck.report import Report, make_report, page
+from kinetics.crosscheck.report import Report, algebra, make_report
 from kinetics.crosscheck.report.systems import DRIVES, Cooling, Driven
 
 TINY = {"count": 400, "media": 12, "tracers": 10, "free_tracers": 2000, "n_times": 6}
@@ -48,7 +48,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Made]:
         stages: list[str] = []
         with pytest.MonkeyPatch.context() as patch:
             if kind != "paper":  # whose derivations take seconds, once
-                patch.setattr(page, "algebra", lambda system: [])
+                patch.setattr(algebra, "derive", lambda system: [])
             report = make_report(SYSTEMS[kind], stages.append)
         folder = tmp_path_factory.mktemp(kind)
         report.write(folder, ("png",) if kind == "elastic" else ())
