@@ -1,7 +1,7 @@
-"""What a Scene may ask for: one table. To add an output, add one row to `ALL_OUTPUTS`.
+"""What a Scene may ask for: one table. To add an output, add a row to `ALL_OUTPUTS`.
 
-Arrays of averages are made by the functions in the table of `kinetics.moments.outputs`, which says
-what they are made of. This file needs no NumPy.
+An average needs a row in the table of `kinetics.moments.outputs` too, with the function that makes
+it and what it is made of. This file needs no NumPy.
 """
 
 from __future__ import annotations

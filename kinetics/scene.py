@@ -80,9 +80,10 @@ class Scene(Storable):
         are over the tracers that still move, of place and collisions over all;
         ``Solution.captured`` is the share that sticks
 
-    With a bath, heating, drag or sticking, or with a restitution that depends on the normal impact speed (in U: a
-    `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact speeds, values)), the
-    outputs are fewer; in a field, and for outputs with a direction, starts are symmetric about x.
+    With a bath, heating, drag or sticking, or with a restitution that depends on the normal impact
+    speed (in U: a `kinetics.Viscoelastic`, a Python function of an array, or a tuple (impact
+    speeds, values)), the outputs are fewer; in a field, and for outputs with a direction, starts
+    are symmetric about x.
 
     Raises InputError (a ValueError), one line that names the argument, its value and what is
     allowed. A scene whose initial state is a Python function cannot be saved to a file: give the

@@ -2,7 +2,8 @@
 
 To add one, write a function that makes its array from `Averages`, and add its row to the table in
 :func:`averaged_outputs`: the row says which averages it is made of, so that its error estimate, and
-what is solved for it, follow. Then name it in :data:`kinetics.outputs.OUTPUTS`.
+what is solved for it, follow. Then add its row to
+`kinetics.outputs.ALL_OUTPUTS`.
 
 Speeds are in U, lengths in d, times in d/U. l is the mean free path and kappa = E[-ln s] the mean
 loss of ln v in a collision.

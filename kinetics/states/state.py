@@ -7,7 +7,9 @@ Speeds are in U, densities in 1/U. Write ``harmonic``, with one of the rules in 
 tables, samples) and `function_points` (functions), ``profile`` if f_m is a function of v, which
 densities need, and ``in_space()`` if the state may start a scene in space and is not isotropic; set
 the attributes of State where their defaults do not fit. ``tests/kinetics/states/test_contract.py``
-tests all this. The shortest example is :class:`kinetics.states.kinds.Rest`.
+tests all this for the states in ``tests/kinetics/example_values.py``. A public state is named in
+`kinetics.names` and ``kinetics/__init__.py`` too. The shortest example is
+:class:`kinetics.states.kinds.Rest`.
 """
 
 from __future__ import annotations
@@ -65,7 +67,7 @@ class State(Storable):
     smooth : whether f_m are smooth functions of ln v, so that the spectral method can be used
     lowest_moment : <v^p> exists for p above it
     peaks : speeds of delta peaks and shares of tracers in them, (n,) each; None for densities
-    kinks : speeds at which the density is not smooth, rising, shape (n,)
+    kinks : speeds at which the density is not smooth, as at a step, rising, shape (n,)
     """
 
     highest_harmonic: int | None = 0

@@ -53,12 +53,13 @@ class Erratum:
 
 def derive(system: System) -> list[AlgebraRow]:
     """Derive the formulas of the report of a system: the paper's, or those beyond it."""
-    from derivations import report_subset, verify
+    from derivations import ERRATA, report_subset, verify
 
     words = report_words()
     labels: list[str]
     if system.is_papers_law:
-        labels = [*report_subset, *(label for label in words.errata if label not in report_subset)]
+        of_errata = [erratum.label for erratum in ERRATA if erratum.label not in report_subset]
+        labels = [*report_subset, *of_errata]
     else:
         kind = str(system.dimension) if system.name == "report" else system.name
         labels = [f"beyond:{name}" for name in words.algebra[kind]]
@@ -90,12 +91,13 @@ def _text_of(formula: object) -> str:
 
 def errata(checks: Sequence[AlgebraRow]) -> list[Erratum]:
     """Return those of the formulas that are errata, in the order of the paper."""
-    changes = report_words().errata
+    from derivations import ERRATA
+
     by_label = {check.label: check for check in checks if check.status == ERRATUM}
     return [
-        Erratum(label, cite(f"eq. {label}"), by_label[label].title, change)
-        for label, change in changes.items()
-        if label in by_label
+        Erratum(item.label, cite(f"eq. {item.label}"), by_label[item.label].title, item.changes)
+        for item in ERRATA
+        if item.label in by_label
     ]
 
 

@@ -25,7 +25,6 @@ class ReportWords:
     ----------
     head : of each kind of system, title, symbols, units and what the equation has beside
     claims : of the paper: claim, place, its own words, judgement, what came out
-    errata : of the algebra: label -> what the misprint changes
     story : sentences of findings
     cooling : of a gas that is left alone, its sentences
     findings : of systems that cool: "paper", "others", "elastic"
@@ -40,7 +39,6 @@ class ReportWords:
 
     head: Texts
     claims: list[list[str]]
-    errata: dict[str, str]
     story: dict[str, str]
     cooling: dict[str, str]
     findings: Texts

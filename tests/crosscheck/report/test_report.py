@@ -217,10 +217,10 @@ def test_the_report_lists_every_erratum_with_what_it_changes(made: Any) -> None:
     errata = {check["label"] for check in document["algebra"] if check["status"] == "erratum"}
     assert len(errata) == 9
     assert {erratum["label"] for erratum in document["errata"]} == errata
+    words = Page(made("paper").page.read_text(encoding="utf-8")).words
     for erratum in document["errata"]:
         assert erratum["place"].startswith("eq. (")
-        assert len(erratum["change"]) > 20
-        assert erratum["change"].split(".")[0] in made("paper").page.read_text(encoding="utf-8")
+        assert " ".join(erratum["change"].split()[:5]) in words
 
 
 def test_each_claim_stands_beside_the_words_of_the_paper(made: Any) -> None:
