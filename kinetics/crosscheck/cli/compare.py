@@ -21,26 +21,27 @@ from kinetics.crosscheck.cli.track_options import (
 
 @click.command(
     epilog=options.example("lorentz compare data.csv -e 0.7 -o compared.html", DATA_HELP),
-    short_help="Compare anybody's particle data with the kinetic equation.",
+    short_help="Compare particle data from any program with the kinetic equation.",
 )
 @data_argument
 @option(
     "-e",
     "--restitution",
     type=float,
-    help="Coefficient of restitution, 0 to 1. [default: an Ensemble's own, or fitted]",
+    help="Coefficient of restitution, 0 to 1. [default: from a saved run, else fitted]",
 )
 @option(
     "--number-density",
     type=float,
-    help="Scatterers per area (volume), in the data's unit of length. [default: as of -e]",
+    help="Scatterers per area (in space per volume), in the data's unit of length. "
+    "[default: from a saved run, else fitted]",
 )
 @system_options
 @option(
     "--field",
     type=float,
     default=0.0,
-    help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.",
+    help="Uniform acceleration along +x, in U^2/d. Drift, speed and variances are compared.",
 )
 @options.mass_option
 @options.drive_options
@@ -49,7 +50,8 @@ from kinetics.crosscheck.cli.track_options import (
 @option(
     "--fail-on",
     type=click.Choice(["differs", "unclear"]),
-    help="End with exit status 1 where data and equation differ (or may: unclear).",
+    help="End with exit status 1 if data and theory differ; with unclear, also if the data cannot "
+    "decide.",
 )
 def compare(
     data: tuple[Path, ...],
@@ -62,11 +64,12 @@ def compare(
     fail_on: str | None,
     **arguments: Any,
 ) -> int:
-    """Compare particle data, from any code, with the kinetic equation.
+    """Compare particle data from any program with the kinetic equation.
 
-    Restitution, density and start are found in the data where they are not specified. Prints the
-    verdict, the numbers of the theory, the clearest deviation and what explains it; with --rows
-    also data, theory and differences over time, and a chi-square for each observable.
+    Restitution, density and initial speeds are estimated from the data unless you specify them.
+    Prints the verdict, the parameters of the theory, the largest deviation and its likeliest cause.
+    With --rows it also prints data, theory and differences over time, and the chi-square of each
+    observable.
     """
     from kinetics import compare as compare_data
 

@@ -20,7 +20,7 @@ from kinetics.crosscheck.cli.track_options import (
 
 @click.command(
     epilog=options.example("lorentz fit data.csv -o fitted.html", DATA_HELP),
-    short_help="Find e and the density.",
+    short_help="Fit restitution and density to particle data.",
 )
 @data_argument
 @system_options
@@ -34,10 +34,10 @@ def fit(
     as_json: bool,
     **arguments: Any,
 ) -> None:
-    """Find restitution and density of the scatterers in particle data, from any code.
+    """Fit the restitution and the density of scatterers to particle data from any program.
 
-    Prints both with their errors, in d and U and in the data's units, the medium that was taken,
-    and how well its theory fits. The page has their joint confidence region.
+    Prints both with their errors, in d and U and in the data's units, the medium that fits best,
+    and the chi-square of its theory. The page of --output shows their joint confidence region.
     """
     from kinetics import fit as fit_data
 

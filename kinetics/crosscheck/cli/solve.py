@@ -134,8 +134,8 @@ OPTIONS_OF_ALL = ("rtol", "output", "as_json")
 USUAL_RTOL = 1e-10
 ROUGH_RTOL = 1e-6
 DRIVEN_RTOL = 1e-8
-EPILOG = f"""{options.UNITS} The example is a tracer in a bath of scatterers four times as heavy;
-without --steady the same over time."""
+EPILOG = f"""{options.UNITS} The example solves for the steady state of a tracer in a bath of
+scatterers four times as heavy; without --steady it is solved over time."""
 PICTURES = (".png", ".svg", ".pdf")
 ENDINGS = (".csv", ".parquet", ".nc", ".h5", *PICTURES)
 DOTS_PER_INCH = 160
@@ -165,44 +165,45 @@ _points = partial(option, type=options.Numbers(), default="")
 @options.dimension_option
 @options.density_option
 @option("--initial", default="gaussian", metavar="NAME|FILE.csv",
-        help="Initial velocities: gaussian, monoenergetic, beam (all along one direction), with "
-        "--field also rest; or a .csv file of two columns, the speed in U and its density in 1/U.")
-@option("--speed", type=float, default=1.0, help="Of monoenergetic or beam, in U.")
+        help="Initial velocities: gaussian; monoenergetic (all speeds alike); beam (all along one "
+        "direction); rest (only with --field); or a .csv file of two columns, the speed in U and "
+        "its density in 1/U.")
+@option("--speed", type=float, default=1.0, help="Speed of the start monoenergetic or beam, in U.")
 @option("--direction", type=float, default=0.0,
-        help="Of beam: its angle to the x axis, in radians.")
+        help="Angle of the start beam to the x axis, in radians.")
 @option("--scatterers", type=options.Scatterers(["dilute", "hard disks", "overlapping"]),
         default="dilute",
-        help="Dilute: the paper's equation; else with the correction for this density.")
+        help="Medium. dilute is the paper's equation; the others include the finite density.")
 @option("--density-order", type=Choice(["leading", "first", "second"]), default="second",
-        help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.")
+        help="Order of the theory for a finite density n: n ln n, n, or a fitted (n ln n)^2.")
 @options.times_option
 @options.until_option
 @option("--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c).")
 @option("--field", type=float, default=0.0,
-        help="A uniform acceleration along x, in U^2/d: averages, and f(v) with --speeds, with it.")
+        help="Uniform acceleration along x, in U^2/d; for averages, and for f(v) with --speeds.")
 @option("--field-steady", is_flag=True,
-        help="Solve the steady state in a uniform field: drift and dispersion, in units of g and "
-        "l.")
+        help="Solve the steady state in a uniform field g: drift and dispersion, in units of g and "
+        "the mean free path l.")
 @options.drive_options
 @option("--steady", is_flag=True,
-        help="Solve the steady state of a driven tracer: lengths are in l, also those of "
-        "--heating, --drag and --field, and speeds in the unit of these options.")
+        help="Solve the steady state of a driven tracer. The unit of length is then the mean free "
+        "path l, also in --heating, --drag and --field.")
 @_points("--field-units", metavar="G,D,RHO",
-         help="With --field-steady, also in your units: the acceleration, the diameter and the "
-         "density of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.")
+         help="With --field-steady: print the results in your units too. Specify acceleration, "
+         "diameter and density of scatterers, such as 9.81,0.001,1e8 in SI units.")
 @option("--outputs", default="thermal_speed,a2,msd",
-        help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
+        help=f"Averages to print, separated by commas: {', '.join(HEADS)}. With --field: "
         f"{', '.join(IN_FIELD)}.")
-@_points("--speeds", help="v in U at which to print f(v).")
-@_points("--radii", help="R at which to print G(R), commas.")
-@_points("--collision-numbers", help="N at which to print averages, commas.")
-@_points("--wave-numbers", help="k in 1/d at which to print F.")
+@_points("--speeds", help="Speeds v in U at which to print f(v), separated by commas.")
+@_points("--radii", help="Radii R at which to print G(R), separated by commas.")
+@_points("--collision-numbers", help="Numbers N of collisions after which to print averages.")
+@_points("--wave-numbers", help="Wave numbers k in 1/d at which to print F(k, t).")
 @option("--rtol", type=float,
-        help="Relative tolerance asked for; by default 1e-10, with --radii or a field 1e-6, of "
-        "other driven tracers over time 1e-8.")
+        help="Relative tolerance. [default: 1e-10; with --radii or a field 1e-6; for other driven "
+        "tracers over time 1e-8]")
 @option("-o", "--output", type=options.Output(*ENDINGS), metavar="FILE",
-        help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF), .h5 "
-        "(for kinetics.load), or a picture of all of it, .png, .svg or .pdf.")
+        help="Write the result to this file: .csv or .parquet (a row for each time), .nc (netCDF), "
+        ".h5 (for kinetics.load), or a figure of all quantities: .png, .svg or .pdf.")
 @options.json_option
 def solve(
     outputs: str,

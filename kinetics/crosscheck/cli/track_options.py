@@ -14,16 +14,17 @@ from kinetics.errors import InputError
 
 Command = Callable[..., Any]
 
-DATA_HELP = """DATA is a table with columns time, x, y and, where known, vx, vy, tracer and medium
-(the configuration of scatterers), one row for each tracer at each time: text (.csv, .tsv, .txt,
-.csv.gz; separated by commas, semicolons, tabs or blanks), .npz, .mat, .h5, or .parquet (with the
-package pyarrow); or a file of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump
-(.dump, .lammpstrj), extended XYZ (.xyz, .extxyz) or GSD (.gsd, with the package gsd). Usual other
-names (t, frame, particle, TRACK_ID, POSITION_X, v_x, replica ...) are known. Rows in which a number
-is missing are left out, and counted. Several files are several runs of the same system. Data are
-only read. Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard
-deviation of one component of the initial velocity), times in d/U, unless --length-unit,
---speed-unit and --time-unit say otherwise."""
+DATA_HELP = """DATA is a table with columns time, x, y and, if known, vx, vy, tracer and medium (the
+number of the configuration of scatterers), one row for each tracer at each time. It may be text
+(.csv, .tsv, .txt, .csv.gz; separated by commas, semicolons, tabs or blanks), .npz, .mat, .h5, or
+.parquet (needs the package pyarrow). DATA may also be a run saved by `lorentz simulate`, or frames
+in H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz) or GSD
+(.gsd, needs the package gsd); or a table of averages with columns such as t, v0, v0_error, msd,
+msd_error. Common other names of columns (t, frame, particle, TRACK_ID, POSITION_X, v_x, replica
+...) are recognised. Rows in which a number is missing are left out and counted. Several files are
+several runs of the same system. Files of data are never changed. Lengths are in d (diameter of a
+scatterer and of the tracer), speeds in U (standard deviation of one component of the initial
+velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit specify others."""
 #: Words for the speeds at time 0, and the name that `kinetics.compare` has for each.
 STARTS = {
     "auto": "auto",
@@ -65,26 +66,29 @@ def system_options(command: Command) -> Command:
             "initial",
             type=Start(),
             default="auto",
-            help="Speeds at time 0: gaussian; one speed (monoenergetic), U for all; beam, U along "
-            "x for all; first frames (data), those of the data; or rest. auto: the first of these "
-            "that the data allow.",
+            help="Velocities at time 0. gaussian; one speed (or monoenergetic): all have the speed "
+            "U; beam: all have the velocity U along x; first frames (or data): the speeds of the "
+            "data at time 0; rest: zero, for driven tracers. auto: the first of these that the "
+            "data allow.",
         ),
         option(
             "--scatterers",
             type=Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
             default="auto",
-            help="dilute: the kinetic equation; auto: as an Ensemble says, or the likeliest.",
+            help="Medium of the theory; dilute is the paper's equation. auto: from a saved run, "
+            "else dilute or hard disks, whichever fits better.",
         ),
         option(
             "--dimension",
             type=click.IntRange(2, 3),
-            help="3: motion among spheres in space, columns z and vz too. "
-            "[default: an Ensemble's, or 2]",
+            help="2: disks in the plane; 3: spheres in space, with columns z and vz. "
+            "[default: from a saved run, else 2]",
         ),
         option(
             "--tangential-restitution",
             type=float,
-            help="Coefficient of tangential restitution, 0 to 1. [default: an Ensemble's, or 1]",
+            help="Coefficient of tangential restitution, 0 to 1. "
+            "[default: from a saved run, else 1]",
         ),
     )
 
@@ -104,23 +108,25 @@ def unit_options(command: Command) -> Command:
             "diameter",
             type=float,
             default=1.0,
-            help="d in the data's unit of length.",
+            help="The diameter d in the data's unit of length.",
         ),
         option(
             "--speed-unit",
             type=float,
-            help="U in the data's unit of speed. [default: 1; fitted to positions alone]",
+            help="The speed U in the data's unit of speed. "
+            "[default: 1; for positions alone, fitted]",
         ),
         option(
             "--time-unit",
             type=float,
-            help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]",
+            help="The time d/U in the data's unit of time. [default: --length-unit divided by "
+            "--speed-unit]",
         ),
         option(
             "--localisation-error",
             type=float,
-            help="Standard deviation of the error of a component of a position, in the data's "
-            "unit of length; 0: none. [default: fitted to positions alone]",
+            help="Standard deviation of the error of each coordinate of a position, in the data's "
+            "unit of length; 0: no error. [default: for positions alone, fitted]",
         ),
     )
 
@@ -133,17 +139,18 @@ def file_options(command: Command) -> Command:
             "--positions",
             type=Choice(["auto", "displacement", "absolute"]),
             default="auto",
-            help="Relative to the place at time 0, or not; auto: absolute if not 0 at time 0.",
+            help="displacement: positions are relative to that at time 0. auto: displacement if "
+            "they are 0 at time 0, else absolute.",
         ),
         option(
-            "--timestep", type=float, help="Time of one step, where a file gives steps (dumps)."
+            "--timestep", type=float, help="Time of one step, for files that count steps (dumps)."
         ),
         option(
             "--frame-interval",
             type=float,
-            help="Time between frames, where a file numbers these.",
+            help="Time between frames, for tables that number frames.",
         ),
-        option("--fps", type=float, help="Frames in a unit of time, instead of --frame-interval."),
+        option("--fps", type=float, help="Frames per unit of time, instead of --frame-interval."),
         option(
             "--decimal",
             type=Choice([".", ","]),
@@ -154,11 +161,11 @@ def file_options(command: Command) -> Command:
             "--columns",
             default="",
             metavar="NAME=THEIRS,...",
-            help="Names of columns in the files, as in time=t_sim,tracer=id.",
+            help="Names of columns in the files, such as time=t_sim,tracer=id.",
         ),
         option(
             "--type",
-            help="Use particles of this type (species) alone, where a file has several.",
+            help="Use only particles of this type (species), for files that have several.",
         ),
     )
 
