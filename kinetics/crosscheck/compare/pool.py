@@ -157,7 +157,11 @@ def gaussian_vectors(covariance: Array, n: int, random: np.random.Generator) -> 
 def _simulated_sums(
     layout: Layout, point: Point, has_velocities: bool, wanted: int
 ) -> tuple[Array, Array | None]:
-    """Return the sums of single tracers, (n, n_times, n_sums), and those over pairs of frames."""
+    """Return the sums of single tracers, (n, n_times, n_sums), and those over pairs of frames.
+
+    What units, noise and tracers at rest do to data is done to each tracer here, and to means in
+    `Theory._as_measured`: the two must say the same.
+    """
     from particles import BoltzmannGrad, simulate
 
     law = layout.law

@@ -120,7 +120,10 @@ class Theory:
         return np.concatenate(parts)
 
     def _as_measured(self, motion: Array, point: Point) -> Array:
-        """Return the theory as data in other units, with noise or with tracers at rest have it."""
+        """Return the theory as data in other units, with noise or with tracers at rest have it.
+
+        `pool._simulated_sums` does the same to simulated tracers.
+        """
         layout = self.layout
         moving = 1.0 - point.at_rest
         values = motion.copy()

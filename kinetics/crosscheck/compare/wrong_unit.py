@@ -1,4 +1,8 @@
-"""Units that do not belong together: before a collision r = v t, whatever the scatterers."""
+"""Units that do not belong together: before a collision r = v t, whatever the scatterers.
+
+It is looked for before all causes; where it is found no cause is looked for. A drift of the whole
+gas would look like a wrong clock.
+"""
 
 from __future__ import annotations
 

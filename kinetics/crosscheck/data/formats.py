@@ -1,5 +1,7 @@
 """Formats of particle data: a format is one function and one row of `READERS`.
 
+What users read of formats is `cli.track_options.DATA_HELP` and examples/docs/tutorials/data.md.
+
 A function is given the path, its name for messages and the options, and returns a
 :class:`~kinetics.crosscheck.data.table.Table`, or a run of `particles`. Nothing in a file is
 executed, links into other files are not followed, and sizes are checked before memory is asked for.
