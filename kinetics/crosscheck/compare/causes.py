@@ -73,8 +73,8 @@ class Cause:
 
 #: Everything that may explain a difference. A new cause of a number that a `Point` has is one row
 #: here, and its first values in `_starts`. A new number is a field of `Point` too, with its limits
-#: in `parameters.LIMITS`, and what it does to data stands twice: in `Theory._as_measured`, of means,
-#: and in `pool._simulated_sums`, of simulated tracers. `wrong_unit` is looked for before all causes.
+#: in `parameters.LIMITS`, and what it does to data stands twice: in `Theory._as_measured`, of
+#: means, and in `pool._simulated_sums`, of simulated tracers. `wrong_unit` is looked for before.
 CAUSES = (
     Cause("finite density", of_positions=True),
     Cause("restitution", "restitution", "e", of_positions=True),
