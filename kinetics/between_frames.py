@@ -36,7 +36,7 @@ SHORTEST_PATH = 1e-9
 #: many move b by 2.5e-10, twice as many by 2e-11 (e = 0, 0.7 and 1).
 POINTS_PER_FOLD = 100
 #: The tolerance of b over that of M; the rest of the tolerance is for the density of the speed.
-#: Origin not recorded; with half or twice of it b is the same to the last digit at rtol 1e-6 and
+#: Chosen: with half or twice of it b is the same to the last digit at rtol 1e-6 and
 #: 1e-8, and it is right to 5e-10 or better.
 SHARE_OF_TOLERANCE = 0.1
 

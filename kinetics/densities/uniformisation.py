@@ -35,8 +35,8 @@ TRANSFORM_FROM = 300
 #: and at twice shares move by 1e-15.
 EMPTY = 1e-25
 #: Collisions of the fastest tracers in one step: so few that the fast end of the axis empties on
-#: the way, so many that the tail of the Poisson distribution (`MORE_SWEEPS`) costs little. Origin
-#: of the number not recorded; at half and at twice nothing moves.
+#: the way, so many that the tail of the Poisson distribution (`MORE_SWEEPS`) costs little. Chosen:
+#: at half and at twice nothing moves.
 COLLISIONS_PER_STEP = 64.0
 #: A step is the last one if less than this fraction of the duration remains. Chosen: rounding.
 REMAINING_NEGLIGIBLE = 1e-15
@@ -45,7 +45,7 @@ POISSON_TAIL = 1e-16
 #: Standard deviations above the mean at which the Poisson average ends at the latest: the weights
 #: there are e^-72. Chosen. Its rounding may hold up the other end.
 MAX_POISSON_DEVIATIONS = 12.0
-#: Sweeps that are added to these, for small means. Origin not recorded; at half and at twice
+#: Sweeps that are added to these, for small means. Chosen: at half and at twice
 #: nothing moves.
 MORE_SWEEPS = 40.0
 #: Results of a transform below this fraction of the largest are rounding, and set to 0: else the

@@ -18,7 +18,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 
 #: Edges of the panels in ln of w, in units of a typical speed, from e^-20, below which the density
-#: does not depend on w, to e^4.5 = 90. Origin not recorded. With `PANEL_POINTS` the error is 1e-8
+#: does not depend on w, to e^4.5 = 90. Chosen: with `PANEL_POINTS` the error is 1e-8
 #: for smooth densities.
 LOG_EDGES = np.arange(-20.0, 4.75, 0.5)
 #: Width of these panels in ln w.
@@ -30,7 +30,7 @@ OWN_PANELS_BELOW = math.exp(-9.0)
 #: How much two values of g at rest, e^20 apart, may differ if g does not vanish there. Chosen: a
 #: smooth g that does vanishes as v, that is by e^-20 in between.
 CONSTANT_WITHIN = 0.1
-#: Gauss points of a panel. Origin not recorded. With 5 smooth densities move by 1e-5 of their
+#: Gauss points of a panel. Chosen: with 5 smooth densities move by 1e-5 of their
 #: largest, with 20 by 2e-10 (e = 0.4 and 0.95).
 PANEL_POINTS = 10
 #: Largest |v_x| that is distinguished, in typical speeds. Chosen: the square of larger ones

@@ -30,17 +30,17 @@ from kinetics.states.state import LogMeasure, State
 
 #: Most samples that are followed as velocities; more are harmonics. Also the number of directions
 #: over which `velocity_density` spreads a sharp speed, and the most velocities of which
-#: `field_evolution` follows each bounce. Origin not recorded. Averages are the same to the
+#: `field_evolution` follows each bounce. Chosen: averages are the same to the
 #: tolerance either way: with 32, 40 samples take 60 s in place of 2 s; with 128, 100 samples take
 #: 4 s in place of 53 s. With half or twice as many directions shares that have not collided move by
 #: 2e-6 (e = 0.7).
 MAX_FOLLOWED = 64
 #: Largest imaginary part of a weight of a harmonic, absolute (the weights of harmonic 0 sum to 1),
-#: that is rounding: a state that is not symmetric about the field has larger ones. Origin not
-#: recorded. The largest measured for symmetric starts is 1e-14, of a beam against the field.
+#: that is rounding: a state that is not symmetric about the field has larger ones. Chosen:
+#: the largest measured for symmetric starts is 1e-14, of a beam against the field.
 SYMMETRIC_BELOW = 1e-9
 #: The tolerance with which the harmonics of a start are represented, over that of the result; who
-#: calls `DrivenStart.of` multiplies with it. Origin not recorded. With half or twice of it
+#: calls `DrivenStart.of` multiplies with it. Chosen: with half or twice of it
 #: averages move by 3e-10 at rtol 1e-6.
 START_SHARE_OF_TOLERANCE = 0.1
 #: Highest power of the speed whose average over the start must be right: v^4 is the highest that

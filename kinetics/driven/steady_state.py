@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 #: Highest power of the speed of a moment that may be requested. Origin not recorded.
 MAX_POWER = 20.0
 #: Speeds of a dataset over the thermal one, sqrt(<v^2>), unless others are specified: up
-#: to where a Gaussian in the plane is 1e-7 of its largest. Origin not recorded; no other number
+#: to where a Gaussian in the plane is 1e-7 of its largest. Chosen: no other number
 #: depends on them.
 SPEEDS_SHOWN = np.linspace(0.025, 4.0, 160)
 #: Angles to the field of a dataset, in units of pi, unless others are specified: along the

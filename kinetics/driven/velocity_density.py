@@ -36,27 +36,27 @@ from kinetics.states.kinds import Beam, VelocitySamples
 from kinetics.states.state import State
 
 #: Edges in radians of the intervals of the angle to the field over which f of tracers that have
-#: collided is averaged: it is steep next to the field. Origin not recorded. With intervals half
+#: collided is averaged: it is steep next to the field. Chosen: with intervals half
 #: or twice as wide the density of the speed moves by 8e-7 of its largest where the start is smooth
 #: (e = 0.5 to 0.9), and by 1e-2 where it is sharp, as no interval resolves its fronts.
 ANGLES_AFTER_COLLISION = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])
 #: The same in radians for tracers that have not collided, which turn to the field with time: each
-#: interval is half as wide as the next. Origin not recorded. With intervals half or twice
+#: interval is half as wide as the next. Chosen: with intervals half or twice
 #: as wide the density of the speed moves by 2e-11 of its largest.
 ANGLES_WITHOUT_COLLISION = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
 #: Speeds at which two solutions are compared, over sqrt(<v^2>) at that time; more of them are
-#: at low speeds, where f is steep. Origin not recorded. With half or twice as many the difference
+#: at low speeds, where f is steep. Chosen: with half or twice as many the difference
 #: is 0.6 to 1.2 times as large.
 COMPARED_SPEEDS_IN_FIELD = np.array(
     [0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2, 1.6, 2.0]
 )
 #: Angles to the field in radians at which two solutions are compared: one next to the field, and
 #: others on both sides, because f of a start that is not symmetric differs there. On the ray along
-#: the field f may be infinite. Origin not recorded. With half or twice as many the difference is
+#: the field f may be infinite. Chosen: with half or twice as many the difference is
 #: 0.8 to 1.1 times as large.
 COMPARED_ANGLES = np.array([0.05, -0.5, 1.3, -2.2, 3.0])
 #: Speeds over sqrt(<v^2>) at that time at which a density may not be below zero, evenly spread over
-#: the bulk, where fronts of a sharp start pass. Origin not recorded. With half or twice as many
+#: the bulk, where fronts of a sharp start pass. Chosen: with half or twice as many
 #: `VelocityDensity.negative` is 0.6 to 1 times as large for tracers of one speed, and from rest up
 #: to 3e-2 in place of 6e-4, which is less than the difference of two solutions there, 0.2.
 CHECKED_SPEEDS = np.linspace(0.1, 2.5, 17)

