@@ -53,16 +53,24 @@ def test_the_steady_state_is_that_of_the_prototype(name: str) -> None:
 
 
 def require_same(found: list[Any], kept: list[Any]) -> None:
-    """The same verdicts, and chi-squares, degrees of freedom and p-values."""
-    assert [found[0], *((row[0], row[4]) for row in found[1:])] == [
-        kept[0], *((row[0], row[4]) for row in kept[1:])
+    """The same verdicts and degrees of freedom, and chi-squares and p-values.
+
+    Those of averages are from 1,000 simulated sets, where another processor may count one more or
+    less; G(R) is solved to what the bins need, to some 1e-4 of a chi-square.
+    """
+    assert [found[0], *((row[0], row[3:]) for row in _without_numbers(found))] == [
+        kept[0], *((row[0], row[3:]) for row in _without_numbers(kept))
     ]  # fmt: skip
-    for one, other in zip(found[1:], kept[1:], strict=True):
-        # G(R) is solved to what the bins need, to some 1e-4 of a chi-square
-        bound = 1e-3 if one[0] == "position_density" else 1e-6
-        np.testing.assert_allclose(
-            np.array(one[1:4], dtype=float), np.array(other[1:4], dtype=float), rtol=bound
-        )
+    for (name, *numbers, _), (_, *expected, _) in zip(found[1:], kept[1:], strict=True):
+        chi_square, freedom, p_value = numbers
+        assert freedom == expected[1]
+        bound = {"speed_density": 1e-6, "position_density": 1e-3}.get(name, 0.05)
+        assert chi_square == pytest.approx(expected[0], rel=bound)
+        assert p_value == pytest.approx(expected[2], abs=0.01 if bound > 0.01 else bound)
+
+
+def _without_numbers(verdicts: list[Any]) -> list[Any]:
+    return [[row[0], None, None, row[4]] for row in verdicts[1:]]
 
 
 def test_what_is_said_of_a_file(tmp_path: Path) -> None:
