@@ -44,6 +44,7 @@ def test_elastic_tracers_are_stationary() -> None:
     assert squares[3, 4] == pytest.approx(squares[0, 3], rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("initial", [Monoenergetic(1.5), SpeedSamples([0.5, 1.0, 2.0])])
 def test_sharp_starts_agree_with_particles(initial: Monoenergetic | SpeedSamples) -> None:
     times = [0.0, 20.0, 100.0]

@@ -119,7 +119,9 @@ class Fit:
 
         The pool has the components of the fit among its own, so that both move together.
         """
-        pool = pool_at(measured, self.point, N_FOR_TEST)
+        pool = self.residuals.pool
+        if not measured.layout.is_same_as(self.measured.layout):
+            pool = pool_at(measured, self.point, N_FOR_TEST)
         influence = None
         if self.free:
             indices = _same_components(self.measured, measured, self.indices)

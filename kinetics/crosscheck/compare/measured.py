@@ -86,6 +86,10 @@ class Layout:
         """The observables that have components."""
         return self.names if self.pairs is None else (*self.names, BETWEEN_FRAMES)
 
+    def is_same_as(self, other: Layout) -> bool:
+        """Return whether the components are those of another layout, in the same order."""
+        return self.names == other.names and np.array_equal(self.times, other.times)
+
     def is_of(self, *names: str) -> Mask:
         """Return which components are of these observables."""
         return np.isin(self.observable, names)

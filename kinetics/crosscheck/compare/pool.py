@@ -83,6 +83,7 @@ class Pool:
         n_tracers: int = N_FOR_WEIGHTS,
     ) -> None:
         self.layout = layout
+        self._draws: dict[int, Array] = {}
         self._sums, self._pair_sums = _simulated_sums(layout, point, has_velocities, n_tracers)
 
     @property
@@ -116,7 +117,15 @@ class Pool:
         return np.asarray(self.influence.T @ self.influence / (self.n_tracers - 1))
 
     def draws(self, n: int) -> Array:
-        """Return shaped deviations of means of n tracers drawn from it, (N_DRAWS, n_components)."""
+        """Return shaped deviations of means of n tracers drawn from it, (N_DRAWS, n_components).
+
+        Those of the last n are kept.
+        """
+        if n not in self._draws:
+            self._draws = {n: self._draw(n)}
+        return self._draws[n]
+
+    def _draw(self, n: int) -> Array:
         random = np.random.default_rng(SEED)
         if n > MAX_DRAWN:
             known = np.nan_to_num(self.covariance)  # the kurtosis has no value at time 0

@@ -34,7 +34,7 @@ def explained(result: Comparison, name: str) -> Any:
     return next(item for item in result.explanations if item.name == name)
 
 
-@pytest.mark.parametrize("e", [0.4, 0.75, 0.9])
+@pytest.mark.parametrize("e", slow_but([0.75], [0.4, 0.75, 0.9]))
 def test_the_right_theory_agrees(e: float) -> None:
     result = compare(made(e), e, DENSITY)
     assert result.verdict == "agrees"
@@ -55,7 +55,7 @@ WRONG: dict[str, tuple[dict[str, Any], str, float]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", slow_but(["restitution", "speed unit"], WRONG))
+@pytest.mark.parametrize("name", slow_but(["restitution"], WRONG))
 def test_what_is_wrong_is_seen_and_named(name: str) -> None:
     """The fitted value is the truth within 3.5 of its errors: once in 2000."""
     told, cause, truth = WRONG[name]
@@ -132,6 +132,7 @@ def test_a_start_of_no_name_is_taken_from_the_data() -> None:
     assert compare(data, 0.65, DENSITY).verdict == "differs"
 
 
+@pytest.mark.slow
 def test_units_that_do_not_belong_together_are_found() -> None:
     for name, part in (("time", "times"), ("speed", "velocities"), ("length", "positions")):
         data = made(0.75) | {part: 1.5 * made(0.75)[part]}
@@ -145,9 +146,8 @@ def test_units_that_do_not_belong_together_are_found() -> None:
     assert (found.verdict, found.parameters["restitution"].value) == ("differs", None)
 
 
-@pytest.mark.parametrize(
-    ("medium", "e"), [("hard disks", 0.7), pytest.param("overlapping", 0.9, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("medium", "e"), [("hard disks", 0.7), ("overlapping", 0.9)])
 def test_a_finite_density_explains_without_a_fitted_number(medium: str, e: float) -> None:
     where: Any = {"hard disks": HardDisks(DENSITY, 5000), "overlapping": Poisson(DENSITY)}[medium]
     run = simulate(
@@ -202,6 +202,7 @@ def test_what_is_not_told_is_found() -> None:
     assert np.all(fitted.to_dataframe("msd")["error"] < known.to_dataframe("msd")["error"])
 
 
+@pytest.mark.slow
 def test_a_model_that_does_not_fit_has_no_value() -> None:
     """Tracers that lose less and less speed, which no restitution, density or medium explains."""
     data = made(0.75)
@@ -237,10 +238,21 @@ def along_x(field: float, dimension: int) -> dict[str, Any]:
     return arrays_of(simulated(medium=BoltzmannGrad(DENSITY, dimension=dimension), **told))
 
 
-@pytest.mark.parametrize("field", [0.05, 0.0])
 @pytest.mark.parametrize(
-    ("axis", "what"),
-    [(1, "positions"), (1, "velocities"), (1, "positions and velocities"), (2, "velocities")],
+    ("field", "axis", "what"),
+    slow_but(
+        [(0.05, 1, "positions and velocities"), (0.0, 2, "velocities")],
+        [
+            (field, axis, what)
+            for field in (0.05, 0.0)
+            for axis, what in (
+                (1, "positions"),
+                (1, "velocities"),
+                (1, "positions and velocities"),
+                (2, "velocities"),
+            )
+        ],
+    ),
 )
 def test_exchanged_components_are_seen_and_named(field: float, axis: int, what: str) -> None:
     data = {k: v.copy() for k, v in along_x(field, axis + 1).items()}
@@ -305,8 +317,7 @@ FAULTS = {
 
 @pytest.mark.parametrize(
     "name",
-    slow_but(["hard disks", "hard disks velocity noise", "dilute position noise",
-              "dilute time offset", "hard disks missing tracers"], FAULTS),
+    slow_but(["hard disks", "hard disks velocity noise", "dilute time offset"], FAULTS),
 )  # fmt: skip
 def test_a_fault_of_real_data_stands_in_the_first_line(name: str) -> None:
     kind, fault = FAULTS[name]

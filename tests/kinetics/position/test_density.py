@@ -118,6 +118,7 @@ def test_a_front_and_a_continuous_part_make_the_whole() -> None:
     assert np.all(found.position_density([130.0])[1] == 0.0)
 
 
+@pytest.mark.slow
 def test_shares_of_a_start_of_sharp_edges_make_the_whole() -> None:
     """Those that have not collided have edges where the speeds of the table have them."""
     found = density(0.6, [6.0], SpeedTable([0.5, 0.500001, 1.5, 1.500001], [0, 1, 1, 0]), 1e-3)
