@@ -43,7 +43,8 @@ Indices = NDArray[np.int64]
 SECOND_MOMENTS = ("thermal_speed", "msd")
 #: Rounds of pool and fit: the second pool is at an estimate that has the weights of the first.
 N_ROUNDS = 2
-#: Step of a coordinate for derivatives. The solver's 1e-7 is then 1e-4 of one.
+#: Step of a coordinate for derivatives: of a logarithm, or of a number over its scale. An error of
+#: 1e-7 of the solver is then one of 1e-4 of a derivative.
 STEP = 1e-3
 #: Newton steps at most. From a first estimate three or four are usual.
 MAX_NEWTON_STEPS = 20
@@ -89,7 +90,7 @@ class Fit:
 
     @property
     def coordinates(self) -> Array:
-        """The fitted numbers, or their logarithms."""
+        """The fitted numbers, or their logarithms, without the scales of `FreeParameter`."""
         values = [float(getattr(self.point, name)) for name in self.names]
         is_logarithm = [parameter.is_logarithm for parameter in self.free]
         logs = zip(values, is_logarithm, strict=True)
@@ -170,7 +171,9 @@ def fit(
 
     Returns
     -------
-    Fit; None where nothing converges, or only at a limit
+    Fit; None where there are fewer averages than numbers, no theory at any start, or where a
+        number runs into a limit that is none of its own (`FreeParameter.is_at_limit`). Where no
+        tracers can be simulated, all logarithms weigh alike.
     """
     estimation = _Estimation.of(measured, point, tuple(free))
     if estimation is None:
@@ -233,10 +236,10 @@ class _Estimation:
         cls, whole: Measured, told: Point, free: tuple[FreeParameter, ...]
     ) -> _Estimation | None:
         """Choose the components; None where they are fewer than the parameters."""
-        names = [name for name in whole.layout.names if name in SECOND_MOMENTS]
-        if whole.layout.pairs is not None:
-            names = []
         pairs = whole.layout.pairs
+        names: list[str] = []  # of positions alone, pairs of frames
+        if pairs is None:
+            names = [name for name in whole.layout.names if name in SECOND_MOMENTS]
         layout = Layout(
             tuple(names), whole.layout.times, whole.layout.law, pairs, whole.layout.presence
         )
@@ -245,8 +248,7 @@ class _Estimation:
         indices = fitted_components(measured)
         if indices.size < len(free):
             return None
-        is_speed = measured.layout.is_of("thermal_speed")[indices]
-        powers = np.where(is_speed, 2.0, 1.0)
+        powers = _powers(measured, indices)
         moments = measured.values[indices] ** powers
         return cls(measured, theory, told, free, indices, powers, moments)
 
@@ -287,7 +289,9 @@ class _Estimation:
         tried = []
         for start in starts:
             at = np.clip(np.asarray(start, float), inner_low, inner_high)
-            cost = float(np.sum(self.log_difference(at) ** 2))
+            cost = np.inf
+            with suppress(ValueError):  # there is no theory at this start
+                cost = float(np.sum(self.log_difference(at) ** 2))
             if np.isfinite(cost):
                 tried.append((cost, at))
         tried.sort(key=lambda pair: pair[0])
@@ -344,7 +348,7 @@ class _Estimation:
     ) -> Array:
         """Return a Newton step of the coordinates that are not held at a limit.
 
-        A coordinate that would leave its limits is held there, and the others are solved for
+        A coordinate at a limit that would leave it is held there, and the others are solved for
         without it.
         """
         is_free = np.ones(at.size, bool)
@@ -415,6 +419,12 @@ def fitted_components(measured: Measured) -> Indices:
     return np.flatnonzero(wanted)
 
 
+def _powers(measured: Measured, indices: Indices) -> Array:
+    """Return to which power components are second moments: 2 for thermal speeds, else 1."""
+    is_speed = measured.layout.is_of("thermal_speed")[indices]
+    return np.where(is_speed, 2.0, 1.0)
+
+
 def _gain(slopes: Array, weights: Array) -> Array:
     """Return A = (D^T W D)^-1 D^T W."""
     weighted = slopes.T @ weights
@@ -425,8 +435,7 @@ def _influence(
     measured: Measured, indices: Indices, slopes: Array, gain: Array, theory: Array
 ) -> Influence:
     """Return how the theory moves with the data of the fitted components."""
-    is_speed = measured.layout.is_of("thermal_speed")[indices]
-    relative = np.where(is_speed, 2.0, 1.0) / theory[indices]
+    relative = _powers(measured, indices) / theory[indices]
     return Influence(indices, slopes @ (gain * relative))
 
 

@@ -123,5 +123,5 @@ def _reader_of(path: Path, where: str) -> Callable[[Path, str, DataOptions], Any
     if ending not in READERS:
         refuse_data(where, f"ending {ending!r}", f"a file {', '.join(READERS)} or .csv.gz")
     if not path.is_file():
-        refuse_data(where, "not a file" if path.exists() else "no such file", "a file")
+        raise InputError(f"{where}: {'it is no file' if path.exists() else 'no such file'}")
     return READERS[ending]
