@@ -15,6 +15,7 @@ import numpy as np
 
 from kinetics.crosscheck.compare.causes import NEAR_BEST, tested_causes
 from kinetics.crosscheck.compare.fit import Fit
+from kinetics.crosscheck.compare.flat_directions import NAMED_FROM, NAMES, UNKNOWN_FROM
 from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.noted import never_move, noted
@@ -41,12 +42,6 @@ SYMBOLS = {
 }
 #: Differences that are said to be excluded are at most this: more says nothing.
 MAX_WITHIN = 10.0
-#: Errors of the restitution, of ln l and of ln U from which on these are not known.
-UNKNOWN_FROM = {"restitution": 0.1, "path": 0.3, "speed_unit": 0.2}
-#: Share of a direction from which on a number is named as a part of it.
-NAMED_FROM = 0.3
-#: How the numbers are named in a sentence.
-NAMES = {"restitution": "e", "path": "the mean free path", "speed_unit": "U"}
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
+from kinetics.crosscheck.compare.flat_directions import NAMED_FROM, NAMES, UNKNOWN_FROM
 from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.point import Point
@@ -56,12 +57,6 @@ UNKNOWN_ERROR = 0.01
 SMALLEST_SIZE = 1e-3
 #: Chi-square above that of the likeliest medium from which one is excluded: odds of 20.
 EXCLUDED_FROM = 6.0
-#: Errors of e and ln l from which on these are not known.
-UNKNOWN_FROM = {"restitution": 0.1, "path": 0.3}
-#: Share of an uncertain direction from which a number is named.
-NAMED_FROM = 0.3
-#: How the numbers are named in a sentence.
-NAMES = {"restitution": "e", "path": "the mean free path"}
 #: Standard errors that hold 95 % of a Gaussian.
 LIMIT_SIGMAS = 1.96
 #: Speeds at which a density is summed, from this fraction of the least thermal speed on.
