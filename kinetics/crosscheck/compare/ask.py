@@ -144,7 +144,16 @@ def compare_data(
     sources = _sources(data)
     averages = _averages(sources, reading)
     if averages is not None:
+        not_of_averages = {
+            "drag": drag,
+            "capture_speed": capture_speed,
+            "localisation_error": localisation_error or 0.0,
+        }
+        for name, value in not_of_averages.items():
+            if value:
+                refuse(name, value, "a table of averages is compared without it")
         if number_density is not None:
+            number_density = check_positive("number_density", number_density)
             number_density *= diameter ** (dimension or 2)
         return compare_averages(
             averages, restitution, number_density, initial, scatterers, dimension
@@ -397,7 +406,6 @@ def _guess_of_speed(sample: Sample) -> float:
 # -- fits ------------------------------------------------------------------------------------------
 def _fits(question: Question) -> list[Fit]:
     """Return what was specified, or the fit of the rest, in each medium; or InputError."""
-    sample = question.sample
     measured = _measured(question)
     if not question.free:
         points = [question.point.with_values(scatterers=medium) for medium in question.media]
@@ -415,7 +423,6 @@ def _fits(question: Question) -> list[Fit]:
             starts = [p.coordinate(getattr(fitted.point, p.name)) for p in free], *starts
     if not fits:
         raise InputError(f"data: {wanted} could not be fitted; give it")
-    assert sample.groups
     return fits
 
 
