@@ -18,6 +18,7 @@ from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.flat_directions import NAMED_FROM, NAMES, UNKNOWN_FROM
 from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
+from kinetics.crosscheck.compare.media import across_media
 from kinetics.crosscheck.compare.noted import never_move, noted
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter, Row
@@ -90,17 +91,25 @@ def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: b
 
 
 def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
-    """Return the likeliest of the fits that agree with the data, or of all.
+    """Return the likeliest of the fits that agree with the data, or of all."""
+    agreeing = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES]
+    return min(agreeing or judged, key=lambda fit: fit.fitted.criterion)
 
-    Its covariance holds how far the numbers of every other medium are that the data do not exclude.
-    """
-    alike = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES] or list(judged)
-    best = min(alike, key=lambda fit: fit.fitted.criterion)
-    covariance = best.fitted.covariance
-    for fit in _not_excluded(judged, best):
-        difference = fit.fitted.coordinates - best.fitted.coordinates
-        covariance = covariance + np.outer(difference, difference)
-    return replace(best, fitted=replace(best.fitted, covariance=covariance))
+
+def _across_media(best: JudgedFit, not_excluded: Sequence[JudgedFit]) -> Fit:
+    """Return the best fit with the values and errors that hold in all media not excluded."""
+    if not not_excluded:
+        return best.fitted
+    fits = [best.fitted, *(other.fitted for other in not_excluded)]
+    middle, covariance = across_media(
+        [fitted.coordinates for fitted in fits], [fitted.covariance for fitted in fits]
+    )
+    values = {
+        parameter.name: math.exp(coordinate) if parameter.is_logarithm else coordinate
+        for parameter, coordinate in zip(best.fitted.free, middle.tolist(), strict=True)
+    }
+    point = best.fitted.point.with_values(**values)
+    return replace(best.fitted, point=point, covariance=covariance)
 
 
 def _not_excluded(judged: Sequence[JudgedFit], best: JudgedFit) -> list[JudgedFit]:
@@ -151,10 +160,12 @@ def _comparison(
         likeliest = explanations[0]
         if likeliest.outcome in ("explains", "found") and likeliest.headline:
             cause = likeliest
-    parameters = _parameters(best.fitted, verdict, found_in_data)
+    not_excluded = _not_excluded(judged, best)
+    reported = _across_media(best, not_excluded)
+    parameters = _parameters(reported, verdict, found_in_data)
     averages = judgement.averages
     clock = _fitted_clock(best.fitted)
-    cannot_tell = _cannot_tell(best.fitted)
+    cannot_tell = _cannot_tell(reported)
     return Comparison(
         verdict=verdict,
         summary=_summary(best, parameters, verdict, cause),
@@ -169,7 +180,7 @@ def _comparison(
         explanations=tuple(explanations),
         numbers=tuple(_row_on_clock(row, clock) for row in judgement.rows),
         medium=point.scatterers,
-        covariance=_covariance_of_two(best.fitted),
+        covariance=_covariance_of_two(reported),
         overall_p_value=judgement.p_value,
         chi_square=None if averages is None else averages.value,
         dof=None if averages is None else averages.freedom,
@@ -178,7 +189,7 @@ def _comparison(
         unit_names=dict(sample.unit_names),
         cannot_tell=cannot_tell,
         media=_chi_squares(judged),
-        undecided=tuple(fit.medium for fit in _not_excluded(judged, best)),
+        undecided=tuple(fit.medium for fit in not_excluded),
         n_times=int(sample.times.size),
         first_time=clock * float(sample.times[0]),
         last_time=clock * float(sample.times[-1]),

@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -46,9 +45,6 @@ from kinetics.crosscheck.report.sheet import (
 )
 from kinetics.crosscheck.report.story import span, tail_exponent
 from kinetics.crosscheck.report.systems import Cooling
-
-if TYPE_CHECKING:
-    from kinetics.crosscheck.report.sheet import FileKind
 
 #: Name of the page, and of its figures as files.
 NAME = "figures-of-the-paper"
@@ -125,7 +121,7 @@ class PaperFigures:
         lines = [f"{entry.number}. {entry.title}: {entry.verdict}" for entry in self.figures]
         return "\n".join(lines)
 
-    def write(self, folder: Path, formats: "Sequence[FileKind]" = ()) -> list[Path]:
+    def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
         """Write the page, and each figure in these formats, all or nothing; return the paths."""
         contents: dict[str, str | bytes] = {f"{NAME}.html": self.page}
         for kind in dict.fromkeys(formats):
@@ -235,7 +231,9 @@ def _draw_collision(ax: Axes) -> FloatArray:
     ]
     for tail, tip, label, shift in arrows:
         arrow = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0}
-        ax.annotate("", tip, tail, arrowprops=arrow)
+        tip_place = (float(tip[0]), float(tip[1]))
+        tail_place = (float(tail[0]), float(tail[1]))
+        ax.annotate("", tip_place, tail_place, arrowprops=arrow)
         place = sigma + np.array(shift)
         ax.text(float(place[0]), float(place[1]), label, color=INK)
     return sigma
