@@ -1,7 +1,6 @@
 """The directive ``outputs``: the table of what a Scene may ask for, from `kinetics.outputs`."""
 
-from html import escape
-
+from docstrings import in_html
 from docutils import nodes
 from docutils.parsers.rst import Directive
 
@@ -16,7 +15,7 @@ class Outputs(Directive):
         heads = "<th>name</th><th>shape or arguments</th><th>unit</th><th>what it is</th>"
         rows = "".join(
             f"<tr><td><code>{row.name}</code></td><td>({', '.join(row.shape)})</td>"
-            f"<td>{escape(row.unit)}</td><td>{escape(row.description)}</td></tr>"
+            f"<td>{in_html(row.unit)}</td><td>{in_html(row.description)}</td></tr>"
             for row in (OUTPUTS | FIELD_OUTPUTS).values()
         )
         table = (
