@@ -66,7 +66,7 @@ NODES_OF_DENSITY = 40
 #: In each panel of e, of averages among hard disks.
 NODES_OF_HARD_AVERAGES = 16
 #: In each panel of e, of F(c) among hard disks.
-NODES_OF_HARD_DENSITY = 14
+NODES_OF_HARD_DENSITY = 12
 #: In e, of steady states.
 NODES_OF_STEADY_STATES = 20
 #: In the logarithm of time.
@@ -74,7 +74,7 @@ NODES_IN_TIME = 48
 #: In the root of the density n.
 NODES_IN_ROOT_DENSITY = 6
 #: The same, of F(c).
-NODES_IN_ROOT_DENSITY_OF_VDF = 5
+NODES_IN_ROOT_DENSITY_OF_VDF = 4
 #: In ln(c)/w.
 NODES_IN_SPEED = 40
 #: The same, among hard disks.

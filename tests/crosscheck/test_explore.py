@@ -104,7 +104,8 @@ def ask(browser: Any, file: Path, width: int = 1400, dark: bool = False, **more:
     """What the page answers; nothing is complained of, and nothing else is loaded."""
     seen = browser.visit(file, width, more, dark)
     assert seen.complaints == []
-    assert seen.requests == [file.resolve().as_uri()]
+    requests = [address for address in seen.requests if not address.startswith("data:")]
+    assert requests == [file.resolve().as_uri()]
     return seen.answers
 
 
@@ -146,6 +147,35 @@ def test_the_particles_of_the_page(browser: Any, file: Path) -> None:
     assert np.all(abs(value - averages(0.7, t, 0.02, "hard disks").ravel()) < 4.5 * error)
     drift = solve_field(0.5).in_units(0.05, 1.0, 0.01).drift
     assert np.mean([row[3][0] for row in found["fall"]]) == pytest.approx(drift, rel=0.15)
+
+
+@pytest.mark.parametrize(("drive", "solved"), [("bath", "bath_speed"), ("noise", "heating")])
+def test_driven_particles_of_the_page_have_the_steady_speed(
+    browser: Any, file: Path, drive: str, solved: str
+) -> None:
+    """v0 at late times, within 4.5 standard errors of a mean over 8 times apart (and 3 % of n)."""
+    density = 0.005
+    strength = {"bath": 1.0, "noise": 2.0 * density}[drive]  # w = U, or D_v = U^3/l
+    run = f"(() => {{const g = new explorer.Gas({{e: .5, n: {density}, {drive}: {strength}, "
+    run += "seed: 7, count: 801}); const found = []; g.advance(1000); for (let k = 0; k < 8; k++) "
+    run += "{g.advance(250); let s = 0; for (let i = 0; i < g.count; i++) s += g.speed(i) ** 2; "
+    run += "found.push(s / g.count)} return found})()"
+    mean_squares = np.array(ask(browser, file, found=run)["found"])
+    mean_square = solve_steady(0.5, **{solved: 1.0}).thermal_speed ** 2
+    error = mean_squares.std(ddof=1) / math.sqrt(8)
+    assert abs(mean_squares.mean() - mean_square) < 4.5 * error + 0.03 * mean_square
+
+
+def test_a_figure_is_saved_as_a_picture(browser: Any, file: Path) -> None:
+    found = ask(browser, file, picture="explorer.plots.fifth.picture()")
+    assert found["picture"].startswith("data:image/png;base64,")
+    assert len(found["picture"]) > 5000
+
+
+def test_presets_are_the_systems_of_the_paper(browser: Any, file: Path) -> None:
+    press = "(document.querySelector('#paper button[value=\"0.4\"]').click(), "
+    press += "[explorer.state.e, explorer.state.n, explorer.state.medium])"
+    assert ask(browser, file, state=press)["state"] == [0.4, 0.04, "hard disks"]
 
 
 def test_data_address_and_python(browser: Any, file: Path) -> None:
@@ -205,5 +235,5 @@ def test_the_page_fits_its_width(browser: Any, file: Path, width: int, dark: boo
         f"[{wide} > innerWidth, {texts}, {overlaps}]))",
     )  # fmt: skip
     assert found["wide"] <= width
-    assert (found["curves"], found["cut"]) == (10, 0)
+    assert (found["curves"], found["cut"]) == (12, 0)
     assert found["at"] == [[False, 0, 0]] * 4

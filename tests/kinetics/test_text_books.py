@@ -1,7 +1,7 @@
 """Closed forms and tables of the literature, for position, baths and fields.
 
-Each test names its source. Where a source gives a formula, the test computes it anew. Lengths are in
-the free path l: the density is 1/2 in the plane and 1/pi in space.
+Each test names its source. Where a source gives a formula, the test computes it anew. Lengths are
+in the free path l: the density is 1/2 in the plane and 1/pi in space.
 """
 
 import math

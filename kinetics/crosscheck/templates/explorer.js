@@ -113,15 +113,16 @@ function randomOf(seed) {
 }
 
 class Gas {
-  constructor({ e, n, g = 0, seed = 1, count = 200, disks = 900, trail = 400 }) {
-    Object.assign(this, { e, n, g, count, longest: trail, t: 0, k: 0, trail: [], records: [] });
+  // bath: the standard deviation of a velocity component of the scatterers, which move; noise: D_v
+  constructor({ e, n, g = 0, bath = 0, noise = 0, seed = 1, count = 200, disks = 900, trail = 400 }) {
+    Object.assign(this, { e, n, g, bath, noise, count, longest: trail, t: 0, k: 0, trail: [], records: [] });
     this.side = Math.sqrt(disks / n);
     this.m = Math.floor(this.side / 1.5);
     this.cell = this.side / this.m;
     this.lists = Array.from({ length: this.m * this.m }, () => []);
     this.cx = [];
     this.cy = [];
-    const random = randomOf(seed), anywhere = () => this.side * random();
+    const random = this.random = randomOf(seed), anywhere = () => this.side * random();
     const free = () => {
       for (;;) {
         const x = anywhere(), y = anywhere();
@@ -266,10 +267,55 @@ class Gas {
     if (i === 0) this.mark();
   }
 
+  gaussian() {
+    return Math.sqrt(-2 * Math.log(1 - this.random())) * Math.cos(2 * Math.PI * this.random());
+  }
+
+  // White noise: straight flights among the disks, with a kick of the velocity after each.
+  diffuse(i, dt) {
+    const steps = Math.max(1, Math.ceil(dt / (0.02 / (this.n * Math.SQRT2)))), h = dt / steps;
+    for (let k = 0; k < steps; k++) {
+      this.stuck[i] = 0; // a kick frees what a corner holds
+      this.fly(i, h);
+      this.vx[i] += Math.sqrt(2 * this.noise * h) * this.gaussian();
+      this.vy[i] += Math.sqrt(2 * this.noise * h) * this.gaussian();
+    }
+  }
+
+  // Scatterers that move, in the dilute limit: each is met once. Collisions are drawn at the largest
+  // rate that there is, 2 n (v + 5 w), and take place with the probability of the relative speed.
+  shake(i, dt) {
+    const w = this.bath;
+    for (let left = dt; left > 0; ) {
+      const largest = this.speed(i) + 5 * w, flight = -Math.log(1 - this.random()) / (2 * this.n * largest);
+      const time = Math.min(flight, left);
+      this.shift(i, this.vx[i] * time, this.vy[i] * time);
+      left -= time;
+      if (flight > time) return;
+      const wx = w * this.gaussian(), wy = w * this.gaussian();
+      const ux = this.vx[i] - wx, uy = this.vy[i] - wy, u = Math.hypot(ux, uy);
+      if (u < largest * this.random()) continue;
+      const y = 2 * this.random() - 1, root = Math.sqrt(1 - y * y);
+      const nx = (-root * ux - y * uy) / u, ny = (y * ux - root * uy) / u; // from the scatterer
+      const normal = ux * nx + uy * ny;
+      this.vx[i] -= (1 + this.e) * normal * nx;
+      this.vy[i] -= (1 + this.e) * normal * ny;
+      this.hits[i]++;
+      if (i === 0) this.mark();
+    }
+  }
+
+  move(i, dt) {
+    if (this.g > 0) this.fall(i, dt);
+    else if (this.bath > 0) this.shake(i, dt);
+    else if (this.noise > 0) this.diffuse(i, dt);
+    else this.fly(i, dt);
+  }
+
   advance(dt) { // all tracers; averages are noted at the times of the plots on the way
     for (let end = this.t + dt; this.t < end; ) {
       const stop = Gas.time(this.k), to = Math.min(end, stop);
-      for (let i = 0; i < this.count; i++) this.g > 0 ? this.fall(i, to - this.t) : this.fly(i, to - this.t);
+      for (let i = 0; i < this.count; i++) this.move(i, to - this.t);
       this.t = to;
       if (to === stop) this.note();
     }
@@ -291,7 +337,8 @@ class Gas {
     this.records.push({
       t: this.t, v0: [v0, error(v4, v2) / (2 * v0)], msd: [r2, error(r4, r2)], vx: [vx, error(vxx, vx)],
       xx: [xx - x * x, (xx - x * x) * spread], yy: [yy - y * y, (yy - y * y) * spread],
-      scaled: speeds.map((v) => v / v0),
+      fourth: [v4 / (2 * v2 * v2) - 1, 0], scaled: speeds.map((v) => v / v0),
+      distances: Array.from({ length: count }, (_, i) => Math.hypot(this.rx[i + 1], this.ry[i + 1]) / Math.sqrt(r2)),
     });
     this.k++;
   }
@@ -300,7 +347,9 @@ class Gas {
     const before = this.hits[0];
     for (let k = 0; k < 3000 && this.hits[0] === before && !this.stuck[0]; k++) {
       const v = this.speed(0);
-      this.advance(this.g > 0 ? 0.05 / (v + Math.sqrt(0.05 * this.g)) : this.next(0, 1e4)[0] / v + 1e-9);
+      const time = this.g > 0 || this.bath > 0 || this.noise > 0
+        ? 0.05 / (v + Math.sqrt(0.05 * this.g) + this.bath) : this.next(0, 1e4)[0] / v + 1e-9;
+      this.advance(time);
     }
   }
 }
@@ -335,6 +384,7 @@ function ticksOf({ log, low, high }, room) {
   return found;
 }
 
+const RADII = { marker: 6, dot: 1.6 }; // of points, others have 3
 // One plot: axes, curves {f or points, kind}, points {x, y, error, kind}; a marker, a cursor.
 class Plot {
   constructor(name) {
@@ -342,6 +392,7 @@ class Plot {
     this.svg = this.figure.querySelector("svg");
     this.caption = this.figure.querySelector("figcaption");
     this.readout = this.figure.querySelector("output");
+    this.figure.querySelector("button").addEventListener("click", () => this.save());
     const moved = (event) => {
       if (event.type === "pointerdown") this.svg.setPointerCapture(event.pointerId);
       const box = this.svg.getBoundingClientRect();
@@ -389,8 +440,8 @@ class Plot {
     parts.push(`<g class="points" clip-path="url(#clip-${this.figure.id})"></g><path class="frame" d="M${left} ${top}V${bottom}H${right}"/><path class="cursor" d=""/>`);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.svg.innerHTML = `<title>${spec.title}</title><clipPath id="clip-${this.figure.id}"><rect x="${left}" y="${top - 4}" width="${right - left + 4}" height="${bottom - top + 4}"/></clipPath>${parts.join("")}`;
-    this.caption.firstElementChild.innerHTML = spec.title;
-    this.caption.lastElementChild.innerHTML = spec.words;
+    this.caption.querySelector("b").innerHTML = spec.title;
+    this.caption.querySelector("span").innerHTML = spec.words;
     this.Y = Y;
     this.points();
   }
@@ -402,8 +453,40 @@ class Plot {
     ).map(({ x, y, error = 0, kind }) => {
       const a = X(x).toFixed(1), up = Y(y + error), down = Y(spec.y.log ? Math.max(y - error, y * 1e-3) : y - error);
       const bar = error > 0 ? `<path class="bar ${kind}" d="M${a} ${up.toFixed(1)}V${down.toFixed(1)}"/>` : "";
-      return `${bar}<circle class="${kind}" cx="${a}" cy="${Y(y).toFixed(1)}" r="${kind === "marker" ? 6 : 3}"/>`;
+      return `${bar}<circle class="${kind}" cx="${a}" cy="${Y(y).toFixed(1)}" r="${RADII[kind] || 3}"/>`;
     }).join("");
+  }
+
+  // The figure as a picture: its styles are written into a copy, which is drawn on a canvas.
+  picture() {
+    const copy = this.svg.cloneNode(true), own = this.svg.querySelectorAll("*");
+    const kept = ["fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "font-family", "text-anchor"];
+    copy.querySelectorAll("*").forEach((element, k) => {
+      const style = getComputedStyle(own[k]);
+      for (const name of kept) element.style.setProperty(name, style.getPropertyValue(name));
+    });
+    const scale = 3, canvas = document.createElement("canvas"), image = new Image();
+    [canvas.width, canvas.height] = [this.width * scale, this.height * scale];
+    copy.setAttribute("width", canvas.width);
+    copy.setAttribute("height", canvas.height);
+    return new Promise((done, failed) => {
+      image.onload = () => {
+        const pen = canvas.getContext("2d");
+        pen.fillStyle = getComputedStyle(document.body).backgroundColor;
+        pen.fillRect(0, 0, canvas.width, canvas.height);
+        pen.drawImage(image, 0, 0);
+        done(canvas.toDataURL("image/png"));
+      };
+      image.onerror = failed;
+      image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+    });
+  }
+
+  async save() {
+    const link = document.createElement("a");
+    link.href = await this.picture();
+    link.download = `${this.spec.title.replace(/[^A-Za-z0-9]+/g, "-")}.png`;
+    link.click();
   }
 
   cursor(x, text) {
@@ -502,8 +585,8 @@ const INPUTS = { e: [0.7, 0, 1], n: [0.04, ...DATA.densities], g: [0, 0, 0.1] };
 const LAST = 1e5; // the time at which the particles end
 // the steady speeds of tracers that are driven without a direction: their unit, and how Python says it
 const DRIVEN = {
-  bath: { unit: "U", asked: "bath_speed=1.0", words: "Bath: infinitely heavy scatterers that move, each velocity component with the standard deviation U." },
-  noise: { unit: "∛(Dᵥl)", asked: "heating=1.0", words: "White noise, ⟨dvᵢdvⱼ⟩ = 2Dᵥδᵢⱼdt." },
+  bath: { unit: "U", asked: "bath_speed=1.0", words: "Bath: infinitely heavy scatterers that move, each velocity component with the standard deviation U. The tracers of this page are in the dilute limit, whose scatterers are not drawn." },
+  noise: { unit: "∛(Dᵥl)", asked: "heating=1.0", words: "White noise, ⟨dvᵢdvⱼ⟩ = 2Dᵥδᵢⱼdt. The tracers of this page have Dᵥ = U³/l." },
 };
 const DRIVES = ["nothing", ...Object.keys(DATA.powers)];
 const state = { medium: SOLVED[0], drive: DRIVES[0], playing: false, data: null, fit: null, curves: {} };
@@ -546,8 +629,8 @@ function change(values, again = true) {
     radio.disabled = driven && medium !== SOLVED[0];
   }
   byId("drive").value = drive;
-  byId("mass").hidden = drive === "bath"; // no such likeness where scatterers move
-  byId("driven").textContent = drive in DRIVEN ? `${DRIVEN[drive].words} The tracers of this page are not driven by it.` : "";
+  byId("likeness").hidden = drive === "bath"; // no such likeness where scatterers move
+  byId("driven").textContent = drive in DRIVEN ? DRIVEN[drive].words : "";
   if (again) restart();
   if (state.data) fitData();
   writeAddress();
@@ -558,8 +641,9 @@ function change(values, again = true) {
 }
 
 function restart() {
-  const { e, n, g } = state;
-  gas = new Gas({ e, n, g, seed: seed++, count: 201 });
+  const { e, n, g, drive } = state;
+  const bath = drive === "bath" ? 1 : 0, noise = drive === "noise" ? 2 * n : 0; // w = U, D_v = U^3/l
+  gas = new Gas({ e, n, g, bath, noise, seed: seed++, count: 201 });
   camera.x = camera.y = 0;
 }
 
@@ -570,7 +654,7 @@ function showNumbers() {
     : `as elastic bounces from scatterers at rest of mass M/m = <b>${written(mass)}</b>: neutrons, A = ${written(mass)}; ions, m/M = ${written(1 / mass)}`;
   const rows = [
     ["h", "cooling rate, v₀ → 2l/(ht)", written(law.h, 5), written(curves[SOLVED[1]].h, 4)],
-    ["a₂", "⟨c⁴⟩/2 − 1 of F(c)", written(law.a2, 4), ""],
+    ["a₂", e === 1 ? "of the limit e → 1; at e = 1 the start stays" : "⟨c⁴⟩/2 − 1 of F(c)", written(law.a2, 4), ""],
     ["d⟨r²⟩/d ln t", "at late times, in d²", written(curves[SOLVED[0]].slope, 4), written(curves[SOLVED[1]].slope, 4)],
     ["l", "1/(2dρ₀), in d", written(1 / (2 * n), 4), ""],
   ];
@@ -678,6 +762,49 @@ function plotsOfCooling() {
   };
 }
 
+// The modified Bessel function K0, from its integral.
+function besselK0(x) {
+  let sum = 0;
+  for (let k = 0; k < 60; k++) sum += (k ? 1 : 0.5) * Math.exp(-x * Math.cosh(0.1 * k));
+  return 0.1 * sum;
+}
+
+function histogramOfDistances() { // G(R) of the own tracers, at the last time that was noted
+  const last = gas.records[gas.records.length - 1], width = 0.25, bins = new Array(16).fill(0);
+  if (!last) return [];
+  for (const R of last.distances) if (R < 4) bins[Math.floor(R / width)]++;
+  const total = last.distances.length * width;
+  return bins.map((count, k) => ({ x: (k + 0.5) * width, y: count / total, error: Math.sqrt(count) / total, kind: "own" }));
+}
+
+function plotsOfPlaces() {
+  const largest = 2 * Math.sqrt(state.curves[state.medium].msd(LAST)) || 100;
+  const wide = (plots.sixth.svg.clientWidth || 360) / 180;
+  return {
+    fifth: {
+      x: { low: 0, high: 4, name: "R = r/√⟨r²⟩" }, y: { log: true, low: 3e-3, high: 2, name: "G(R)" },
+      title: "Scaled distance G(R) from the start",
+      words: "Points: own tracers at the last time. Dotted: a Gaussian, the limit of late times. Dashed: the paper’s integral.",
+      curves: [{ f: (R) => 2 * R * Math.exp(-R * R), kind: "start" }, { f: (R) => 4 * R * besselK0(2 * R), from: 0.01, kind: "hard" }],
+      points: histogramOfDistances,
+    },
+    sixth: {
+      x: { low: -largest * wide, high: largest * wide, name: "x in d" }, y: { low: -largest, high: largest, name: "y in d" },
+      title: "A cloud of tracers",
+      words: "All began in the middle. The cloud looks as if it stopped, but each factor of ten in time adds to ⟨r²⟩ what the last one did.",
+      curves: [], points: () => Array.from({ length: gas.count }, (_, i) => ({ x: gas.rx[i], y: gas.ry[i], kind: "dot" })),
+    },
+  };
+}
+
+// The own tracers' mean of the last five notes, beside the steady state.
+function ownSteady(name) {
+  const last = gas.records.slice(-5);
+  if (last.length < 5 || gas.t < 5 / (2 * state.n)) return [];
+  const values = last.map((record) => record[name][0]);
+  return [{ x: state.e, y: values.reduce((a, b) => a + b) / 5, kind: "own" }];
+}
+
 const OVER_E = { low: 0, high: 0.98 };
 const steadyCurve = (drive) => (f) => (e) => { const found = steadyOf(drive, e); return found ? f(found) : NaN; };
 
@@ -694,9 +821,9 @@ function plotsDriven() {
   return Object.fromEntries(figuresOf(drive).map(([name, words, unit, f, range], k) => [Object.keys(plots)[k], {
     x: { low: 0, high: 1, name: "restitution e" }, title: `Steady state: ${name} over e`,
     y: { name: name + (unit && ` in ${unit}`), ...(range === true ? { log: true, ...rangeOf(samples(at(f), OVER_E), true) } : range) },
-    words: `${words[0].toUpperCase()}${words.slice(1)}. ${steady ? "Drag to change e." : `Drawn up to e = ${DATA.highestDriven}; elastic tracers have no steady state.`}`,
+    words: `${words[0].toUpperCase()}${words.slice(1)}. ${steady ? `Drag to change e.${k === 0 || k === 2 ? " Open point: own tracers." : ""}` : `Drawn up to e = ${DATA.highestDriven}; elastic tracers have no steady state.`}`,
     curves: [{ f: at(f), kind: "dilute chosen" }], pointed: moveE,
-    points: () => (steady ? [{ x: e, y: f(steady), kind: "marker" }] : []),
+    points: () => (steady ? [{ x: e, y: f(steady), kind: "marker" }, ...(k === 0 ? ownSteady("v0") : k === 2 ? ownSteady("fourth") : [])] : []),
   }]));
 }
 
@@ -755,8 +882,11 @@ function histogram() { // F(c) of the own speeds, each bin over its ring
 }
 
 function drawPlots() {
-  const specs = state.g > 0 ? plotsInField() : state.drive in DRIVEN ? plotsDriven() : plotsOfCooling();
-  for (const [name, spec] of Object.entries(specs)) plots[name].draw(spec);
+  const specs = state.g > 0 ? plotsInField() : state.drive in DRIVEN ? plotsDriven() : { ...plotsOfCooling(), ...plotsOfPlaces() };
+  for (const [name, plot] of Object.entries(plots)) {
+    plot.figure.hidden = !(name in specs);
+    if (name in specs) plot.draw(specs[name]);
+  }
   byId("legend").hidden = state.drive !== DRIVES[0];
   pointAt(state.drive in DRIVEN ? null : pointed);
 }
@@ -795,7 +925,7 @@ function drawDisks() {
   const style = getComputedStyle(canvas);
   pen.fillStyle = style.getPropertyValue("--disk");
   const left = gas.x[0] - x + camera.x, low = gas.y[0] - y + camera.y, s = gas.side; // centre, in the box
-  gas.cx.forEach((cx, j) => {
+  if (!gas.bath) gas.cx.forEach((cx, j) => { // those of a bath move, and are not drawn
     const wrap = (d) => d - s * Math.round(d / s), dx = wrap(cx - left), dy = wrap(gas.cy[j] - low);
     if (Math.abs(dx) > halfX + 1 || Math.abs(dy) > halfY + 1) return;
     pen.beginPath();
@@ -839,7 +969,9 @@ function tick() {
   left = Math.min(left, 0.2 * gas.t + 1, LAST - gas.t);
   for (; left > 0 && performance.now() - began < 25; left -= 1) gas.advance(Math.min(1, left, LAST - gas.t));
   drawDisks();
-  if (gas.records.length !== before) for (const plot of Object.values(plots)) plot.points();
+  const isNoted = gas.records.length !== before;
+  for (const [name, plot] of Object.entries(plots))
+    if (!plot.figure.hidden && (isNoted || name === "sixth")) plot.points();
   gas.t < LAST ? (frame = requestAnimationFrame(tick)) : play(false);
 }
 
@@ -864,7 +996,9 @@ async function take(file) {
 }
 
 function begin() {
-  for (const name of ["first", "second", "third", "fourth"]) plots[name] = new Plot(name);
+  for (const name of ["first", "second", "third", "fourth", "fifth", "sixth"]) plots[name] = new Plot(name);
+  for (const button of document.querySelectorAll("#paper button"))
+    button.addEventListener("click", () => change({ e: Number(button.value), n: 0.04, drive: DRIVES[0], medium: SOLVED[1] }));
   for (const name of Object.keys(INPUTS))
     byId(name).addEventListener("input", (event) => change({ [name]: Number(event.target.value) }));
   byId("pace").addEventListener("input", () => change({}, false));
@@ -895,6 +1029,6 @@ function begin() {
 }
 
 // What tests ask the page.
-window.explorer = { curvesOf, lawOf, steadyOf, averagesOf, fitted, codeOf, change, state, play, Gas, gas: () => gas };
+window.explorer = { plots, curvesOf, lawOf, steadyOf, averagesOf, fitted, codeOf, change, state, play, Gas, gas: () => gas };
 begin();
 })();
