@@ -63,8 +63,9 @@ class Browser:
         while not any(m.get("method") == "Page.loadEventFired" for m in self._waiting):
             self._waiting.append(self._receive())
         for name, text in questions.items():
-            answer = self._ask("Runtime.evaluate", session, expression=text, returnByValue=True,
-                               awaitPromise=True)
+            answer = self._ask(
+                "Runtime.evaluate", session, expression=text, returnByValue=True, awaitPromise=True
+            )
             seen.answers[name] = answer["result"].get("value")
         for message in self._waiting:
             method, params = message.get("method"), message.get("params", {})

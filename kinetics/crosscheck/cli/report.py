@@ -1,6 +1,8 @@
 """The command `report`. What it needs is imported when it runs: --help stays quick."""
 
 import os
+import shlex
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -116,7 +118,7 @@ def report(
     if quick:
         system = system.quick()
     with options.progress(system.stages) as tell:
-        result = make_report(system, tell)
+        result = make_report(system, tell, shlex.join(["lorentz", *sys.argv[1:]]))
         tell("writing")
         written = result.write(output, figures)
     if as_json:

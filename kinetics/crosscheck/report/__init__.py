@@ -34,13 +34,14 @@ LINE_WIDTH = 100
 
 @dataclass(frozen=True)
 class Report:
-    """What was run, compared, found, drawn and derived."""
+    """What was run, compared, found, drawn and derived, and by which command, if by one."""
 
     results: "Results"
     table: "DataFrame"
     story: "Story"
     figures: "list[Drawn]"
     checks: "list[AlgebraRow]"
+    command: str = ""
 
     @cached_property
     def document(self) -> dict[str, Any]:
@@ -64,6 +65,7 @@ class Report:
                 "claims": story.claims,
                 "errata": story.errata,
                 "settings": system.settings,
+                "command": self.command,
                 "verdicts": {verdict.value: meaning for verdict, meaning in MEANING.items()},
                 "verdict_counts": rows.verdict_counts(self.table),
                 "rows": rows.records(self.table),
@@ -117,13 +119,14 @@ def _versions() -> Mapping[str, str]:
     return own | {package: version(package) for package in PACKAGES}
 
 
-def make_report(system: "System", progress: Progress | None = None) -> Report:
+def make_report(system: "System", progress: Progress | None = None, command: str = "") -> Report:
     """Run the three methods on a system (of `systems.py`), and compare them.
 
     Parameters
     ----------
     system : a `Cooling` or `Driven` system
     progress : called with the name of each stage
+    command : by which it is made, for the page
 
     Raises
     ------
@@ -140,7 +143,8 @@ def make_report(system: "System", progress: Progress | None = None) -> Report:
         table = rows.comparisons(results)
         drawn = figures.draw_all(results)
         checks = deriving.result()
-    return Report(results, table, story.tell_story(results, table, checks), drawn, checks)
+    findings = story.tell_story(results, table, checks)
+    return Report(results, table, findings, drawn, checks, command)
 
 
 __all__ = ["Report", "make_report"]

@@ -95,10 +95,40 @@ def errata(checks: Sequence[AlgebraRow]) -> list[Erratum]:
 
     by_label = {check.label: check for check in checks if check.status == ERRATUM}
     return [
-        Erratum(item.label, cite(f"eq. {item.label}"), by_label[item.label].title, item.changes)
+        Erratum(
+            item.label,
+            cite(f"eq. {item.label}"),
+            by_label[item.label].title,
+            in_symbols(item.changes),
+        )
         for item in ERRATA
         if item.label in by_label
     ]
+
+
+#: How a page writes what a terminal shows in plain letters.
+SYMBOLS = {
+    "^2": "²",
+    "^(0)": "⁽⁰⁾",
+    "^(j)": "⁽ʲ⁾",
+    "^(i)": "⁽ⁱ⁾",
+    "nabla": "∇",
+    "D_e": "Dₑ",
+    "nu_D": "ν_D",
+    "gamma": "γ",
+    "eta": "η",
+}
+
+
+def in_symbols(text: str) -> str:
+    """Return a sentence of the errata with symbols in place of their names."""
+    text = re.sub(r"<([^<>]+)>", r"⟨\1⟩", text)
+    for name, symbol in SYMBOLS.items():
+        if name.isalpha():
+            text = re.sub(rf"\b{name}\b", symbol, text)
+        else:
+            text = text.replace(name, symbol)
+    return text
 
 
 @cache
