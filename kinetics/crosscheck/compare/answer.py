@@ -6,7 +6,6 @@ looked for, and where one of them is another medium, that is shown.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,12 +14,13 @@ import numpy as np
 
 from kinetics.crosscheck.compare.causes import NEAR_BEST, tested_causes
 from kinetics.crosscheck.compare.fit import Fit
-from kinetics.crosscheck.compare.flat_directions import NAMED_FROM, NAMES, UNKNOWN_FROM
+from kinetics.crosscheck.compare.flat_directions import cannot_tell
 from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.noted import never_move, noted
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter, Row
+from kinetics.crosscheck.compare.statistics import covariance_reaching, root_of_variance
 from kinetics.crosscheck.compare.theory import Theory
 from kinetics.crosscheck.compare.wrong_unit import wrong_unit
 from kinetics.crosscheck.data.sample import Law, Sample
@@ -84,22 +84,23 @@ def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: b
         explanations, medium = _explained(best, verdict, media)
         of_medium = [other for other in judged if other.medium == medium]
         if of_medium and medium != best.medium:  # what explains is shown
-            best = of_medium[0]
+            best = _covering(of_medium[0], judged)
             verdict = best.judgement.verdict
     return _comparison(sample, judged, best, verdict, found_in_data, explanations)
 
 
 def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
-    """Return the likeliest of the fits that agree with the data, or of all.
+    """Return the likeliest of the fits that agree with the data, or of all."""
+    agreeing = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES] or list(judged)
+    best = min(agreeing, key=lambda fit: fit.fitted.criterion)
+    return _covering(best, judged)
 
-    Its covariance holds how far the numbers of every other medium are that the data do not exclude.
-    """
-    alike = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES] or list(judged)
-    best = min(alike, key=lambda fit: fit.fitted.criterion)
-    covariance = best.fitted.covariance
-    for fit in _not_excluded(judged, best):
-        difference = fit.fitted.coordinates - best.fitted.coordinates
-        covariance = covariance + np.outer(difference, difference)
+
+def _covering(best: JudgedFit, judged: Sequence[JudgedFit]) -> JudgedFit:
+    """Return a fit whose errors reach the numbers of every other medium that is not excluded."""
+    coordinates = best.fitted.coordinates
+    differences = [fit.fitted.coordinates - coordinates for fit in _not_excluded(judged, best)]
+    covariance = covariance_reaching(best.fitted.covariance, differences)
     return replace(best, fitted=replace(best.fitted, covariance=covariance))
 
 
@@ -154,7 +155,7 @@ def _comparison(
     parameters = _parameters(best.fitted, verdict, found_in_data)
     averages = judgement.averages
     clock = _fitted_clock(best.fitted)
-    cannot_tell = _cannot_tell(best.fitted)
+    unknown = cannot_tell(best.fitted.names, best.fitted.covariance, "these data")
     return Comparison(
         verdict=verdict,
         summary=_summary(best, parameters, verdict, cause),
@@ -176,13 +177,13 @@ def _comparison(
         units=_units(sample, clock),
         dimension=sample.law.dimension,
         unit_names=dict(sample.unit_names),
-        cannot_tell=cannot_tell,
+        cannot_tell=unknown,
         media=_chi_squares(judged),
         undecided=tuple(fit.medium for fit in _not_excluded(judged, best)),
         n_times=int(sample.times.size),
         first_time=clock * float(sample.times[0]),
         last_time=clock * float(sample.times[-1]),
-        next_step=_next_step(verdict, cause, cannot_tell),
+        next_step=_next_step(verdict, cause, unknown),
     )
 
 
@@ -233,28 +234,7 @@ def _covariance_of_two(fitted: Fit) -> tuple[tuple[float, ...], ...]:
     return tuple(map(tuple, fitted.covariance[np.ix_(chosen, chosen)].tolist()))
 
 
-def _cannot_tell(fitted: Fit) -> tuple[str, ...]:
-    """Return a sentence for each combination of numbers that the data do not know."""
-    chosen = [index for index, name in enumerate(fitted.names) if name in UNKNOWN_FROM]
-    if not chosen:
-        return ()
-    names = [fitted.names[index] for index in chosen]
-    units = np.array([UNKNOWN_FROM[name] for name in names])
-    covariance = fitted.covariance[np.ix_(chosen, chosen)] / np.outer(units, units)
-    if not np.all(np.isfinite(covariance)):
-        return ()
-    variances, directions = np.linalg.eigh(covariance)
-    sentences = []
-    for variance, direction in zip(variances, directions.T, strict=True):
-        if variance > 1.0:
-            pairs = zip(names, np.abs(direction), strict=True)
-            named = [NAMES[name] for name, share in pairs if share > NAMED_FROM]
-            verb = "is not known" if len(named) == 1 else "cannot be told apart"
-            sentences.append(f"{' and '.join(named)} {verb} by these data.")
-    return tuple(sentences)
-
-
-def _next_step(verdict: Verdict, cause: Explanation | None, cannot_tell: tuple[str, ...]) -> str:
+def _next_step(verdict: Verdict, cause: Explanation | None, unknown: tuple[str, ...]) -> str:
     """Return what to do next, in one sentence; empty where nothing is left."""
     if cause is not None and cause.outcome == "found":
         return "Mend the data, or say their units, and compare again."
@@ -266,7 +246,7 @@ def _next_step(verdict: Verdict, cause: Explanation | None, cannot_tell: tuple[s
         return "Measure more tracers: half the error decides."
     if verdict is Verdict.NOT_TESTED:
         return "Measure more independent tracers or media."
-    if cannot_tell:
+    if unknown:
         return "Measure closer frames at the beginning, or longer tracks, or specify a number."
     return ""
 
@@ -292,12 +272,8 @@ def _parameters(
         speed = _parameter(fitted, "speed_unit", point.speed_unit, no_value)
         parameters["speed_unit"] = _scaled(speed, units.get("speed", 1.0))
     if "position_noise" in fitted.names:
-        deviation = math.sqrt(max(point.position_noise, 0.0))
-        variance, error = fitted.value("position_noise")
-        # of a root half the relative error; near 0 the root of the error
-        error = error / (2.0 * deviation) if variance > error else math.sqrt(error)
-        source = "fitted"
-        position_error = Parameter(deviation, error, source)
+        deviation, error = root_of_variance(*fitted.value("position_noise"))
+        position_error = Parameter(deviation, error, "fitted")
         if no_value:
             position_error = Parameter(None, None, f"no value: {no_value}")
         parameters["position_error"] = _scaled(position_error, units.get("length", 1.0))

@@ -23,7 +23,12 @@ from kinetics.crosscheck.compare.fit import Fit, first_estimate, fit, fitted_com
 from kinetics.crosscheck.compare.measured import Layout, Measured
 from kinetics.crosscheck.compare.media import media_of
 from kinetics.crosscheck.compare.observables import averages_of
-from kinetics.crosscheck.compare.parameters import FreeParameter, free_parameter
+from kinetics.crosscheck.compare.parameters import (
+    FIRST_RESTITUTIONS,
+    combinations_of,
+    coordinates_of,
+    free_parameter,
+)
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.selection import fit_times, row_times
@@ -42,8 +47,6 @@ from kinetics.validation import (
     refuse,
 )
 
-#: Restitutions from which a fit begins.
-RESTITUTIONS = (0.3, 0.6, 0.85, 0.97)
 #: The root mean square displacement at the end over the mean free path from which a fit begins, as
 #: a logarithm. It is 3 for the mean free path of tracers with velocities.
 FOLDS_OF_PATH = (-2.0, -1.0, 0.0)
@@ -420,7 +423,7 @@ def _fits(question: Question) -> list[Fit]:
         fitted = fit(measured, point, free, starts)
         if fitted is not None and np.all(np.isfinite(fitted.covariance)):
             fits.append(fitted)
-            starts = [p.coordinate(getattr(fitted.point, p.name)) for p in free], *starts
+            starts = [coordinates_of(fitted.point, free).tolist(), *starts]
     if not fits:
         raise InputError(f"data: {wanted} could not be fitted; give it")
     return fits
@@ -464,27 +467,16 @@ def _starts(question: Question, measured: Measured) -> Sequence[Sequence[float]]
     size = _size(question.sample)
     folds = FOLDS_OF_PATH if measured.has_velocities else FOLDS_OF_PATH_ALONE
     values = {
-        "restitution": list(RESTITUTIONS),
+        "restitution": FIRST_RESTITUTIONS,
         "path": [size * math.exp(fold) for fold in folds],
         "speed_unit": [point.speed_unit],
         "position_noise": [0.0],
     }
     free = [free_parameter(name, point, measured) for name in question.free]
-    starts = _combinations(free, values)
+    starts = combinations_of(free, values)
     if measured.has_velocities:
         return starts
     layout = Layout(("msd",), measured.layout.times, measured.layout.law)
     from_first_frame = Measured(replace(measured.sample, pairs=None), layout)
     estimate = first_estimate(from_first_frame, point, free, starts)
     return starts if estimate is None else [estimate.tolist()]
-
-
-def _combinations(
-    free: Sequence[FreeParameter], values: Mapping[str, Sequence[float]]
-) -> list[list[float]]:
-    """Return all combinations of values of the free parameters, as coordinates."""
-    combinations: list[list[float]] = [[]]
-    for parameter in free:
-        coordinates = [parameter.coordinate(value) for value in values[parameter.name]]
-        combinations = [[*before, x] for before in combinations for x in coordinates]
-    return combinations

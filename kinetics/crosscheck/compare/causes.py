@@ -19,10 +19,11 @@ import numpy as np
 from kinetics.crosscheck.compare.fit import Fit, fit, told_point
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.media import media_of
-from kinetics.crosscheck.compare.parameters import LIMITS, free_parameter
+from kinetics.crosscheck.compare.parameters import LIMITS, coordinates_of, free_parameter
 from kinetics.crosscheck.compare.point import Point, SampledStart
 from kinetics.crosscheck.compare.pool import N_FOR_CAUSE
 from kinetics.crosscheck.compare.result import Explanation
+from kinetics.crosscheck.compare.statistics import root_of_variance
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
@@ -99,14 +100,10 @@ class TestedCause:
     fitted: Fit
 
     @property
-    def cost(self) -> float:
-        """The criterion; where two are as good, the one that fits no number is first."""
-        return self.fitted.criterion + 2.0 * len(self.fitted.free)
-
-    @property
-    def rank(self) -> tuple[bool, float]:
-        """What explains stands first, then the likeliest."""
-        return self.explanation.outcome != "explains", self.cost
+    def rank(self) -> tuple[bool, float, int]:
+        """What explains stands first, then the likeliest, then the one that fits fewer numbers."""
+        explains = self.explanation.outcome == "explains"
+        return not explains, self.fitted.criterion, len(self.fitted.free)
 
 
 def tested_causes(told: Fit, media: Sequence[str]) -> list[TestedCause]:
@@ -123,7 +120,7 @@ def tested_causes(told: Fit, media: Sequence[str]) -> list[TestedCause]:
 
 def _in_part_if_far(item: TestedCause, best: TestedCause) -> TestedCause:
     """Return a cause that explains, but much less likely than the best one, as one in part."""
-    is_far = item.cost > best.cost + NEAR_BEST
+    is_far = item.fitted.criterion > best.fitted.criterion + NEAR_BEST
     if item.explanation.outcome == "explains" and is_far:
         return replace(item, explanation=item.explanation._replace(outcome="in part"))
     return item
@@ -147,9 +144,7 @@ def _tested(cause: Cause, told: Fit, media: Sequence[str]) -> list[TestedCause]:
 def _fit_of(cause: Cause, told: Fit, measured: Measured, point: Point) -> Fit | None:
     """Return the fit of a variant, with what was fitted before."""
     names = list(told.names)
-    coordinates = [
-        parameter.coordinate(float(getattr(told.point, parameter.name))) for parameter in told.free
-    ]
+    coordinates = coordinates_of(told.point, told.free).tolist()
     if not cause.free and not names:
         return told_point(measured, point, N_FOR_CAUSE)
     free = [free_parameter(name, point, measured) for name in names]
@@ -317,8 +312,7 @@ def _words(told: Fit, cause: Cause, fitted: Fit) -> _Words:
         return _Words(named[cause.name])
     value, error = fitted.value(cause.free)
     if cause.free.endswith("noise"):  # of a variance the root
-        size = math.sqrt(max(value, 0.0))
-        width = error / (2.0 * size) if size else math.sqrt(error)
+        size, width = root_of_variance(value, error)
         shown = number(size, width)
         headline = f"noise of {shown} {cause.unit} in each component of the {cause.title}"
         return _Words(headline, size, width)

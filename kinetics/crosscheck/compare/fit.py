@@ -14,7 +14,7 @@ no covariance of the data is inverted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,7 +24,14 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare.measured import Layout, Measured
 from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, Array
-from kinetics.crosscheck.compare.parameters import FreeParameter
+from kinetics.crosscheck.compare.parameters import (
+    FreeParameter,
+    coordinates_of,
+    derivatives,
+    is_at_foreign_limit,
+    limits_of,
+    point_at,
+)
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.pool import (
     N_FOR_TEST,
@@ -34,7 +41,13 @@ from kinetics.crosscheck.compare.pool import (
 )
 from kinetics.crosscheck.compare.residuals import Influence, Residuals, covariance_with_gaps
 from kinetics.crosscheck.compare.selection import tested_components
-from kinetics.crosscheck.compare.statistics import ChiSquare, jackknife_covariance, whitening
+from kinetics.crosscheck.compare.statistics import (
+    ChiSquare,
+    jackknife_covariance,
+    whitening,
+    with_infinite_variances,
+    without_information,
+)
 from kinetics.crosscheck.compare.theory import Theory
 
 Indices = NDArray[np.int64]
@@ -43,9 +56,6 @@ Indices = NDArray[np.int64]
 SECOND_MOMENTS = ("thermal_speed", "msd")
 #: Rounds of pool and fit: the second pool is at an estimate that has the weights of the first.
 N_ROUNDS = 2
-#: Step of a coordinate for derivatives: of a logarithm, or of a number over its scale. An error of
-#: 1e-7 of the solver is then one of 1e-4 of a derivative.
-STEP = 1e-3
 #: Newton steps at most. From a first estimate three or four are usual.
 MAX_NEWTON_STEPS = 20
 #: Largest change of a coordinate in one step. Chosen: far less than the range of each.
@@ -189,7 +199,7 @@ def fit(
                 break
             weights = estimation.weights(pool)
             at = estimation.solve(at, weights)
-        if any(p.is_at_limit(x) for p, x in zip(free, at, strict=True)):
+        if is_at_foreign_limit(free, at):
             return None
         return estimation.result(at, weights, measured, n_pool)
     return None
@@ -254,16 +264,15 @@ class _Estimation:
 
     @property
     def low(self) -> Array:
-        return np.array([parameter.low for parameter in self.free])
+        return limits_of(self.free)[0]
 
     @property
     def high(self) -> Array:
-        return np.array([parameter.high for parameter in self.free])
+        return limits_of(self.free)[1]
 
     def point(self, at: Array) -> Point:
         """Return the point at some coordinates."""
-        pairs = zip(self.free, at.tolist(), strict=True)
-        return self.told.with_values(**{p.name: p.value(x) for p, x in pairs})
+        return point_at(self.told, self.free, at)
 
     def log_theory(self, at: Array) -> Array:
         """Return the logarithms of the second moments in theory, shape (p,)."""
@@ -272,7 +281,7 @@ class _Estimation:
 
     def slopes(self, at: Array) -> Array:
         """Return the derivatives of the logarithms, shape (p, n_free)."""
-        return _derivatives(self.log_theory, at, self.low, self.high)
+        return derivatives(self.log_theory, at, self.free)
 
     def log_difference(self, at: Array) -> Array:
         """Return the logarithms of data over theory, shape (p,)."""
@@ -365,7 +374,7 @@ class _Estimation:
         """Return the fit of all averages at its solution, with the covariance of the parameters."""
         point = self.point(at)
         theory = Theory(measured.layout, measured.has_velocities)
-        scales = np.array([1.0 if p.is_logarithm else p.scale for p in self.free])
+        scales = _scales(self.free)
         # a parameter that is held at a limit does not follow the data, but it has an error
         is_inside = (at > self.low) & (at < self.high)
         slopes = self.slopes(at)
@@ -382,6 +391,8 @@ class _Estimation:
         covariance = self._covariance(
             without_limits, point, own if own is None else own[np.ix_(indices, indices)]
         )
+        is_unknown = without_information(slopes.T @ weights @ slopes)
+        covariance = with_infinite_variances(covariance, is_unknown)
         return Fit(
             measured,
             theory,
@@ -441,28 +452,17 @@ def _influence(
 
 def _slopes_of(theory: Theory, point: Point, free: Sequence[FreeParameter]) -> Array:
     """Return the derivatives of the theory in the numbers, or their logarithms, (n, n_free)."""
-    at = np.array([p.coordinate(float(getattr(point, p.name))) for p in free])
 
     def values(coordinates: Array) -> Array:
-        pairs = zip(free, coordinates.tolist(), strict=True)
-        return theory.values(point.with_values(**{p.name: p.value(x) for p, x in pairs}))
+        return theory.values(point_at(point, free, coordinates))
 
-    low = np.array([parameter.low for parameter in free])
-    high = np.array([parameter.high for parameter in free])
-    scales = np.array([1.0 if p.is_logarithm else p.scale for p in free])
-    return _derivatives(values, at, low, high) / scales
+    return derivatives(values, coordinates_of(point, free), free) / _scales(free)
 
 
-def _derivatives(function: Callable[[Array], Array], at: Array, low: Array, high: Array) -> Array:
-    """Return the derivatives (p, n_free) of a function of coordinates, centred if they can be."""
-    columns = []
-    for index in range(at.size):
-        above = at.copy()
-        below = at.copy()
-        above[index] = min(at[index] + STEP, high[index])
-        below[index] = max(at[index] - STEP, low[index])
-        columns.append((function(above) - function(below)) / (above[index] - below[index]))
-    return np.stack(columns, axis=1)
+def _scales(free: Sequence[FreeParameter]) -> Array:
+    """Return the units of coordinates: 1 of a logarithm."""
+    scales = [1.0 if parameter.is_logarithm else parameter.scale for parameter in free]
+    return np.array(scales)
 
 
 def _same_components(part: Measured, whole: Measured, indices: Indices) -> Indices:

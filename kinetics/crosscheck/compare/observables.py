@@ -24,6 +24,8 @@ SPEED_DENSITY = "speed_density"
 DISPLACEMENT_DENSITY = "position_density"
 #: The name of the mean square displacement between two frames, of tracks of positions alone.
 BETWEEN_FRAMES = "displacement_between_frames"
+#: The name of the mean speed, of tables of averages: of tracks <v^2> says the same.
+MEAN_SPEED = "mean_speed"
 
 
 class Where(Enum):
@@ -180,11 +182,14 @@ OBSERVABLES: dict[str, Observable] = {
         output="displacement_tensor",
         component=(1, 1),
     ),
-    "mean_speed": Observable(
+    MEAN_SPEED: Observable(
         title="Mean speed",
         symbol=r"$\langle v\rangle$",
         unit="U",
         text="⟨v⟩",
+        # Derived: <v> is v0 (1 - a2/8) times a number to first order in a2. To the errors of v0
+        # an eighth of those of a2 is added, as they may go together.
+        theory_error=(0.08, 0.045),
         of_speed=True,
     ),
     BETWEEN_FRAMES: Observable(
