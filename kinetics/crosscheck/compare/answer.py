@@ -154,7 +154,7 @@ def _comparison(
             cause = likeliest
     parameters = _parameters(best.fitted, verdict, found_in_data)
     averages = judgement.averages
-    clock = _fitted_clock(best.fitted)
+    clock = best.fitted.clock
     unknown = cannot_tell(best.fitted.names, best.fitted.covariance, "these data")
     return Comparison(
         verdict=verdict,
@@ -187,14 +187,6 @@ def _comparison(
     )
 
 
-def _fitted_clock(fitted: Fit) -> float:
-    """Return the times in d/U over those of the sample, where U was fitted; else 1.
-
-    Until U is known, the times of positions alone are in the d/U of a U that is 1 in the data.
-    """
-    return fitted.point.clock if "speed_unit" in fitted.names else 1.0
-
-
 def _scaled_time(time: float | None, clock: float) -> float | None:
     return None if time is None else time * clock
 
@@ -213,9 +205,17 @@ def _units(sample: Sample, clock: float) -> dict[str, float]:
         return units
     return {
         "length": units.get("length", 1.0),
-        "speed": units.get("speed", 1.0) * clock,
+        "speed": _unit_of_fitted_speed(sample) * clock,
         "time": units.get("time", 1.0) / clock,
     }
+
+
+def _unit_of_fitted_speed(sample: Sample) -> float:
+    """Return what a fitted U is in units of: the unit of length over that of time.
+
+    That is not the unit of speed where a unit of time was specified beside it.
+    """
+    return sample.units.get("length", 1.0) / sample.units.get("time", 1.0)
 
 
 def _chi_squares(judged: Sequence[JudgedFit]) -> dict[str, tuple[float, int]]:
@@ -270,7 +270,7 @@ def _parameters(
     units = fitted.measured.sample.units
     if "speed_unit" in fitted.names:
         speed = _parameter(fitted, "speed_unit", point.speed_unit, no_value)
-        parameters["speed_unit"] = _scaled(speed, units.get("speed", 1.0))
+        parameters["speed_unit"] = _scaled(speed, _unit_of_fitted_speed(fitted.measured.sample))
     if "position_noise" in fitted.names:
         deviation, error = root_of_variance(*fitted.value("position_noise"))
         position_error = Parameter(deviation, error, "fitted")
@@ -314,7 +314,7 @@ def _summary(
     """Return what was fitted, the verdict, and what was compared."""
     sentences = [_verdict_in_words(best, parameters, verdict, cause)]
     sentences.append(_what_was_compared(best))
-    clearest = _clearest_deviation(best.judgement)
+    clearest = _clearest_deviation(best.judgement, best.fitted.clock)
     if clearest:
         sentences.append(clearest)
     return " ".join(sentences)
@@ -368,7 +368,7 @@ def _fitted_in_words(parameters: dict[str, Parameter]) -> str:
 def _what_was_compared(best: JudgedFit) -> str:
     sample = best.sample
     point = best.fitted.point
-    clock = _fitted_clock(best.fitted)
+    clock = best.fitted.clock
     first = numeral(clock * sample.times[0], ".4g")
     last = numeral(clock * sample.times[-1], ".4g")
     return (
@@ -393,14 +393,19 @@ def _system_in_words(best: JudgedFit) -> str:
     return ", ".join(shown)
 
 
-def _clearest_deviation(judgement: Judgement) -> str:
-    """Return the test that differs most, in a sentence; empty if all agree."""
+def _clearest_deviation(judgement: Judgement, clock: float) -> str:
+    """Return the test that differs most, in a sentence; empty if all agree.
+
+    clock : see `Fit.clock`
+    """
     alike = (Verdict.AGREES, Verdict.NOT_TESTED)
     different = [test for test in judgement.tests if test.verdict not in alike]
     if not different:
         return ""
     clearest = min(different, key=lambda test: test.p_value)
-    at = "" if clearest.time is None else f" at t = {numeral(clearest.time, '.4g')}"
+    at = ""
+    if clearest.time is not None:
+        at = f" at t = {numeral(clock * clearest.time, '.4g')}"
     return (
         f"Of {len(judgement.tests)} tests {len(different)} do not agree; the clearest is "
         f"{clearest.observable}{at}: chi-square {numeral(clearest.chi_square, '.4g')} with "

@@ -150,10 +150,12 @@ def compare_data(
         not_of_averages = {
             "drag": drag,
             "capture_speed": capture_speed,
-            "localisation_error": localisation_error or 0.0,
+            "mass_ratio": mass_ratio,
+            "tangential_restitution": tangential_restitution,
+            "localisation_error": localisation_error,
         }
         for name, value in not_of_averages.items():
-            if value:
+            if value not in (None, getattr(Law, name, 0.0)):
                 refuse(name, value, "a table of averages is compared without it")
         if number_density is not None:
             number_density = check_positive("number_density", number_density)
@@ -174,17 +176,16 @@ def compare_data(
         "tangential_restitution": tangential_restitution,
     }
     sample = _with_axes(sample, field, initial)
-    if fitted:
-        restitution = None
-    elif restitution is None:
+    length_unit = 1.0 if sources is None else diameter  # runs and samples are in d
+    if restitution is None and not fitted:
         restitution = sample.told.get("restitution")
     if number_density is not None:
         number_density = check_positive("number_density", number_density)
-        number_density *= (diameter if sources else 1.0) ** sample.law.dimension
+        number_density *= length_unit**sample.law.dimension
     elif not fitted:
         number_density = sample.told.get("number_density")
     knows_speed = sample.has_velocities or speed_unit is not None or sources is None
-    noise = _position_noise(sample, localisation_error, diameter, sources is None)
+    noise = _position_noise(sample, localisation_error, length_unit, sources is None)
     question = Question.of(
         _with_law(sample, restitution, drives),
         restitution,
@@ -280,7 +281,7 @@ def _with_law(sample: Sample, restitution: Any, drives: dict[str, Any]) -> Sampl
 
 
 def _position_noise(
-    sample: Sample, localisation_error: float | None, diameter: float, is_run: bool
+    sample: Sample, localisation_error: float | None, length_unit: float, is_run: bool
 ) -> float | None:
     """Return the variance of a component of a position in d^2; None if it is to be fitted."""
     if localisation_error is not None:
@@ -291,7 +292,7 @@ def _position_noise(
                 localisation_error,
                 "it is of positions alone; with velocities noise is looked for as a cause",
             )
-        return (error / diameter) ** 2
+        return (error / length_unit) ** 2
     return 0.0 if sample.has_velocities or is_run else None
 
 

@@ -118,6 +118,14 @@ class Fit:
             return np.inf
         return self.chi_square.statistic + 2.0 * len(self.free)
 
+    @property
+    def clock(self) -> float:
+        """The times in d/U over those of the sample, where U was fitted; else 1.
+
+        Until U is known, the times of positions alone are in the d/U of a U that is 1 in the data.
+        """
+        return self.point.clock if "speed_unit" in self.names else 1.0
+
     def value(self, name: str) -> tuple[float, float]:
         """Return a fitted number and its standard error."""
         index = self.names.index(name)

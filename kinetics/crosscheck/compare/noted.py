@@ -44,7 +44,7 @@ def noted(fitted: Fit, residuals: Residuals) -> list[Explanation]:
     if sample.has_velocities and int(sample.at_rest.max()):
         explanations.append(_come_to_rest(fitted, residuals))
     if not np.all(sample.is_complete):
-        explanations.append(_are_missing(residuals))
+        explanations.append(_are_missing(residuals, fitted.clock))
     return explanations
 
 
@@ -65,8 +65,11 @@ def _come_to_rest(fitted: Fit, residuals: Residuals) -> Explanation:
     return Explanation("traps", outcome, f"{headline}.", value=share, headline=headline)
 
 
-def _are_missing(residuals: Residuals) -> Explanation:
-    """Return whether the times at which tracers are missing differ, and the others do not."""
+def _are_missing(residuals: Residuals, clock: float) -> Explanation:
+    """Return whether the times at which tracers are missing differ, and the others do not.
+
+    clock : see `Fit.clock`
+    """
     sample = residuals.measured.sample
     counts = sample.samples
     n_tracers = int(counts.max())
@@ -81,7 +84,7 @@ def _are_missing(residuals: Residuals) -> Explanation:
             whole_agrees = of_whole is None or of_whole.verdict is Verdict.AGREES
             outcome = "explains" if whole_agrees else "in part"
     headline = f"{n_missing} tracers that are missing at later times"
-    time = numeral(sample.times[fewest], ".4g")
+    time = numeral(clock * sample.times[fewest], ".4g")
     text = (
         f"{headline}, of {n_tracers} at t = {time}. A cap on collisions takes the fast ones away."
     )

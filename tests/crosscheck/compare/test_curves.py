@@ -161,12 +161,6 @@ def test_a_density_at_the_limit_of_the_theory_is_no_value() -> None:
         fit(data, scatterers="hard disks")
 
 
-def test_averages_without_a_theory_are_refused() -> None:
-    data = {"t": np.array([1e200, 2e200, 4e200]), "msd": np.array([1.0, 2.0, 4.0])}
-    with pytest.raises(InputError, match="no restitution and density"):
-        compare(data, 0.7, scatterers="dilute")
-
-
 def test_without_errors_nothing_is_tested() -> None:
     """As in the table of the explorer: errors of what is fitted are from the scatter."""
     result = fit(without_errors(averages()), scatterers="dilute")
@@ -204,8 +198,10 @@ def test_units_are_those_of_the_data() -> None:
         ({"field": 0.1, "restitution": 0.7, "number_density": 0.04}, "without a field"),
         ({"restitution": 1.7}, "restitution: got 1.7"),
         ({"dimension": 3, "scatterers": "hard disks"}, "dilute"),
+        ({"mass_ratio": 2.0}, "mass_ratio: got 2"),
+        ({"tangential_restitution": 0.5}, "tangential_restitution: got 0.5"),
     ],
-    ids=["start", "field", "restitution", "medium in space"],
+    ids=["start", "field", "restitution", "medium in space", "mass ratio", "rough"],
 )
 def test_what_cannot_be_compared_is_refused(arguments: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
