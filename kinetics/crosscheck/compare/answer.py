@@ -142,7 +142,7 @@ def _comparison(
 ) -> Comparison:
     point = best.fitted.point
     judgement = best.judgement
-    remarks = []
+    remarks = [*judgement.remarks]
     if point.has_own_start and judgement.has_densities:
         remarks.append(OWN_START)
     if point.scatterers != "dilute":
@@ -153,7 +153,7 @@ def _comparison(
         if likeliest.outcome in ("explains", "found") and likeliest.headline:
             cause = likeliest
     parameters = _parameters(best.fitted, verdict, found_in_data)
-    averages = judgement.averages
+    averages = best.fitted.chi_square
     clock = best.fitted.clock
     unknown = cannot_tell(best.fitted.names, best.fitted.covariance, "these data")
     return Comparison(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetics.crosscheck.compare.densities import Histogram, histograms_of
+from kinetics.crosscheck.compare.densities import Histogram, densities_of
 from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES
@@ -45,8 +45,8 @@ class Judgement:
     residuals : data less theory, at all times
     rows : one for each observable and time, pair of frames, or bin
     tests : one for each average, over its times, and for each density and time
-    averages : the test of all averages together; None where nothing scatters
     has_densities : whether densities were compared
+    remarks : which densities were not, although the data have them
     p_value : of the verdict; 1 where nothing could be tested
     verdict : on everything
     """
@@ -54,8 +54,8 @@ class Judgement:
     residuals: Residuals
     rows: tuple[Row, ...]
     tests: tuple[ComparisonTest, ...]
-    averages: ChiSquare | None
     has_densities: bool
+    remarks: tuple[str, ...]
     p_value: float
     verdict: Verdict
 
@@ -69,16 +69,16 @@ def judge(fitted: Fit, measured: Measured, theory: Theory) -> Judgement:
     measured, theory : of all times of the same sample
     """
     residuals = fitted.residuals_of(measured, theory)
-    histograms = list(histograms_of(measured.sample, fitted.point))
-    rows = [*rows_of_averages(residuals), *rows_of_densities(histograms)]
-    tests = tests_of(fitted, residuals, histograms)
+    densities = densities_of(measured.sample, fitted.point)
+    rows = [*rows_of_averages(residuals), *rows_of_densities(densities.histograms)]
+    tests = tests_of(fitted, residuals, densities.histograms)
     p_value = _one_p_value(fitted.chi_square, tests, rows)
     return Judgement(
         residuals=residuals,
         rows=tuple(rows),
         tests=tuple(tests),
-        averages=fitted.chi_square,
-        has_densities=bool(histograms),
+        has_densities=bool(densities.histograms),
+        remarks=densities.remarks,
         p_value=p_value,
         verdict=_verdict(p_value, tests, rows),
     )

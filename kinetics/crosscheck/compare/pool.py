@@ -174,8 +174,7 @@ def _simulated_sums(
     from particles import BoltzmannGrad, simulate
 
     law = layout.law
-    times = layout.times * point.clock + point.time_offset * (layout.times > 0.0)
-    times = np.maximum(times, 0.0)
+    times = point.true_times(layout.times)
     random = np.random.default_rng(SEED)
     tracers = _tracers_per_medium(point, float(layout.times[-1]), wanted)
     run = simulate(

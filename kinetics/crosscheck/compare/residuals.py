@@ -175,7 +175,7 @@ class Residuals:
 
     @cached_property
     def error(self) -> Array:
-        """The standard error of each difference, with that of the theory itself.
+        """The standard error of each difference, with what a fit leaves of that of the theory.
 
         Tracers that share media scatter no less than independent ones: of few groups the larger
         of both errors counts.
@@ -183,7 +183,9 @@ class Residuals:
         error = self._pool_error
         if self._looks_at_groups:
             error = np.fmax(error, self._group_error)
-        own = 0.0 if self.own is None else np.diagonal(self.own)
+        if self.own is None:
+            return error
+        own = np.maximum(np.diagonal(self._own_after_fit), 0.0)
         return np.asarray(np.sqrt(error**2 + own))
 
     @cached_property

@@ -115,14 +115,9 @@ class Theory:
             self._motions[key] = self._solve_motion(point)
         return self._motions[key]
 
-    def true_times(self, point: Point) -> Array:
-        """Return the times of the layout on the true clock, in d/U; 0 stays 0."""
-        times = self.layout.times
-        return np.maximum(times * point.clock + point.time_offset * (times > 0.0), 0.0)
-
     def _solve_motion(self, point: Point) -> Array:
         layout = self.layout
-        times = self.true_times(point)
+        times = point.true_times(layout.times)
         outputs = {name: OBSERVABLES[name].output or name for name in layout.names}
         outputs.pop(MEAN_SPEED, None)
         parts: list[Array] = []
