@@ -255,27 +255,27 @@ def _parameters(
     fitted: Fit, verdict: Verdict, found_in_data: Explanation | None
 ) -> dict[str, Parameter]:
     """Return the numbers of the theory; those that were fitted have standard errors."""
-    no_value = ""
+    why_none = ""
     if verdict is Verdict.DIFFERS:
-        no_value = found_in_data.headline if found_in_data else "the model does not fit"
+        why_none = found_in_data.headline if found_in_data else "the model does not fit"
     point = fitted.point
     law = fitted.measured.sample.law
     parameters = {
-        "restitution": _parameter(fitted, "restitution", point.restitution, no_value),
-        "number_density": _parameter(fitted, "path", law.free_path(point.path), no_value),
-        "mean_free_path": _parameter(fitted, "path", point.path, no_value),
+        "restitution": _parameter(fitted, "restitution", point.restitution, why_none),
+        "number_density": _parameter(fitted, "path", law.free_path(point.path), why_none),
+        "mean_free_path": _parameter(fitted, "path", point.path, why_none),
     }
     if "path" not in fitted.names:
         parameters["mean_free_path"] = Parameter(point.path, None, "from ρ₀")
     units = fitted.measured.sample.units
     if "speed_unit" in fitted.names:
-        speed = _parameter(fitted, "speed_unit", point.speed_unit, no_value)
+        speed = _parameter(fitted, "speed_unit", point.speed_unit, why_none)
         parameters["speed_unit"] = _scaled(speed, _unit_of_fitted_speed(fitted.measured.sample))
     if "position_noise" in fitted.names:
         deviation, error = root_of_variance(*fitted.value("position_noise"))
         position_error = Parameter(deviation, error, "fitted")
-        if no_value:
-            position_error = Parameter(None, None, f"no value: {no_value}")
+        if why_none:
+            position_error = Parameter(None, None, f"no value: {why_none}")
         parameters["position_error"] = _scaled(position_error, units.get("length", 1.0))
     return parameters
 
@@ -287,15 +287,15 @@ def _scaled(parameter: Parameter, unit: float) -> Parameter:
     return Parameter(parameter.value * unit, parameter.error * unit, parameter.source)
 
 
-def _parameter(fitted: Fit, name: str, value: Any, no_value: str) -> Parameter:
+def _parameter(fitted: Fit, name: str, value: Any, why_none: str) -> Parameter:
     """Return one number: specified, fitted, or without a value."""
     if callable(value):
         return Parameter(None, None, f"told: {value}")
     if name not in fitted.names:
         return Parameter(value, None, "told")
-    if no_value:
+    if why_none:
         shown = numeral(value, ".5g")
-        return Parameter(None, None, f"no value: {no_value}; the theory that is shown has {shown}")
+        return Parameter(None, None, f"no value: {why_none}; the theory that is shown has {shown}")
     at, error = fitted.value(name)
     if at:
         error = error * value / at  # the density has the relative error of the path
@@ -398,8 +398,8 @@ def _clearest_deviation(judgement: Judgement, clock: float) -> str:
 
     clock : see `Fit.clock`
     """
-    alike = (Verdict.AGREES, Verdict.NOT_TESTED)
-    different = [test for test in judgement.tests if test.verdict not in alike]
+    no_difference = (Verdict.AGREES, Verdict.NOT_TESTED)
+    different = [test for test in judgement.tests if test.verdict not in no_difference]
     if not different:
         return ""
     clearest = min(different, key=lambda test: test.p_value)

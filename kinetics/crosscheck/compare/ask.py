@@ -19,8 +19,14 @@ import numpy as np
 from kinetics.collision.impact import impact_restitution
 from kinetics.crosscheck.compare.answer import answer
 from kinetics.crosscheck.compare.curves import compare_averages
-from kinetics.crosscheck.compare.fit import Fit, first_estimate, fit, fitted_components, told_point
-from kinetics.crosscheck.compare.measured import Layout, Measured
+from kinetics.crosscheck.compare.fit import (
+    Fit,
+    compare_with_point,
+    first_estimate,
+    fit,
+    fitted_components,
+)
+from kinetics.crosscheck.compare.measured import PAIR_N, PAIR_R2, Layout, Measured
 from kinetics.crosscheck.compare.media import media_of
 from kinetics.crosscheck.compare.observables import averages_of
 from kinetics.crosscheck.compare.parameters import (
@@ -389,7 +395,7 @@ def _size(sample: Sample) -> float:
     if sample.pairs is not None:
         of_pairs = sample.pairs.sums.sum(axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            msd = np.append(msd, of_pairs[:, 1] / of_pairs[:, 0])
+            msd = np.append(msd, of_pairs[:, PAIR_R2] / of_pairs[:, PAIR_N])
     largest = float(np.max(msd[np.isfinite(msd)], initial=0.0))
     return math.sqrt(largest) if 1e-12 < largest < 1e12 else 3.0
 
@@ -403,7 +409,7 @@ def _guess_of_speed(sample: Sample) -> float:
     from_start = np.flatnonzero(pairs.earlier == pairs.earlier.min())
     first = from_start[int(np.argmin(interval[from_start]))]
     sums = pairs.sums[:, first].sum(axis=0)
-    mean_square = float(sums[1] / sums[0]) / sample.law.dimension
+    mean_square = float(sums[PAIR_R2] / sums[PAIR_N]) / sample.law.dimension
     return math.sqrt(mean_square) / float(interval[first]) if mean_square > 0.0 else 1.0
 
 
@@ -413,7 +419,7 @@ def _fits(question: Question) -> list[Fit]:
     measured = _measured(question)
     if not question.free:
         points = [question.point.with_values(scatterers=medium) for medium in question.media]
-        return [told_point(measured, point) for point in points]
+        return [compare_with_point(measured, point) for point in points]
     wanted = " and ".join(ARGUMENT_OF[name] for name in question.free)
     _check_enough(measured, question, wanted)
     starts = _starts(question, measured)

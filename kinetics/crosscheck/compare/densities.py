@@ -166,9 +166,8 @@ def _histogram(
     n_groups = len(by_group)
     expected = bin_shares(solution, name, index, fine_edges)
     expected = expected / expected.sum()
-    is_independent = sample.grouping != "medium" or sample.free
     max_bins = MAX_BINS
-    if not is_independent:
+    if not sample.is_independent:
         max_bins = min(MAX_BINS, 1 + max(1, (n_groups - 1) // GROUPS_PER_BIN))
     peak = None
     if point.has_one_speed:
@@ -188,7 +187,7 @@ def _histogram(
         theory=theory,
         samples=n_samples,
         groups=n_groups,
-        chi_square=_test_of_bins(merged, share, theory, n_samples, is_independent),
+        chi_square=_test_of_bins(merged, share, theory, n_samples, sample.is_independent),
     )
 
 

@@ -43,6 +43,7 @@ from kinetics.crosscheck.compare.residuals import Influence, Residuals, covarian
 from kinetics.crosscheck.compare.selection import tested_components
 from kinetics.crosscheck.compare.statistics import (
     ChiSquare,
+    influence_covariance,
     jackknife_covariance,
     whitening,
     with_infinite_variances,
@@ -113,7 +114,14 @@ class Fit:
 
     @property
     def criterion(self) -> float:
-        """By how much the data are unlikely: T^2, and 2 for each fitted number (Akaike)."""
+        """By how much the data are unlikely: T^2, and 2 for each fitted number (Akaike).
+
+        The likelihood of a Gaussian with the covariance C has ln det C beside T^2, which is left
+        out: relative to the averages C is nearly the same in all media but for the error of the
+        theory of dense ones, which T^2 alone lets off. At n = 0.04 ln det C of hard disks was
+        above that of dilute scatterers by 0.0 for 2,000 tracers and by 3.5 for 20,000, where T^2
+        differed by 18 and by 200.
+        """
         if self.chi_square is None:
             return np.inf
         return self.chi_square.statistic + 2.0 * len(self.free)
@@ -136,11 +144,12 @@ class Fit:
     def residuals_of(self, measured: Measured, theory: Theory) -> Residuals:
         """Return the residuals of the same sample at all its times.
 
-        The pool has the components of the fit among its own, so that both move together.
+        They are those of the fit where it looks at all of them. The pool has the components of the
+        fit among its own, so that both move together.
         """
-        pool = self.residuals.pool
-        if not measured.layout.is_same_as(self.measured.layout):
-            pool = pool_at(measured, self.point, N_FOR_TEST)
+        if measured.layout.is_same_as(self.measured.layout):
+            return self.residuals
+        pool = pool_at(measured, self.point, N_FOR_TEST)
         influence = None
         if self.free:
             indices = _same_components(self.measured, measured, self.indices)
@@ -158,7 +167,7 @@ def pool_at(measured: Measured, point: Point, n_tracers: int) -> Pool | None:
     return Pool(layout, point, measured.has_velocities, n_tracers)
 
 
-def told_point(measured: Measured, point: Point, n_pool: int = N_FOR_TEST) -> Fit:
+def compare_with_point(measured: Measured, point: Point, n_pool: int = N_FOR_TEST) -> Fit:
     """Return the sample beside the theory of a point without fitted numbers."""
     theory = Theory(measured.layout, measured.has_velocities)
     residuals = Residuals.at(measured, theory, point, pool_at(measured, point, n_pool))
@@ -236,6 +245,8 @@ class _Estimation:
     ----------
     measured : the averages that are second moments, alone: others take the solver longer
     theory : of these
+    specified : the numbers that are not fitted
+    free : what is fitted
     indices : the components, shape (p,)
     powers : a second moment is the component to this power, 2 for the thermal speed
     moments : the second moments of the data, shape (p,)
@@ -243,7 +254,7 @@ class _Estimation:
 
     measured: Measured
     theory: Theory
-    told: Point
+    specified: Point
     free: tuple[FreeParameter, ...]
     indices: Indices
     powers: Array
@@ -251,7 +262,7 @@ class _Estimation:
 
     @classmethod
     def of(
-        cls, whole: Measured, told: Point, free: tuple[FreeParameter, ...]
+        cls, whole: Measured, specified: Point, free: tuple[FreeParameter, ...]
     ) -> _Estimation | None:
         """Choose the components; None where they are fewer than the parameters."""
         pairs = whole.layout.pairs
@@ -268,7 +279,7 @@ class _Estimation:
             return None
         powers = _powers(measured, indices)
         moments = measured.values[indices] ** powers
-        return cls(measured, theory, told, free, indices, powers, moments)
+        return cls(measured, theory, specified, free, indices, powers, moments)
 
     @property
     def low(self) -> Array:
@@ -280,7 +291,7 @@ class _Estimation:
 
     def point(self, at: Array) -> Point:
         """Return the point at some coordinates."""
-        return point_at(self.told, self.free, at)
+        return point_at(self.specified, self.free, at)
 
     def log_theory(self, at: Array) -> Array:
         """Return the logarithms of the second moments in theory, shape (p,)."""
@@ -337,7 +348,7 @@ class _Estimation:
 
     def weights(self, pool: Pool) -> Array:
         """Return the inverse of the covariance of the relative second moments of the pool."""
-        covariance = np.cov(self._relative(pool).T).reshape(self.indices.size, -1)
+        covariance = influence_covariance(self._relative(pool))
         shares = self.measured.shares_without_gaps_of_pool[self.indices]
         axes = whitening(covariance_with_gaps(covariance, shares))
         return np.asarray(axes.T @ axes)

@@ -119,6 +119,14 @@ def _verdict(p_value: float, tests: Sequence[ComparisonTest], rows: Sequence[Row
     return verdict
 
 
+def _verdict_on(sigmas: float, is_testable: bool) -> Verdict:
+    """Return the verdict on corrected sigmas; agreement says nothing where nothing could differ."""
+    verdict = judge_sigmas(sigmas)
+    if verdict is Verdict.AGREES and not is_testable:
+        return Verdict.NOT_TESTED
+    return verdict
+
+
 def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
     """Return the worst of some; not tested only where nothing was, undefined without any."""
     order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES, Verdict.NOT_TESTED)
@@ -150,11 +158,9 @@ def _row(residuals: Residuals, index: int, size: float, n_looks: int) -> Row:
     if residuals.is_usable[index]:
         error = float(residuals.plain_error[index])
         sigmas = float(residuals.sigmas[index])
-        groups = float(residuals.effective_groups[index])
+        groups = float(residuals.groups_of_error[index])
         corrected = corrected_sigmas(sigmas, groups, n_looks)
-        verdict = judge_sigmas(corrected)
-        if verdict is Verdict.AGREES and not can_differ(error / size, groups):
-            verdict = Verdict.NOT_TESTED
+        verdict = _verdict_on(corrected, can_differ(error / size, groups))
     else:
         verdict = _verdict_without_scatter(residuals, index, size)
     since = None
@@ -209,8 +215,8 @@ def rows_of_densities(histograms: Sequence[Histogram]) -> list[Row]:
     """Return one row for each bin: shares over the width of the bin, of the last bin shares."""
     rows = []
     for histogram in histograms:
-        alike = [other for other in histograms if other.name == histogram.name]
-        n_looks = sum(other.share.size for other in alike)
+        of_name = [other for other in histograms if other.name == histogram.name]
+        n_looks = sum(other.share.size for other in of_name)
         rows += _rows_of_histogram(histogram, n_looks)
     return rows
 
@@ -226,24 +232,20 @@ def _rows_of_histogram(histogram: Histogram, n_looks: int) -> list[Row]:
         error = float(histogram.error[index])
         sigmas = float(histogram.share[index] - histogram.theory[index]) / error
         corrected = corrected_sigmas(sigmas, histogram.groups, n_looks)
-        verdict = judge_sigmas(corrected)
-        if verdict is Verdict.AGREES and not is_testable:
-            verdict = Verdict.NOT_TESTED
-        rows.append(
-            Row(
-                observable=histogram.name,
-                time=histogram.time,
-                value=float(histogram.share[index]) / width,
-                error=error / width,
-                theory=float(histogram.theory[index]) / width,
-                sigmas=sigmas,
-                verdict=verdict,
-                corrected_sigmas=corrected,
-                samples=histogram.samples,
-                low=low,
-                high=high if has_end else None,
-            )
+        row = Row(
+            observable=histogram.name,
+            time=histogram.time,
+            value=float(histogram.share[index]) / width,
+            error=error / width,
+            theory=float(histogram.theory[index]) / width,
+            sigmas=sigmas,
+            verdict=_verdict_on(corrected, is_testable),
+            corrected_sigmas=corrected,
+            samples=histogram.samples,
+            low=low,
+            high=high if has_end else None,
         )
+        rows.append(row)
     return rows
 
 
@@ -299,7 +301,7 @@ def _average_test(
     indices = layout.indices_of(name)
     indices = indices[residuals.is_usable[indices]]
     relative = (residuals.plain_error / layout.sizes(residuals.theory))[indices]
-    groups = residuals.effective_groups[indices]
+    groups = residuals.groups_of_error[indices]
     is_testable = any(
         can_differ(error, n) for error, n in zip(relative.tolist(), groups.tolist(), strict=True)
     )
@@ -307,36 +309,32 @@ def _average_test(
     factors = np.array([limit_factor(n) for n in groups.tolist()])
     relative_difference = np.abs(residuals.difference / layout.sizes(residuals.theory))[indices]
     within = float(np.max(relative_difference + factors * relative, initial=0.0))
-    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
-    verdict = judge_sigmas(sigmas)
-    if verdict is Verdict.AGREES and not is_testable:
-        verdict = Verdict.NOT_TESTED
-    return ComparisonTest(
-        observable=name,
-        time=None,
-        chi_square=chi_square.value,
-        dof=chi_square.freedom,
-        p_value=chi_square.p_value,
-        groups=chi_square.groups,
-        sigmas=sigmas,
-        verdict=verdict,
-        within=within,
-    )
+    return _comparison_test(name, None, chi_square, n_tests, is_testable, within)
 
 
 def _density_test(histogram: Histogram, chi_square: ChiSquare, n_tests: int) -> ComparisonTest:
-    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
-    verdict = judge_sigmas(sigmas)
     is_testable = chi_square.groups is None or _has_testable_bin(histogram)
-    if verdict is Verdict.AGREES and not is_testable:
-        verdict = Verdict.NOT_TESTED
+    return _comparison_test(histogram.name, histogram.time, chi_square, n_tests, is_testable)
+
+
+def _comparison_test(
+    observable: str,
+    time: float | None,
+    chi_square: ChiSquare,
+    n_tests: int,
+    is_testable: bool,
+    within: float | None = None,
+) -> ComparisonTest:
+    """Return a chi-square as one of several tests."""
+    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
     return ComparisonTest(
-        observable=histogram.name,
-        time=histogram.time,
+        observable=observable,
+        time=time,
         chi_square=chi_square.value,
         dof=chi_square.freedom,
         p_value=chi_square.p_value,
         groups=chi_square.groups,
         sigmas=sigmas,
-        verdict=verdict,
+        verdict=_verdict_on(sigmas, is_testable),
+        within=within,
     )

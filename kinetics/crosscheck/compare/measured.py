@@ -98,11 +98,6 @@ class Layout:
         """Return the components of an observable, in the order of time."""
         return np.flatnonzero(self.observable == name)
 
-    def restricted_to(self, time_indices: Indices) -> Layout:
-        """Return the layout of the averages over some of the times, without pairs of frames."""
-        presence = None if self.presence is None else self.presence[:, time_indices]
-        return Layout(self.names, self.times[time_indices], self.law, presence=presence)
-
     def measure(self, sums: Array, pair_sums: Array | None) -> Array:
         """Return the components of sums over tracers.
 
@@ -211,11 +206,6 @@ class Measured:
         if self.layout.presence is not None:
             return np.ones(self.layout.size)
         return np.asarray(self.counts / max(self.n_tracers, 1))
-
-    @property
-    def is_independent(self) -> bool:
-        """Whether tracers, and not the media that some of them share, are independent."""
-        return self.sample.free or self.sample.grouping != "medium"
 
     @property
     def has_velocities(self) -> bool:

@@ -18,6 +18,7 @@ from scipy.special import gammaincinv
 from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import Array
 from kinetics.crosscheck.compare.point import Point, SampledStart
+from kinetics.crosscheck.compare.statistics import influence_covariance
 from kinetics.crosscheck.data.sample import VX, Law
 
 #: Tracers of a pool for weights. Chosen: a variance is known to 2 %, so that errors of a fit are
@@ -114,7 +115,7 @@ class Pool:
     @cached_property
     def covariance(self) -> Array:
         """The covariance of the components of one tracer, (n_components, n_components)."""
-        return np.asarray(self.influence.T @ self.influence / (self.n_tracers - 1))
+        return influence_covariance(self.influence)
 
     def draws(self, n: int) -> Array:
         """Return shaped deviations of means of n tracers drawn from it, (N_DRAWS, n_components).

@@ -72,6 +72,11 @@ def jackknife_covariance(replicates: Array) -> Array:
     return np.asarray((n - 1) / n * (deviation.T @ deviation))
 
 
+def influence_covariance(influence: Array) -> Array:
+    """Return the covariance (p, p) of what single tracers add, (n_tracers, p), whose mean is 0."""
+    return np.asarray(influence.T @ influence / (len(influence) - 1))
+
+
 def without_information(information: Array) -> NDArray[np.bool_]:
     """Return which numbers take part in a direction of which nothing is known, shape (n,).
 
