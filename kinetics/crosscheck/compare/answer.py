@@ -270,21 +270,15 @@ def _parameters(
     units = fitted.measured.sample.units
     if "speed_unit" in fitted.names:
         speed = _parameter(fitted, "speed_unit", point.speed_unit, why_none)
-        parameters["speed_unit"] = _scaled(speed, _unit_of_fitted_speed(fitted.measured.sample))
+        unit = _unit_of_fitted_speed(fitted.measured.sample)
+        parameters["speed_unit"] = speed.in_unit(unit)
     if "position_noise" in fitted.names:
         deviation, error = root_of_variance(*fitted.value("position_noise"))
         position_error = Parameter(deviation, error, "fitted")
         if why_none:
             position_error = Parameter(None, None, f"no value: {why_none}")
-        parameters["position_error"] = _scaled(position_error, units.get("length", 1.0))
+        parameters["position_error"] = position_error.in_unit(units.get("length", 1.0))
     return parameters
-
-
-def _scaled(parameter: Parameter, unit: float) -> Parameter:
-    """Return a parameter in the data's unit."""
-    if parameter.value is None or parameter.error is None:
-        return parameter
-    return Parameter(parameter.value * unit, parameter.error * unit, parameter.source)
 
 
 def _parameter(fitted: Fit, name: str, value: Any, why_none: str) -> Parameter:

@@ -269,9 +269,10 @@ def _with_axes(sample: Sample, field: float, initial: str) -> Sample:
     """Return the sample; InputError if means along x are needed, and it has none."""
     needs_axes = field or initial == "beam"
     if needs_axes and sample.sums.shape[2] <= X2:
-        name = "field" if field else "initial"
-        value = field or initial
-        refuse(name, value, "the data have no means along x; files and runs with velocities have")
+        needed = "the data have no means along x; files and runs with velocities have"
+        if field:
+            refuse("field", field, needed)
+        refuse("initial", initial, needed)
     return sample
 
 
@@ -299,7 +300,9 @@ def _position_noise(
                 "it is of positions alone; with velocities noise is looked for as a cause",
             )
         return (error / length_unit) ** 2
-    return 0.0 if sample.has_velocities or is_run else None
+    if sample.has_velocities or is_run:
+        return 0.0
+    return None
 
 
 # -- what is asked of the data ---------------------------------------------------------------------
@@ -362,12 +365,14 @@ class Question:
             )
         point = _first_point(sample, specified, start)
         is_specified = not {"restitution", "path"} & set(free)
-        media = media_of(sample, scatterers, point if is_specified else None)
+        point_with_theory = point if is_specified else None
+        media = media_of(sample, scatterers, point_with_theory)
         told = sample.told.get("scatterers")
         if scatterers == "auto" and told is not None:
             # Of disks of another size than the tracer, or denser ones, there is no other theory.
-            has_theory = told in media_of(sample, "every", point if is_specified else None)
-            media = [told if has_theory else "dilute"]
+            media = ["dilute"]
+            if told in media_of(sample, "every", point_with_theory):
+                media = [told]
         rows = sample.at_times(row_times(sample))
         return cls(rows, point, free, media)
 
@@ -397,7 +402,9 @@ def _size(sample: Sample) -> float:
         with np.errstate(invalid="ignore", divide="ignore"):
             msd = np.append(msd, of_pairs[:, PAIR_R2] / of_pairs[:, PAIR_N])
     largest = float(np.max(msd[np.isfinite(msd)], initial=0.0))
-    return math.sqrt(largest) if 1e-12 < largest < 1e12 else 3.0
+    if not 1e-12 < largest < 1e12:
+        return 3.0
+    return math.sqrt(largest)
 
 
 def _guess_of_speed(sample: Sample) -> float:
@@ -410,7 +417,9 @@ def _guess_of_speed(sample: Sample) -> float:
     first = from_start[int(np.argmin(interval[from_start]))]
     sums = pairs.sums[:, first].sum(axis=0)
     mean_square = float(sums[PAIR_R2] / sums[PAIR_N]) / sample.law.dimension
-    return math.sqrt(mean_square) / float(interval[first]) if mean_square > 0.0 else 1.0
+    if mean_square <= 0.0:
+        return 1.0
+    return math.sqrt(mean_square) / float(interval[first])
 
 
 # -- fits ------------------------------------------------------------------------------------------
@@ -456,9 +465,12 @@ def _check_enough(measured: Measured, question: Question, wanted: str) -> None:
     n_free = len(question.free)
     n_groups = measured.sample.groups
     n_components = fitted_components(measured).size
-    spare = 0 if measured.has_velocities else 1
-    if n_components < n_free + spare:
-        what = "times" if measured.has_velocities else "pairs of frames"
+    n_needed = n_free
+    what = "times"
+    if not measured.has_velocities:
+        n_needed = n_free + 1
+        what = "pairs of frames"
+    if n_components < n_needed:
         raise InputError(f"data: too few {what} ({n_components}) to find {wanted}; give it")
     if n_groups < n_free + GROUPS_BESIDE:
         raise InputError(f"data: too few times or groups ({n_groups}) to find {wanted}; give it")
@@ -486,4 +498,6 @@ def _starts(question: Question, measured: Measured) -> Sequence[Sequence[float]]
     layout = Layout(("msd",), measured.layout.times, measured.layout.law)
     from_first_frame = Measured(replace(measured.sample, pairs=None), layout)
     estimate = first_estimate(from_first_frame, point, free, starts)
-    return starts if estimate is None else [estimate.tolist()]
+    if estimate is None:
+        return starts
+    return [estimate.tolist()]

@@ -153,6 +153,15 @@ class CurveFit:
         return self.point.scatterers
 
     @property
+    def criterion(self) -> float:
+        """By how much the averages are unlikely: -2 ln likelihood, chi^2 + ln det C, of a Gaussian.
+
+        Without ln det C a medium whose theory has large errors would be likelier for these alone.
+        """
+        _, log_determinant = np.linalg.slogdet(self.difference_covariance)
+        return self.chi_square + float(log_determinant)
+
+    @property
     def error(self) -> Array:
         """The standard error of each difference from the theory, shape (n,)."""
         return np.asarray(np.sqrt(np.diagonal(self.difference_covariance)))
@@ -184,8 +193,12 @@ def fit_in_media(
     if not curves.has_errors:
         curves = _with_errors_of_scatter(curves, problems)
         problems = [replace(problem, curves=curves) for problem in problems]
-    fits = [problem.fit() for problem in problems]
-    return curves, [fitted for fitted in fits if fitted is not None]
+    fits = []
+    for problem in problems:
+        fitted = problem.fit()
+        if fitted is not None:
+            fits.append(fitted)
+    return curves, fits
 
 
 def _with_errors_of_scatter(curves: Curves, problems: Sequence[_Problem]) -> Curves:
@@ -193,11 +206,13 @@ def _with_errors_of_scatter(curves: Curves, problems: Sequence[_Problem]) -> Cur
 
     The scatter is one of the data, whatever the medium: it is that about the best of them.
     """
-    variances = [problem.variance_of_scatter() for problem in problems]
-    known = [variance for variance in variances if variance is not None]
-    least = (LEAST_ERROR / UNKNOWN_ERROR) ** 2
-    variance = max(min(known, default=1.0), least)
-    return replace(curves, error=math.sqrt(variance) * curves.error)
+    variances = []
+    for problem in problems:
+        variance = problem.variance_of_scatter()
+        if variance is not None:
+            variances.append(variance)
+    smallest = max(min(variances, default=1.0), (LEAST_ERROR / UNKNOWN_ERROR) ** 2)
+    return replace(curves, error=math.sqrt(smallest) * curves.error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,7 +289,9 @@ class _Problem:
             bounds=limits_of(self.free),
             x_scale="jac",
         )
-        return np.asarray(solved.x) if solved.success else None
+        if not solved.success:
+            return None
+        return np.asarray(solved.x)
 
     def variance_of_scatter(self) -> float | None:
         """Return the mean square of the residuals over the errors; None without a fit."""

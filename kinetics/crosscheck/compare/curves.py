@@ -69,22 +69,18 @@ def compare_averages(
     InputError
         There are too few averages, or an argument is out of range.
     """
-    if initial not in STARTS:
-        refuse("initial", initial, "averages do not say it: it must be gaussian or one speed")
-    if MEAN_SPEED in table.names and STARTS[initial] != "gaussian":
-        refuse("initial", initial, "of mean speeds it must be gaussian")
-    one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
     law = Law(dimension=dimension or 2)
-    if law.dimension == 3 and scatterers not in ("auto", "dilute"):
-        refuse("scatterers", scatterers, "of others than disks it must be 'dilute'")
+    _check_start(table, initial)
+    _check_scatterers(scatterers, law)
     curves = Curves.of(table, law)
-    point = Point(
-        restitution=0.7 if restitution is None else check_restitution(restitution),
-        path=_largest_distance(curves) if number_density is None else law.free_path(number_density),
-        start=STARTS[initial],
-    )
-    specified = {"restitution": restitution, "path": number_density}
-    free = tuple(name for name, value in specified.items() if value is None)
+    point = Point(restitution=0.7, path=_largest_distance(curves), start=STARTS[initial])
+    free = ["restitution", "path"]
+    if restitution is not None:
+        free.remove("restitution")
+        point = point.with_values(restitution=check_restitution(restitution))
+    if number_density is not None:
+        free.remove("path")
+        point = point.with_values(path=law.free_path(number_density))
     if curves.size < len(free) + 1:
         averages = f"{curves.size} averages after time 0"
         if table.has_errors:
@@ -97,6 +93,21 @@ def compare_averages(
             f"{table.source}: no restitution and density fit these averages; give them"
         )
     return _comparison(table, curves, fits)
+
+
+def _check_start(table: AveragesTable, initial: str) -> None:
+    """Raise InputError for a start of which there is no theory of the averages."""
+    if initial not in STARTS:
+        refuse("initial", initial, "averages do not say it: it must be gaussian or one speed")
+    if MEAN_SPEED in table.names and STARTS[initial] != "gaussian":
+        refuse("initial", initial, "of mean speeds it must be gaussian")
+
+
+def _check_scatterers(scatterers: str, law: Law) -> None:
+    """Raise InputError for scatterers of which there is no theory."""
+    one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
+    if law.dimension == 3 and scatterers not in ("auto", "dilute"):
+        refuse("scatterers", scatterers, "of others than disks it must be 'dilute'")
 
 
 def _largest_distance(curves: Curves) -> float:
@@ -116,7 +127,9 @@ def _media(scatterers: str, point: Point, free: Sequence[str], law: Law) -> list
         has_theory &= law.free_path(point.path) <= HIGHEST_DENSITY
     if "restitution" not in free:
         has_theory &= point.restitution >= LEAST_RESTITUTION
-    return ["dilute", "hard disks"] if has_theory else ["dilute"]
+    if not has_theory:
+        return ["dilute"]
+    return ["dilute", "hard disks"]
 
 
 # -- the comparison --------------------------------------------------------------------------------
@@ -126,13 +139,19 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
     """Return the comparison with the likeliest of fits, one for each medium."""
     from scipy.stats import chi2
 
-    best = min(fits, key=lambda fitted: fitted.chi_square)
+    best = min(fits, key=lambda fitted: fitted.criterion)
     undecided = _not_excluded(best, fits)
     best = _covering(best, undecided)
     freedom = curves.size - len(best.names)
     p_value = None
+    chi_square = None
+    dof = None
     verdict = Verdict.NOT_TESTED
+    next_step = "Give standard errors: columns such as msd_error."
     if curves.has_errors:
+        next_step = ""
+        chi_square = best.chi_square
+        dof = freedom
         p_value = float(chi2.sf(best.chi_square, freedom))
         verdict = judge_sigmas(gaussian_sigmas(p_value))
     dimension = curves.layout.law.dimension
@@ -153,8 +172,8 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
         medium=best.medium,
         covariance=tuple(tuple(row) for row in best.covariance.tolist()),
         overall_p_value=p_value,
-        chi_square=best.chi_square if curves.has_errors else None,
-        dof=freedom if curves.has_errors else None,
+        chi_square=chi_square,
+        dof=dof,
         units=dict(table.units or {}),
         dimension=dimension,
         cannot_tell=cannot_tell(best.names, best.covariance, "these averages"),
@@ -163,7 +182,7 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
         n_times=int(np.unique(curves.time).size),
         first_time=float(curves.time.min()),
         last_time=float(curves.time.max()),
-        next_step="" if curves.has_errors else "Give standard errors: columns such as msd_error.",
+        next_step=next_step,
     )
 
 
@@ -181,8 +200,8 @@ def _remarks(curves: Curves) -> list[str]:
 
 def _not_excluded(best: CurveFit, fits: Sequence[CurveFit]) -> list[CurveFit]:
     """Return the fits in other media that the averages do not exclude."""
-    limit = best.chi_square + NEAR_BEST
-    return [fitted for fitted in fits if fitted is not best and fitted.chi_square <= limit]
+    limit = best.criterion + NEAR_BEST
+    return [fitted for fitted in fits if fitted is not best and fitted.criterion <= limit]
 
 
 def _covering(best: CurveFit, others: Sequence[CurveFit]) -> CurveFit:
@@ -250,8 +269,12 @@ def _tests(curves: Curves, fitted: CurveFit) -> tuple[ComparisonTest, ...]:
     if not curves.has_errors:
         return ()
     names = list(dict.fromkeys(curves.observable.tolist()))
-    tests = [_test(curves, fitted, name, len(names)) for name in names]
-    return tuple(test for test in tests if test is not None)
+    tests = []
+    for name in names:
+        test = _test(curves, fitted, name, len(names))
+        if test is not None:
+            tests.append(test)
+    return tuple(tests)
 
 
 def _test(curves: Curves, fitted: CurveFit, name: str, n_tests: int) -> ComparisonTest | None:

@@ -27,22 +27,21 @@ def unknown_directions(names: Sequence[str], covariance: Array) -> list[tuple[st
     names : of the fitted numbers
     covariance : of these, or of their logarithms, shape (n_names, n_names)
     """
-    looked_at = [index for index, name in enumerate(names) if name in UNKNOWN_FROM]
-    without_end = [index for index in looked_at if not np.isfinite(covariance[index, index])]
+    all_names = np.array(names, dtype="U20")
+    is_looked_at = np.isin(all_names, list(UNKNOWN_FROM))
+    is_infinite = ~np.isfinite(np.diagonal(covariance))
     directions = []
-    if without_end:
-        directions.append(tuple(names[index] for index in without_end))
-    chosen = [index for index in looked_at if index not in without_end]
-    units = np.array([UNKNOWN_FROM[names[index]] for index in chosen])
+    if np.any(is_looked_at & is_infinite):
+        directions.append(tuple(all_names[is_looked_at & is_infinite].tolist()))
+    chosen = np.flatnonzero(is_looked_at & ~is_infinite)
+    units = np.array([UNKNOWN_FROM[name] for name in all_names[chosen].tolist()])
     scaled = covariance[np.ix_(chosen, chosen)] / np.outer(units, units)
     variances, axes = np.linalg.eigh(scaled)
     for variance, axis in zip(variances.tolist(), np.abs(axes.T), strict=True):
-        if variance <= 1.0:
-            continue
         # a number is named where the direction is mostly its own, or leaves it unknown
         is_named = (axis > NAMED_FROM) | (variance * axis**2 > 1.0)
-        pairs = zip(chosen, is_named.tolist(), strict=True)
-        directions.append(tuple(names[index] for index, is_part in pairs if is_part))
+        if variance > 1.0:
+            directions.append(tuple(all_names[chosen[is_named]].tolist()))
     return directions
 
 

@@ -228,7 +228,9 @@ def _rows_of_histogram(histogram: Histogram, n_looks: int) -> list[Row]:
         low = float(histogram.edges[index])
         high = float(histogram.edges[index + 1])
         has_end = math.isfinite(high)
-        width = high - low if has_end else 1.0
+        width = 1.0
+        if has_end:
+            width = high - low
         error = float(histogram.error[index])
         sigmas = float(histogram.share[index] - histogram.theory[index]) / error
         corrected = corrected_sigmas(sigmas, histogram.groups, n_looks)

@@ -50,25 +50,32 @@ class Layout:
     pairs: FramePairs | None = None
     presence: Mask | None = None
 
+    @property
+    def _frames(self) -> tuple[Indices, Indices]:
+        """The indices of the earlier and the later frames of pairs; empty without pairs."""
+        if self.pairs is None:
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        return self.pairs.earlier, self.pairs.later
+
     @cached_property
     def observable(self) -> NDArray[np.str_]:
         """The name of the observable of each component."""
-        n_pairs = 0 if self.pairs is None else self.pairs.earlier.size
         over_time = np.repeat(np.array(self.names, dtype="U40"), self.times.size)
-        return np.concatenate([over_time, np.full(n_pairs, BETWEEN_FRAMES, dtype="U40")])
+        earlier, _ = self._frames
+        return np.concatenate([over_time, np.full(earlier.size, BETWEEN_FRAMES, dtype="U40")])
 
     @cached_property
     def time_index(self) -> Indices:
         """The index of the time of each component, of the later frame of a pair."""
         over_time = np.tile(np.arange(self.times.size), len(self.names))
-        later = np.empty(0, np.int64) if self.pairs is None else self.pairs.later
+        _, later = self._frames
         return np.concatenate([over_time, later]).astype(np.int64)
 
     @cached_property
     def earlier_index(self) -> Indices:
         """The index of the earlier frame of a pair; 0 for averages over time."""
         over_time = np.zeros(self.times.size * len(self.names), np.int64)
-        earlier = np.empty(0, np.int64) if self.pairs is None else self.pairs.earlier
+        earlier, _ = self._frames
         return np.concatenate([over_time, earlier]).astype(np.int64)
 
     @cached_property
@@ -84,7 +91,9 @@ class Layout:
     @property
     def all_names(self) -> tuple[str, ...]:
         """The observables that have components."""
-        return self.names if self.pairs is None else (*self.names, BETWEEN_FRAMES)
+        if self.pairs is None:
+            return self.names
+        return *self.names, BETWEEN_FRAMES
 
     def is_same_as(self, other: Layout) -> bool:
         """Return whether the components are those of another layout, in the same order."""

@@ -60,7 +60,9 @@ def _come_to_rest(fitted: Fit, residuals: Residuals) -> Explanation:
     before = _test_at(residuals, sample.at_rest == 0)
     agrees_before = before is not None and before.verdict is Verdict.AGREES
     # few change densities alone: where averages differ before, it is for another reason
-    outcome = "found" if agrees or agrees_before else "noted"
+    outcome = "noted"
+    if agrees or agrees_before:
+        outcome = "found"
     share = n_at_rest / int(sample.samples.max())
     return Explanation("traps", outcome, f"{headline}.", value=share, headline=headline)
 
@@ -88,18 +90,21 @@ def _are_missing(residuals: Residuals, clock: float) -> Explanation:
     text = (
         f"{headline}, of {n_tracers} at t = {time}. A cap on collisions takes the fast ones away."
     )
-    return Explanation(
+    explanation = Explanation(
         name="missing tracers",
         outcome=outcome,
         text=text,
         tested=of_rest is not None,
         value=n_missing / n_tracers,
-        chi_square_before=None if of_rest is None else of_rest.value,
-        chi_square_after=None if of_whole is None else of_whole.value,
-        dof=None if of_whole is None else of_whole.freedom,
-        p_value=None if of_whole is None else of_whole.p_value,
         headline=headline,
     )
+    if of_rest is not None:
+        explanation = explanation._replace(chi_square_before=of_rest.value)
+    if of_whole is not None:
+        explanation = explanation._replace(
+            chi_square_after=of_whole.value, dof=of_whole.freedom, p_value=of_whole.p_value
+        )
+    return explanation
 
 
 def _test_at(residuals: Residuals, is_chosen: np.ndarray) -> ChiSquare | None:

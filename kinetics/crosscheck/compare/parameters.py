@@ -56,15 +56,21 @@ class FreeParameter:
 
     def value(self, coordinate: float) -> float:
         """Return the number at a coordinate."""
-        return math.exp(coordinate) if self.is_logarithm else coordinate * self.scale
+        if self.is_logarithm:
+            return math.exp(coordinate)
+        return coordinate * self.scale
 
     def coordinate(self, value: float) -> float:
         """Return the coordinate of a number."""
-        return math.log(value) if self.is_logarithm else value / self.scale
+        if self.is_logarithm:
+            return math.log(value)
+        return value / self.scale
 
     def is_at_limit(self, coordinate: float) -> bool:
         """Whether a fit has run into a limit that is none of the number itself."""
-        margin = 0.01 * (self.high - self.low) if self.is_logarithm else -1.0
+        if not self.is_logarithm:
+            return False
+        margin = 0.01 * (self.high - self.low)
         return coordinate <= self.low + margin or coordinate >= self.high - margin
 
 
@@ -128,9 +134,8 @@ def point_at(point: Point, free: Sequence[FreeParameter], coordinates: Array) ->
 
 def coordinates_of(point: Point, free: Sequence[FreeParameter]) -> Array:
     """Return the coordinates of the free numbers at a point, shape (n_free,)."""
-    numbers = [float(getattr(point, parameter.name)) for parameter in free]
-    pairs = zip(free, numbers, strict=True)
-    return np.array([parameter.coordinate(number) for parameter, number in pairs])
+    numbers = [parameter.coordinate(float(getattr(point, parameter.name))) for parameter in free]
+    return np.array(numbers)
 
 
 def is_at_foreign_limit(free: Sequence[FreeParameter], coordinates: Array) -> bool:

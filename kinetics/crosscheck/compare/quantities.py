@@ -111,10 +111,11 @@ def _power_of_length(
     length = comparison.unit_names.get("length", "")
     in_data_units = ""
     if parameter.value is not None and (length or factor != 1.0):
-        error = parameter.error
-        scaled_error = None if error is None else error * factor
-        unit = f"{length}{exponent}" if length else UNNAMED_UNIT
-        in_data_units = f"{_written(parameter.value * factor, scaled_error)} {unit}"
+        scaled = parameter.in_unit(factor)
+        unit = UNNAMED_UNIT
+        if length:
+            unit = f"{length}{exponent}"
+        in_data_units = f"{_written(scaled.value, scaled.error)} {unit}"
     return Quantity(name, value, in_data_units, parameter.source)
 
 
@@ -128,11 +129,7 @@ def _speed_unit(comparison: Comparison, parameter: Parameter) -> Quantity:
 def _position_error(comparison: Comparison, parameter: Parameter) -> Quantity:
     """Write the error of a component of a position, which a parameter has in the data's unit."""
     length = comparison.units.get("length", 1.0)
-    value, error, source = parameter
-    scaled_value = None if value is None else value / length
-    scaled_error = None if error is None else error / length
-    in_our_units = Parameter(scaled_value, scaled_error, source)
-    return _power_of_length(comparison, "position error σ", in_our_units, 1)
+    return _power_of_length(comparison, "position error σ", parameter.in_unit(1.0 / length), 1)
 
 
 def _written(value: float | None, error: float | None) -> str:
@@ -142,4 +139,6 @@ def _written(value: float | None, error: float | None) -> str:
 
 def _with_unit(value: str, unit: str) -> str:
     """Return a written value with its unit, or the dash of a value that is not there."""
-    return value if value == NO_VALUE else f"{value} {unit}"
+    if value == NO_VALUE:
+        return value
+    return f"{value} {unit}"

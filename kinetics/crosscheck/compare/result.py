@@ -88,6 +88,15 @@ class Parameter(NamedTuple):
     error: float | None
     source: str
 
+    def in_unit(self, unit: float) -> Parameter:
+        """Return the number times a unit."""
+        changed = self
+        if self.value is not None:
+            changed = changed._replace(value=self.value * unit)
+        if self.error is not None:
+            changed = changed._replace(error=self.error * unit)
+        return changed
+
 
 class Explanation(NamedTuple):
     """Something that may explain a difference; chi-squares are of all averages.
@@ -227,7 +236,9 @@ class Comparison(Result):
     @property
     def title(self) -> str:
         """What was done with which data."""
-        work = "fitted" if self.is_fitted else "compared"
+        work = "compared"
+        if self.is_fitted:
+            work = "fitted"
         return f"{', '.join(self.names)}: {work} with the kinetic equation"
 
     @property

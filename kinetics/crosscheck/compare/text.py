@@ -93,7 +93,9 @@ def _statements_of_quantities(comparison: Comparison) -> list[Statement]:
         source = "; ".join(clauses)
         text = quantity.text
         if source:
-            text = f"{text} ({source})" if quantity.has_value else source
+            text = source
+            if quantity.has_value:
+                text = f"{quantity.text} ({source})"
         lines.append(Statement(quantity.name, text))
     return lines
 
