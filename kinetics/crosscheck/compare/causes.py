@@ -195,9 +195,11 @@ def _other_starts(measured: Measured, point: Point) -> list[Point]:
         return []
     bins = measured.sample.start
     if bins is not None:
-        return [] if point.has_own_start else [point.with_values(start=SampledStart(bins))]
-    others = [name for name in ("gaussian", "monoenergetic") if name != point.start]
-    return [point.with_values(start=name) for name in others]
+        if point.has_own_start:
+            return []
+        return [point.with_values(start=SampledStart(bins))]
+    others = {"gaussian", "monoenergetic"} - {point.start}
+    return [point.with_values(start=name) for name in sorted(others)]
 
 
 def _with_exchanged_components(

@@ -102,10 +102,7 @@ class Fit:
     @property
     def coordinates(self) -> Array:
         """The fitted numbers, or their logarithms, without the scales of `FreeParameter`."""
-        values = [float(getattr(self.point, name)) for name in self.names]
-        is_logarithm = [parameter.is_logarithm for parameter in self.free]
-        logs = zip(values, is_logarithm, strict=True)
-        return np.array([np.log(value) if is_log else value for value, is_log in logs])
+        return coordinates_of(self.point, self.free) * _scales(self.free)
 
     @cached_property
     def chi_square(self) -> ChiSquare | None:
@@ -132,7 +129,9 @@ class Fit:
 
         Until U is known, the times of positions alone are in the d/U of a U that is 1 in the data.
         """
-        return self.point.clock if "speed_unit" in self.names else 1.0
+        if "speed_unit" not in self.names:
+            return 1.0
+        return self.point.clock
 
     def value(self, name: str) -> tuple[float, float]:
         """Return a fitted number and its standard error."""

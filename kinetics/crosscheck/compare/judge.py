@@ -92,18 +92,16 @@ def _one_p_value(
     The test of all averages together has half of the level, all tests of one average or density a
     quarter, and the rows the other quarter, each divided by their number.
     """
-    of_tests = [test.p_value for test in tests]
     n_observables = len({row.observable for row in rows})
-    of_rows = [  # corrected for the rows of an observable already
-        math.erfc(abs(row.corrected_sigmas) / math.sqrt(2.0))
-        for row in rows
-        if row.corrected_sigmas is not None
-    ]
     candidates = [1.0]
     if averages is not None:
         candidates.append(2.0 * averages.p_value)
-    candidates += [4.0 * len(of_tests) * p_value for p_value in of_tests]
-    candidates += [4.0 * n_observables * p_value for p_value in of_rows]
+    for test in tests:
+        candidates.append(4.0 * len(tests) * test.p_value)
+    for row in rows:
+        if row.corrected_sigmas is not None:  # corrected for the rows of its observable
+            of_row = math.erfc(abs(row.corrected_sigmas) / math.sqrt(2.0))
+            candidates.append(4.0 * n_observables * of_row)
     return min(candidates)
 
 
@@ -130,7 +128,10 @@ def _verdict_on(sigmas: float, is_testable: bool) -> Verdict:
 def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
     """Return the worst of some; not tested only where nothing was, undefined without any."""
     order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES, Verdict.NOT_TESTED)
-    return next((verdict for verdict in order if verdict in verdicts), Verdict.UNDEFINED)
+    for verdict in order:
+        if verdict in verdicts:
+            return verdict
+    return Verdict.UNDEFINED
 
 
 # -- rows ------------------------------------------------------------------------------------------
@@ -275,14 +276,16 @@ def tests_of(
         chi_square = _test_over_times(fitted, name)
         if chi_square is not None:
             of_averages.append((name, chi_square))
-    of_densities = [
-        (histogram, histogram.chi_square)
-        for histogram in histograms
-        if histogram.chi_square is not None
-    ]
+    of_densities = []
+    for histogram in histograms:
+        if histogram.chi_square is not None:
+            of_densities.append((histogram, histogram.chi_square))
     n_tests = len(of_averages) + len(of_densities)
-    tests = [_average_test(residuals, name, test, n_tests) for name, test in of_averages]
-    tests += [_density_test(histogram, test, n_tests) for histogram, test in of_densities]
+    tests = []
+    for name, chi_square in of_averages:
+        tests.append(_average_test(residuals, name, chi_square, n_tests))
+    for histogram, chi_square in of_densities:
+        tests.append(_density_test(histogram, chi_square, n_tests))
     return tests
 
 
@@ -304,13 +307,13 @@ def _average_test(
     indices = indices[residuals.is_usable[indices]]
     relative = (residuals.plain_error / layout.sizes(residuals.theory))[indices]
     groups = residuals.groups_of_error[indices]
-    is_testable = any(
-        can_differ(error, n) for error, n in zip(relative.tolist(), groups.tolist(), strict=True)
-    )
-    # what the data exclude at every time
-    factors = np.array([limit_factor(n) for n in groups.tolist()])
     relative_difference = np.abs(residuals.difference / layout.sizes(residuals.theory))[indices]
-    within = float(np.max(relative_difference + factors * relative, initial=0.0))
+    is_testable = False
+    within = 0.0  # what the data exclude at every time
+    rows = zip(relative_difference.tolist(), relative.tolist(), groups.tolist(), strict=True)
+    for difference, error, n_groups in rows:
+        is_testable |= can_differ(error, n_groups)
+        within = max(within, difference + limit_factor(n_groups) * error)
     return _comparison_test(name, None, chi_square, n_tests, is_testable, within)
 
 

@@ -119,9 +119,8 @@ def _scale(name: str, measured: Measured) -> float:
 # -- several of them -------------------------------------------------------------------------------
 def limits_of(free: Sequence[FreeParameter]) -> tuple[Array, Array]:
     """Return the lowest and the highest coordinates, shape (n_free,) each."""
-    low = np.array([parameter.low for parameter in free])
-    high = np.array([parameter.high for parameter in free])
-    return low, high
+    limits = np.array([(parameter.low, parameter.high) for parameter in free]).reshape(-1, 2)
+    return limits[:, 0], limits[:, 1]
 
 
 def point_at(point: Point, free: Sequence[FreeParameter], coordinates: Array) -> Point:
@@ -140,8 +139,10 @@ def coordinates_of(point: Point, free: Sequence[FreeParameter]) -> Array:
 
 def is_at_foreign_limit(free: Sequence[FreeParameter], coordinates: Array) -> bool:
     """Return whether a fit has run into a limit that is none of the number itself."""
-    pairs = zip(free, coordinates, strict=True)
-    return any(parameter.is_at_limit(float(coordinate)) for parameter, coordinate in pairs)
+    for parameter, coordinate in zip(free, coordinates.tolist(), strict=True):
+        if parameter.is_at_limit(coordinate):
+            return True
+    return False
 
 
 def combinations_of(

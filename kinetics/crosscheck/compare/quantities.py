@@ -57,21 +57,28 @@ def quantities(comparison: Comparison) -> list[Quantity]:
         "position_error": _position_error,
     }
     parameters = comparison.parameters
-    return [
-        write(comparison, parameters[name]) for name, write in writers.items() if name in parameters
-    ]
+    written = []
+    for name, write in writers.items():
+        if name in parameters:
+            written.append(write(comparison, parameters[name]))
+    return written
 
 
 def range_of_times(comparison: Comparison) -> str:
     """Return the first and the last time of the data, in d/U and in the data's unit."""
-    ends = (comparison.first_time, comparison.last_time)
-    text = f"from {' to '.join(numeral(time, '.4g') for time in ends)} d/U"
+    text = f"from {_times_in_unit(comparison, 1.0)} d/U"
     unit = comparison.units.get("time", 1.0)
     name = comparison.unit_names.get("time", "")
     if unit == 1.0 and not name:
         return text
-    in_data_unit = " to ".join(numeral(time * unit, ".4g") for time in ends)
-    return f"{text} ({in_data_unit} {name or UNNAMED_UNIT})"
+    return f"{text} ({_times_in_unit(comparison, unit)} {name or UNNAMED_UNIT})"
+
+
+def _times_in_unit(comparison: Comparison, unit: float) -> str:
+    """Write the first and the last time in units of d/U over a unit."""
+    first = numeral(comparison.first_time * unit, ".4g")
+    last = numeral(comparison.last_time * unit, ".4g")
+    return f"{first} to {last}"
 
 
 def speed_unit_name(comparison: Comparison) -> str:

@@ -251,12 +251,12 @@ class Comparison(Result):
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain lists, dictionaries, numbers and texts: the JSON document."""
         values = {attribute.name: getattr(self, attribute.name) for attribute in fields(self)}
-        values["tests"] = [test._asdict() for test in self.tests]
-        values["explanations"] = [item._asdict() for item in self.explanations]
+        values["rows"] = values.pop("numbers")
+        for name in ("tests", "explanations", "rows"):
+            values[name] = [record._asdict() for record in values[name]]
         values["parameters"] = {
             name: parameter._asdict() for name, parameter in self.parameters.items()
         }
-        values["rows"] = [row._asdict() for row in values.pop("numbers")]
         data = {name: values.pop(name) for name in FIELDS_OF_DATA}
         document: dict[str, Any] = plain(
             {"schema": SCHEMA, "title": self.title, "data": data, **values}
