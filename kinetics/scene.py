@@ -52,7 +52,8 @@ class Scene(Storable):
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`; or a function, see below
     number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0) where
         they are dilute
-    diameter : of tracer and scatterers, in d
+    diameter : d, the distance of the centres of tracer and scatterer at a collision: the diameter
+        of both, or half the sum of both where they differ
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
@@ -66,7 +67,8 @@ class Scene(Storable):
     collision_numbers : N, whole, of the averages after N collisions, ``Solution.by_collision``
     scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
         (placed independently) or "hard disks": the equation to the first order in the density, up
-        to number_density * diameter^2 = 0.3, among smooth disks
+        to number_density * diameter^2 = 0.3, among smooth disks. "hard disks" are as large as the
+        tracer: of other sizes there is the dilute theory alone
     density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
         "first" (n) or "second" (with a fitted term (n ln n)^2)
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be

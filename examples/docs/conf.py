@@ -24,6 +24,7 @@ extensions = [
     "explorer",
     "formulas",
     "outputs",
+    "paper_figures",
 ]
 exclude_patterns = ["_ext", "generated/*.md"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from scattered import Around, places
 
-from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
+from particles import (
+    BoltzmannGrad,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    Positions,
+    simulate,
+)
 
 FIRST: dict[str, Any] = dict(restitution=1.0, media=400, tracers=50, max_collisions=1)
 MANY: dict[str, Any] = dict(media=100, tracers=100, max_collisions=20)
@@ -106,3 +114,19 @@ def test_at_speed_one_a_flight_lasts_as_long_as_it_is(medium: Any, more: dict[st
         times.probability.value[0, first:], shares, atol=1.5 / run.collision_total
     )
     assert shares.sum() > 0.99
+
+
+def test_the_free_path_in_a_square_lattice() -> None:
+    """Santalo's formula: the mean free path is pi times free area over perimeter, 4 sigma.
+
+    In a cell of side a around a disk of the collision distance 1 it is (a^2 - pi)/2.
+    """
+    side = 3.0
+    cells = 4
+    centres = (np.arange(cells) + 0.5) * side
+    x, y = np.meshgrid(centres, centres)
+    lattice = Positions(np.column_stack([x.ravel(), y.ravel()]), box_side=cells * side)
+    run = simulate(lattice, restitution=1.0, times=[20.0, 20_000.0], media=20, tracers=10, seed=3)
+    path = run.mean_free_path
+    assert abs(path.value - (side**2 - np.pi) / 2.0) < 4.0 * path.error
+    assert path.error < 0.01

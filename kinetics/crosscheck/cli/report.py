@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 # imported, which the option --output does.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+#: Options of the report on the system that the paper's figures have too.
+OPTIONS_OF_PAPER_FIGURES = ("rtol", "seed", "workers", "media", "tracers", "free_tracers", "count")
 #: Options of the report on the system that the driven ones have too.
 OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 
@@ -43,6 +45,12 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
     "--seed and --workers; writes field.html. [default: disks]",
 )
 @option("--field", "kind", flag_value="field", help="The same as --system field.")
+@option(
+    "--figures-of-the-paper",
+    is_flag=True,
+    help="Instead of the report, make the paper's nine figures again, each with a verdict, in "
+    "figures-of-the-paper.html. Has the samples of --quick.",
+)
 @option(
     "-e",
     "--restitution",
@@ -78,7 +86,13 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 @options.workers_option
 @options.json_option
 def report(
-    output: Path, quick: bool, kind: str, figures: tuple[str, ...], as_json: bool, **arguments: Any
+    output: Path,
+    quick: bool,
+    kind: str,
+    figures_of_the_paper: bool,
+    figures: tuple[str, ...],
+    as_json: bool,
+    **arguments: Any,
 ) -> None:
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
@@ -91,6 +105,9 @@ def report(
     from kinetics.crosscheck.report import make_report
     from kinetics.crosscheck.report.systems import Cooling
 
+    if figures_of_the_paper:
+        write_figures_of_the_paper(output, figures, arguments)
+        return
     system: Cooling | Driven
     if kind == "disks":
         system = Cooling(**arguments)
@@ -107,6 +124,27 @@ def report(
         return
     click.echo(result.text())
     click.echo(f"wrote {written[0]} and {len(written) - 1} files beside it")
+
+
+def write_figures_of_the_paper(
+    output: Path, formats: tuple[str, ...], arguments: dict[str, Any]
+) -> None:
+    """Make the paper's figures again, write their page, and print the verdicts."""
+    from kinetics.crosscheck.report.paper_figures import draw_paper_figures
+    from kinetics.crosscheck.report.systems import Cooling
+
+    options.refuse_given(
+        [*(set(arguments) - set(OPTIONS_OF_PAPER_FIGURES)), "kind", "as_json"],
+        "--figures-of-the-paper",
+    )
+    chosen = {name: arguments[name] for name in OPTIONS_OF_PAPER_FIGURES}
+    system = Cooling(**chosen).quick()
+    with options.progress(system.stages) as tell:
+        made = draw_paper_figures(system, tell)
+        tell("writing")
+        written = made.write(output, formats)
+    click.echo(made.text)
+    click.echo(f"wrote {written[0]}")
 
 
 def driven_system(kind: str, arguments: dict[str, Any]) -> "Driven":

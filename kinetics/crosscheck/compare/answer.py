@@ -6,6 +6,7 @@ looked for, and where one of them is another medium, that is shown.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,10 +18,11 @@ from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.flat_directions import cannot_tell
 from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
+from kinetics.crosscheck.compare.media import across_media
 from kinetics.crosscheck.compare.noted import never_move, noted
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter, Row
-from kinetics.crosscheck.compare.statistics import covariance_reaching, root_of_variance
+from kinetics.crosscheck.compare.statistics import root_of_variance
 from kinetics.crosscheck.compare.theory import Theory
 from kinetics.crosscheck.compare.wrong_unit import wrong_unit
 from kinetics.crosscheck.data.sample import Law, Sample
@@ -84,24 +86,31 @@ def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: b
         explanations, medium = _explained(best, verdict, media)
         of_medium = [other for other in judged if other.medium == medium]
         if of_medium and medium != best.medium:  # what explains is shown
-            best = _covering(of_medium[0], judged)
+            best = of_medium[0]
             verdict = best.judgement.verdict
     return _comparison(sample, judged, best, verdict, found_in_data, explanations)
 
 
 def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
     """Return the likeliest of the fits that agree with the data, or of all."""
-    agreeing = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES] or list(judged)
-    best = min(agreeing, key=lambda fit: fit.fitted.criterion)
-    return _covering(best, judged)
+    agreeing = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES]
+    return min(agreeing or judged, key=lambda fit: fit.fitted.criterion)
 
 
-def _covering(best: JudgedFit, judged: Sequence[JudgedFit]) -> JudgedFit:
-    """Return a fit whose errors reach the numbers of every other medium that is not excluded."""
-    coordinates = best.fitted.coordinates
-    differences = [fit.fitted.coordinates - coordinates for fit in _not_excluded(judged, best)]
-    covariance = covariance_reaching(best.fitted.covariance, differences)
-    return replace(best, fitted=replace(best.fitted, covariance=covariance))
+def _across_media(best: JudgedFit, not_excluded: Sequence[JudgedFit]) -> Fit:
+    """Return the best fit with the values and errors that hold in all media not excluded."""
+    if not not_excluded:
+        return best.fitted
+    fits = [best.fitted, *(other.fitted for other in not_excluded)]
+    middle, covariance = across_media(
+        [fitted.coordinates for fitted in fits], [fitted.covariance for fitted in fits]
+    )
+    values = {
+        parameter.name: math.exp(coordinate) if parameter.is_logarithm else coordinate
+        for parameter, coordinate in zip(best.fitted.free, middle.tolist(), strict=True)
+    }
+    point = best.fitted.point.with_values(**values)
+    return replace(best.fitted, point=point, covariance=covariance)
 
 
 def _not_excluded(judged: Sequence[JudgedFit], best: JudgedFit) -> list[JudgedFit]:
@@ -152,10 +161,12 @@ def _comparison(
         likeliest = explanations[0]
         if likeliest.outcome in ("explains", "found") and likeliest.headline:
             cause = likeliest
-    parameters = _parameters(best.fitted, verdict, found_in_data)
+    not_excluded = _not_excluded(judged, best)
+    reported = _across_media(best, not_excluded)
+    parameters = _parameters(reported, verdict, found_in_data)
     averages = best.fitted.chi_square
     clock = best.fitted.clock
-    unknown = cannot_tell(best.fitted.names, best.fitted.covariance, "these data")
+    unknown = cannot_tell(reported.names, reported.covariance, "these data")
     return Comparison(
         verdict=verdict,
         summary=_summary(best, parameters, verdict, cause),
@@ -170,7 +181,7 @@ def _comparison(
         explanations=tuple(explanations),
         numbers=tuple(_row_on_clock(row, clock) for row in judgement.rows),
         medium=point.scatterers,
-        covariance=_covariance_of_two(best.fitted),
+        covariance=_covariance_of_two(reported),
         overall_p_value=judgement.p_value,
         chi_square=None if averages is None else averages.value,
         dof=None if averages is None else averages.freedom,
@@ -179,7 +190,7 @@ def _comparison(
         unit_names=dict(sample.unit_names),
         cannot_tell=unknown,
         media=_chi_squares(judged),
-        undecided=tuple(fit.medium for fit in _not_excluded(judged, best)),
+        undecided=tuple(fit.medium for fit in not_excluded),
         n_times=int(sample.times.size),
         first_time=clock * float(sample.times[0]),
         last_time=clock * float(sample.times[-1]),

@@ -15,10 +15,11 @@ from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
 from kinetics.crosscheck.compare.causes import NEAR_BEST
 from kinetics.crosscheck.compare.curve_fit import CurveFit, Curves, fit_in_media
 from kinetics.crosscheck.compare.flat_directions import cannot_tell, unknown_numbers
+from kinetics.crosscheck.compare.media import across_media
 from kinetics.crosscheck.compare.observables import MEAN_SPEED, OBSERVABLES
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison, ComparisonTest, Parameter, Row
-from kinetics.crosscheck.compare.statistics import covariance_reaching, whitening
+from kinetics.crosscheck.compare.statistics import whitening
 from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.options import refuse_data
 from kinetics.crosscheck.data.sample import Law
@@ -141,7 +142,7 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
 
     best = min(fits, key=lambda fitted: fitted.criterion)
     undecided = _not_excluded(best, fits)
-    best = _covering(best, undecided)
+    reported = _across_media(best, undecided)
     freedom = curves.size - len(best.names)
     p_value = None
     chi_square = None
@@ -155,7 +156,7 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
         p_value = float(chi2.sf(best.chi_square, freedom))
         verdict = judge_sigmas(gaussian_sigmas(p_value))
     dimension = curves.layout.law.dimension
-    parameters = _parameters(best, verdict, dimension)
+    parameters = _parameters(reported, verdict, dimension)
     return Comparison(
         verdict=verdict,
         summary=_summary(best, verdict, curves.size, dimension),
@@ -170,13 +171,13 @@ def _comparison(table: AveragesTable, curves: Curves, fits: Sequence[CurveFit]) 
         explanations=(),
         numbers=_rows(curves, best),
         medium=best.medium,
-        covariance=tuple(tuple(row) for row in best.covariance.tolist()),
+        covariance=tuple(tuple(row) for row in reported.covariance.tolist()),
         overall_p_value=p_value,
         chi_square=chi_square,
         dof=dof,
         units=dict(table.units or {}),
         dimension=dimension,
-        cannot_tell=cannot_tell(best.names, best.covariance, "these averages"),
+        cannot_tell=cannot_tell(reported.names, reported.covariance, "these averages"),
         media={fitted.medium: (fitted.chi_square, freedom) for fitted in fits},
         undecided=tuple(fitted.medium for fitted in undecided),
         n_times=int(np.unique(curves.time).size),
@@ -204,10 +205,19 @@ def _not_excluded(best: CurveFit, fits: Sequence[CurveFit]) -> list[CurveFit]:
     return [fitted for fitted in fits if fitted is not best and fitted.criterion <= limit]
 
 
-def _covering(best: CurveFit, others: Sequence[CurveFit]) -> CurveFit:
-    """Return a fit whose errors reach the values of others."""
-    differences = [fitted.coordinates - best.coordinates for fitted in others]
-    return replace(best, covariance=covariance_reaching(best.covariance, differences))
+def _across_media(best: CurveFit, not_excluded: Sequence[CurveFit]) -> CurveFit:
+    """Return the best fit with the values and errors that hold in all media not excluded."""
+    if not not_excluded:
+        return best
+    fits = [best, *not_excluded]
+    middle, covariance = across_media(
+        [fitted.coordinates for fitted in fits], [fitted.covariance for fitted in fits]
+    )
+    values = dict(zip(best.names, middle.tolist(), strict=True))
+    if "path" in values:
+        values["path"] = math.exp(values["path"])
+    point = best.point.with_values(**values)
+    return replace(best, point=point, coordinates=middle, covariance=covariance)
 
 
 def _parameters(fitted: CurveFit, verdict: Verdict, dimension: int) -> dict[str, Parameter]:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
+from kinetics.crosscheck.compare.observables import Array
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.data.sample import Sample
 
@@ -34,3 +39,21 @@ def _has_dense_theory(sample: Sample, point: Point | None) -> bool:
         return True
     density = sample.law.free_path(point.path)
     return density <= HIGHEST_DENSITY and point.restitution >= LEAST_RESTITUTION
+
+
+def across_media(coordinates: Sequence[Array], covariances: Sequence[Array]) -> tuple[Array, Array]:
+    """Return fitted numbers and their covariance that hold in each of several media.
+
+    Data that do not tell media apart favour none: the numbers are the means over the media, and
+    their covariance is the mean one with twice the sum of squares of the numbers about these means.
+    Of two media at a distance D that adds D^2: an error reaches both of them.
+
+    Parameters
+    ----------
+    coordinates : in each medium, shape (n_free,)
+    covariances : in each medium, shape (n_free, n_free)
+    """
+    middle = np.mean(coordinates, axis=0)
+    deviations = np.asarray(coordinates) - middle
+    covariance = np.mean(covariances, axis=0) + 2.0 * deviations.T @ deviations
+    return np.asarray(middle), np.asarray(covariance)

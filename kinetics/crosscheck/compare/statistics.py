@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -109,19 +108,6 @@ def covariance_of_information(information: Array) -> Array:
     """
     inverse = np.asarray(np.linalg.pinv(information, rcond=NO_INFORMATION), float)
     return with_infinite_variances(inverse, without_information(information))
-
-
-def covariance_reaching(covariance: Array, differences: Sequence[Array]) -> Array:
-    """Return a covariance whose errors reach other values, which may as well be the right ones.
-
-    Parameters
-    ----------
-    covariance : of the values that are stated, shape (n, n)
-    differences : of other values from these, shape (n,) each
-    """
-    for difference in differences:
-        covariance = covariance + np.outer(difference, difference)
-    return covariance
 
 
 def root_of_variance(variance: float, error: float) -> tuple[float, float]:

@@ -68,6 +68,8 @@ LINE_STYLES: dict[str, LineStyle] = {
     PEAK: DASH_DOTTED,
     GAUSSIAN: DASH_DOTTED,
     CORRECTED: DASHED,
+    "root of eq. (B17)": DASHED,
+    "paper: 0.058 t": DASHED,
 }
 #: Width of a figure in inches. The origin is not recorded.
 WIDTH = 5.0

@@ -1,0 +1,54 @@
+"""Data of few tracks do not tell one medium from another: what `fit` says then."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import fit
+from particles import HardDisks, simulate
+
+
+@cache
+def few_tracks() -> dict[str, Any]:
+    """150 tracers among hard disks, each in a medium of its own, at 13 times."""
+    times = np.linspace(0.0, 60.0, 13)
+    run = simulate(
+        HardDisks(0.02, 1000),
+        0.7,
+        times=times,
+        media=150,
+        tracers=1,
+        seed=1003,
+        workers=1,
+        observables=("positions", "velocities"),
+    )
+    return {
+        "times": times,
+        "positions": np.asarray(run.positions),
+        "velocities": np.asarray(run.velocities),
+        "tracer": np.arange(150),
+    }
+
+
+@pytest.mark.parametrize("name", ["restitution", "mean_free_path"])
+def test_undecided_media_have_one_value_between_theirs_with_an_error_that_reaches_both(
+    name: str,
+) -> None:
+    both = fit(few_tracks())
+    of_medium = {
+        medium: fit(few_tracks(), scatterers=medium).parameters[name]
+        for medium in ("dilute", "hard disks")
+    }
+    assert {both.medium, *both.undecided} == set(of_medium)
+    value = both.parameters[name].value
+    error = both.parameters[name].error
+    values = [parameter.value for parameter in of_medium.values()]
+    assert value == pytest.approx(np.mean(values), rel=1e-2)
+    assert error > abs(values[1] - values[0])
+    for parameter in of_medium.values():
+        assert abs(value - parameter.value) < error
+        assert error > 0.95 * parameter.error
