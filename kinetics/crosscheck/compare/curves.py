@@ -19,6 +19,7 @@ from kinetics.crosscheck.compare.media import across_media
 from kinetics.crosscheck.compare.observables import MEAN_SPEED, OBSERVABLES
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison, ComparisonTest, Parameter, Row
+from kinetics.crosscheck.compare.starts import STARTS
 from kinetics.crosscheck.compare.statistics import whitening
 from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.options import refuse_data
@@ -27,13 +28,6 @@ from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas, nu
 from kinetics.errors import InputError
 from kinetics.validation import check_restitution, one_of, refuse
 
-#: Starts that averages may have, and their names in a Scene.
-STARTS = {
-    "auto": "gaussian",
-    "gaussian": "gaussian",
-    "monoenergetic": "monoenergetic",
-    "one speed": "monoenergetic",
-}
 #: Standard errors that hold 95 % of a Gaussian.
 LIMIT_SIGMAS = 1.96
 #: Remark on errors that a table states.
@@ -71,10 +65,10 @@ def compare_averages(
         There are too few averages, or an argument is out of range.
     """
     law = Law(dimension=dimension or 2)
-    _check_start(table, initial)
+    start = _start(table, initial)
     _check_scatterers(scatterers, law)
     curves = Curves.of(table, law)
-    point = Point(restitution=0.7, path=_largest_distance(curves), start=STARTS[initial])
+    point = Point(restitution=0.7, path=_largest_distance(curves), start=start)
     free = ["restitution", "path"]
     if restitution is not None:
         free.remove("restitution")
@@ -96,12 +90,16 @@ def compare_averages(
     return _comparison(table, curves, fits)
 
 
-def _check_start(table: AveragesTable, initial: str) -> None:
-    """Raise InputError for a start of which there is no theory of the averages."""
-    if initial not in STARTS:
+def _start(table: AveragesTable, initial: str) -> str:
+    """Return the start as a Scene has it; InputError where there is no theory of the averages."""
+    start = STARTS.get(initial)
+    if start == "auto":
+        return "gaussian"
+    if start not in ("gaussian", "monoenergetic"):
         refuse("initial", initial, "averages do not say it: it must be gaussian or one speed")
-    if MEAN_SPEED in table.names and STARTS[initial] != "gaussian":
+    if MEAN_SPEED in table.names and start != "gaussian":
         refuse("initial", initial, "of mean speeds it must be gaussian")
+    return start
 
 
 def _check_scatterers(scatterers: str, law: Law) -> None:
