@@ -15,13 +15,14 @@ import numpy as np
 
 from kinetics.crosscheck.compare.causes import NEAR_BEST, tested_causes
 from kinetics.crosscheck.compare.fit import Fit
-from kinetics.crosscheck.compare.flat_directions import NAMED_FROM, NAMES, UNKNOWN_FROM
+from kinetics.crosscheck.compare.flat_directions import cannot_tell
 from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.media import across_media
 from kinetics.crosscheck.compare.noted import never_move, noted
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter, Row
+from kinetics.crosscheck.compare.statistics import root_of_variance
 from kinetics.crosscheck.compare.theory import Theory
 from kinetics.crosscheck.compare.wrong_unit import wrong_unit
 from kinetics.crosscheck.data.sample import Law, Sample
@@ -150,7 +151,7 @@ def _comparison(
 ) -> Comparison:
     point = best.fitted.point
     judgement = best.judgement
-    remarks = []
+    remarks = [*judgement.remarks]
     if point.has_own_start and judgement.has_densities:
         remarks.append(OWN_START)
     if point.scatterers != "dilute":
@@ -163,9 +164,9 @@ def _comparison(
     not_excluded = _not_excluded(judged, best)
     reported = _across_media(best, not_excluded)
     parameters = _parameters(reported, verdict, found_in_data)
-    averages = judgement.averages
-    clock = _fitted_clock(best.fitted)
-    cannot_tell = _cannot_tell(reported)
+    averages = best.fitted.chi_square
+    clock = best.fitted.clock
+    unknown = cannot_tell(reported.names, reported.covariance, "these data")
     return Comparison(
         verdict=verdict,
         summary=_summary(best, parameters, verdict, cause),
@@ -187,22 +188,14 @@ def _comparison(
         units=_units(sample, clock),
         dimension=sample.law.dimension,
         unit_names=dict(sample.unit_names),
-        cannot_tell=cannot_tell,
+        cannot_tell=unknown,
         media=_chi_squares(judged),
         undecided=tuple(fit.medium for fit in not_excluded),
         n_times=int(sample.times.size),
         first_time=clock * float(sample.times[0]),
         last_time=clock * float(sample.times[-1]),
-        next_step=_next_step(verdict, cause, cannot_tell),
+        next_step=_next_step(verdict, cause, unknown),
     )
-
-
-def _fitted_clock(fitted: Fit) -> float:
-    """Return the times in d/U over those of the sample, where U was fitted; else 1.
-
-    Until U is known, the times of positions alone are in the d/U of a U that is 1 in the data.
-    """
-    return fitted.point.clock if "speed_unit" in fitted.names else 1.0
 
 
 def _scaled_time(time: float | None, clock: float) -> float | None:
@@ -223,9 +216,17 @@ def _units(sample: Sample, clock: float) -> dict[str, float]:
         return units
     return {
         "length": units.get("length", 1.0),
-        "speed": units.get("speed", 1.0) * clock,
+        "speed": _unit_of_fitted_speed(sample) * clock,
         "time": units.get("time", 1.0) / clock,
     }
+
+
+def _unit_of_fitted_speed(sample: Sample) -> float:
+    """Return what a fitted U is in units of: the unit of length over that of time.
+
+    That is not the unit of speed where a unit of time was specified beside it.
+    """
+    return sample.units.get("length", 1.0) / sample.units.get("time", 1.0)
 
 
 def _chi_squares(judged: Sequence[JudgedFit]) -> dict[str, tuple[float, int]]:
@@ -244,28 +245,7 @@ def _covariance_of_two(fitted: Fit) -> tuple[tuple[float, ...], ...]:
     return tuple(map(tuple, fitted.covariance[np.ix_(chosen, chosen)].tolist()))
 
 
-def _cannot_tell(fitted: Fit) -> tuple[str, ...]:
-    """Return a sentence for each combination of numbers that the data do not know."""
-    chosen = [index for index, name in enumerate(fitted.names) if name in UNKNOWN_FROM]
-    if not chosen:
-        return ()
-    names = [fitted.names[index] for index in chosen]
-    units = np.array([UNKNOWN_FROM[name] for name in names])
-    covariance = fitted.covariance[np.ix_(chosen, chosen)] / np.outer(units, units)
-    if not np.all(np.isfinite(covariance)):
-        return ()
-    variances, directions = np.linalg.eigh(covariance)
-    sentences = []
-    for variance, direction in zip(variances, directions.T, strict=True):
-        if variance > 1.0:
-            pairs = zip(names, np.abs(direction), strict=True)
-            named = [NAMES[name] for name, share in pairs if share > NAMED_FROM]
-            verb = "is not known" if len(named) == 1 else "cannot be told apart"
-            sentences.append(f"{' and '.join(named)} {verb} by these data.")
-    return tuple(sentences)
-
-
-def _next_step(verdict: Verdict, cause: Explanation | None, cannot_tell: tuple[str, ...]) -> str:
+def _next_step(verdict: Verdict, cause: Explanation | None, unknown: tuple[str, ...]) -> str:
     """Return what to do next, in one sentence; empty where nothing is left."""
     if cause is not None and cause.outcome == "found":
         return "Mend the data, or say their units, and compare again."
@@ -277,7 +257,7 @@ def _next_step(verdict: Verdict, cause: Explanation | None, cannot_tell: tuple[s
         return "Measure more tracers: half the error decides."
     if verdict is Verdict.NOT_TESTED:
         return "Measure more independent tracers or media."
-    if cannot_tell:
+    if unknown:
         return "Measure closer frames at the beginning, or longer tracks, or specify a number."
     return ""
 
@@ -286,51 +266,41 @@ def _parameters(
     fitted: Fit, verdict: Verdict, found_in_data: Explanation | None
 ) -> dict[str, Parameter]:
     """Return the numbers of the theory; those that were fitted have standard errors."""
-    no_value = ""
+    why_none = ""
     if verdict is Verdict.DIFFERS:
-        no_value = found_in_data.headline if found_in_data else "the model does not fit"
+        why_none = found_in_data.headline if found_in_data else "the model does not fit"
     point = fitted.point
     law = fitted.measured.sample.law
     parameters = {
-        "restitution": _parameter(fitted, "restitution", point.restitution, no_value),
-        "number_density": _parameter(fitted, "path", law.free_path(point.path), no_value),
-        "mean_free_path": _parameter(fitted, "path", point.path, no_value),
+        "restitution": _parameter(fitted, "restitution", point.restitution, why_none),
+        "number_density": _parameter(fitted, "path", law.free_path(point.path), why_none),
+        "mean_free_path": _parameter(fitted, "path", point.path, why_none),
     }
     if "path" not in fitted.names:
         parameters["mean_free_path"] = Parameter(point.path, None, "from ρ₀")
     units = fitted.measured.sample.units
     if "speed_unit" in fitted.names:
-        speed = _parameter(fitted, "speed_unit", point.speed_unit, no_value)
-        parameters["speed_unit"] = _scaled(speed, units.get("speed", 1.0))
+        speed = _parameter(fitted, "speed_unit", point.speed_unit, why_none)
+        unit = _unit_of_fitted_speed(fitted.measured.sample)
+        parameters["speed_unit"] = speed.in_unit(unit)
     if "position_noise" in fitted.names:
-        deviation = math.sqrt(max(point.position_noise, 0.0))
-        variance, error = fitted.value("position_noise")
-        # of a root half the relative error; near 0 the root of the error
-        error = error / (2.0 * deviation) if variance > error else math.sqrt(error)
-        source = "fitted"
-        position_error = Parameter(deviation, error, source)
-        if no_value:
-            position_error = Parameter(None, None, f"no value: {no_value}")
-        parameters["position_error"] = _scaled(position_error, units.get("length", 1.0))
+        deviation, error = root_of_variance(*fitted.value("position_noise"))
+        position_error = Parameter(deviation, error, "fitted")
+        if why_none:
+            position_error = Parameter(None, None, f"no value: {why_none}")
+        parameters["position_error"] = position_error.in_unit(units.get("length", 1.0))
     return parameters
 
 
-def _scaled(parameter: Parameter, unit: float) -> Parameter:
-    """Return a parameter in the data's unit."""
-    if parameter.value is None or parameter.error is None:
-        return parameter
-    return Parameter(parameter.value * unit, parameter.error * unit, parameter.source)
-
-
-def _parameter(fitted: Fit, name: str, value: Any, no_value: str) -> Parameter:
+def _parameter(fitted: Fit, name: str, value: Any, why_none: str) -> Parameter:
     """Return one number: specified, fitted, or without a value."""
     if callable(value):
         return Parameter(None, None, f"told: {value}")
     if name not in fitted.names:
         return Parameter(value, None, "told")
-    if no_value:
+    if why_none:
         shown = numeral(value, ".5g")
-        return Parameter(None, None, f"no value: {no_value}; the theory that is shown has {shown}")
+        return Parameter(None, None, f"no value: {why_none}; the theory that is shown has {shown}")
     at, error = fitted.value(name)
     if at:
         error = error * value / at  # the density has the relative error of the path
@@ -349,7 +319,7 @@ def _summary(
     """Return what was fitted, the verdict, and what was compared."""
     sentences = [_verdict_in_words(best, parameters, verdict, cause)]
     sentences.append(_what_was_compared(best))
-    clearest = _clearest_deviation(best.judgement)
+    clearest = _clearest_deviation(best.judgement, best.fitted.clock)
     if clearest:
         sentences.append(clearest)
     return " ".join(sentences)
@@ -403,7 +373,7 @@ def _fitted_in_words(parameters: dict[str, Parameter]) -> str:
 def _what_was_compared(best: JudgedFit) -> str:
     sample = best.sample
     point = best.fitted.point
-    clock = _fitted_clock(best.fitted)
+    clock = best.fitted.clock
     first = numeral(clock * sample.times[0], ".4g")
     last = numeral(clock * sample.times[-1], ".4g")
     return (
@@ -428,14 +398,19 @@ def _system_in_words(best: JudgedFit) -> str:
     return ", ".join(shown)
 
 
-def _clearest_deviation(judgement: Judgement) -> str:
-    """Return the test that differs most, in a sentence; empty if all agree."""
-    alike = (Verdict.AGREES, Verdict.NOT_TESTED)
-    different = [test for test in judgement.tests if test.verdict not in alike]
+def _clearest_deviation(judgement: Judgement, clock: float) -> str:
+    """Return the test that differs most, in a sentence; empty if all agree.
+
+    clock : see `Fit.clock`
+    """
+    no_difference = (Verdict.AGREES, Verdict.NOT_TESTED)
+    different = [test for test in judgement.tests if test.verdict not in no_difference]
     if not different:
         return ""
     clearest = min(different, key=lambda test: test.p_value)
-    at = "" if clearest.time is None else f" at t = {numeral(clearest.time, '.4g')}"
+    at = ""
+    if clearest.time is not None:
+        at = f" at t = {numeral(clock * clearest.time, '.4g')}"
     return (
         f"Of {len(judgement.tests)} tests {len(different)} do not agree; the clearest is "
         f"{clearest.observable}{at}: chi-square {numeral(clearest.chi_square, '.4g')} with "

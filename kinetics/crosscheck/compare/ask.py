@@ -19,11 +19,22 @@ import numpy as np
 from kinetics.collision.impact import impact_restitution
 from kinetics.crosscheck.compare.answer import answer
 from kinetics.crosscheck.compare.curves import compare_averages
-from kinetics.crosscheck.compare.fit import Fit, first_estimate, fit, fitted_components, told_point
-from kinetics.crosscheck.compare.measured import Layout, Measured
+from kinetics.crosscheck.compare.fit import (
+    Fit,
+    compare_with_point,
+    first_estimate,
+    fit,
+    fitted_components,
+)
+from kinetics.crosscheck.compare.measured import PAIR_N, PAIR_R2, Layout, Measured
 from kinetics.crosscheck.compare.media import media_of
 from kinetics.crosscheck.compare.observables import averages_of
-from kinetics.crosscheck.compare.parameters import FreeParameter, free_parameter
+from kinetics.crosscheck.compare.parameters import (
+    FIRST_RESTITUTIONS,
+    combinations_of,
+    coordinates_of,
+    free_parameter,
+)
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison
 from kinetics.crosscheck.compare.selection import fit_times, row_times
@@ -42,8 +53,6 @@ from kinetics.validation import (
     refuse,
 )
 
-#: Restitutions from which a fit begins.
-RESTITUTIONS = (0.3, 0.6, 0.85, 0.97)
 #: The root mean square displacement at the end over the mean free path from which a fit begins, as
 #: a logarithm. It is 3 for the mean free path of tracers with velocities.
 FOLDS_OF_PATH = (-2.0, -1.0, 0.0)
@@ -147,10 +156,12 @@ def compare_data(
         not_of_averages = {
             "drag": drag,
             "capture_speed": capture_speed,
-            "localisation_error": localisation_error or 0.0,
+            "mass_ratio": mass_ratio,
+            "tangential_restitution": tangential_restitution,
+            "localisation_error": localisation_error,
         }
         for name, value in not_of_averages.items():
-            if value:
+            if value not in (None, getattr(Law, name, 0.0)):
                 refuse(name, value, "a table of averages is compared without it")
         if number_density is not None:
             number_density = check_positive("number_density", number_density)
@@ -171,17 +182,16 @@ def compare_data(
         "tangential_restitution": tangential_restitution,
     }
     sample = _with_axes(sample, field, initial)
-    if fitted:
-        restitution = None
-    elif restitution is None:
+    length_unit = 1.0 if sources is None else diameter  # runs and samples are in d
+    if restitution is None and not fitted:
         restitution = sample.told.get("restitution")
     if number_density is not None:
         number_density = check_positive("number_density", number_density)
-        number_density *= (diameter if sources else 1.0) ** sample.law.dimension
+        number_density *= length_unit**sample.law.dimension
     elif not fitted:
         number_density = sample.told.get("number_density")
     knows_speed = sample.has_velocities or speed_unit is not None or sources is None
-    noise = _position_noise(sample, localisation_error, diameter, sources is None)
+    noise = _position_noise(sample, localisation_error, length_unit, sources is None)
     question = Question.of(
         _with_law(sample, restitution, drives),
         restitution,
@@ -259,9 +269,10 @@ def _with_axes(sample: Sample, field: float, initial: str) -> Sample:
     """Return the sample; InputError if means along x are needed, and it has none."""
     needs_axes = field or initial == "beam"
     if needs_axes and sample.sums.shape[2] <= X2:
-        name = "field" if field else "initial"
-        value = field or initial
-        refuse(name, value, "the data have no means along x; files and runs with velocities have")
+        needed = "the data have no means along x; files and runs with velocities have"
+        if field:
+            refuse("field", field, needed)
+        refuse("initial", initial, needed)
     return sample
 
 
@@ -277,7 +288,7 @@ def _with_law(sample: Sample, restitution: Any, drives: dict[str, Any]) -> Sampl
 
 
 def _position_noise(
-    sample: Sample, localisation_error: float | None, diameter: float, is_run: bool
+    sample: Sample, localisation_error: float | None, length_unit: float, is_run: bool
 ) -> float | None:
     """Return the variance of a component of a position in d^2; None if it is to be fitted."""
     if localisation_error is not None:
@@ -288,8 +299,10 @@ def _position_noise(
                 localisation_error,
                 "it is of positions alone; with velocities noise is looked for as a cause",
             )
-        return (error / diameter) ** 2
-    return 0.0 if sample.has_velocities or is_run else None
+        return (error / length_unit) ** 2
+    if sample.has_velocities or is_run:
+        return 0.0
+    return None
 
 
 # -- what is asked of the data ---------------------------------------------------------------------
@@ -352,12 +365,14 @@ class Question:
             )
         point = _first_point(sample, specified, start)
         is_specified = not {"restitution", "path"} & set(free)
-        media = media_of(sample, scatterers, point if is_specified else None)
+        point_with_theory = point if is_specified else None
+        media = media_of(sample, scatterers, point_with_theory)
         told = sample.told.get("scatterers")
         if scatterers == "auto" and told is not None:
             # Of disks of another size than the tracer, or denser ones, there is no other theory.
-            has_theory = told in media_of(sample, "every", point if is_specified else None)
-            media = [told if has_theory else "dilute"]
+            media = ["dilute"]
+            if told in media_of(sample, "every", point_with_theory):
+                media = [told]
         rows = sample.at_times(row_times(sample))
         return cls(rows, point, free, media)
 
@@ -385,9 +400,11 @@ def _size(sample: Sample) -> float:
     if sample.pairs is not None:
         of_pairs = sample.pairs.sums.sum(axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            msd = np.append(msd, of_pairs[:, 1] / of_pairs[:, 0])
+            msd = np.append(msd, of_pairs[:, PAIR_R2] / of_pairs[:, PAIR_N])
     largest = float(np.max(msd[np.isfinite(msd)], initial=0.0))
-    return math.sqrt(largest) if 1e-12 < largest < 1e12 else 3.0
+    if not 1e-12 < largest < 1e12:
+        return 3.0
+    return math.sqrt(largest)
 
 
 def _guess_of_speed(sample: Sample) -> float:
@@ -399,8 +416,10 @@ def _guess_of_speed(sample: Sample) -> float:
     from_start = np.flatnonzero(pairs.earlier == pairs.earlier.min())
     first = from_start[int(np.argmin(interval[from_start]))]
     sums = pairs.sums[:, first].sum(axis=0)
-    mean_square = float(sums[1] / sums[0]) / sample.law.dimension
-    return math.sqrt(mean_square) / float(interval[first]) if mean_square > 0.0 else 1.0
+    mean_square = float(sums[PAIR_R2] / sums[PAIR_N]) / sample.law.dimension
+    if mean_square <= 0.0:
+        return 1.0
+    return math.sqrt(mean_square) / float(interval[first])
 
 
 # -- fits ------------------------------------------------------------------------------------------
@@ -409,7 +428,7 @@ def _fits(question: Question) -> list[Fit]:
     measured = _measured(question)
     if not question.free:
         points = [question.point.with_values(scatterers=medium) for medium in question.media]
-        return [told_point(measured, point) for point in points]
+        return [compare_with_point(measured, point) for point in points]
     wanted = " and ".join(ARGUMENT_OF[name] for name in question.free)
     _check_enough(measured, question, wanted)
     starts = _starts(question, measured)
@@ -420,7 +439,7 @@ def _fits(question: Question) -> list[Fit]:
         fitted = fit(measured, point, free, starts)
         if fitted is not None and np.all(np.isfinite(fitted.covariance)):
             fits.append(fitted)
-            starts = [p.coordinate(getattr(fitted.point, p.name)) for p in free], *starts
+            starts = [coordinates_of(fitted.point, free).tolist(), *starts]
     if not fits:
         raise InputError(f"data: {wanted} could not be fitted; give it")
     return fits
@@ -446,9 +465,12 @@ def _check_enough(measured: Measured, question: Question, wanted: str) -> None:
     n_free = len(question.free)
     n_groups = measured.sample.groups
     n_components = fitted_components(measured).size
-    spare = 0 if measured.has_velocities else 1
-    if n_components < n_free + spare:
-        what = "times" if measured.has_velocities else "pairs of frames"
+    n_needed = n_free
+    what = "times"
+    if not measured.has_velocities:
+        n_needed = n_free + 1
+        what = "pairs of frames"
+    if n_components < n_needed:
         raise InputError(f"data: too few {what} ({n_components}) to find {wanted}; give it")
     if n_groups < n_free + GROUPS_BESIDE:
         raise InputError(f"data: too few times or groups ({n_groups}) to find {wanted}; give it")
@@ -464,27 +486,18 @@ def _starts(question: Question, measured: Measured) -> Sequence[Sequence[float]]
     size = _size(question.sample)
     folds = FOLDS_OF_PATH if measured.has_velocities else FOLDS_OF_PATH_ALONE
     values = {
-        "restitution": list(RESTITUTIONS),
+        "restitution": FIRST_RESTITUTIONS,
         "path": [size * math.exp(fold) for fold in folds],
         "speed_unit": [point.speed_unit],
         "position_noise": [0.0],
     }
     free = [free_parameter(name, point, measured) for name in question.free]
-    starts = _combinations(free, values)
+    starts = combinations_of(free, values)
     if measured.has_velocities:
         return starts
     layout = Layout(("msd",), measured.layout.times, measured.layout.law)
     from_first_frame = Measured(replace(measured.sample, pairs=None), layout)
     estimate = first_estimate(from_first_frame, point, free, starts)
-    return starts if estimate is None else [estimate.tolist()]
-
-
-def _combinations(
-    free: Sequence[FreeParameter], values: Mapping[str, Sequence[float]]
-) -> list[list[float]]:
-    """Return all combinations of values of the free parameters, as coordinates."""
-    combinations: list[list[float]] = [[]]
-    for parameter in free:
-        coordinates = [parameter.coordinate(value) for value in values[parameter.name]]
-        combinations = [[*before, x] for before in combinations for x in coordinates]
-    return combinations
+    if estimate is None:
+        return starts
+    return [estimate.tolist()]

@@ -16,13 +16,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import Fit, fit, told_point
+from kinetics.crosscheck.compare.fit import Fit, compare_with_point, fit
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.media import media_of
-from kinetics.crosscheck.compare.parameters import LIMITS, free_parameter
+from kinetics.crosscheck.compare.parameters import LIMITS, coordinates_of, free_parameter
 from kinetics.crosscheck.compare.point import Point, SampledStart
 from kinetics.crosscheck.compare.pool import N_FOR_CAUSE
 from kinetics.crosscheck.compare.result import Explanation
+from kinetics.crosscheck.compare.statistics import root_of_variance
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
@@ -99,59 +100,59 @@ class TestedCause:
     fitted: Fit
 
     @property
-    def cost(self) -> float:
-        """The criterion; where two are as good, the one that fits no number is first."""
-        return self.fitted.criterion + 2.0 * len(self.fitted.free)
-
-    @property
-    def rank(self) -> tuple[bool, float]:
-        """What explains stands first, then the likeliest."""
-        return self.explanation.outcome != "explains", self.cost
+    def rank(self) -> tuple[bool, float, int]:
+        """What explains stands first, then the likeliest, then the one that fits fewer numbers."""
+        explains = self.explanation.outcome == "explains"
+        return not explains, self.fitted.criterion, len(self.fitted.free)
 
 
-def tested_causes(told: Fit, media: Sequence[str]) -> list[TestedCause]:
-    """Return every cause in its best medium, the likeliest first; none if little has spread."""
-    if told.chi_square is None or told.chi_square.freedom < 2:
+def tested_causes(reference: Fit, media: Sequence[str]) -> list[TestedCause]:
+    """Return every cause in its best medium, the likeliest first; none if little has spread.
+
+    Parameters
+    ----------
+    reference : what was specified, with what was fitted beside, which differs from the data
+    media : that the scatterers may be
+    """
+    if reference.chi_square is None or reference.chi_square.freedom < 2:
         return []
     tested: list[TestedCause] = []
     for cause in CAUSES:
-        if told.measured.has_velocities or cause.of_positions:
-            tested += _tested(cause, told, media)
+        if reference.measured.has_velocities or cause.of_positions:
+            tested += _tested(cause, reference, media)
     tested.sort(key=lambda item: item.rank)
     return [_in_part_if_far(item, tested[0]) for item in tested]
 
 
 def _in_part_if_far(item: TestedCause, best: TestedCause) -> TestedCause:
     """Return a cause that explains, but much less likely than the best one, as one in part."""
-    is_far = item.cost > best.cost + NEAR_BEST
+    is_far = item.fitted.criterion > best.fitted.criterion + NEAR_BEST
     if item.explanation.outcome == "explains" and is_far:
         return replace(item, explanation=item.explanation._replace(outcome="in part"))
     return item
 
 
-def _tested(cause: Cause, told: Fit, media: Sequence[str]) -> list[TestedCause]:
+def _tested(cause: Cause, reference: Fit, media: Sequence[str]) -> list[TestedCause]:
     """Return a cause in its best variant, or in all of them where each says something else."""
     fits: list[Fit] = []
-    for measured, point in _variants(cause, told, media):
+    for measured, point in _variants(cause, reference, media):
         with suppress(ValueError):  # a restitution or a density of which there is no theory
-            fitted = _fit_of(cause, told, measured, point)
+            fitted = _fit_of(cause, reference, measured, point)
             if fitted is not None and fitted.chi_square is not None:
                 fits.append(fitted)
-    tested = [TestedCause(_judged(told, cause, fitted), fitted) for fitted in fits]
+    tested = [TestedCause(_judged(reference, cause, fitted), fitted) for fitted in fits]
     tested.sort(key=lambda item: item.rank)
     if cause.name in ("finite density", "initial speeds"):
         return tested
     return tested[:1]
 
 
-def _fit_of(cause: Cause, told: Fit, measured: Measured, point: Point) -> Fit | None:
+def _fit_of(cause: Cause, reference: Fit, measured: Measured, point: Point) -> Fit | None:
     """Return the fit of a variant, with what was fitted before."""
-    names = list(told.names)
-    coordinates = [
-        parameter.coordinate(float(getattr(told.point, parameter.name))) for parameter in told.free
-    ]
+    names = list(reference.names)
+    coordinates = coordinates_of(reference.point, reference.free).tolist()
     if not cause.free and not names:
-        return told_point(measured, point, N_FOR_CAUSE)
+        return compare_with_point(measured, point, N_FOR_CAUSE)
     free = [free_parameter(name, point, measured) for name in names]
     if not cause.free:
         return fit(measured, point, free, [coordinates], n_pool=N_FOR_CAUSE)
@@ -162,11 +163,13 @@ def _fit_of(cause: Cause, told: Fit, measured: Measured, point: Point) -> Fit | 
     return fit(measured, point, [*free, parameter], starts, n_rounds=1, n_pool=N_FOR_CAUSE)
 
 
-def _variants(cause: Cause, told: Fit, media: Sequence[str]) -> Iterator[tuple[Measured, Point]]:
+def _variants(
+    cause: Cause, reference: Fit, media: Sequence[str]
+) -> Iterator[tuple[Measured, Point]]:
     """Yield the data and the point of every variant of a cause, but for what is fitted."""
-    measured = told.measured
-    point = told.point
-    if cause.free in told.names:
+    measured = reference.measured
+    point = reference.point
+    if cause.free in reference.names:
         return
     if cause.name == "components exchanged":
         yield from _with_exchanged_components(measured, point, media)
@@ -192,9 +195,11 @@ def _other_starts(measured: Measured, point: Point) -> list[Point]:
         return []
     bins = measured.sample.start
     if bins is not None:
-        return [] if point.has_own_start else [point.with_values(start=SampledStart(bins))]
-    others = [name for name in ("gaussian", "monoenergetic") if name != point.start]
-    return [point.with_values(start=name) for name in others]
+        if point.has_own_start:
+            return []
+        return [point.with_values(start=SampledStart(bins))]
+    others = {"gaussian", "monoenergetic"} - {point.start}
+    return [point.with_values(start=name) for name in sorted(others)]
 
 
 def _with_exchanged_components(
@@ -242,13 +247,13 @@ def _starts(cause: Cause, point: Point, measured: Measured) -> list[float]:
     return [value * math.exp(folds) for folds in (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)]
 
 
-def _judged(told: Fit, cause: Cause, fitted: Fit) -> Explanation:
+def _judged(reference: Fit, cause: Cause, fitted: Fit) -> Explanation:
     """Return what a cause comes to, from the chi-square that it leaves."""
-    before = told.chi_square
+    before = reference.chi_square
     after = fitted.chi_square
     assert before is not None
     assert after is not None
-    is_clear = _is_clear(told, cause, fitted)
+    is_clear = _is_clear(reference, cause, fitted)
     gain = before.statistic - after.statistic
     outcome = "does not"
     if after.verdict is Verdict.AGREES:
@@ -258,9 +263,9 @@ def _judged(told: Fit, cause: Cause, fitted: Fit) -> Explanation:
     elif gain > max(MIN_GAIN, MIN_GAIN_SHARE * before.statistic) and is_clear:
         # components are exchanged, or not
         outcome = "does not" if cause.name == "components exchanged" else "in part"
-    words = _words(told, cause, fitted)
+    words = _words(reference, cause, fitted)
     headline = words.headline
-    if fitted.point.scatterers not in ("dilute", told.point.scatterers) and cause.free:
+    if fitted.point.scatterers not in ("dilute", reference.point.scatterers) and cause.free:
         headline += f" (among {fitted.point.scatterers})"
     text = (
         f"{headline[0].upper()}{headline[1:]}. The averages' chi-square goes from "
@@ -284,14 +289,14 @@ def _judged(told: Fit, cause: Cause, fitted: Fit) -> Explanation:
     )
 
 
-def _is_clear(told: Fit, cause: Cause, fitted: Fit) -> bool:
+def _is_clear(reference: Fit, cause: Cause, fitted: Fit) -> bool:
     """Return whether a fitted value lies clearly from what was specified."""
     if not cause.free:
         return True
     value = getattr(fitted.point, cause.free)
-    specified = getattr(told.point, cause.free)
+    specified = getattr(reference.point, cause.free)
     difference = value - specified if cause.free in LIMITS else math.log(value / specified)
-    factor = limit_factor(told.measured.sample.groups, CLEARLY)
+    factor = limit_factor(reference.measured.sample.groups, CLEARLY)
     error = math.sqrt(fitted.covariance[-1, -1])
     is_possible = 0.0 <= fitted.point.at_rest < MAX_AT_REST
     return abs(difference) > factor * error and is_possible
@@ -306,7 +311,7 @@ class _Words:
     error: float | None = None
 
 
-def _words(told: Fit, cause: Cause, fitted: Fit) -> _Words:
+def _words(reference: Fit, cause: Cause, fitted: Fit) -> _Words:
     if not cause.free:
         medium = fitted.point.scatterers.replace("overlapping", "overlapping disks")
         named = {
@@ -317,13 +322,12 @@ def _words(told: Fit, cause: Cause, fitted: Fit) -> _Words:
         return _Words(named[cause.name])
     value, error = fitted.value(cause.free)
     if cause.free.endswith("noise"):  # of a variance the root
-        size = math.sqrt(max(value, 0.0))
-        width = error / (2.0 * size) if size else math.sqrt(error)
+        size, width = root_of_variance(value, error)
         shown = number(size, width)
         headline = f"noise of {shown} {cause.unit} in each component of the {cause.title}"
         return _Words(headline, size, width)
-    specified = float(getattr(told.point, cause.free))
-    unit = told.measured.sample.units.get(cause.kind, 1.0)  # in the data's own
+    specified = float(getattr(reference.point, cause.free))
+    unit = reference.measured.sample.units.get(cause.kind, 1.0)  # in the data's own
     name = cause.unit if unit == 1.0 else ""
     shown = number(value * unit, error * unit)
     headline = (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,23 +78,46 @@ class Histogram:
     chi_square: ChiSquare | None
 
 
-def histograms_of(sample: Sample, point: Point) -> Iterator[Histogram]:
+@dataclass(frozen=True, eq=False)
+class Densities:
+    """The densities that are compared.
+
+    Parameters
+    ----------
+    histograms : of speeds and displacements, at some times each
+    remarks : which density is not compared although the data have it, and why
+    """
+
+    histograms: tuple[Histogram, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
+def densities_of(sample: Sample, point: Point) -> Densities:
     """Return those of the speeds, and of displacements at late times from a named start."""
     later = sample.times[sample.times > 0.0]
     if not sample.law.smooth_disks or point.scatterers != "dilute" or not later.size:
-        return
+        return Densities()
     if point.position_noise or point.velocity_noise:
-        return
+        return Densities()
     times = later[evenly_spread(later.size, MAX_TIMES)]
+    histograms: list[Histogram] = []
+    remarks = []
     if sample.speeds is not None:
-        yield from _solved(sample, point, SPEED_DENSITY, sample.speeds, times, SPEED_RTOL)
+        try:
+            histograms += _solved(sample, point, SPEED_DENSITY, sample.speeds, times, SPEED_RTOL)
+        except InputError as error:
+            remarks.append(f"The speed density is not compared: {error}")
     late = times[times > LATE_AFTER_PATHS * point.path / point.clock][-MAX_LATE_TIMES:]
     # from hundreds of single speeds it would take the solver long
-    if sample.displacements is None or not late.size or not isinstance(point.start, str):
-        return
-    true_times = late * point.clock
-    counted = sample.displacements
-    yield from _solved(sample, point, DISPLACEMENT_DENSITY, counted, true_times, DISPLACEMENT_RTOL)
+    if sample.displacements is not None and late.size and isinstance(point.start, str):
+        counted = sample.displacements
+        try:
+            histograms += _solved(
+                sample, point, DISPLACEMENT_DENSITY, counted, late, DISPLACEMENT_RTOL
+            )
+        except InputError as error:
+            remarks.append(f"The displacement density is not compared: {error}")
+    return Densities(tuple(histograms), tuple(remarks))
 
 
 def _solved(
@@ -106,27 +128,21 @@ def _solved(
     times: Array,
     rtol: float,
 ) -> list[Histogram]:
-    """Return the histograms of one density; none where the solver has no such density.
+    """Return the histograms of one density at times of the data.
 
-    Elastic tracers that start with the data's own speeds keep these, and near e = 1 late densities
-    would take the solver too long: averages are compared then.
+    InputError where the solver has no such density, or it has not converged, so that it would be
+    judged wrongly. Elastic tracers that start with the data's own speeds keep these, and near e = 1
+    late densities would take the solver too long: averages are compared then.
     """
-    try:
-        solution = solve_at(point, sample.law, times, (name,), rtol)
-        if name == DISPLACEMENT_DENSITY and solution.status is not SolverStatus.CONVERGED:
-            return []  # it would be judged wrongly
-        return list(_at_all_times(sample, point, name, counted, solution))
-    except InputError:
-        return []
-
-
-def _at_all_times(
-    sample: Sample, point: Point, name: str, counted: tuple[Array, Counts], solution: Solution
-) -> Iterator[Histogram]:
-    for index in range(solution.times.size):
-        histogram = _histogram(sample, point, name, counted, solution, index)
+    solution = solve_at(point, sample.law, point.true_times(times), (name,), rtol)
+    if name == DISPLACEMENT_DENSITY and solution.status is not SolverStatus.CONVERGED:
+        raise InputError("the solver does not reach its tolerance")
+    histograms = []
+    for index, time in enumerate(times.tolist()):
+        histogram = _histogram(sample, point, name, counted, solution, index, time)
         if histogram is not None:
-            yield histogram
+            histograms.append(histogram)
+    return histograms
 
 
 def _histogram(
@@ -136,9 +152,12 @@ def _histogram(
     counted: tuple[Array, Counts],
     solution: Solution,
     index: int,
+    time: float,
 ) -> Histogram | None:
-    """Return the histogram at one time of a solution; None with fewer than two bins."""
-    time = float(solution.times[index]) / point.clock
+    """Return the histogram at one time of a solution; None with fewer than two bins.
+
+    time : that of the data, the true one is `solution.times[index]`
+    """
     scales, counts = counted
     at_time = int(np.argmin(np.abs(sample.times - time)))
     fine_edges = scales[at_time] * EDGES
@@ -147,13 +166,12 @@ def _histogram(
     n_groups = len(by_group)
     expected = bin_shares(solution, name, index, fine_edges)
     expected = expected / expected.sum()
-    is_independent = sample.grouping != "medium" or sample.free
     max_bins = MAX_BINS
-    if not is_independent:
+    if not sample.is_independent:
         max_bins = min(MAX_BINS, 1 + max(1, (n_groups - 1) // GROUPS_PER_BIN))
     peak = None
     if point.has_one_speed:
-        peak = 1.0 if name == SPEED_DENSITY else time
+        peak = 1.0 if name == SPEED_DENSITY else float(solution.times[index])
     first_bins = _merged_bins(expected * n_samples, n_samples, max_bins, fine_edges, peak)
     if first_bins.size < 2:
         return None
@@ -169,7 +187,7 @@ def _histogram(
         theory=theory,
         samples=n_samples,
         groups=n_groups,
-        chi_square=_test_of_bins(merged, share, theory, n_samples, is_independent),
+        chi_square=_test_of_bins(merged, share, theory, n_samples, sample.is_independent),
     )
 
 

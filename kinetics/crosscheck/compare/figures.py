@@ -83,6 +83,7 @@ def figure_names(comparison: Drawable) -> list[str]:
     drawn = {*rows[is_average | _has_place_on_logarithmic_axes(rows)]["observable"]}
     names = [name.replace("_", "-") for name in OBSERVABLES if name in drawn]
     are_two_fitted = np.shape(comparison.covariance) == (2, 2)
+    are_two_fitted &= bool(np.all(np.isfinite(comparison.covariance)))
     if are_two_fitted and comparison.parameters["restitution"].value:
         names.append(CONFIDENCE)
     return names

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetics.crosscheck.compare.densities import Histogram, histograms_of
+from kinetics.crosscheck.compare.densities import Histogram, densities_of
 from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES
@@ -45,8 +45,8 @@ class Judgement:
     residuals : data less theory, at all times
     rows : one for each observable and time, pair of frames, or bin
     tests : one for each average, over its times, and for each density and time
-    averages : the test of all averages together; None where nothing scatters
     has_densities : whether densities were compared
+    remarks : which densities were not, although the data have them
     p_value : of the verdict; 1 where nothing could be tested
     verdict : on everything
     """
@@ -54,8 +54,8 @@ class Judgement:
     residuals: Residuals
     rows: tuple[Row, ...]
     tests: tuple[ComparisonTest, ...]
-    averages: ChiSquare | None
     has_densities: bool
+    remarks: tuple[str, ...]
     p_value: float
     verdict: Verdict
 
@@ -69,16 +69,16 @@ def judge(fitted: Fit, measured: Measured, theory: Theory) -> Judgement:
     measured, theory : of all times of the same sample
     """
     residuals = fitted.residuals_of(measured, theory)
-    histograms = list(histograms_of(measured.sample, fitted.point))
-    rows = [*rows_of_averages(residuals), *rows_of_densities(histograms)]
-    tests = tests_of(fitted, residuals, histograms)
+    densities = densities_of(measured.sample, fitted.point)
+    rows = [*rows_of_averages(residuals), *rows_of_densities(densities.histograms)]
+    tests = tests_of(fitted, residuals, densities.histograms)
     p_value = _one_p_value(fitted.chi_square, tests, rows)
     return Judgement(
         residuals=residuals,
         rows=tuple(rows),
         tests=tuple(tests),
-        averages=fitted.chi_square,
-        has_densities=bool(histograms),
+        has_densities=bool(densities.histograms),
+        remarks=densities.remarks,
         p_value=p_value,
         verdict=_verdict(p_value, tests, rows),
     )
@@ -92,18 +92,16 @@ def _one_p_value(
     The test of all averages together has half of the level, all tests of one average or density a
     quarter, and the rows the other quarter, each divided by their number.
     """
-    of_tests = [test.p_value for test in tests]
     n_observables = len({row.observable for row in rows})
-    of_rows = [  # corrected for the rows of an observable already
-        math.erfc(abs(row.corrected_sigmas) / math.sqrt(2.0))
-        for row in rows
-        if row.corrected_sigmas is not None
-    ]
     candidates = [1.0]
     if averages is not None:
         candidates.append(2.0 * averages.p_value)
-    candidates += [4.0 * len(of_tests) * p_value for p_value in of_tests]
-    candidates += [4.0 * n_observables * p_value for p_value in of_rows]
+    for test in tests:
+        candidates.append(4.0 * len(tests) * test.p_value)
+    for row in rows:
+        if row.corrected_sigmas is not None:  # corrected for the rows of its observable
+            of_row = math.erfc(abs(row.corrected_sigmas) / math.sqrt(2.0))
+            candidates.append(4.0 * n_observables * of_row)
     return min(candidates)
 
 
@@ -119,10 +117,21 @@ def _verdict(p_value: float, tests: Sequence[ComparisonTest], rows: Sequence[Row
     return verdict
 
 
+def _verdict_on(sigmas: float, is_testable: bool) -> Verdict:
+    """Return the verdict on corrected sigmas; agreement says nothing where nothing could differ."""
+    verdict = judge_sigmas(sigmas)
+    if verdict is Verdict.AGREES and not is_testable:
+        return Verdict.NOT_TESTED
+    return verdict
+
+
 def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
     """Return the worst of some; not tested only where nothing was, undefined without any."""
     order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES, Verdict.NOT_TESTED)
-    return next((verdict for verdict in order if verdict in verdicts), Verdict.UNDEFINED)
+    for verdict in order:
+        if verdict in verdicts:
+            return verdict
+    return Verdict.UNDEFINED
 
 
 # -- rows ------------------------------------------------------------------------------------------
@@ -150,11 +159,9 @@ def _row(residuals: Residuals, index: int, size: float, n_looks: int) -> Row:
     if residuals.is_usable[index]:
         error = float(residuals.plain_error[index])
         sigmas = float(residuals.sigmas[index])
-        groups = float(residuals.effective_groups[index])
+        groups = float(residuals.groups_of_error[index])
         corrected = corrected_sigmas(sigmas, groups, n_looks)
-        verdict = judge_sigmas(corrected)
-        if verdict is Verdict.AGREES and not can_differ(error / size, groups):
-            verdict = Verdict.NOT_TESTED
+        verdict = _verdict_on(corrected, can_differ(error / size, groups))
     else:
         verdict = _verdict_without_scatter(residuals, index, size)
     since = None
@@ -209,8 +216,8 @@ def rows_of_densities(histograms: Sequence[Histogram]) -> list[Row]:
     """Return one row for each bin: shares over the width of the bin, of the last bin shares."""
     rows = []
     for histogram in histograms:
-        alike = [other for other in histograms if other.name == histogram.name]
-        n_looks = sum(other.share.size for other in alike)
+        of_name = [other for other in histograms if other.name == histogram.name]
+        n_looks = sum(other.share.size for other in of_name)
         rows += _rows_of_histogram(histogram, n_looks)
     return rows
 
@@ -222,28 +229,26 @@ def _rows_of_histogram(histogram: Histogram, n_looks: int) -> list[Row]:
         low = float(histogram.edges[index])
         high = float(histogram.edges[index + 1])
         has_end = math.isfinite(high)
-        width = high - low if has_end else 1.0
+        width = 1.0
+        if has_end:
+            width = high - low
         error = float(histogram.error[index])
         sigmas = float(histogram.share[index] - histogram.theory[index]) / error
         corrected = corrected_sigmas(sigmas, histogram.groups, n_looks)
-        verdict = judge_sigmas(corrected)
-        if verdict is Verdict.AGREES and not is_testable:
-            verdict = Verdict.NOT_TESTED
-        rows.append(
-            Row(
-                observable=histogram.name,
-                time=histogram.time,
-                value=float(histogram.share[index]) / width,
-                error=error / width,
-                theory=float(histogram.theory[index]) / width,
-                sigmas=sigmas,
-                verdict=verdict,
-                corrected_sigmas=corrected,
-                samples=histogram.samples,
-                low=low,
-                high=high if has_end else None,
-            )
+        row = Row(
+            observable=histogram.name,
+            time=histogram.time,
+            value=float(histogram.share[index]) / width,
+            error=error / width,
+            theory=float(histogram.theory[index]) / width,
+            sigmas=sigmas,
+            verdict=_verdict_on(corrected, is_testable),
+            corrected_sigmas=corrected,
+            samples=histogram.samples,
+            low=low,
+            high=high if has_end else None,
         )
+        rows.append(row)
     return rows
 
 
@@ -271,14 +276,16 @@ def tests_of(
         chi_square = _test_over_times(fitted, name)
         if chi_square is not None:
             of_averages.append((name, chi_square))
-    of_densities = [
-        (histogram, histogram.chi_square)
-        for histogram in histograms
-        if histogram.chi_square is not None
-    ]
+    of_densities = []
+    for histogram in histograms:
+        if histogram.chi_square is not None:
+            of_densities.append((histogram, histogram.chi_square))
     n_tests = len(of_averages) + len(of_densities)
-    tests = [_average_test(residuals, name, test, n_tests) for name, test in of_averages]
-    tests += [_density_test(histogram, test, n_tests) for histogram, test in of_densities]
+    tests = []
+    for name, chi_square in of_averages:
+        tests.append(_average_test(residuals, name, chi_square, n_tests))
+    for histogram, chi_square in of_densities:
+        tests.append(_density_test(histogram, chi_square, n_tests))
     return tests
 
 
@@ -299,44 +306,40 @@ def _average_test(
     indices = layout.indices_of(name)
     indices = indices[residuals.is_usable[indices]]
     relative = (residuals.plain_error / layout.sizes(residuals.theory))[indices]
-    groups = residuals.effective_groups[indices]
-    is_testable = any(
-        can_differ(error, n) for error, n in zip(relative.tolist(), groups.tolist(), strict=True)
-    )
-    # what the data exclude at every time
-    factors = np.array([limit_factor(n) for n in groups.tolist()])
+    groups = residuals.groups_of_error[indices]
     relative_difference = np.abs(residuals.difference / layout.sizes(residuals.theory))[indices]
-    within = float(np.max(relative_difference + factors * relative, initial=0.0))
-    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
-    verdict = judge_sigmas(sigmas)
-    if verdict is Verdict.AGREES and not is_testable:
-        verdict = Verdict.NOT_TESTED
-    return ComparisonTest(
-        observable=name,
-        time=None,
-        chi_square=chi_square.value,
-        dof=chi_square.freedom,
-        p_value=chi_square.p_value,
-        groups=chi_square.groups,
-        sigmas=sigmas,
-        verdict=verdict,
-        within=within,
-    )
+    is_testable = False
+    within = 0.0  # what the data exclude at every time
+    rows = zip(relative_difference.tolist(), relative.tolist(), groups.tolist(), strict=True)
+    for difference, error, n_groups in rows:
+        is_testable |= can_differ(error, n_groups)
+        within = max(within, difference + limit_factor(n_groups) * error)
+    return _comparison_test(name, None, chi_square, n_tests, is_testable, within)
 
 
 def _density_test(histogram: Histogram, chi_square: ChiSquare, n_tests: int) -> ComparisonTest:
-    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
-    verdict = judge_sigmas(sigmas)
     is_testable = chi_square.groups is None or _has_testable_bin(histogram)
-    if verdict is Verdict.AGREES and not is_testable:
-        verdict = Verdict.NOT_TESTED
+    return _comparison_test(histogram.name, histogram.time, chi_square, n_tests, is_testable)
+
+
+def _comparison_test(
+    observable: str,
+    time: float | None,
+    chi_square: ChiSquare,
+    n_tests: int,
+    is_testable: bool,
+    within: float | None = None,
+) -> ComparisonTest:
+    """Return a chi-square as one of several tests."""
+    sigmas = gaussian_sigmas(min(1.0, chi_square.p_value * n_tests))
     return ComparisonTest(
-        observable=histogram.name,
-        time=histogram.time,
+        observable=observable,
+        time=time,
         chi_square=chi_square.value,
         dof=chi_square.freedom,
         p_value=chi_square.p_value,
         groups=chi_square.groups,
         sigmas=sigmas,
-        verdict=verdict,
+        verdict=_verdict_on(sigmas, is_testable),
+        within=within,
     )

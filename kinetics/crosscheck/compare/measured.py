@@ -50,25 +50,32 @@ class Layout:
     pairs: FramePairs | None = None
     presence: Mask | None = None
 
+    @property
+    def _frames(self) -> tuple[Indices, Indices]:
+        """The indices of the earlier and the later frames of pairs; empty without pairs."""
+        if self.pairs is None:
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        return self.pairs.earlier, self.pairs.later
+
     @cached_property
     def observable(self) -> NDArray[np.str_]:
         """The name of the observable of each component."""
-        n_pairs = 0 if self.pairs is None else self.pairs.earlier.size
         over_time = np.repeat(np.array(self.names, dtype="U40"), self.times.size)
-        return np.concatenate([over_time, np.full(n_pairs, BETWEEN_FRAMES, dtype="U40")])
+        earlier, _ = self._frames
+        return np.concatenate([over_time, np.full(earlier.size, BETWEEN_FRAMES, dtype="U40")])
 
     @cached_property
     def time_index(self) -> Indices:
         """The index of the time of each component, of the later frame of a pair."""
         over_time = np.tile(np.arange(self.times.size), len(self.names))
-        later = np.empty(0, np.int64) if self.pairs is None else self.pairs.later
+        _, later = self._frames
         return np.concatenate([over_time, later]).astype(np.int64)
 
     @cached_property
     def earlier_index(self) -> Indices:
         """The index of the earlier frame of a pair; 0 for averages over time."""
         over_time = np.zeros(self.times.size * len(self.names), np.int64)
-        earlier = np.empty(0, np.int64) if self.pairs is None else self.pairs.earlier
+        earlier, _ = self._frames
         return np.concatenate([over_time, earlier]).astype(np.int64)
 
     @cached_property
@@ -84,7 +91,9 @@ class Layout:
     @property
     def all_names(self) -> tuple[str, ...]:
         """The observables that have components."""
-        return self.names if self.pairs is None else (*self.names, BETWEEN_FRAMES)
+        if self.pairs is None:
+            return self.names
+        return *self.names, BETWEEN_FRAMES
 
     def is_same_as(self, other: Layout) -> bool:
         """Return whether the components are those of another layout, in the same order."""
@@ -97,11 +106,6 @@ class Layout:
     def indices_of(self, name: str) -> Indices:
         """Return the components of an observable, in the order of time."""
         return np.flatnonzero(self.observable == name)
-
-    def restricted_to(self, time_indices: Indices) -> Layout:
-        """Return the layout of the averages over some of the times, without pairs of frames."""
-        presence = None if self.presence is None else self.presence[:, time_indices]
-        return Layout(self.names, self.times[time_indices], self.law, presence=presence)
 
     def measure(self, sums: Array, pair_sums: Array | None) -> Array:
         """Return the components of sums over tracers.
@@ -211,11 +215,6 @@ class Measured:
         if self.layout.presence is not None:
             return np.ones(self.layout.size)
         return np.asarray(self.counts / max(self.n_tracers, 1))
-
-    @property
-    def is_independent(self) -> bool:
-        """Whether tracers, and not the media that some of them share, are independent."""
-        return self.sample.free or self.sample.grouping != "medium"
 
     @property
     def has_velocities(self) -> bool:

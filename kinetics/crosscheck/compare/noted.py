@@ -44,7 +44,7 @@ def noted(fitted: Fit, residuals: Residuals) -> list[Explanation]:
     if sample.has_velocities and int(sample.at_rest.max()):
         explanations.append(_come_to_rest(fitted, residuals))
     if not np.all(sample.is_complete):
-        explanations.append(_are_missing(residuals))
+        explanations.append(_are_missing(residuals, fitted.clock))
     return explanations
 
 
@@ -60,13 +60,18 @@ def _come_to_rest(fitted: Fit, residuals: Residuals) -> Explanation:
     before = _test_at(residuals, sample.at_rest == 0)
     agrees_before = before is not None and before.verdict is Verdict.AGREES
     # few change densities alone: where averages differ before, it is for another reason
-    outcome = "found" if agrees or agrees_before else "noted"
+    outcome = "noted"
+    if agrees or agrees_before:
+        outcome = "found"
     share = n_at_rest / int(sample.samples.max())
     return Explanation("traps", outcome, f"{headline}.", value=share, headline=headline)
 
 
-def _are_missing(residuals: Residuals) -> Explanation:
-    """Return whether the times at which tracers are missing differ, and the others do not."""
+def _are_missing(residuals: Residuals, clock: float) -> Explanation:
+    """Return whether the times at which tracers are missing differ, and the others do not.
+
+    clock : see `Fit.clock`
+    """
     sample = residuals.measured.sample
     counts = sample.samples
     n_tracers = int(counts.max())
@@ -81,22 +86,25 @@ def _are_missing(residuals: Residuals) -> Explanation:
             whole_agrees = of_whole is None or of_whole.verdict is Verdict.AGREES
             outcome = "explains" if whole_agrees else "in part"
     headline = f"{n_missing} tracers that are missing at later times"
-    time = numeral(sample.times[fewest], ".4g")
+    time = numeral(clock * sample.times[fewest], ".4g")
     text = (
         f"{headline}, of {n_tracers} at t = {time}. A cap on collisions takes the fast ones away."
     )
-    return Explanation(
+    explanation = Explanation(
         name="missing tracers",
         outcome=outcome,
         text=text,
         tested=of_rest is not None,
         value=n_missing / n_tracers,
-        chi_square_before=None if of_rest is None else of_rest.value,
-        chi_square_after=None if of_whole is None else of_whole.value,
-        dof=None if of_whole is None else of_whole.freedom,
-        p_value=None if of_whole is None else of_whole.p_value,
         headline=headline,
     )
+    if of_rest is not None:
+        explanation = explanation._replace(chi_square_before=of_rest.value)
+    if of_whole is not None:
+        explanation = explanation._replace(
+            chi_square_after=of_whole.value, dof=of_whole.freedom, p_value=of_whole.p_value
+        )
+    return explanation
 
 
 def _test_at(residuals: Residuals, is_chosen: np.ndarray) -> ChiSquare | None:

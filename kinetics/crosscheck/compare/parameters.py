@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
 from kinetics.crosscheck.compare.measured import Measured
-from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, Array
 from kinetics.crosscheck.compare.point import Point
 
 #: Limits of the numbers that are fitted as they are; others are positive, and their logarithms are
@@ -21,6 +24,11 @@ LIMITS = {
 }
 #: Folds of e by which a positive number may differ from the one that it begins from.
 MAX_FOLDS = 12.0
+#: Restitutions from which a fit begins.
+FIRST_RESTITUTIONS = (0.3, 0.6, 0.85, 0.97)
+#: Step of a coordinate for derivatives: of a logarithm, or of a number over its scale. An error of
+#: 1e-7 of the solver is then one of 1e-4 of a derivative.
+STEP = 1e-3
 #: Share of the smallest mean square that noise may be at most: it is below what is measured.
 MAX_NOISE_SHARE = 0.98
 
@@ -48,23 +56,35 @@ class FreeParameter:
 
     def value(self, coordinate: float) -> float:
         """Return the number at a coordinate."""
-        return math.exp(coordinate) if self.is_logarithm else coordinate * self.scale
+        if self.is_logarithm:
+            return math.exp(coordinate)
+        return coordinate * self.scale
 
     def coordinate(self, value: float) -> float:
         """Return the coordinate of a number."""
-        return math.log(value) if self.is_logarithm else value / self.scale
+        if self.is_logarithm:
+            return math.log(value)
+        return value / self.scale
 
     def is_at_limit(self, coordinate: float) -> bool:
         """Whether a fit has run into a limit that is none of the number itself."""
-        margin = 0.01 * (self.high - self.low) if self.is_logarithm else -1.0
+        if not self.is_logarithm:
+            return False
+        margin = 0.01 * (self.high - self.low)
         return coordinate <= self.low + margin or coordinate >= self.high - margin
 
 
-def free_parameter(name: str, point: Point, measured: Measured) -> FreeParameter:
-    """Return a number of a point as one that is fitted to data."""
+def free_parameter(name: str, point: Point, measured: Measured | None = None) -> FreeParameter:
+    """Return a number of a point as one that is fitted to data.
+
+    measured : the data, whose size is the unit of noise and of a time; the restitution and positive
+        numbers need none
+    """
     if name in LIMITS:
         low, high = LIMITS[name]
-        scale = _scale(name, measured)
+        scale = 1.0
+        if measured is not None:
+            scale = _scale(name, measured)
         if name == "restitution" and point.scatterers != "dilute":
             low = LEAST_RESTITUTION
         if name.endswith("noise"):
@@ -94,3 +114,59 @@ def _scale(name: str, measured: Measured) -> float:
         return 1.0
     positive = squares[squares > 0.0]
     return float(positive.min(initial=1e9)) / noises
+
+
+# -- several of them -------------------------------------------------------------------------------
+def limits_of(free: Sequence[FreeParameter]) -> tuple[Array, Array]:
+    """Return the lowest and the highest coordinates, shape (n_free,) each."""
+    limits = np.array([(parameter.low, parameter.high) for parameter in free]).reshape(-1, 2)
+    return limits[:, 0], limits[:, 1]
+
+
+def point_at(point: Point, free: Sequence[FreeParameter], coordinates: Array) -> Point:
+    """Return a point with the values of free numbers at coordinates, shape (n_free,)."""
+    values = {}
+    for parameter, coordinate in zip(free, coordinates.tolist(), strict=True):
+        values[parameter.name] = parameter.value(coordinate)
+    return point.with_values(**values)
+
+
+def coordinates_of(point: Point, free: Sequence[FreeParameter]) -> Array:
+    """Return the coordinates of the free numbers at a point, shape (n_free,)."""
+    numbers = [parameter.coordinate(float(getattr(point, parameter.name))) for parameter in free]
+    return np.array(numbers)
+
+
+def is_at_foreign_limit(free: Sequence[FreeParameter], coordinates: Array) -> bool:
+    """Return whether a fit has run into a limit that is none of the number itself."""
+    for parameter, coordinate in zip(free, coordinates.tolist(), strict=True):
+        if parameter.is_at_limit(coordinate):
+            return True
+    return False
+
+
+def combinations_of(
+    free: Sequence[FreeParameter], values: Mapping[str, Sequence[float]]
+) -> list[list[float]]:
+    """Return all combinations of values of the free numbers, as coordinates."""
+    combinations: list[list[float]] = [[]]
+    for parameter in free:
+        coordinates = [parameter.coordinate(value) for value in values[parameter.name]]
+        combinations = [[*before, x] for before in combinations for x in coordinates]
+    return combinations
+
+
+def derivatives(
+    function: Callable[[Array], Array], coordinates: Array, free: Sequence[FreeParameter]
+) -> Array:
+    """Return the derivatives (p, n_free) of a function of coordinates, centred if they can be."""
+    low, high = limits_of(free)
+    columns = []
+    for index in range(coordinates.size):
+        above = coordinates.copy()
+        below = coordinates.copy()
+        above[index] = min(coordinates[index] + STEP, high[index])
+        below[index] = max(coordinates[index] - STEP, low[index])
+        difference = function(above) - function(below)
+        columns.append(difference / (above[index] - below[index]))
+    return np.stack(columns, axis=1)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.sample import StartBins
 from kinetics.states.kinds import Beam
@@ -83,6 +84,11 @@ class Point:
     def clock(self) -> float:
         """The true time over the time of the data, both in d/U."""
         return self.speed_unit / self.time_unit
+
+    def true_times(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return times of the data on the true clock, both in d/U; 0 stays 0."""
+        on_clock = times * self.clock + self.time_offset * (times > 0.0)
+        return np.asarray(np.maximum(on_clock, 0.0))
 
     @property
     def start_in_words(self) -> str:

@@ -18,6 +18,7 @@ from scipy.special import gammaincinv
 from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import Array
 from kinetics.crosscheck.compare.point import Point, SampledStart
+from kinetics.crosscheck.compare.statistics import influence_covariance
 from kinetics.crosscheck.data.sample import VX, Law
 
 #: Tracers of a pool for weights. Chosen: a variance is known to 2 %, so that errors of a fit are
@@ -56,11 +57,10 @@ def _tracers_per_medium(point: Point, last_time: float, wanted: int) -> int:
     """Return how many tracers of each medium can be followed to a time in d/U, of those wanted."""
     paths = last_time * point.clock / point.path
     loss = 1.0 - float(point.restitution) ** 2
-    # in a cooling gas the rate falls as 1/(1 + loss/4 paths), or so
-    collisions = COLLISION_RATE * (
-        paths if loss == 0.0 else np.log1p(paths * loss / 4) / (loss / 4)
-    )
-    affordable = MAX_COLLISIONS / max(collisions, 1.0)
+    paths_of_cooling = paths
+    if loss > 0.0:  # in a cooling gas the rate falls as 1/(1 + loss/4 paths), or so
+        paths_of_cooling = np.log1p(paths * loss / 4) / (loss / 4)
+    affordable = MAX_COLLISIONS / max(COLLISION_RATE * paths_of_cooling, 1.0)
     return int(min(wanted, affordable) / N_MEDIA)
 
 
@@ -114,7 +114,7 @@ class Pool:
     @cached_property
     def covariance(self) -> Array:
         """The covariance of the components of one tracer, (n_components, n_components)."""
-        return np.asarray(self.influence.T @ self.influence / (self.n_tracers - 1))
+        return influence_covariance(self.influence)
 
     def draws(self, n: int) -> Array:
         """Return shaped deviations of means of n tracers drawn from it, (N_DRAWS, n_components).
@@ -174,8 +174,7 @@ def _simulated_sums(
     from particles import BoltzmannGrad, simulate
 
     law = layout.law
-    times = layout.times * point.clock + point.time_offset * (layout.times > 0.0)
-    times = np.maximum(times, 0.0)
+    times = point.true_times(layout.times)
     random = np.random.default_rng(SEED)
     tracers = _tracers_per_medium(point, float(layout.times[-1]), wanted)
     run = simulate(
@@ -199,8 +198,8 @@ def _simulated_sums(
     noise = np.sqrt(max(point.position_noise, 0.0)) * random.normal(size=place.shape)
     if has_velocities:
         noise[layout.times == 0.0] = 0.0
-    else:  # each position has an error, also the first
-        noise = noise - noise[0] if layout.times[0] == 0.0 else noise
+    elif layout.times[0] == 0.0:  # each position has an error, also the first
+        noise = noise - noise[0]
     place = place + noise
     after_start = (layout.times > 0.0)[:, None, None]
     speed_noise = np.sqrt(max(point.velocity_noise, 0.0)) * random.normal(size=velocity.shape)
@@ -226,7 +225,9 @@ def _leave_gaps(
     positions alone, averages over time are displacements from the first frame.
     """
     pattern = presence[random.integers(0, len(presence), len(sums))]
-    over_time = pattern if has_velocities else pattern & pattern[:, :1]
+    over_time = pattern
+    if not has_velocities:
+        over_time = pattern & pattern[:, :1]
     sums *= over_time[:, :, None]
     if pair_sums is not None and layout.pairs is not None:
         is_there = pattern[:, layout.pairs.earlier] & pattern[:, layout.pairs.later]

@@ -57,21 +57,28 @@ def quantities(comparison: Comparison) -> list[Quantity]:
         "position_error": _position_error,
     }
     parameters = comparison.parameters
-    return [
-        write(comparison, parameters[name]) for name, write in writers.items() if name in parameters
-    ]
+    written = []
+    for name, write in writers.items():
+        if name in parameters:
+            written.append(write(comparison, parameters[name]))
+    return written
 
 
 def range_of_times(comparison: Comparison) -> str:
     """Return the first and the last time of the data, in d/U and in the data's unit."""
-    ends = (comparison.first_time, comparison.last_time)
-    text = f"from {' to '.join(numeral(time, '.4g') for time in ends)} d/U"
+    text = f"from {_times_in_unit(comparison, 1.0)} d/U"
     unit = comparison.units.get("time", 1.0)
     name = comparison.unit_names.get("time", "")
     if unit == 1.0 and not name:
         return text
-    in_data_unit = " to ".join(numeral(time * unit, ".4g") for time in ends)
-    return f"{text} ({in_data_unit} {name or UNNAMED_UNIT})"
+    return f"{text} ({_times_in_unit(comparison, unit)} {name or UNNAMED_UNIT})"
+
+
+def _times_in_unit(comparison: Comparison, unit: float) -> str:
+    """Write the first and the last time in units of d/U over a unit."""
+    first = numeral(comparison.first_time * unit, ".4g")
+    last = numeral(comparison.last_time * unit, ".4g")
+    return f"{first} to {last}"
 
 
 def speed_unit_name(comparison: Comparison) -> str:
@@ -111,10 +118,11 @@ def _power_of_length(
     length = comparison.unit_names.get("length", "")
     in_data_units = ""
     if parameter.value is not None and (length or factor != 1.0):
-        error = parameter.error
-        scaled_error = None if error is None else error * factor
-        unit = f"{length}{exponent}" if length else UNNAMED_UNIT
-        in_data_units = f"{_written(parameter.value * factor, scaled_error)} {unit}"
+        scaled = parameter.in_unit(factor)
+        unit = UNNAMED_UNIT
+        if length:
+            unit = f"{length}{exponent}"
+        in_data_units = f"{_written(scaled.value, scaled.error)} {unit}"
     return Quantity(name, value, in_data_units, parameter.source)
 
 
@@ -128,11 +136,7 @@ def _speed_unit(comparison: Comparison, parameter: Parameter) -> Quantity:
 def _position_error(comparison: Comparison, parameter: Parameter) -> Quantity:
     """Write the error of a component of a position, which a parameter has in the data's unit."""
     length = comparison.units.get("length", 1.0)
-    value, error, source = parameter
-    scaled_value = None if value is None else value / length
-    scaled_error = None if error is None else error / length
-    in_our_units = Parameter(scaled_value, scaled_error, source)
-    return _power_of_length(comparison, "position error σ", in_our_units, 1)
+    return _power_of_length(comparison, "position error σ", parameter.in_unit(1.0 / length), 1)
 
 
 def _written(value: float | None, error: float | None) -> str:
@@ -142,4 +146,6 @@ def _written(value: float | None, error: float | None) -> str:
 
 def _with_unit(value: str, unit: str) -> str:
     """Return a written value with its unit, or the dash of a value that is not there."""
-    return value if value == NO_VALUE else f"{value} {unit}"
+    if value == NO_VALUE:
+        return value
+    return f"{value} {unit}"

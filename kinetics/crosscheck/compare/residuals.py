@@ -21,6 +21,7 @@ from kinetics.crosscheck.compare.pool import SEED, Pool, gaussian_vectors
 from kinetics.crosscheck.compare.statistics import (
     ROUNDING,
     ChiSquare,
+    influence_covariance,
     is_scatter,
     jackknife_covariance,
     test_by_groups,
@@ -164,7 +165,7 @@ class Residuals:
     @property
     def _looks_at_groups(self) -> bool:
         """Whether the data scatter otherwise than simulated tracers: shared media, or gaps."""
-        if self.pool is None or not self.measured.is_independent:
+        if self.pool is None or not self.measured.sample.is_independent:
             return True
         return bool(np.any(self._shares[self.is_compared] < MIN_SHARE_PRESENT))
 
@@ -175,7 +176,7 @@ class Residuals:
 
     @cached_property
     def error(self) -> Array:
-        """The standard error of each difference, with that of the theory itself.
+        """The standard error of each difference, with what a fit leaves of that of the theory.
 
         Tracers that share media scatter no less than independent ones: of few groups the larger
         of both errors counts.
@@ -183,11 +184,13 @@ class Residuals:
         error = self._pool_error
         if self._looks_at_groups:
             error = np.fmax(error, self._group_error)
-        own = 0.0 if self.own is None else np.diagonal(self.own)
+        if self.own is None:
+            return error
+        own = np.maximum(np.diagonal(self._own_after_fit), 0.0)
         return np.asarray(np.sqrt(error**2 + own))
 
     @cached_property
-    def effective_groups(self) -> Array:
+    def groups_of_error(self) -> Array:
         """The groups that each error is as good as from."""
         if not self._looks_at_groups:
             return np.full(self.theory.size, MANY_GROUPS)
@@ -239,8 +242,6 @@ class Residuals:
             return None
         white = axes @ difference
         if self._looks_at_groups:
-            if self.measured.sample.groups < 2:
-                return None
             groups = self.replicates[:, indices]
             return test_by_groups(white, groups @ axes.T, axes @ own @ axes.T)
         draws = self._draws[:, indices]
@@ -255,8 +256,7 @@ class Residuals:
             of_groups = jackknife_covariance(self.replicates[:, indices])
             return np.diag(1.0 / np.sqrt(np.diagonal(of_groups + own)))
         influence = self._pool_influence[:, indices]
-        covariance = influence.T @ influence / len(influence)
-        covariance = covariance_with_gaps(covariance, self._shares[indices])
+        covariance = covariance_with_gaps(influence_covariance(influence), self._shares[indices])
         return whitening(covariance / self.measured.n_tracers + own)
 
     @cached_property

@@ -88,6 +88,15 @@ class Parameter(NamedTuple):
     error: float | None
     source: str
 
+    def in_unit(self, unit: float) -> Parameter:
+        """Return the number times a unit."""
+        changed = self
+        if self.value is not None:
+            changed = changed._replace(value=self.value * unit)
+        if self.error is not None:
+            changed = changed._replace(error=self.error * unit)
+        return changed
+
 
 class Explanation(NamedTuple):
     """Something that may explain a difference; chi-squares are of all averages.
@@ -228,7 +237,9 @@ class Comparison(Result):
     @property
     def title(self) -> str:
         """What was done with which data."""
-        work = "fitted" if self.is_fitted else "compared"
+        work = "compared"
+        if self.is_fitted:
+            work = "fitted"
         return f"{', '.join(self.names)}: {work} with the kinetic equation"
 
     @property
@@ -241,12 +252,12 @@ class Comparison(Result):
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain lists, dictionaries, numbers and texts: the JSON document."""
         values = {attribute.name: getattr(self, attribute.name) for attribute in fields(self)}
-        values["tests"] = [test._asdict() for test in self.tests]
-        values["explanations"] = [item._asdict() for item in self.explanations]
+        values["rows"] = values.pop("numbers")
+        for name in ("tests", "explanations", "rows"):
+            values[name] = [record._asdict() for record in values[name]]
         values["parameters"] = {
             name: parameter._asdict() for name, parameter in self.parameters.items()
         }
-        values["rows"] = [row._asdict() for row in values.pop("numbers")]
         data = {name: values.pop(name) for name in FIELDS_OF_DATA}
         document: dict[str, Any] = plain(
             {"schema": SCHEMA, "title": self.title, "data": data, **values}

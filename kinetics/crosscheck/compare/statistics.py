@@ -20,6 +20,12 @@ MIN_EIGENVALUE = 1e-9
 #: few tracers have longer tails than a chi-square: with that alone, one right set of 100 tracers in
 #: 60 had p = 1e-5.
 TAIL_SHARE = 0.05
+#: Eigenvalue of a matrix of information over the largest, at or below which a direction has no
+#: information: rounding, as in `numpy.linalg.pinv`.
+NO_INFORMATION = 1e-15
+#: Share of a number in a direction without information above which it is unknown: far above
+#: rounding. Chosen.
+SHARE_OF_UNKNOWN = 1e-6
 #: Below this p-value the chi-square that has it is out of the range of doubles.
 MIN_P_VALUE = 1e-300
 #: Standard error over value up to which the scatter of an average is rounding.
@@ -63,6 +69,57 @@ def jackknife_covariance(replicates: Array) -> Array:
     n = len(replicates)
     deviation = replicates - replicates.mean(axis=0)
     return np.asarray((n - 1) / n * (deviation.T @ deviation))
+
+
+def influence_covariance(influence: Array) -> Array:
+    """Return the covariance (p, p) of what single tracers add, (n_tracers, p), whose mean is 0."""
+    return np.asarray(influence.T @ influence / (len(influence) - 1))
+
+
+def without_information(information: Array) -> NDArray[np.bool_]:
+    """Return which numbers take part in a direction of which nothing is known, shape (n,).
+
+    Parameters
+    ----------
+    information : D' W D, D the slopes of what is fitted and W its weights, shape (n, n)
+    """
+    if not information.size:
+        return np.zeros(len(information), bool)
+    values, vectors = np.linalg.eigh(information)
+    is_unknown = values <= NO_INFORMATION * values.max(initial=0.0)
+    return np.any(np.abs(vectors[:, is_unknown]) > SHARE_OF_UNKNOWN, axis=1)
+
+
+def with_infinite_variances(covariance: Array, is_unknown: NDArray[np.bool_]) -> Array:
+    """Return a covariance in which some numbers have an infinite variance, and no correlation."""
+    covariance = np.array(covariance, float)
+    covariance[is_unknown] = 0.0
+    covariance[:, is_unknown] = 0.0
+    covariance[is_unknown, is_unknown] = np.inf
+    return covariance
+
+
+def covariance_of_information(information: Array) -> Array:
+    """Return the inverse of a matrix of information; what nothing is known of has infinite errors.
+
+    Parameters
+    ----------
+    information : see `without_information`
+    """
+    inverse = np.asarray(np.linalg.pinv(information, rcond=NO_INFORMATION), float)
+    return with_infinite_variances(inverse, without_information(information))
+
+
+def root_of_variance(variance: float, error: float) -> tuple[float, float]:
+    """Return the root of a variance and its error.
+
+    A root has half the relative error. That of a variance which is smaller than its own error
+    would have no end: its error is the root of that of the variance.
+    """
+    root = math.sqrt(max(variance, 0.0))
+    if variance > error:
+        return root, error / (2.0 * root)
+    return root, math.sqrt(error)
 
 
 def is_scatter(error: Array, *values: Array, least: float | Array = ROUNDING) -> NDArray[np.bool_]:

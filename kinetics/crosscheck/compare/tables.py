@@ -49,10 +49,9 @@ def tables(comparison: Comparison) -> str:
         blocks[-1] += f"\n({n_hidden} bins of densities that agree are left out; --json has them)"
     if comparison.explanations:
         lines = [wrapped(MEANING_OF_EXPLANATIONS)]
-        lines += [
-            wrapped(f"{item.name} ({OUTCOMES[item.outcome]}): {explanation_text(item)}")
-            for item in comparison.explanations
-        ]
+        for item in comparison.explanations:
+            subject = f"{item.name} ({OUTCOMES[item.outcome]})"
+            lines.append(wrapped(f"{subject}: {explanation_text(item)}"))
         blocks.append("\n".join(lines))
     blocks += [wrapped(f"note: {warning}") for warning in comparison.warnings[MAX_WARNINGS:]]
     return "\n\n".join(blocks)
@@ -108,9 +107,11 @@ def table_of_rows(all_rows: Sequence[Row], shown: Sequence[Row]) -> Table:
     for row in all_rows:
         size = max(abs(row.value), abs(row.theory))
         sizes[row.observable] = max(size, sizes.get(row.observable, 0.0))
-    has_since = any(row.since is not None for row in shown)
+    has_since = False
     lines = [list(HEADS_OF_ROWS)]
-    lines += [_cells_of_row(row, sizes[row.observable]) for row in shown]
+    for row in shown:
+        has_since |= row.since is not None
+        lines.append(_cells_of_row(row, sizes[row.observable]))
     if has_since:
         lines[0].insert(COLUMN_OF_SINCE, HEAD_OF_SINCE)
         for row, cells in zip(shown, lines[1:], strict=True):

@@ -93,7 +93,9 @@ def _statements_of_quantities(comparison: Comparison) -> list[Statement]:
         source = "; ".join(clauses)
         text = quantity.text
         if source:
-            text = f"{text} ({source})" if quantity.has_value else source
+            text = source
+            if quantity.has_value:
+                text = f"{quantity.text} ({source})"
         lines.append(Statement(quantity.name, text))
     return lines
 
@@ -102,10 +104,9 @@ def _theory_text(comparison: Comparison) -> str:
     """Return the medium that was taken, how well it and others fit, and the start."""
     text = comparison.medium
     if len(comparison.media) > 1:
-        fits = [
-            f"{medium} {numeral(chi_square, '.3g')}/{dof}"
-            for medium, (chi_square, dof) in comparison.media.items()
-        ]
+        fits = []
+        for medium, (chi_square, dof) in comparison.media.items():
+            fits.append(f"{medium} {numeral(chi_square, '.3g')}/{dof}")
         text += f" (chi-square/degrees of freedom: {', '.join(fits)})"
     if comparison.undecided:
         text += f"; the data do not exclude {' nor '.join(comparison.undecided)}"
@@ -137,10 +138,9 @@ def _p_value_text(comparison: Comparison) -> str:
 
 def _largest_deviation(comparison: Comparison) -> str:
     """Return the row, or the test, that differs most, in words; empty where there is none."""
-    without_scatter = [row for row in comparison.numbers if row.sigmas is None]
-    different = [row for row in without_scatter if row.verdict is Verdict.DIFFERS]
-    if different:
-        return _row_text(different[0])
+    for exact_row in comparison.numbers:
+        if exact_row.sigmas is None and exact_row.verdict is Verdict.DIFFERS:
+            return _row_text(exact_row)
     row = max(comparison.numbers, key=_size_of_deviation, default=None)
     test = max(comparison.tests, key=lambda test: test.sigmas, default=None)
     row_size = 0.0 if row is None else _size_of_deviation(row)[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.compare.frames_theory import mean_square_between_frames
 from kinetics.crosscheck.compare.measured import Layout
-from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, OBSERVABLES, Array
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, MEAN_SPEED, OBSERVABLES, Array
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.data.sample import Law
 from kinetics.errors import ToleranceWarning
@@ -30,6 +31,14 @@ RATE_CORRELATION = 0.9
 #: Errors of the theory at two times are correlated by exp(-3 x^2), x the decades between them.
 #: Measured as above: they are smooth over 0.4 of a decade.
 DECAY_OF_CORRELATION = 3.0
+#: The mean speed of a Gaussian in the plane over its thermal speed v0.
+GAUSSIAN_MEAN_OVER_V0 = math.sqrt(math.pi) / 2.0
+#: Speeds at which a density is summed for a mean, from this fraction of the least thermal speed on.
+LOWEST_SPEED = 1e-4
+#: Up to this speed in U.
+HIGHEST_SPEED = 8.0
+#: So many of them: the mean is right to 1e-5.
+N_SPEEDS = 400
 #: The error of the collision rate among overlapping disks over that among hard ones. Measured.
 OVERLAPPING_OVER_HARD = 2.0
 
@@ -57,6 +66,18 @@ def solve_at(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
         return solve(scene, rtol=law.rtol if rtol is None else rtol)
+
+
+def mean_speeds(point: Point, law: Law, times: Array) -> Array:
+    """Return <v> at each time, from the density of the speed; times in d/U."""
+    solution = solve_at(point, law, times, ("speed_density", "thermal_speed"))
+    slowest = LOWEST_SPEED * float(np.min(solution.thermal_speed))
+    speeds = np.geomspace(slowest, HIGHEST_SPEED, N_SPEEDS)
+    density = np.asarray(solution.speed_density(speeds))
+    weighted = density * speeds  # in the logarithm of the speed
+    steps = np.log(speeds)
+    of_speed = np.trapezoid(weighted * speeds, steps, axis=1)
+    return np.asarray(of_speed / np.trapezoid(weighted, steps, axis=1))
 
 
 class Theory:
@@ -94,20 +115,19 @@ class Theory:
             self._motions[key] = self._solve_motion(point)
         return self._motions[key]
 
-    def true_times(self, point: Point) -> Array:
-        """Return the times of the layout on the true clock, in d/U; 0 stays 0."""
-        times = self.layout.times
-        return np.maximum(times * point.clock + point.time_offset * (times > 0.0), 0.0)
-
     def _solve_motion(self, point: Point) -> Array:
         layout = self.layout
-        times = self.true_times(point)
-        outputs = [OBSERVABLES[name].output or name for name in layout.names]
+        times = point.true_times(layout.times)
+        outputs = {name: OBSERVABLES[name].output or name for name in layout.names}
+        outputs.pop(MEAN_SPEED, None)
         parts: list[Array] = []
-        if layout.names:
-            solution = solve_at(point, layout.law, times, outputs)
-            for name, output in zip(layout.names, outputs, strict=True):
-                values = np.asarray(getattr(solution, output), float)
+        if outputs:
+            solution = solve_at(point, layout.law, times, tuple(outputs.values()))
+        for name in layout.names:
+            if name == MEAN_SPEED:
+                parts.append(mean_speeds(point, layout.law, times))
+            else:
+                values = np.asarray(getattr(solution, outputs[name]), float)
                 for index in reversed(OBSERVABLES[name].component):
                     values = values[..., index]
                 parts.append(values)
@@ -127,7 +147,7 @@ class Theory:
         layout = self.layout
         moving = 1.0 - point.at_rest
         values = motion.copy()
-        values[layout.is_of("drift")] *= moving * point.speed_unit
+        values[layout.is_of("drift", MEAN_SPEED)] *= moving * point.speed_unit
         values[layout.is_of("mean_displacement")] *= moving * point.length_unit
         is_later = layout.time > 0.0
         noise_of_speed = np.where(is_later, point.velocity_noise, 0.0)
@@ -208,7 +228,7 @@ class Theory:
             early, late = OBSERVABLES[name].theory_error
             chosen = layout.observable == name
             relative[chosen] = np.where(is_late, late, early)[chosen]
-        rate = layout.is_of("thermal_speed", "msd")
+        rate = layout.is_of("thermal_speed", MEAN_SPEED, "msd")
         if point.scatterers == "overlapping":
             relative[rate] *= OVERLAPPING_OVER_HARD
         relative = relative * self._share_that_can_be_wrong(values, point)
@@ -234,9 +254,12 @@ class Theory:
         """
         layout = self.layout
         share = -np.expm1(-layout.time / (ERROR_GROWS_IN * point.path))
+        initial = np.sqrt(layout.law.dimension) * point.speed_unit
         speeds = values[layout.is_of("thermal_speed")]
+        if "thermal_speed" not in layout.names:
+            initial *= GAUSSIAN_MEAN_OVER_V0
+            speeds = values[layout.is_of(MEAN_SPEED)]
         if speeds.size == layout.times.size and not layout.law.field:
-            initial = np.sqrt(layout.law.dimension) * point.speed_unit
             lost = np.clip(1.0 - speeds / max(initial, float(np.nanmax(speeds))), 0.0, 1.0)
             for name in layout.names:
                 if OBSERVABLES[name].of_speed:

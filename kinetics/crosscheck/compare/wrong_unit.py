@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from kinetics.crosscheck.compare.causes import NEAR_BEST
-from kinetics.crosscheck.compare.fit import Fit, fit, told_point
-from kinetics.crosscheck.compare.parameters import free_parameter
+from kinetics.crosscheck.compare.fit import Fit, compare_with_point, fit
+from kinetics.crosscheck.compare.parameters import coordinates_of, free_parameter
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.pool import N_FOR_CAUSE
 from kinetics.crosscheck.compare.result import Explanation
@@ -107,9 +107,9 @@ def _readings(fitted: Fit, time: float, ratio: float) -> list[_Reading]:
 def _fit_with(fitted: Fit, point: Point) -> Fit | None:
     """Return the fit with some numbers of its point changed."""
     if not fitted.free:
-        return told_point(fitted.measured, point, N_FOR_CAUSE)
+        return compare_with_point(fitted.measured, point, N_FOR_CAUSE)
     free = [free_parameter(name, point, fitted.measured) for name in fitted.names]
-    start = [p.coordinate(float(getattr(point, p.name))) for p in free]
+    start = coordinates_of(point, free).tolist()
     return fit(fitted.measured, point, free, [start], n_pool=N_FOR_CAUSE)
 
 

@@ -195,6 +195,11 @@ class Sample:
         return self.ended == 0
 
     @property
+    def is_independent(self) -> bool:
+        """Whether tracers, and not the media that some of them share, are independent."""
+        return self.free or self.grouping != "medium"
+
+    @property
     def groups(self) -> int:
         """Number of independent groups."""
         return len(self.sums)

@@ -96,6 +96,71 @@ def test_mean_speeds_are_those_of_the_density() -> None:
     np.testing.assert_allclose(rows["theory"], speeds, rtol=3e-4)
 
 
+def test_mean_speeds_among_disks_have_an_error_of_the_theory() -> None:
+    data = averages(names=("thermal_speed",), scatterers="hard disks")
+    data["mean_speed"] = math.sqrt(math.pi) / 2.0 * data.pop("thermal_speed")
+    data["mean_speed_error"] = data.pop("thermal_speed_error")
+    dense = compare(data, 0.7, 0.04, scatterers="hard disks").to_dataframe("mean_speed")
+    dilute = compare(data, 0.7, 0.04, scatterers="dilute").to_dataframe("mean_speed")
+    np.testing.assert_allclose(dilute["error"], data["mean_speed_error"])
+    assert np.all(dense["error"][6:] > 1.001 * data["mean_speed_error"][6:])
+
+
+def test_errors_of_averages_of_disks_are_tested_with_their_correlations() -> None:
+    """Of one average alone the test is that of all averages."""
+    data = averages(names=("msd",), scatterers="hard disks", error=0.001)
+    result = compare(data, 0.7, 0.04, scatterers="hard disks")
+    assert result.tests[0].chi_square == pytest.approx(result.chi_square)
+    assert result.tests[0].dof == result.dof
+
+
+def test_tests_of_averages_have_the_degrees_of_freedom_that_a_fit_leaves() -> None:
+    """Two numbers fitted to one average leave n - 2 of it."""
+    data = averages(names=("msd",))
+    result = fit(data, scatterers="dilute")
+    assert result.tests[0].dof == TIMES.size - 2
+    assert result.tests[0].chi_square == pytest.approx(result.chi_square, rel=1e-3)
+
+
+def test_media_are_compared_by_the_scatter_where_no_errors_are_stated() -> None:
+    """A scatter of 5 % excludes no medium, and one of 0.1 % the wrong one."""
+    coarse = fit(without_errors(averages(scatterers="hard disks", error=0.05)))
+    assert {coarse.medium, *coarse.undecided} == {"dilute", "hard disks"}
+    fine = fit(without_errors(averages(scatterers="hard disks", error=0.001)))
+    assert fine.medium == "hard disks"
+    assert fine.undecided == ()
+
+
+def test_averages_without_an_error_beside_others_are_said_to_be_left_out() -> None:
+    data = averages()
+    data["msd_error"][:3] = np.nan
+    data["msd_error"][3] = 0.0
+    result = compare(data, 0.7, 0.04, scatterers="dilute")
+    assert any("4 averages" in text for text in result.warnings)
+    assert len(result.numbers) == 2 * TIMES.size - 4
+
+
+def test_a_number_without_influence_has_no_value() -> None:
+    """Elastic tracers keep their speeds, whatever the mean free path is."""
+    data = averages(names=("thermal_speed",))
+    data["thermal_speed"] = np.full(TIMES.size, math.sqrt(2.0))
+    data["thermal_speed_error"] = np.full(TIMES.size, 0.01)
+    result = compare(data, 1.0, scatterers="dilute")
+    assert result.parameters["number_density"].value is None
+    assert "mean free path" in result.cannot_tell[0]
+    assert result.covariance == ((math.inf,),)
+    assert "confidence" not in result.figures
+
+
+def test_a_density_at_the_limit_of_the_theory_is_no_value() -> None:
+    """Disks of the density 1 overlap: the theory among hard ones ends before."""
+    scene = Scene(0.7, 1.0, times=TIMES, outputs=("thermal_speed", "msd"))
+    solution = solve(scene)
+    data = {"t": TIMES, "thermal_speed": solution.thermal_speed, "msd": solution.msd}
+    with pytest.raises(InputError, match="no restitution and density"):
+        fit(data, scatterers="hard disks")
+
+
 def test_without_errors_nothing_is_tested() -> None:
     """As in the table of the explorer: errors of what is fitted are from the scatter."""
     result = fit(without_errors(averages()), scatterers="dilute")
@@ -133,8 +198,10 @@ def test_units_are_those_of_the_data() -> None:
         ({"field": 0.1, "restitution": 0.7, "number_density": 0.04}, "without a field"),
         ({"restitution": 1.7}, "restitution: got 1.7"),
         ({"dimension": 3, "scatterers": "hard disks"}, "dilute"),
+        ({"mass_ratio": 2.0}, "mass_ratio: got 2"),
+        ({"tangential_restitution": 0.5}, "tangential_restitution: got 0.5"),
     ],
-    ids=["start", "field", "restitution", "medium in space"],
+    ids=["start", "field", "restitution", "medium in space", "mass ratio", "rough"],
 )
 def test_what_cannot_be_compared_is_refused(arguments: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):

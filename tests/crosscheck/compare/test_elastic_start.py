@@ -27,3 +27,4 @@ def test_speeds_of_no_named_start_are_compared_at_restitution_1() -> None:
     result = compare(data, 1.0, 0.05, scatterers="dilute", explain=False)
     assert result.verdict == "agrees"
     assert "msd" in {test.observable for test in result.tests}
+    assert any("speed density" in text for text in result.warnings)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from kinetics import compare, fit
+from kinetics.crosscheck.data.reading import read_sample
 from particles import BoltzmannGrad, HardDisks, simulate
 
 RESTITUTION = 0.7
@@ -21,7 +22,11 @@ FRAMES = np.concatenate([[0.0], np.geomspace(0.5, 400.0, 23)])
 
 @cache
 def tracks(
-    kind: str, n_tracers: int = 600, seed: int = 1, restitution: float = RESTITUTION
+    kind: str,
+    n_tracers: int = 600,
+    seed: int = 1,
+    restitution: float = RESTITUTION,
+    noise: float = NOISE,
 ) -> dict[str, Any]:
     """Positions of tracers, each among scatterers of its own, with an error of each position."""
     medium = HardDisks(DENSITY, 1000) if kind == "hard disks" else BoltzmannGrad(DENSITY)
@@ -37,7 +42,7 @@ def tracks(
     )
     random = np.random.default_rng(seed)
     place = np.asarray(run.positions) + random.uniform(0.0, 50.0, (1, n_tracers, 2))
-    place = place + NOISE * random.normal(size=place.shape)
+    place = place + noise * random.normal(size=place.shape)
     return {"times": FRAMES, "positions": place, "tracer": np.arange(n_tracers)}
 
 
@@ -99,6 +104,68 @@ def test_units_of_the_data_are_those_of_the_answer() -> None:
     assert within_errors(result.parameters["mean_free_path"], PATH)
     assert within_errors(result.parameters["speed_unit"], 30.0)
     assert within_errors(result.parameters["position_error"], 3.0 * NOISE)
+
+
+def test_speeds_are_lengths_over_times_also_where_the_unit_of_time_is_told() -> None:
+    """Lengths in mm and times in ms, d = 3 mm and d/U = 0.1 ms: U is 30 mm/ms."""
+    data = tracks("dilute")
+    other = {
+        "times": 0.1 * data["times"],
+        "positions": 3.0 * data["positions"],
+        "tracer": data["tracer"],
+    }
+    result = fit(other, scatterers="dilute", diameter=3.0, time_unit=0.1)
+    assert within_errors(result.parameters["speed_unit"], 30.0)
+    units = result.units
+    assert units["speed"] == pytest.approx(units["length"] / units["time"])
+    assert units["speed"] == pytest.approx(result.parameters["speed_unit"].value)
+
+
+def test_a_sample_is_in_diameters_already() -> None:
+    sample = read_sample([tracks("dilute")])
+    arguments = {"scatterers": "dilute", "localisation_error": NOISE, "explain": False}
+    result = compare(sample, RESTITUTION, DENSITY, **arguments)
+    other = compare(sample, RESTITUTION, DENSITY, diameter=3.0, **arguments)
+    assert other.chi_square == result.chi_square
+
+
+def test_a_restitution_that_is_specified_is_held_while_the_rest_is_fitted() -> None:
+    result = compare(
+        tracks("dilute", 150),
+        RESTITUTION,
+        scatterers="dilute",
+        fitted=True,
+        explain=False,
+        localisation_error=NOISE,
+    )
+    assert result.parameters["restitution"].value == RESTITUTION
+    assert result.parameters["restitution"].error is None
+
+
+def test_the_time_of_the_clearest_deviation_is_in_the_fitted_unit() -> None:
+    """Times in ms, U = 10 d/ms, and displacements at the end that are multiples of half their
+    size: averages are nearly as before, and the last density differs."""
+    data = tracks("dilute", noise=0.0)
+    place = data["positions"].copy()
+    displacement = place[-1] - place[0]
+    distance = np.linalg.norm(displacement, axis=-1, keepdims=True)
+    width = 0.5 * np.sqrt(np.mean(distance**2))
+    place[-1] = place[0] + displacement / distance * width * (np.floor(distance / width) + 0.5)
+    other = {"times": 0.1 * data["times"], "positions": place, "tracer": data["tracer"]}
+    result = fit(other, scatterers="dilute", localisation_error=0.0)
+    clearest = min(result.tests, key=lambda test: test.p_value)
+    assert clearest.time == pytest.approx(400.0, rel=0.2)
+    assert f"at t = {clearest.time:.4g}" in result.summary
+
+
+def test_the_time_of_missing_tracers_is_in_the_fitted_unit() -> None:
+    data = tracks("dilute", 300)
+    place = data["positions"].copy()
+    place[-1, 200:] = np.nan
+    other = {"times": 0.1 * data["times"], "positions": place, "tracer": data["tracer"]}
+    result = compare(other, RESTITUTION, DENSITY, scatterers="dilute", localisation_error=NOISE)
+    missing = next(item for item in result.explanations if item.name == "missing tracers")
+    assert f"at t = {result.last_time:.4g}" in missing.text
 
 
 def test_too_few_frames_are_refused() -> None:

@@ -14,6 +14,7 @@ from kinetics.crosscheck.compare.observables import Shape, averages_of, shaped_d
 from kinetics.crosscheck.compare.parameters import free_parameter
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.pool import Pool
+from kinetics.crosscheck.compare.residuals import Influence, Residuals
 from kinetics.crosscheck.compare.starts import gaussian_p_value
 from kinetics.crosscheck.compare.statistics import (
     jackknife_covariance,
@@ -206,6 +207,19 @@ def test_an_error_of_the_theory_widens_what_is_fitted() -> None:
         assert fitted is not None
         errors_of[medium] = fitted.value("path")[1] / fitted.point.path
     assert errors_of["hard disks"] > errors_of["dilute"]
+
+
+def test_a_fit_to_all_averages_leaves_no_error_of_the_theory() -> None:
+    """Where the theory follows the data, so does its error."""
+    point = POINT.with_values(scatterers="hard disks")
+    measured = Measured.of(exact_sample(point), ("thermal_speed", "msd"))
+    theory = Theory(measured.layout)
+    size = measured.layout.size
+    follows = Influence(np.arange(size), np.eye(size))
+    held = Residuals.at(measured, theory, point, None)
+    fitted = Residuals.at(measured, theory, point, None, follows)
+    assert np.any(held.error > 0.0)
+    np.testing.assert_allclose(fitted.error, 0.0, atol=1e-12)
 
 
 def test_means_with_gaps_scatter_more_and_together_less() -> None:
