@@ -312,6 +312,7 @@ FAULTS = {
     f"{kind} {fault}".strip(): (kind, fault)
     for kind in ("dilute", "hard disks")
     for fault in ("", "velocity noise", "position noise", "time offset", "missing tracers")
+    if (kind, fault) != ("dilute", "missing tracers")  # the test below
 }
 
 
@@ -333,6 +334,15 @@ def test_a_fault_of_real_data_stands_in_the_first_line(name: str) -> None:
         truth = {"velocity noise": 0.05, "position noise": 5.0}
         if fault in truth:
             assert first.value == pytest.approx(truth[fault], abs=3.5 * first.error)
+
+
+@pytest.mark.slow
+def test_times_until_few_tracers_have_left_are_used_and_that_is_said() -> None:
+    data, told = spoilt("dilute", "missing tracers")
+    result = compare(data, **{"number_density": DENSITY} | told)
+    assert result.verdict == "agrees"
+    assert result.last_time < data["times"][-1] / 5
+    assert any("no fair sample" in text for text in result.warnings)
 
 
 def test_the_medium_is_a_part_of_what_is_fitted() -> None:
