@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.collision.impact import impact_restitution
+from kinetics.collision.medium import word_for_scatterers
 from kinetics.drive import (
     DRIVES,
     MAX_STRENGTH,
@@ -22,11 +23,13 @@ from kinetics.drive import (
     Drive,
     check_strengths,
 )
-from kinetics.errors import suggestion
+from kinetics.errors import short, suggestion
 from kinetics.numerics import FloatArray
 from kinetics.outputs import ALIASES, DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, Output
+from kinetics.results.labels import system_items
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
+from kinetics.results.table import Table, number_text
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import (
@@ -65,10 +68,10 @@ class Scene(Storable):
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
         x axis)
     collision_numbers : N, whole, of the averages after N collisions, ``Solution.by_collision``
-    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
-        (placed independently) or "hard disks": the equation to the first order in the density, up
-        to number_density * diameter^2 = 0.3, among smooth disks. "hard disks" are as large as the
-        tracer: of other sizes there is the dilute theory alone
+    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping
+        disks" (placed independently) or "hard disks": the equation to the first order in the
+        density, up to number_density * diameter^2 = 0.3, among smooth disks. "hard disks" are as
+        large as the tracer: of other sizes there is the dilute theory alone
     density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
         "first" (n) or "second" (with a fitted term (n ln n)^2)
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
@@ -129,6 +132,7 @@ class Scene(Storable):
             arguments |= {"restitution": drive.restitution, **strengths}
         self.store(
             **arguments,
+            scatterers=word_for_scatterers(self.scatterers),
             number_density=number_density,
             diameter=diameter,
             field=drive.field,
@@ -153,6 +157,25 @@ class Scene(Storable):
         if self._depends_on_impact_speed:
             refuse("restitution", self.restitution, "a CollisionLaw needs a number")
         return self._law
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: the arguments that matter, with their units."""
+        times = np.asarray(self.times)
+        rows = [
+            ("system", ", ".join(self.system), ""),
+            ("mean free path", number_text(self.mean_free_path), "d"),
+            ("initial", short(self.initial), ""),
+            ("times", f"{times.size}, from {times[0]:.6g} to {times[-1]:.6g}", "d/U"),
+            ("outputs", ", ".join(self.outputs), ""),
+        ]
+        return Table("Scene", ("", "value", "unit"), rows)
+
+    @property
+    def system(self) -> tuple[str, ...]:
+        """The system as a title of a figure has it: "e = 0.7", "n = 0.04 d⁻²", "dilute"."""
+        names = [field.name for field in dataclasses.fields(self) if field.name != "state"]
+        arguments = {name: getattr(self, name) for name in names}
+        return system_items(arguments, self.scatterers, self.dimension)
 
     @property
     def _depends_on_impact_speed(self) -> bool:

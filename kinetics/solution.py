@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
@@ -34,9 +33,10 @@ from kinetics.position.directions import radial_measure, unit_surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
+from kinetics.results.table import Table, number_text, wrapped
 from kinetics.results.value import frozen
 from kinetics.scene import Scene
-from kinetics.solution_dataset import solution_dataset
+from kinetics.solution_dataset import radii_of_plot, solution_dataset
 from kinetics.undriven import UndrivenAnswer
 from kinetics.validation import (
     finite_line,
@@ -65,8 +65,9 @@ NODES_OF_ROUGH_FLIGHTS = 4000
 FLIGHTS_SAFETY = 10.0
 #: Accuracy of the initial speeds from which the fronts of a density are read off.
 RTOL_OF_FRONTS = 1e-6
-#: Columns of the repr.
-REPR_WIDTH = 96
+#: Least error of the density of driven tracers, over its maximum, that a solver aims at; it is that
+#: of `kinetics.driven.over_time`.
+MIN_ERROR_OF_DRIVEN_DENSITY = 1e-4
 
 
 @stored_class
@@ -164,17 +165,28 @@ class Solution(Result):
             )
         if name.startswith("__"):
             raise AttributeError(name)
-        if name == "vdf":
-            raise AttributeError("a Solution has no 'vdf': ScalingSolution has that of late times")
-        near = suggestion(name, [*arrays, *dir(type(self))], ALIASES)
+        near = self._near(name, [*arrays, *dir(type(self))])
         raise AttributeError(f"a Solution has no {name!r}{near}; this one has {known}")
 
     def __getitem__(self, name: str) -> FloatArray:
         """An output that is an array, as the attribute of the same name."""
         if name not in self.values:
-            near = suggestion(name, self.values, ALIASES)
-            raise KeyError(f"{name!r}: this solution has {', '.join(self.values)}{near}")
+            known = f"this solution has {', '.join(self.values) or 'no arrays'}"
+            raise KeyError(f"{name!r}: {known}{self._near(name, [*self.values])}")
         return np.asarray(self.values[name])
+
+    def _near(self, name: str, names: list[str]) -> str:
+        """Return what a name that this solution does not have may stand for, or where that is."""
+        if name == "vdf":
+            return (
+                "; F(c) of late times is ScalingSolution.vdf; of these times there are the outputs "
+                "speed_density and velocity_density"
+            )
+        if name in self._on_demand:
+            return f"; it is a function: solution.{name}(...)"
+        if name in {array for output in ALL_OUTPUTS for array in output.names}:
+            return f"; {name} was not asked for: name it in the outputs of the scene"
+        return suggestion(name, names, ALIASES)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.__dict__.get("values", {})})
@@ -187,13 +199,47 @@ class Solution(Result):
         for name, shape in shapes.items():
             unit, _, _ = described(name, self.scene.dimension)
             outputs.append(f"{name} {shape}" if unit == "1" else f"{name} {shape} in {unit}")
-        lines = [
-            f"Solution of {self.scene}",
-            f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}",
-            f"error estimate {self.error_estimate:.1e}",
-            *textwrap.wrap(", ".join(outputs), REPR_WIDTH),
-        ]
-        return "\n  ".join(lines)
+        return "\n  ".join(
+            [
+                wrapped(f"Solution of {self.scene}", "    "),
+                wrapped(f"rtol = {self.rtol:g}, {self._status_in_words}", "    "),
+                f"error estimate {self.error_estimate:.1e}",
+                wrapped(", ".join(outputs), "    "),
+            ]
+        )
+
+    @property
+    def _status_in_words(self) -> str:
+        """The status and the message."""
+        return f"{self.status.name.lower()}: {self.message}"
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: averages at the first and the last time, and the status."""
+        times = self.times
+        heads = ("", f"t = {times[0]:.6g} d/U", f"t = {times[-1]:.6g} d/U", "unit")
+        rows = []
+        for name in self.values:
+            unit, _, _ = described(name, self.scene.dimension)
+            rows.append((name, self._cell(name, 0), self._cell(name, -1), unit))
+        for name in self._on_demand:
+            unit, _, _ = described(name, self.scene.dimension)
+            rows.append((name, "a function", "a function", unit))
+        lines = (
+            self._status_in_words,
+            f"rtol = {self.rtol:g}, error estimate {self.error_estimate:.1e}",
+        )
+        return Table(f"Solution: {', '.join(self._system)}", heads, rows, lines)
+
+    def _cell(self, name: str, time: int) -> str:
+        """Return an average at a time, by index, with the digits that its error has."""
+        components = np.ravel(self.values[name][time])
+        scale = float(np.max(np.abs(components), initial=0.0))
+        if name == "a2":  # whose error is relative to 1 + a2
+            scale = 1.0
+        if name == "velocity_autocorrelation":  # whose error is relative to v_rms(0) v_rms(t)
+            scale = float(self.typical_speed.max() * self.typical_speed[time])
+        error = max(self.rtol, self.error_estimate) * scale
+        return ", ".join(number_text(float(component), error) for component in components)
 
     # -- as a dataset -----------------------------------------------------------------------------
 
@@ -208,6 +254,28 @@ class Solution(Result):
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         """Averages, and functions at points, by default where the distributions are."""
         return solution_dataset(self, self._on_demand, only, points)
+
+    @property
+    def _system(self) -> tuple[str, ...]:
+        """What the title of a figure says."""
+        return self.scene.system
+
+    @property
+    def _density_bottom(self) -> float:
+        """The least density in a figure, over the largest; where drives act, its error."""
+        if self.scene.drive.only_collides:
+            return super()._density_bottom
+        return max(self.rtol, MIN_ERROR_OF_DRIVEN_DENSITY)
+
+    def _points_of_plot(self, name: str | None, points: Mapping[str, Any]) -> dict[str, Any]:
+        """Return radii at equal ratios for a density of the displacement, as speeds are."""
+        is_drawn = name in (None, "position_density") and "position_density" in self._on_demand
+        if is_drawn and points.get("radii") is None:
+            distances = self.root_mean_square_displacement
+            moved = distances[distances > 0.0]
+            if moved.size:
+                return {**points, "radii": radii_of_plot(moved)}
+        return dict(points)
 
     @property
     def typical_speed(self) -> FloatArray:

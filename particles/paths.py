@@ -17,6 +17,7 @@ from particles.configuration import follow_tracers, start_places
 from particles.media import BoltzmannGrad
 from particles.placement import build, placed
 from particles.plan import Plan
+from particles.plots import describe_system
 from particles.values import Value, check_positive, check_whole, refuse
 
 if TYPE_CHECKING:
@@ -64,6 +65,11 @@ class Trajectory(Value):
     speeds: np.ndarray
 
 
+def is_curved(plan: Plan) -> bool:
+    """Tell whether paths are curved: in a field, and with noise or drag."""
+    return plan.drive.field != 0.0 or plan.drive.is_noisy
+
+
 # -- the paths -------------------------------------------------------------------------------------
 
 
@@ -86,12 +92,11 @@ def trajectories(
         until = check_positive("until", until)
     elif plan.times.size:
         until = float(plan.times[-1])
-    is_curved = plan.drive.field != 0.0 or plan.drive.is_noisy
-    if until == 0.0 or (until is None and is_curved):
+    if until == 0.0 or (until is None and is_curved(plan)):
         refuse("until", until, "it must be a time above 0, given where the run has no output times")
     velocities = None if plan.velocities is None else plan.velocities[..., :tracers, :]
     plan = plan.replaced(tracers=tracers, depth=None, velocities=velocities)
-    if is_curved:
+    if is_curved(plan):
         return _curved_paths(plan, configuration, until or 0.0)
     if plan.max_collisions:
         collisions = min(collisions, plan.max_collisions)
@@ -199,7 +204,7 @@ def plot_trajectories(
     """Draw `trajectories`, in space projected on x and y, and the disks beside them."""
     paths = trajectories(plan, tracers, configuration, until, collisions)
     d = plan.medium.diameter
-    low, high = _frame(paths, d)
+    low, high = corners_of_picture(paths, d)
     if ax is None:
         from matplotlib import pyplot
 
@@ -208,16 +213,18 @@ def plot_trajectories(
     if disks is not None:
         if len(disks) <= MOST_SHADED:
             # The area that a tracer's centre cannot enter.
-            _draw_circles(ax, disks, 2.0 * d, alpha=0.2)
-        _draw_circles(ax, disks, d, alpha=1.0)
+            draw_circles(ax, disks, 2.0 * d, alpha=0.2)
+        draw_circles(ax, disks, d, alpha=1.0)
     _draw_paths(ax, paths, colour_bar)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [d]", ylabel="y [d]")
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="$x$ [$d$]", ylabel="$y$ [$d$]")
+    if not ax.get_title():
+        ax.set_title(", ".join(describe_system(plan)), fontsize="medium")
     ax.set_aspect("equal")
     ax.grid(False)
     return ax
 
 
-def _frame(paths: list[Trajectory], d: float) -> tuple[np.ndarray, np.ndarray]:
+def corners_of_picture(paths: list[Trajectory], d: float) -> tuple[np.ndarray, np.ndarray]:
     """Return two corners of a picture with all paths in it, neither too small nor too narrow."""
     places = np.concatenate([path.places[:, :2] for path in paths])
     lowest = places.min(axis=0)
@@ -229,7 +236,7 @@ def _frame(paths: list[Trajectory], d: float) -> tuple[np.ndarray, np.ndarray]:
     return middle - half, middle + half
 
 
-def _draw_circles(ax: "Axes", centres: np.ndarray, diameter: float, alpha: float) -> None:
+def draw_circles(ax: "Axes", centres: np.ndarray, diameter: float, alpha: float) -> None:
     """Draw filled circles, one that is less transparent on top of the others."""
     from matplotlib.collections import EllipseCollection
 
@@ -253,7 +260,7 @@ def _draw_paths(ax: "Axes", paths: list[Trajectory], colour_bar: bool) -> None:
     """Draw paths in the colours of their speeds, and marks where they begin and end."""
     from matplotlib.collections import LineCollection
 
-    slowest, colours, norm = _colours_of_speeds(paths)
+    slowest, colours, norm = colours_of_speeds(paths)
     for path in paths:
         places = path.places[:, :2]
         lines = LineCollection(
@@ -276,10 +283,10 @@ def _draw_paths(ax: "Axes", paths: list[Trajectory], colour_bar: bool) -> None:
             zorder=4,
         )
     if colour_bar:
-        ax.figure.colorbar(lines, ax=ax, label="speed v [U]", shrink=0.8)
+        ax.figure.colorbar(lines, ax=ax, label="speed $v$ [$U$]", shrink=0.8)
 
 
-def _colours_of_speeds(paths: list[Trajectory]) -> tuple[float, "Colormap", "Normalize"]:
+def colours_of_speeds(paths: list[Trajectory]) -> tuple[float, "Colormap", "Normalize"]:
     """Return the speed of the first colour, the colours, and what maps speeds to them."""
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap, LogNorm

@@ -5,11 +5,13 @@ dataclasses that hold arrays derive from `Value`.
 """
 
 import contextlib
+import difflib
 import math
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
+from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from numbers import Real
 from types import MappingProxyType
@@ -17,6 +19,9 @@ from typing import NoReturn, TypeGuard
 
 import numpy as np
 
+#: How similar a name must be to a known one to be suggested: 0 is any, 1 the same. Chosen: one or
+#: two wrong letters of a word.
+SIMILAR = 0.7
 #: Smallest positive double.
 SMALLEST_FLOAT = 5e-324
 #: Largest whole number that is accepted where there is no other limit, one that an integer of 64
@@ -43,6 +48,35 @@ def short(value: object, limit: int = SHOWN_CHARACTERS) -> str:
 def refuse(name: str, value: object, allowed: str) -> NoReturn:
     """Raise ValueError for the argument of this name and value; `allowed`: what it must be."""
     raise ValueError(f"{name}: got {short(value)}; {allowed}") from None
+
+
+def suggest(name: object, known: Iterable[str], aliases: Mapping[str, str] = {}) -> str:
+    """Return "; did you mean 'msd'?" for a name that is nearly a known one, or another word for it.
+
+    Empty where there is none. aliases: other words, in lower case, and the known names.
+    """
+    text = str(name).strip().lower().replace("-", "_").replace(" ", "_")
+    if text in aliases:
+        return f"; did you mean {aliases[text]!r}?"
+    names = {each.lower(): each for each in known}
+    near = difflib.get_close_matches(text, names, n=1, cutoff=SIMILAR)
+    return f"; did you mean {names[near[0]]!r}?" if near else ""
+
+
+# -- showing ---------------------------------------------------------------------------------------
+
+
+def html_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table for notebooks; all of its text is escaped."""
+    lines = [f"<div><b>{escape(title)}</b><table>"]
+    if heads:
+        lines.append("<tr>" + "".join(f"<th>{escape(head)}</th>" for head in heads) + "</tr>")
+    for row in rows:
+        first, *others = (escape(cell) for cell in row)
+        cells = "".join(f"<td>{cell}</td>" for cell in others)
+        lines.append(f'<tr><th style="text-align:left">{first}</th>{cells}</tr>')
+    lines.append("</table></div>")
+    return "".join(lines)
 
 
 # -- checking --------------------------------------------------------------------------------------

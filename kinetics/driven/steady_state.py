@@ -18,13 +18,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.drive import Drive
+from kinetics.driven.over_time import MIN_ERROR_OF_DENSITY
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.steady_solution import SteadySolution
 from kinetics.errors import PlanStep, SolverStatus, judge_errors
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AVERAGES
 from kinetics.results.frame import dataset, variable
+from kinetics.results.labels import system_items
 from kinetics.results.result import Result
+from kinetics.results.table import Table, number_text, wrapped
 from kinetics.validation import finite_line, real_number, whole_number
 
 if TYPE_CHECKING:
@@ -32,6 +35,9 @@ if TYPE_CHECKING:
 
 #: Highest power of the speed of a moment that may be requested. Origin not recorded.
 MAX_POWER = 20.0
+#: Least relative error with which a figure is shown: averages are sums over nodes, and rounding
+#: alone is larger than what two resolutions differ by. Chosen.
+LEAST_ERROR_SHOWN = 1e-11
 #: Speeds of a dataset over the thermal one, sqrt(<v^2>), unless others are specified: up
 #: to where a Gaussian in the plane is 1e-7 of its largest. Chosen: no other number
 #: depends on them.
@@ -46,8 +52,8 @@ class SteadyState(Result):
     """What the answers of `solve_steady` and `kinetics.solve_field` share.
 
     A subclass declares its figures in ``_about``, the arguments of its question in ``_asked`` and
-    its units in ``_units``, and implements `drive`, `vdf` and ``_thermal_speed``. The units of each
-    figure are in ``_about``.
+    its units in ``_units``, and implements `drive`, `_density_at` and ``_thermal_speed``. The
+    units of each figure are in ``_about``.
 
     Attributes
     ----------
@@ -139,18 +145,25 @@ class SteadyState(Result):
         """sqrt(<v^2>) in the unit of speeds, ``_units[0]``."""
         raise NotImplementedError
 
-    def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
+    def vdf(self, v: ArrayLike, angle: ArrayLike | None = None) -> FloatArray:
         """Return the density of the velocity in ``_units[1]``; its integral is 1.
 
         Parameters
         ----------
         v : speeds in ``_units[0]``, shape (n_v,)
-        angle : to the field in radians, shape (n_angle,)
+        angle : to the field in radians, shape (n_angle,); None for along it, or without a field for
+            any, as the density is the same at all
 
         Returns
         -------
-        Shape (n_v, n_angle)
+        Shape (n_v, n_angle); without an angle the shape of v
         """
+        if angle is None:
+            return self._density_at(v, 0.0)[:, 0].reshape(np.shape(v))
+        return self._density_at(v, angle)
+
+    def _density_at(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
+        """Return the density of the velocity, shape (n_v, n_angle)."""
         raise NotImplementedError
 
     @property
@@ -239,6 +252,16 @@ class SteadyState(Result):
         return 0.0
 
     @property
+    def _system(self) -> tuple[str, ...]:
+        """What the title of a figure says: dilute scatterers are the only ones."""
+        return system_items(self._arguments, "dilute", self.dimension)
+
+    @property
+    def _density_bottom(self) -> float:
+        """The error of the density, over its largest value."""
+        return max(self.rtol, MIN_ERROR_OF_DENSITY)
+
+    @property
     def _title(self) -> str:
         """The class and the arguments that are not 0 or infinite, which are the defaults."""
         arguments = ", ".join(
@@ -250,5 +273,33 @@ class SteadyState(Result):
 
     def __repr__(self) -> str:
         """Return three lines: the title, the figures and the message."""
-        figures = ", ".join(f"{name} = {figure:.10g}" for name, figure in self._figures.items())
-        return f"{self._title}\n  {figures}\n  {self.message}"
+        texts = self._texts_of_figures()
+        figures = ", ".join(f"{name} = {text}" for name, text in texts.items())
+        parts = (self._title, figures, f"{self.status.name.lower()}: {self.message}")
+        return "\n  ".join(wrapped(part, "    ") for part in parts)
+
+    def _texts_of_figures(self) -> dict[str, str]:
+        """Return the figures as text, with the digits that their errors have.
+
+        Those that may vanish have an error relative to what they are a part of.
+        """
+        scales = {"a2": 1.0, "drift": self._thermal_speed}
+        texts = {}
+        for name, figure in self._figures.items():
+            scale = max(abs(figure), scales.get(name, 0.0))
+            error = max(self.error_estimate, LEAST_ERROR_SHOWN) * scale
+            texts[name] = number_text(figure, error)
+        return texts
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: the figures, with their units, and the status."""
+        rows = [
+            (name, text, self._about[name][0], self._about[name][1])
+            for name, text in self._texts_of_figures().items()
+        ]
+        lines = (
+            f"{self.status.name.lower()}: {self.message}",
+            f"rtol = {self.rtol:g}, error estimate {self.error_estimate:.1e}",
+        )
+        title = f"{type(self).__name__}: {', '.join(self._system)}, unit of length l"
+        return Table(title, ("", "value", "unit", "meaning"), rows, lines)

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
+from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION, word_for_scatterers
 from kinetics.crosscheck.compare.causes import NEAR_BEST
 from kinetics.crosscheck.compare.curve_fit import CurveFit, Curves, fit_in_media
 from kinetics.crosscheck.compare.flat_directions import cannot_tell, unknown_numbers
@@ -26,7 +26,7 @@ from kinetics.crosscheck.data.options import refuse_data
 from kinetics.crosscheck.data.sample import Law
 from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas, numeral
 from kinetics.errors import InputError
-from kinetics.validation import check_restitution, one_of, refuse
+from kinetics.validation import check_restitution, refuse
 
 #: Standard errors that hold 95 % of a Gaussian.
 LIMIT_SIGMAS = 1.96
@@ -56,7 +56,8 @@ def compare_averages(
     table : of averages, in d and U
     restitution, number_density : the latter in d^-2 (d^-3 in space); None: they are fitted
     initial : "gaussian" (also "auto"), or "monoenergetic" ("one speed")
-    scatterers : "dilute", "hard disks", "overlapping", or "auto": the likeliest of the first two
+    scatterers : "dilute", "hard disks", "overlapping disks", or "auto": the likeliest of the
+        first two
     dimension : 2 (also None) or 3
 
     Raises
@@ -64,6 +65,7 @@ def compare_averages(
     InputError
         There are too few averages, or an argument is out of range.
     """
+    scatterers = word_for_scatterers(scatterers, ("auto",))
     law = Law(dimension=dimension or 2)
     start = _start(table, initial)
     _check_scatterers(scatterers, law)
@@ -104,7 +106,6 @@ def _start(table: AveragesTable, initial: str) -> str:
 
 def _check_scatterers(scatterers: str, law: Law) -> None:
     """Raise InputError for scatterers of which there is no theory."""
-    one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
     if law.dimension == 3 and scatterers not in ("auto", "dilute"):
         refuse("scatterers", scatterers, "of others than disks it must be 'dilute'")
 

@@ -19,8 +19,11 @@ from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.writing import LINE_WIDTH
 from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
+from kinetics.errors import suggestion
+from kinetics.outputs import ALIASES
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
+from kinetics.results.table import Table, number_text
 from kinetics.validation import refuse
 
 if TYPE_CHECKING:
@@ -122,6 +125,8 @@ class Explanation(NamedTuple):
 
 RowOrTest = TypeVar("RowOrTest", Row, ComparisonTest)
 
+#: Units of the parameters that have one.
+UNITS_OF_PARAMETERS = {"number_density": "d^-2", "mean_free_path": "d"}
 #: Columns of `Comparison.rows` that are no numbers with a missing value.
 COLUMNS_OF_OTHER_TYPES = ("observable", "verdict", "samples")
 #: Fields of a Comparison that its document has under "data".
@@ -155,7 +160,7 @@ class Comparison(Result):
     names, warnings : where the data came from, and what the reader should know of them
     tests : ComparisonTest, one chi-square per average, and per density and time
     explanations : Explanation; empty where nothing needs one
-    medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
+    medium : "dilute", "hard disks" or "overlapping disks": of the theory that is shown
     covariance : of those that were fitted of restitution and ln(mean free path)
     overall_p_value : of everything that was tested, on which the verdict rests; None where nothing
         was
@@ -273,6 +278,10 @@ class Comparison(Result):
         rows = self.rows
         if name is None:
             return rows
+        known = list(dict.fromkeys(rows["observable"]))
+        if name not in known:
+            near = suggestion(name, known, ALIASES)
+            refuse("name", name, f"this comparison has {', '.join(known) or 'no rows'}{near}")
         return rows[rows["observable"] == name].reset_index(drop=True)
 
     def _dataset(self, only: Any = None, **points: Any) -> xarray.Dataset:
@@ -292,17 +301,18 @@ class Comparison(Result):
 
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned."""
-        from kinetics.crosscheck.compare.figures import draw
+        from kinetics.crosscheck.compare.figures import draw, system_of
+        from kinetics.results.plot import new_axes, source_on
 
         if name is None:
             return super().plot(None, ax)
         figure = str(name).replace("_", "-")
         if figure not in self.figures:
-            refuse("name", name, f"this comparison has {', '.join(self.figures) or 'no figures'}")
-        if ax is None:
-            from matplotlib import pyplot
-
-            _, ax = pyplot.subplots(layout="constrained")
+            known = ", ".join(self.figures) or "no figures"
+            near = suggestion(name, self.figures, ALIASES)
+            refuse("name", name, f"this comparison has {known}{near}")
+        ax = ax if ax is not None else new_axes()
+        source_on(ax, "", system_of(self))
         draw(self, figure, ax)
         return ax
 
@@ -322,6 +332,23 @@ class Comparison(Result):
             name: Parameter(*parameter) for name, parameter in values["parameters"].items()
         }
         return cls(**values)
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: the verdict, the numbers of the theory, and the tests."""
+        rows = []
+        for name, parameter in self.parameters.items():
+            if parameter.value is None:
+                continue
+            text = number_text(parameter.value)
+            if parameter.error:
+                text = f"{number_text(parameter.value, parameter.error)} ± {parameter.error:.2g}"
+            rows.append((name, text, UNITS_OF_PARAMETERS.get(name, ""), parameter.source))
+        for test in self.tests:
+            name = test.observable if test.time is None else f"{test.observable}, t = {test.time:g}"
+            statistic = f"χ² = {test.chi_square:.4g} of {test.dof}"
+            rows.append((name, statistic, f"p = {test.p_value:.2g}", str(test.verdict)))
+        lines = [self.summary, *self.warnings]
+        return Table(f"Comparison: {self.verdict}", ("", "value", "unit, or p", ""), rows, lines)
 
     def __repr__(self) -> str:
         return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", LINE_WIDTH)
