@@ -37,6 +37,7 @@ PACKAGES = ("kinetics", "particles", "derivations")
 DISTRIBUTION = "inelastic-lorentz"
 #: Characters of a message that are shown: what is wrong stands first, what is allowed last.
 MESSAGE_BEGIN = 240
+#: Characters of the end of such a message.
 MESSAGE_END = 135
 #: The environment variable with which a shell asks for completions, as click names it.
 COMPLETION_VARIABLE = "_LORENTZ_COMPLETE"

@@ -26,6 +26,7 @@ DRIVES = ("bath_speed", "heating", "drag", "capture_speed")
 #: Least and largest strength of what acts, in units of U and the mean free path: powers of it are
 #: in the range of double precision.
 MIN_STRENGTH = 1e-20
+#: Largest strength, likewise.
 MAX_STRENGTH = 1e20
 STRENGTHS_ALLOWED = (
     f"in units of U and the mean free path it must be 0, or from {MIN_STRENGTH:g} to "

@@ -56,7 +56,9 @@ MAX_SCALED_RADIUS = 1e6
 MIN_RADIUS_OF_ERROR = 0.1
 #: Free flights: least and largest rtol of the speed densities that they are made of.
 MIN_RTOL_OF_FLIGHTS = 1e-6
+#: The least one from rough starts.
 MIN_RTOL_OF_FLIGHTS_ROUGH = 1e-4
+#: The largest one.
 MAX_RTOL_OF_FLIGHTS = 1e-3
 #: Nodes of the speed axis for free flights from rough starts at the largest rtol. Measured: shares
 #: within 0.06 % in a tenth of the time that the solver's own choice takes.

@@ -19,10 +19,13 @@ if TYPE_CHECKING:
 METHODS = ("spectral", "conservative")
 #: The relative accuracy that is asked for by default.
 DEFAULT_RTOL = 1e-10
+#: The same of driven tracers, which take longer.
 DEFAULT_RTOL_OF_DRIVEN = 1e-8
+#: The same in a field.
 DEFAULT_RTOL_IN_FIELD = 1e-6
 #: Nodes of the speed axis of densities that can be asked for.
 MIN_NODES = 8
+#: The largest number of these nodes.
 MAX_NODES = 8192
 
 

@@ -39,11 +39,13 @@ MOST_FRAMES = 2000
 MOST_PER_SECOND = 100.0
 #: Dots per inch, and the width of a picture in inches. Chosen: 480 dots, a GIF of a megabyte or so.
 DOTS_PER_INCH = 80
+#: Width of a picture in inches.
 WIDTH_OF_PICTURE = 6.0
 #: Size of the marker of a tracer, in points^2.
 SIZE_OF_TRACER = 40.0
 #: Colour and width in points of the path behind a tracer.
 COLOUR_OF_TRAIL = "#16191d"
+#: Width in points of the path behind a tracer.
 WIDTH_OF_TRAIL = 0.7
 #: Opacity of the path behind a tracer.
 OPACITY_OF_TRAIL = 0.45

@@ -15,9 +15,10 @@ from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
 from kinetics.validation import check_positive, finite_line, refuse
 
-# Padé approximant of e(x), x = b v_n^(1/10), of viscoelastic spheres: Müller and Pöschel,
-# Phys. Rev. E 84, 021302 (2011)
+#: Coefficients of the numerator of the Padé approximant of e(x), x = b v_n^(1/10), of viscoelastic
+#: spheres: Müller and Pöschel, Phys. Rev. E 84, 021302 (2011).
 _ABOVE = (0.501086, 1.0)
+#: Coefficients of its denominator.
 _BELOW = (0.532178, 0.577977, 1.15345, 0.501086, 1.0)
 _PROBES = np.geomspace(1e-9, 1e6, 61)
 _MOST_BREAKS = 40  # of a table: finer ones are integrated over as if they were smooth

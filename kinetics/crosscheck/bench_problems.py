@@ -35,9 +35,11 @@ CASES = ("scaled", "cooling", "position", "field", "driven", PARTICLES)
 DENSITY = 0.04
 #: Restitution of a quick benchmark, one of the paper's.
 RESTITUTION = 0.7
+#: Relative tolerances that are asked for.
 TOLERANCES = tuple(10.0**-digits for digits in range(2, 13))
 #: c at which F(c) is compared, and R at which G(R) is.
 SPEEDS = np.linspace(0.1, 4.0, 391)
+#: R at which G(R) is compared.
 RADII = np.linspace(0.0, 6.0, 200)
 #: Restitution of G(R), one of the paper's.
 POSITION_RESTITUTION = 0.6

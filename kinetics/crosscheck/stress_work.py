@@ -60,6 +60,7 @@ COMPARED_SPEEDS = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)])
 LOGARITHMIC_BELOW = 1e-2
 #: R at which position densities are, and k in 1/d at which scattering functions are.
 COMPARED_RADII = np.linspace(0.0, 8.0, 400)
+#: k in 1/d at which scattering functions are compared.
 COMPARED_WAVE_NUMBERS = [1e-3, 0.1, 2.0]
 #: Directions in radians of the wave vector; None: averaged.
 COMPARED_DIRECTIONS = (None, 0.3)

@@ -156,6 +156,7 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 PLAIN_POWERS = range(-4, 6)
 #: Sizes between which a number with an error has no power of ten.
 MIN_PLAIN = 1e-4
+#: Size from which on it has one.
 MAX_PLAIN = 1e6
 NO_VALUE = "–"
 

@@ -43,6 +43,7 @@ LEAST_RATIO_OF_ORDINATE = 10.0
 SOURCE = "equation"
 #: Columns of a legend below the axes, if none of its entries has more than so many characters.
 LEGEND_COLUMNS = 2
+#: Characters of an entry that fit in one of these columns.
 MAX_CHARACTERS_IN_COLUMN = 32
 #: The legend is so many points below the axes: ticks and label of the abscissa have room.
 LEGEND_BELOW = 34.0

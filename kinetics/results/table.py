@@ -21,6 +21,7 @@ MAX_DIGITS = 12
 DIGITS_WITHOUT_ERROR = 6
 #: From this power of ten of the first digit on, and below its negative, numbers have an exponent.
 MAX_DECIMAL_EXPONENT = 6
+#: Power of ten of the first digit below which numbers have an exponent.
 MIN_DECIMAL_EXPONENT = -5
 
 

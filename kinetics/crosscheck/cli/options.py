@@ -28,6 +28,7 @@ WIDTH = 100
 MAX_NUMBERS = 100_000
 #: Times up to --until, ten in a decade, and the decades that they span.
 N_TIMES_UNTIL = 31
+#: The last of these times over the first: three decades.
 RATIO_OF_TIMES_UNTIL = 1e3
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "

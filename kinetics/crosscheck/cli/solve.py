@@ -132,12 +132,15 @@ OPTIONS_OF_ALL = ("rtol", "output", "as_json")
 #: Tolerances if --rtol is not given: of averages; of G(R) and in a field, where 1e-10 cannot be
 #: had; of other driven tracers over time, which take long for it.
 USUAL_RTOL = 1e-10
+#: The same for scenes in a field.
 ROUGH_RTOL = 1e-6
+#: The same for other driven tracers over time.
 DRIVEN_RTOL = 1e-8
 EPILOG = f"""{options.UNITS} The example solves for the steady state of a tracer in a bath of
 scatterers four times as heavy; without --steady it is solved over time."""
 PICTURES = (".png", ".svg", ".pdf")
 ENDINGS = (".csv", ".parquet", ".nc", ".h5", *PICTURES)
+#: Resolution of PNG pictures.
 DOTS_PER_INCH = 160
 #: Bytes of a file of speeds at most: a larger one is another file.
 MAX_TABLE_BYTES = 10_000_000

@@ -12,6 +12,7 @@ from kinetics.validation import one_of, real_number, refuse
 
 #: Smallest and largest unit: its square and its cube must be finite.
 MIN_UNIT = 1e-100
+#: Largest unit, likewise.
 MAX_UNIT = 1e100
 #: How positions may be meant.
 POSITIONS = ("auto", "displacement", "absolute")

@@ -11,6 +11,7 @@ from kinetics.crosscheck.report.cases import FloatArray
 
 #: Restitutions at which the exact rate is drawn: evenly, and one close to 1.
 N_RESTITUTIONS = 67
+#: The restitution close to 1.
 NEARLY_ELASTIC = 0.999
 #: Laws whose rates are kept; a report draws one.
 MAX_RATES_KEPT = 8

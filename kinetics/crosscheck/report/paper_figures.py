@@ -54,11 +54,13 @@ SLOPE_OF_FIGURE_2 = 0.058
 START = math.sqrt(2.0)
 #: Radii and speeds at which curves are drawn.
 RADII = np.linspace(0.02, 6.0, 150)
+#: Scaled speeds c at which curves are drawn.
 SPEEDS = np.linspace(0.01, 3.0, 150)
 #: Name of the broken line of figure 8.
 OTHER_ROOT = "root of eq. (B17)"
 #: Range of G(R) and of F(c) that is shown.
 POSITION_LIMITS = (1e-4, 2.0)
+#: Range of F(c) that is shown.
 VDF_LIMITS = (1e-5, 1.0)
 #: Height in inches of a figure with one panel.
 HEIGHT = 3.4
