@@ -47,6 +47,15 @@ def test_one_version() -> None:
     assert headings[0] == version
 
 
+@pytest.mark.parametrize("name", ["CHANGELOG.md", "examples/paper/paper.md"])
+def test_the_number_of_equations_is_that_of_the_algebra(name: str) -> None:
+    from derivations.printed import ROWS
+
+    count = sum(bool(row.number) for row in ROWS.values())
+    stated = re.findall(r"paper's (\d+) numbered equations", (ROOT / name).read_text("utf-8"))
+    assert stated == [str(count)]
+
+
 def test_another_package_of_the_same_name_is_named_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "particles").mkdir()
     (tmp_path / "particles" / "__init__.py").write_text("")
