@@ -29,7 +29,7 @@ LISTED_FIELDS = ("number", "label", "title", "section")
 
 @click.command(
     short_help="Re-derive the paper's equations with sympy.",
-    epilog=options.example("lorentz derive --only B15", "The option --search finds labels."),
+    epilog=options.example("lorentz derive --only B15"),
 )
 @click.option(
     "--only",
@@ -37,12 +37,12 @@ LISTED_FIELDS = ("number", "label", "title", "section")
     help="One equation with all steps, by label or number: B15, b15, 'eq. 22'.",
 )
 @click.option("--list", "listed", is_flag=True, help="List the equations and derive nothing.")
-@click.option("--search", metavar="WORD", help="List those whose label, title or LaTeX has this.")
+@click.option("--search", metavar="WORD", help="List equations with WORD in label, title or LaTeX.")
 @click.option(
     "--latex",
     type=Output(""),
     metavar="FILE",
-    help="Write a LaTeX document; with --only of that equation and its symbols alone.",
+    help="Write a LaTeX document of all equations; with --only, of that one and its symbols.",
 )
 @json_option
 def derive(

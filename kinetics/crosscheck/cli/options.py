@@ -143,11 +143,11 @@ class Output(click.Path):
 restitution_option = option("-e", "--restitution", type=float, default=0.7,
                             help="Coefficient of restitution, 0 to 1.")
 tangential_option = option("--tangential-restitution", type=float, default=1.0,
-                           help="What a collision leaves of the tangential velocity, 0 to 1.")
+                           help="Share of the tangential velocity that a collision leaves, 0 to 1.")
 mass_option = option(
     "--mass-ratio", type=float, default=math.inf,
-    help="Mass of a scatterer over that of the tracer; by default scatterers are fixed. For dilute "
-    "smooth ones: with others, and among scatterers that have places, it is refused.")
+    help="Mass of a scatterer over that of the tracer; inf: scatterers are fixed. Only for dilute, "
+    "smooth scatterers.")
 dimension_option = option("--dimension", type=int, default=2,
                           help="3: spheres; number densities are then in d^-3.")
 density_option = option("--number-density", type=float, default=0.04,
@@ -165,14 +165,17 @@ json_option = option("--json", "as_json", is_flag=True,
                      help="Print one JSON document and nothing else.")
 _DRIVES = (
     option("--bath-speed", type=float, default=0.0,
-           help="Scatterers move: standard deviation of a component of their velocity in U. This, "
-           "heating and drag are for dilute ones (with simulate --scatterers dilute)."),
-    option("--heating", type=float, default=0.0, help="White noise 2 D dt, D in U^3/d."),
-    option("--drag", type=float, default=0.0, help="Rate of the drag -DRAG v, in U/d."),
-    option("--capture-speed", type=float, default=0.0, help="Slower impacts stick [U]."),
+           help="Standard deviation of each velocity component of the scatterers, in U; 0: they "
+           "are fixed. Only for dilute scatterers."),
+    option("--heating", type=float, default=0.0, help="Strength D of white noise, in U^3/d: each "
+           "velocity component gains the variance 2 D dt. Only for dilute scatterers."),
+    option("--drag", type=float, default=0.0, help="Rate gamma of a drag dv/dt = -gamma v, "
+           "in U/d. Only for dilute scatterers."),
+    option("--capture-speed", type=float, default=0.0,
+           help="Impacts whose normal speed is below this stick, in U; 0: none does."),
     option("--viscoelastic", type=float, metavar="B",
-           help="In place of -e: viscoelastic spheres, B in U^(-1/10), of lower restitution when "
-           "faster."),
+           help="In place of -e: viscoelastic spheres with the material constant B, in U^(-1/10); "
+           "faster impacts lose a larger share."),
 )
 # fmt: on
 DRIVES = ("bath_speed", "heating", "drag", "capture_speed")

@@ -26,7 +26,7 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 
 @click.command(
     epilog=options.example("lorentz report --quick -e 0.7 --until 300 -o report-of-0.7"),
-    short_help="Compare the three on one system: HTML, JSON, verdicts.",
+    short_help="Compare the three methods on one system: HTML, JSON, verdicts.",
 )
 @option(
     "-o",
@@ -35,7 +35,7 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
     default=Path("lorentz-report"),
     help="Folder for report.html, report.json and its tables as CSV.",
 )
-@option("--quick", is_flag=True, help="A tenth of the samples.")
+@option("--quick", is_flag=True, help="A tenth of the samples, and fewer digits of G(R).")
 @option(
     "--system",
     "kind",
@@ -44,7 +44,7 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
     help="Other tracers of the dilute limit instead: in a uniform field, among scatterers that "
     "move (w = 1), heated (noise of strength 1), or with the restitution of viscoelastic "
     "impacts. Takes only -e (b of the viscoelastic), --dimension, --rtol, --quick, --figures, "
-    "--seed and --workers; writes field.html. [default: disks]",
+    "--seed and --workers. The page is then named after the system, such as field.html.",
 )
 @option("--field", "kind", flag_value="field", help="The same as --system field.")
 @option(
@@ -74,7 +74,7 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 @options.dimension_option
 @options.density_option
 @option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
-@option("--media", type=int, default=100, help="Configurations of them.")
+@option("--media", type=int, default=100, help="Configurations of scatterers.")
 @option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @option("--free-tracers", type=int, default=1_000_000, help="Tracers of each Boltzmann-Grad run.")
 @option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
@@ -98,8 +98,8 @@ def report(
 ) -> None:
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
-    Of spheres, or with a tangential restitution, without the paper's formulas, which are of smooth
-    disks.
+    The paper's formulas hold for smooth disks: they are omitted for spheres, and with a tangential
+    restitution.
 
     Writes report.html, which needs nothing beside it, report.json with every number in it, and its
     tables as CSV, and prints the findings.

@@ -65,16 +65,16 @@ H5MD = ".h5md"
     short_help="Follow particles from collision to collision.",
 )
 @option("--scatterers", default="hard disks", type=options.Scatterers([*PLACED_SCATTERERS, DILUTE]),
-        help="Disks or spheres that do not overlap, that may, or dilute: random free paths. A "
-        "space may be a hyphen, hard-disks.")
+        help="hard: scatterers that do not overlap; overlapping: placed independently; dilute: no "
+        "places, random free paths. A hyphen may stand for the space.")
 @options.restitution_option
 @options.tangential_option
 @options.mass_option
 @options.density_option
 @option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
 @option("--dimension", type=int,
-        help="Of --scatterers dilute: 2 for disks, as it is if not given, 3 for spheres. Others "
-        "have their own. Densities of spheres are in d^-3.")
+        help="With --scatterers dilute, 2: disks in the plane (default); 3: spheres in space. "
+        "Densities of spheres are in d^-3.")
 @option("--media", type=int, default=100, help="Configurations of scatterers.")
 @option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
@@ -91,11 +91,11 @@ H5MD = ".h5md"
         "velocity_component_histogram, displacement_histogram, free_path_histogram, "
         "free_time_histogram, positions, velocities, finals.")
 @option("-o", "--output", type=options.Output(".h5", ".hdf5", ".h5md"), metavar="HDF5",
-        help="Save here, configuration by configuration; FILE.h5md: positions and velocities as "
-        "H5MD, for other programs, written at the end.")
+        help="Save the run in this file during the run; FILE.h5md: positions and velocities in the "
+        "format H5MD, for other programs, written at the end.")
 @option("--part", callback=options.part_of, metavar="K/N",
         help="Only the K-th of N parts of the configurations; `lorentz merge` joins the parts.")
-@option("--resume", is_flag=True, help="Go on from --output if it is there.")
+@option("--resume", is_flag=True, help="Continue the run in the file of --output, if it exists.")
 @options.seed_option
 @options.workers_option
 @options.json_option
@@ -110,7 +110,8 @@ def simulate(
 ) -> None:
     """Follow particles from collision to collision; every estimate with its standard error.
 
-    With --output, a run that was stopped in whatever way goes on with --resume to the same bits.
+    A run with --output that was stopped, by whatever cause, continues with --resume, and gives the
+    same result to the last bit.
     """
     # fmt: on
     import particles
@@ -153,7 +154,7 @@ def simulate(
 )
 @click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
 @option("-o", "--output", type=options.Output(".h5", ".hdf5"), metavar="HDF5", required=True,
-        help="Save the whole run here, to the bits that it has if run at once.")  # fmt: skip
+        help="Save the whole run here, the same to the last bit as a run in one part.")  # fmt: skip
 @options.json_option
 def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
     """Join the files of `lorentz simulate --part K/N -o FILE`: all N of one run, in any order."""
