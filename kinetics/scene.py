@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.collision.impact import impact_restitution
+from kinetics.collision.medium import word_for_scatterers
 from kinetics.drive import (
     DRIVES,
     MAX_STRENGTH,
@@ -25,6 +26,7 @@ from kinetics.drive import (
 from kinetics.errors import suggestion
 from kinetics.numerics import FloatArray
 from kinetics.outputs import ALIASES, DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, Output
+from kinetics.results.labels import system_items
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
 from kinetics.states.kinds import Rest, as_state
@@ -64,9 +66,9 @@ class Scene(Storable):
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
         x axis)
     collision_numbers : N, whole, of the averages after N collisions, ``Solution.by_collision``
-    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
-        (placed independently) or "hard disks": the equation to the first order in the density, up
-        to number_density * diameter^2 = 0.3, among smooth disks
+    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping
+        disks" (placed independently) or "hard disks": the equation to the first order in the
+        density, up to number_density * diameter^2 = 0.3, among smooth disks
     density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
         "first" (n) or "second" (with a fitted term (n ln n)^2)
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
@@ -127,6 +129,7 @@ class Scene(Storable):
             arguments |= {"restitution": drive.restitution, **strengths}
         self.store(
             **arguments,
+            scatterers=word_for_scatterers(self.scatterers),
             number_density=number_density,
             diameter=diameter,
             field=drive.field,
@@ -151,6 +154,13 @@ class Scene(Storable):
         if self._depends_on_impact_speed:
             refuse("restitution", self.restitution, "a CollisionLaw needs a number")
         return self._law
+
+    @property
+    def system(self) -> tuple[str, ...]:
+        """The system as a title of a figure has it: "e = 0.7", "n = 0.04 d⁻²", "dilute"."""
+        names = [field.name for field in dataclasses.fields(self) if field.name != "state"]
+        arguments = {name: getattr(self, name) for name in names}
+        return system_items(arguments, self.scatterers, self.dimension)
 
     @property
     def _depends_on_impact_speed(self) -> bool:

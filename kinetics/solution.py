@@ -36,7 +36,7 @@ from kinetics.results.record import stored_class
 from kinetics.results.result import Result
 from kinetics.results.value import frozen
 from kinetics.scene import Scene
-from kinetics.solution_dataset import solution_dataset
+from kinetics.solution_dataset import radii_of_plot, solution_dataset
 from kinetics.undriven import UndrivenAnswer
 from kinetics.validation import (
     finite_line,
@@ -65,6 +65,9 @@ NODES_OF_ROUGH_FLIGHTS = 4000
 FLIGHTS_SAFETY = 10.0
 #: Accuracy of the initial speeds from which the fronts of a density are read off.
 RTOL_OF_FRONTS = 1e-6
+#: Least error of the density of driven tracers, over its maximum, that a solver aims at; it is that
+#: of `kinetics.driven.over_time`.
+MIN_ERROR_OF_DRIVEN_DENSITY = 1e-4
 #: Columns of the repr.
 REPR_WIDTH = 96
 
@@ -208,6 +211,28 @@ class Solution(Result):
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         """Averages, and functions at points, by default where the distributions are."""
         return solution_dataset(self, self._on_demand, only, points)
+
+    @property
+    def _system(self) -> tuple[str, ...]:
+        """What the title of a figure says."""
+        return self.scene.system
+
+    @property
+    def _density_bottom(self) -> float:
+        """The least density in a figure, over the largest; where drives act, its error."""
+        if self.scene.drive.only_collides:
+            return super()._density_bottom
+        return max(self.rtol, MIN_ERROR_OF_DRIVEN_DENSITY)
+
+    def _points_of_plot(self, name: str | None, points: Mapping[str, Any]) -> dict[str, Any]:
+        """Return radii at equal ratios for a density of the displacement, as speeds are."""
+        is_drawn = name in (None, "position_density") and "position_density" in self._on_demand
+        if is_drawn and points.get("radii") is None:
+            distances = self.root_mean_square_displacement
+            moved = distances[distances > 0.0]
+            if moved.size:
+                return {**points, "radii": radii_of_plot(moved)}
+        return dict(points)
 
     @property
     def typical_speed(self) -> FloatArray:

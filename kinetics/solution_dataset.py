@@ -35,6 +35,9 @@ HIGHEST_SPEED_OVER_TYPICAL = 5.0
 #: The largest radius, over the largest sqrt(<r^2>) of all times; and the largest scaled radius, as
 #: that is r/sqrt(<r^2>). A Gaussian in the plane is 1e-11 of its largest there.
 LARGEST_RADIUS_OVER_RMS = 5.0
+#: The least radius of a figure, over the least sqrt(<r^2>) above 0 of all times: a Gaussian in the
+#: plane is 1e-2 of its largest there.
+LEAST_RADIUS_OVER_RMS = 1e-2
 #: The least wave number times the largest sqrt(<r^2>) of all times: the intermediate scattering is
 #: 1 there, to 5e-5.
 LOWEST_WAVE_NUMBER_TIMES_RMS = 1e-2
@@ -201,6 +204,13 @@ class _FunctionAtPoints:
         if self.name == "speed_density":
             made["uncollided"] = variable(("time",), self.solution.uncollided, "1", UNCOLLIDED)
         return made
+
+
+def radii_of_plot(distances: FloatArray) -> FloatArray:
+    """Return radii at equal ratios where distributions with these sqrt(<r^2>) are, shape (n,)."""
+    least = LEAST_RADIUS_OVER_RMS * float(distances.min())
+    largest = LARGEST_RADIUS_OVER_RMS * float(distances.max())
+    return np.geomspace(least, largest, N_RADII)
 
 
 def _default_points(axis: Axis, solution: Solved) -> FloatArray:

@@ -199,7 +199,7 @@ class Poisson(Random):
     number_density: float
     count: int = 40_000
     diameter: float = 1.0
-    scatterers: ClassVar[str] = "overlapping"
+    scatterers: ClassVar[str] = "overlapping disks"
     dimension: ClassVar[int] = 2
 
     area_fraction = Random.share_of_space

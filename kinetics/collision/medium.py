@@ -35,10 +35,9 @@ import numpy as np
 from kinetics.collision.quadrature import ImpactQuadrature, Numbers
 from kinetics.collision.return_constants import OF_SPEED as OF_SPEED
 from kinetics.collision.return_constants import ReturnConstants, constants_at
+from kinetics.scatterers import SCATTERERS, usual_word
 from kinetics.validation import check_positive, one_of, refuse
 
-#: The arrangements of scatterers, as `Scene(scatterers=...)` names them.
-SCATTERERS = ("dilute", "overlapping", "hard disks")
 #: The orders of the theory, see the module.
 ORDERS = ("leading", "first", "second")
 
@@ -69,7 +68,7 @@ NEAR_SHARE_ERROR = 0.2
 # tracer, is less by (a + b n) e^2 + (f + g n) sqrt(1 - e^2).
 
 #: a and b of (a + b n) e^2, by the scatterers. Fitted, as above.
-SHORTER_WAY = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
+SHORTER_WAY = {"overlapping disks": (1.4, 5.0), "hard disks": (1.4, 12.0)}
 #: f of (f + g n) sqrt(1 - e^2). Fitted, as above.
 SHORTER_WAY_LOSSY = 0.2
 #: g of the same. Fitted, as above.
@@ -81,6 +80,19 @@ LONGER_PATH = 4.0
 WAY_AT_REST = 1.07
 #: By how much J_1(0) is less at e = 1 than at e = 0; origin as of `WAY_AT_REST`.
 WAY_FALL = 0.45
+
+
+def word_for_scatterers(scatterers: object, more: tuple[str, ...] = ()) -> str:
+    """Return the word of `SCATTERERS` for scatterers; InputError for what is no such word.
+
+    Parameters
+    ----------
+    scatterers : what a user gave
+    more : other words that are allowed
+    """
+    if isinstance(scatterers, str):
+        scatterers = usual_word(scatterers)
+    return one_of("scatterers", scatterers, (*more, *SCATTERERS))
 
 
 class BounceArguments(Protocol):
@@ -109,7 +121,7 @@ class Medium:
 
     Parameters
     ----------
-    scatterers : "overlapping" or "hard disks"
+    scatterers : "overlapping disks" or "hard disks"
     density : n = rho d^2
     restitution : e
     order : of the theory, one of `ORDERS`
@@ -137,7 +149,7 @@ class Medium:
             An argument is out of range, or the theory is not derived there: rough or moving
             scatterers, spheres, samples, mixtures.
         """
-        scatterers = one_of("scatterers", scatterers, SCATTERERS)
+        scatterers = word_for_scatterers(scatterers)
         order = one_of("density_order", order, ORDERS)
         if scatterers == "dilute":
             return None

@@ -18,12 +18,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.drive import Drive
+from kinetics.driven.over_time import MIN_ERROR_OF_DENSITY
 from kinetics.driven.resolution import ChebyshevResolution
 from kinetics.driven.steady_solution import SteadySolution
 from kinetics.errors import PlanStep, SolverStatus, judge_errors
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AVERAGES
 from kinetics.results.frame import dataset, variable
+from kinetics.results.labels import system_items
 from kinetics.results.result import Result
 from kinetics.validation import finite_line, real_number, whole_number
 
@@ -237,6 +239,16 @@ class SteadyState(Result):
         if self.drive.field:
             return ANGLES_SHOWN * np.pi
         return 0.0
+
+    @property
+    def _system(self) -> tuple[str, ...]:
+        """What the title of a figure says: dilute scatterers are the only ones."""
+        return system_items(self._arguments, "dilute", self.dimension)
+
+    @property
+    def _density_bottom(self) -> float:
+        """The error of the density, over its largest value."""
+        return max(self.rtol, MIN_ERROR_OF_DENSITY)
 
     @property
     def _title(self) -> str:

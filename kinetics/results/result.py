@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinetics.errors import InputError, short, suggestion
 from kinetics.results.file import write_value
 from kinetics.results.frame import averages_frame, dataset, quantity_frame
-from kinetics.results.plot import draw, draw_all
+from kinetics.results.plot import DENSITY_BOTTOM, draw, draw_all
 from kinetics.results.record import initial_fields
 from kinetics.results.value import Value
 
@@ -115,7 +115,9 @@ class Result(Storable):
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one quantity on ``ax``, or on new axes; without a name, everything.
 
-        Averages are drawn over time, densities at up to eight of the times.
+        Averages are drawn over time, densities at up to eight of the times. The title says which
+        system it is, the legend "equation". A run of `particles` draws the same quantity on the
+        same kind of axes: ``run.plot("msd", ax=solution.plot("msd"))``.
 
         Parameters
         ----------
@@ -137,14 +139,31 @@ class Result(Storable):
             An unknown name.
         """
         if name is not None:
-            return draw(name, self._quantity(name, points), ax)
+            points = self._points_of_plot(name, points)
+            return draw(name, self._quantity(name, points), ax, self._system, self._density_bottom)
         if ax is not None:
             raise InputError("ax: got axes without a name; name what to draw on them")
         return self.plot_all(**points)
 
     def plot_all(self, **points: Any) -> NDArray[Any]:
         """Draw each quantity in axes of its own in one new figure; returns an array of axes."""
-        return draw_all(self._checked_dataset(None, points).data_vars.values())
+        points = self._points_of_plot(None, points)
+        quantities = self._checked_dataset(None, points).data_vars
+        return draw_all(quantities.values(), self._system, self._density_bottom)
+
+    @property
+    def _system(self) -> tuple[str, ...]:
+        """What the title of a figure says: restitution, density and scatterers."""
+        return ()
+
+    @property
+    def _density_bottom(self) -> float:
+        """The least density in a figure, over the largest: below it there are but errors."""
+        return DENSITY_BOTTOM
+
+    def _points_of_plot(self, name: str | None, points: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the points at which a function of this name, or of any, is drawn."""
+        return dict(points)
 
     def _checked_dataset(
         self, only: Collection[str] | None, points: Mapping[str, object]

@@ -15,15 +15,21 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
+from kinetics.collision.medium import word_for_scatterers
 from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray
 from kinetics.results.frame import Variable, dataset, variable
+from kinetics.results.labels import system_items
+from kinetics.results.plot import axes_of_figure
 from kinetics.results.result import Result
+from kinetics.scaling.scaled_figure import draw_moments, draw_vdf, tail_of
 from kinetics.validation import real_number, refuse
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
 
 #: Largest |p| of a moment <c^p>. Chosen: near it moments leave the range of doubles for small e.
 MAX_POWER = 300.0
@@ -58,7 +64,7 @@ class ScaledState(Result, ABC):
     _attributes: ClassVar[Mapping[str, str]] = MappingProxyType({})  # of the dataset
 
     def __post_init__(self) -> None:
-        self.store(**self.law.arguments)
+        self.store(**self.law.arguments, scatterers=word_for_scatterers(self.scatterers))
 
     @cached_property
     def law(self) -> CollisionLaw:
@@ -85,6 +91,13 @@ class ScaledState(Result, ABC):
     @abstractmethod
     def _tabulated_vdf(self, c: FloatArray) -> FloatArray:
         """Return F(c) for a dataset, shape of c."""
+
+    @property
+    def _system(self) -> tuple[str, ...]:
+        """What the title of a figure says."""
+        names = ("restitution", "tangential_restitution", "number_density", "mass_ratio")
+        arguments = {name: getattr(self, name) for name in names}
+        return system_items(arguments, self.scatterers, self.dimension)
 
     def _checked_power(self, p: float) -> float:
         """Return the power p of a moment; InputError where this law has no such moment."""
@@ -134,6 +147,60 @@ class ScaledState(Result, ABC):
         }
         title = f"Scaled velocity distribution: {self.law.described}"
         return dataset(self, title, self, variables, coordinates, **self._attributes)
+
+    def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
+        """Draw F(c) or moments on ``ax``, or on new axes; without a name, both.
+
+        "vdf" is F(c) on a logarithmic ordinate, with the Gaussian of the same <c^2> and with its
+        own exponential tail; "moment" is <c^p> at a few powers, as points.
+
+        Parameters
+        ----------
+        name
+            "vdf" or "moment".
+        ax
+            Axes of matplotlib.
+        points
+            ``c``, the scaled speeds at which F is drawn.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Or an array of them, without a name; of elastic tracers, which have no F(c), one.
+
+        Raises
+        ------
+        InputError
+            An unknown name.
+        """
+        if name is None:
+            return super().plot(None, ax, **points)
+        return self._draw(name, ax, self._system, points)
+
+    def plot_all(self, **points: Any) -> NDArray[Any]:
+        """Draw F(c) and the moments, each in axes of its own; returns an array of axes."""
+        names = ["vdf", "moment"] if self.cooling_rate > 0.0 else ["moment"]
+        axes = axes_of_figure(len(names), self._system)
+        for name, ax in zip(names, axes, strict=True):
+            self._draw(name, ax, (), points)
+        return np.array(axes)
+
+    def _draw(
+        self, name: str, ax: Axes | None, system: tuple[str, ...], points: Mapping[str, Any]
+    ) -> Axes:
+        """Draw one of `_on_demand` on axes; InputError for another name."""
+        values = self._quantity(name, points)[0]
+        if name == "moment":
+            return draw_moments(values["p"].values, values.values, self.dimension, ax, system)
+        if name != "vdf":
+            refuse("name", name, "it is one number; plot draws 'vdf' and 'moment'")
+        tail = tail_of(self._tabulated_vdf, self.cooling_rate, self._tail_power)
+        return draw_vdf(values["c"].values, values.values, tail, self.dimension, ax, system)
+
+    @property
+    def _tail_power(self) -> float:
+        """The power of c before the exponential tail; NaN where the tail is another one."""
+        return self.law.tail_exponent - self.dimension
 
     def _moments_variable(self) -> Variable:
         """Return <c^p> at the tabulated powers."""

@@ -188,12 +188,13 @@ def test_everything_is_drawn_at_once(averages: Any, densities: Any) -> None:
         for ax, (name, values) in zip(axes, averages.values.items(), strict=True):
             drawn = [list(line.get_ydata()) for line in ax.lines]
             assert drawn == values.reshape(3, -1).T.tolist()
-            assert ax.get_xlabel() == "t [d/U]"
+            assert "d/U" in ax.get_xlabel()
             assert ("[" in ax.get_ylabel()) == (described(name, 2)[0] != "1")
         for ax in densities.plot(speeds=[0.1, 0.2]):
             assert ax.lines
             legend = [text.get_text() for text in ax.get_legend().get_texts()]
-            assert legend == ["t = 30 d/U", "t = 300 d/U"]
+            assert ["= 30 " in text for text in legend] == [True, False]
+            assert ["= 300 " in text for text in legend] == [False, True]
         refused(lambda: averages.plot(ax=axes[0]), "ax", "name")
     finally:
         pyplot.close("all")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import click
 
-from kinetics.crosscheck.cli.options import Command, Output, example, json_option, progress
+from kinetics.crosscheck.cli.options import Command, Output, Word, example, json_option, progress
 
 if TYPE_CHECKING:
     from kinetics.crosscheck.stress import StressReport
@@ -39,7 +39,7 @@ def _output_option(names: str) -> Callable[[Command], Command]:
 )
 @click.option("--quick", is_flag=True, help="Fewer cases, about a minute; else about ten.")
 @click.option(
-    "--case", "cases", multiple=True, type=click.Choice(CASES),
+    "--case", "cases", multiple=True, type=Word(CASES),
     help="Measure this alone; may be repeated. [default: all]",
 )  # fmt: skip
 @_output_option("bench.json and bench.md")

@@ -49,7 +49,7 @@ from kinetics.crosscheck.cli.track_options import (
 @output_options
 @option(
     "--fail-on",
-    type=click.Choice(["differs", "unclear"]),
+    type=options.Word(["differs", "unclear"]),
     help="End with exit status 1 if data and theory differ; with unclear, also if the data cannot "
     "decide.",
 )

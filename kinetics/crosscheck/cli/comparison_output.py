@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from click import Choice, option
+from click import option
 
-from kinetics.crosscheck.cli.options import Output, json_option
+from kinetics.crosscheck.cli.options import Output, Word, json_option
 from kinetics.crosscheck.cli.track_options import Command
 from kinetics.errors import InputError
 
@@ -29,7 +29,7 @@ def output_options(command: Command) -> Command:
     command = option(
         "--figures",
         multiple=True,
-        type=Choice(["pdf", "png", "svg"]),
+        type=Word(["pdf", "png", "svg"]),
         help="Write each figure as a file beside the page; may be repeated. Needs --output.",
     )(command)
     return option(

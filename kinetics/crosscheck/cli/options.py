@@ -13,7 +13,8 @@ import click
 from click import Choice, option
 from click.core import ParameterSource
 
-from kinetics.errors import InputError
+from kinetics.errors import InputError, suggestion
+from kinetics.scatterers import usual_word
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -93,12 +94,24 @@ def part_of(
     return int(match[1]), int(match[2])
 
 
-class Scatterers(Choice[str]):
-    """A word for the scatterers, as a Scene has it; a space may be a hyphen."""
+class Word(Choice[str]):
+    """One of some words; for another one the message says which was probably meant."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the word; click's complaint names the option and the text."""
-        return super().convert(value.replace("-", " "), param, ctx)
+        if value not in self.choices:
+            words = ", ".join(self.choices)
+            near = suggestion(value, self.choices)
+            self.fail(f"{value!r}; it must be one of {words}{near}", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class Scatterers(Word):
+    """A word for the scatterers, as a Scene has it; a space may be a hyphen or an underscore."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the word; click's complaint names the option and the text."""
+        return super().convert(usual_word(value), param, ctx)
 
 
 class Output(click.Path):

@@ -36,7 +36,7 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
     "--system",
     "kind",
     default="disks",
-    type=click.Choice(("disks", "field", "bath", "heated", "viscoelastic")),
+    type=options.Word(("disks", "field", "bath", "heated", "viscoelastic")),
     help="Other tracers of the dilute limit instead: in a uniform field, among scatterers that "
     "move (w = 1), heated (noise of strength 1), or with the restitution of viscoelastic "
     "impacts. Takes only -e (b of the viscoelastic), --dimension, --rtol, --quick, --figures, "
@@ -71,7 +71,7 @@ OPTIONS_OF_DRIVEN = ("restitutions", "dimension", "rtol", "seed", "workers")
 @option(
     "--figures",
     multiple=True,
-    type=click.Choice(("pdf", "png", "svg")),
+    type=options.Word(("pdf", "png", "svg")),
     help="Write each figure as a file beside the page; may be repeated.",
 )
 @options.seed_option

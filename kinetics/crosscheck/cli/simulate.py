@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click import Choice, option
+from click import option
 
 from kinetics.crosscheck.cli import options
 from kinetics.errors import InputError
@@ -52,7 +52,7 @@ DILUTE = "dilute"
 #: Words of --scatterers beside "dilute": the dimension, and the class of `particles`.
 PLACED_SCATTERERS = {
     "hard disks": (2, "HardDisks"),
-    "overlapping": (2, "Poisson"),
+    "overlapping disks": (2, "Poisson"),
     "hard spheres": (3, "HardSpheres"),
     "overlapping spheres": (3, "PoissonSpheres"),
 }
@@ -78,7 +78,7 @@ H5MD = ".h5md"
 @option("--media", type=int, default=100, help="Configurations of scatterers.")
 @option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
-@option("--initial", type=Choice(["gaussian", "monoenergetic", "rest"]), default="gaussian",
+@option("--initial", type=options.Word(["gaussian", "monoenergetic", "rest"]), default="gaussian",
         help="Initial velocities: Gaussian, all of speed U, or none (in a field, bath or noise).")
 @option("--field", type=float, default=0.0,
         help="Uniform acceleration along +x in U^2/d; not among spheres.")

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click import Choice, option
+from click import option
 
 from kinetics.crosscheck.cli import options
 from kinetics.errors import InputError
@@ -171,10 +171,10 @@ _points = partial(option, type=options.Numbers(), default="")
 @option("--speed", type=float, default=1.0, help="Speed of the start monoenergetic or beam, in U.")
 @option("--direction", type=float, default=0.0,
         help="Angle of the start beam to the x axis, in radians.")
-@option("--scatterers", type=options.Scatterers(["dilute", "hard disks", "overlapping"]),
+@option("--scatterers", type=options.Scatterers(["dilute", "hard disks", "overlapping disks"]),
         default="dilute",
         help="Medium. dilute is the paper's equation; the others include the finite density.")
-@option("--density-order", type=Choice(["leading", "first", "second"]), default="second",
+@option("--density-order", type=options.Word(["leading", "first", "second"]), default="second",
         help="Order of the theory for a finite density n: n ln n, n, or a fitted (n ln n)^2.")
 @options.times_option
 @options.until_option

@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click import Choice, option
 
-from kinetics.crosscheck.cli.options import Scatterers
+from kinetics.crosscheck.cli.options import Scatterers, Word
 from kinetics.errors import InputError
 
 Command = Callable[..., Any]
@@ -73,7 +73,7 @@ def system_options(command: Command) -> Command:
         ),
         option(
             "--scatterers",
-            type=Scatterers(["auto", "dilute", "hard disks", "overlapping"]),
+            type=Scatterers(["auto", "dilute", "hard disks", "overlapping disks"]),
             default="auto",
             help="Medium of the theory; dilute is the paper's equation. auto: from a saved run, "
             "else dilute or hard disks, whichever fits better.",
@@ -137,7 +137,7 @@ def file_options(command: Command) -> Command:
         command,
         option(
             "--positions",
-            type=Choice(["auto", "displacement", "absolute"]),
+            type=Word(["auto", "displacement", "absolute"]),
             default="auto",
             help="displacement: positions are relative to that at time 0. auto: displacement if "
             "they are 0 at time 0, else absolute.",
@@ -153,7 +153,7 @@ def file_options(command: Command) -> Command:
         option("--fps", type=float, help="Frames per unit of time, instead of --frame-interval."),
         option(
             "--decimal",
-            type=Choice([".", ","]),
+            type=Word([".", ","]),
             default=".",
             help="Decimal sign in text files.",
         ),

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.collision.impact import impact_restitution
+from kinetics.collision.medium import word_for_scatterers
 from kinetics.crosscheck.compare.answer import answer
 from kinetics.crosscheck.compare.curves import compare_averages
 from kinetics.crosscheck.compare.fit import Fit, first_estimate, fit, fitted_components, told_point
@@ -37,7 +38,6 @@ from kinetics.errors import InputError
 from kinetics.validation import (
     check_positive,
     check_restitution,
-    one_of,
     real_number,
     refuse,
 )
@@ -111,8 +111,8 @@ def compare_data(
     tangential_restitution : None: as a run says, or 1. With another, and in space, averages are
         compared and densities are not
     explain : test what may explain a difference; False is quicker
-    scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (see Scene), or
-        "auto": as a run says, or the likeliest for the data. But for smooth disks "dilute"
+    scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping disks" (see Scene),
+        or "auto": as a run says, or the likeliest for the data. But for smooth disks "dilute"
     fitted : fit restitution and density also where a run says them
     field, bath_speed, heating, drag, capture_speed, mass_ratio : as in a Scene, in U and d, or as a
         run says. Restitution and number_density are then needed, and no cause is looked for, but,
@@ -331,7 +331,7 @@ class Question:
         """
         law = sample.law
         sample, start = start_of(sample, initial)
-        one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
+        scatterers = word_for_scatterers(scatterers, ("auto",))
         if scatterers not in ("auto", "dilute") and not law.smooth_disks:
             refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
         if restitution is not None and law.restitution is None:

@@ -308,7 +308,7 @@ class _Words:
 
 def _words(told: Fit, cause: Cause, fitted: Fit) -> _Words:
     if not cause.free:
-        medium = fitted.point.scatterers.replace("overlapping", "overlapping disks")
+        medium = fitted.point.scatterers
         named = {
             "finite density": f"the finite density of the scatterers ({medium}, no fitted number)",
             "initial speeds": f"another start ({fitted.point.start_in_words})",

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION
+from kinetics.collision.medium import HIGHEST_DENSITY, LEAST_RESTITUTION, word_for_scatterers
 from kinetics.crosscheck.compare.flat_directions import NAMED_FROM, NAMES, UNKNOWN_FROM
 from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import OBSERVABLES
@@ -30,7 +30,7 @@ from kinetics.crosscheck.data.options import refuse_data
 from kinetics.crosscheck.data.sample import Law
 from kinetics.crosscheck.words import Verdict, gaussian_sigmas, judge_sigmas, numeral
 from kinetics.errors import InputError
-from kinetics.validation import check_restitution, one_of, refuse
+from kinetics.validation import check_restitution, refuse
 
 Array = NDArray[np.float64]
 
@@ -183,7 +183,8 @@ def compare_averages(
     table : of averages, in d and U
     restitution, number_density : the latter in d^-2 (d^-3 in space); None: they are fitted
     initial : "gaussian" (also "auto"), or "monoenergetic" ("one speed")
-    scatterers : "dilute", "hard disks", "overlapping", or "auto": the likeliest of the first two
+    scatterers : "dilute", "hard disks", "overlapping disks", or "auto": the likeliest of the
+        first two
     dimension : 2 (also None) or 3
 
     Raises
@@ -195,7 +196,7 @@ def compare_averages(
         refuse("initial", initial, "averages do not say it: it must be gaussian or one speed")
     if MEAN_SPEED in table.names and STARTS[initial] != "gaussian":
         refuse("initial", initial, "of mean speeds it must be gaussian")
-    one_of("scatterers", scatterers, ("auto", "dilute", "hard disks", "overlapping"))
+    scatterers = word_for_scatterers(scatterers, ("auto",))
     law = Law(dimension=dimension or 2)
     if law.dimension == 3 and scatterers not in ("auto", "dilute"):
         refuse("scatterers", scatterers, "of others than disks it must be 'dilute'")

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, OBSERVABLES, Observable
+from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, OBSERVABLES, SPEED_DENSITY
 from kinetics.crosscheck.words import LIMIT_SHARE, limit_factor
+from kinetics.outputs import OUTPUTS, described
+from kinetics.results.labels import axis_label, system_items
+from kinetics.results.plot import POWERS_OF_TIME, SOURCE, add_legend, n_curves_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,8 +27,6 @@ CONFIDENCE = "confidence"
 ONE_SIGMA_SHARE = 0.6827
 #: Points of an ellipse: a polygon of so many sides looks smooth.
 POINTS_OF_ELLIPSE = 121
-#: An average that changes by more than this factor is drawn on a logarithmic ordinate. Chosen.
-LOGARITHMIC_ABOVE = 30.0
 #: Width in inches of one of several figures in a picture. Chosen.
 WIDTH_OF_FIGURE = 4.6
 #: Height in inches of one of several figures in a picture. Chosen.
@@ -38,6 +39,10 @@ RESOLUTION = 150
 WITHOUT_DATE: dict[str, dict[str, None]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
 #: Columns of figures in a picture at most.
 MAX_COLUMNS = 2
+#: What the points of data are, in a legend.
+WHAT_IS_SHOWN = "mean and standard error"
+#: The legend of data.
+DATA = f"data ({WHAT_IS_SHOWN})"
 #: How data are drawn.
 POINTS: dict[str, Any] = {"fmt": "o", "ms": 4, "lw": 1}
 #: Multiples of powers of ten that have ticks beside these: labels of all would overlap.
@@ -75,6 +80,10 @@ class Drawable(Protocol):
     def parameters(self) -> Mapping[str, HasValue]:
         """The numbers of the theory by name."""
 
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+
 
 def figure_names(comparison: Drawable) -> list[str]:
     """Return the names of the figures: of each observable, and of e and l if both were fitted."""
@@ -98,6 +107,15 @@ def draw(comparison: Drawable, figure: str, ax: Axes) -> None:
         _thin_out_ticks(ax)
 
 
+def system_of(comparison: Drawable) -> tuple[str, ...]:
+    """Return what the title of a figure says of the theory: e, n and the scatterers."""
+    arguments = {}
+    for name in ("restitution", "number_density"):
+        if name in comparison.parameters and comparison.parameters[name].value is not None:
+            arguments[name] = comparison.parameters[name].value
+    return system_items(arguments, comparison.medium, comparison.dimension)
+
+
 def picture(comparison: Drawable, names: Sequence[str], kind: str = "svg") -> bytes:
     """Return figures in two columns as one picture, in a format of matplotlib's."""
     from matplotlib.figure import Figure
@@ -106,6 +124,7 @@ def picture(comparison: Drawable, names: Sequence[str], kind: str = "svg") -> by
     n_rows = -(-len(names) // n_columns)
     size = (WIDTH_OF_FIGURE * n_columns, HEIGHT_OF_FIGURE * n_rows)
     figure = Figure(figsize=size, layout="constrained")
+    figure.suptitle(", ".join(system_of(comparison)), fontsize="medium")
     for position, name in enumerate(names, start=1):
         draw(comparison, name, figure.add_subplot(n_rows, n_columns, position))
     buffer = io.BytesIO()
@@ -129,31 +148,29 @@ def _draw_observable(comparison: Drawable, name: str, ax: Axes) -> None:
     """Draw an average over time, or a density at its times."""
     rows = _rows_over_time(comparison)
     rows = rows[rows["observable"] == name]
-    observable = OBSERVABLES[name]
-    label = f"kinetic equation, {comparison.medium}"
+    label = f"{SOURCE}, {comparison.medium}"
     if name == BETWEEN_FRAMES:
-        _draw_between_frames(observable, rows, label, ax)
+        _draw_between_frames(rows, label, ax)
     elif rows["low"].notna().any():
-        _draw_density(observable, rows[_has_place_on_logarithmic_axes(rows)], label, ax)
+        _draw_density(name, rows[_has_place_on_logarithmic_axes(rows)], label, ax)
     else:
-        _draw_average(observable, rows, label, ax)
+        _draw_average(name, rows, label, ax)
     ax.set_xscale("log")
-    ax.set_title(observable.title, fontsize="medium")
-    ax.legend(fontsize="small", frameon=False)
+    add_legend(ax)
 
 
-def _draw_average(observable: Observable, rows: pd.DataFrame, label: str, ax: Axes) -> None:
+def _draw_average(name: str, rows: pd.DataFrame, label: str, ax: Axes) -> None:
     """Draw an average over time."""
-    ax.plot(rows["time"], rows["theory"], label=label)
-    ax.errorbar(rows["time"], rows["value"], rows["error"], color="black", label="data", **POINTS)
-    values = rows[["value", "theory"]].to_numpy()
-    if values.min() > 0 and values.max() > LOGARITHMIC_ABOVE * values.min():
+    colour = f"C{n_curves_of(ax, SOURCE)}"
+    ax.plot(rows["time"], rows["theory"], color=colour, label=label)
+    ax.errorbar(rows["time"], rows["value"], rows["error"], color="black", label=DATA, **POINTS)
+    if name in POWERS_OF_TIME:
         ax.set_yscale("log")
-    ax.set_xlabel("time $t$ / (d/U)")
-    ax.set_ylabel(_with_unit(observable))
+    ax.set_xlabel(axis_label("t", "d/U"))
+    ax.set_ylabel(_label_of(name))
 
 
-def _draw_between_frames(observable: Observable, rows: pd.DataFrame, label: str, ax: Axes) -> None:
+def _draw_between_frames(rows: pd.DataFrame, label: str, ax: Axes) -> None:
     """Draw the mean square displacement over the time between frames, a colour for each first."""
     for index, (since, of_first_frame) in enumerate(rows.groupby("since")):
         ordered = of_first_frame.sort_values("time")
@@ -161,27 +178,28 @@ def _draw_between_frames(observable: Observable, rows: pd.DataFrame, label: str,
         color = f"C{index}"
         theory_label = label if index == 0 else None
         ax.plot(elapsed, ordered["theory"], color=color, label=theory_label)
-        data_label = f"data, s = {since:.4g}"
+        data_label = f"data, s = {since:.4g} d/U ({WHAT_IS_SHOWN})"
         values = ordered["value"]
         ax.errorbar(elapsed, values, ordered["error"], color=color, label=data_label, **POINTS)
     ax.set_yscale("log")
-    ax.set_xlabel("time between frames $t-s$ / (d/U)")
-    ax.set_ylabel(_with_unit(observable))
+    ax.set_xlabel(axis_label("t - s", "d/U"))
+    ax.set_ylabel(_label_of(BETWEEN_FRAMES))
 
 
-def _draw_density(observable: Observable, bins: pd.DataFrame, label: str, ax: Axes) -> None:
+def _draw_density(name: str, bins: pd.DataFrame, label: str, ax: Axes) -> None:
     """Draw a density in its bins, a colour for each time."""
     for index, (time, at_time) in enumerate(bins.groupby("time")):
         middle = np.sqrt(at_time["low"] * at_time["high"])
         color = f"C{index}"
         theory_label = label if index == 0 else None
         ax.plot(middle, at_time["theory"], color=color, label=theory_label)
-        data_label = f"data, t = {time:.4g}"
+        data_label = f"data, t = {time:.4g} d/U ({WHAT_IS_SHOWN})"
         values = at_time["value"]
         ax.errorbar(middle, values, at_time["error"], color=color, label=data_label, **POINTS)
     ax.set_yscale("log")
-    ax.set_xlabel(_with_unit(observable))
-    ax.set_ylabel(f"density / (1/{observable.unit})")
+    symbol = "v" if name == SPEED_DENSITY else "r"
+    ax.set_xlabel(axis_label(symbol, OBSERVABLES[name].unit))
+    ax.set_ylabel(_label_of(name))
 
 
 def _draw_confidence(comparison: Drawable, ax: Axes) -> None:
@@ -200,17 +218,20 @@ def _draw_confidence(comparison: Drawable, ax: Axes) -> None:
         ax.plot(restitutions, paths, label=f"{100 * share:.0f} %")
     ax.plot(restitution, path, "ko", ms=4, label=f"fitted, {comparison.medium}")
     ax.set_xlabel("restitution $e$")
-    ax.set_ylabel("mean free path $l$ / d")
-    ax.set_title("Restitution and mean free path together", fontsize="medium")
+    ax.set_ylabel(f"mean free path {axis_label('l', 'd')}")
     ax.margins(y=SPACE_FOR_LEGEND)
-    ax.legend(loc="upper center", ncols=3, fontsize="small", frameon=False)
+    add_legend(ax)
 
 
-def _with_unit(observable: Observable) -> str:
-    """Return the label of an axis: the symbol over its unit."""
+def _label_of(name: str) -> str:
+    """Return the label of an ordinate, the one that a Solution has, where it has this quantity."""
+    if name in OUTPUTS:
+        unit, _, symbol = described(name, 2)
+        return axis_label(symbol, unit)
+    observable = OBSERVABLES[name]
     if not observable.unit:
         return observable.symbol
-    return f"{observable.symbol} / {observable.unit}"
+    return f"{observable.symbol} [${observable.unit.replace('²', '^2')}$]"
 
 
 def _thin_out_ticks(ax: Axes) -> None:

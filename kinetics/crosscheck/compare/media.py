@@ -8,7 +8,7 @@ from kinetics.crosscheck.data.sample import Sample
 
 #: Every medium of which there is a theory. Overlapping disks, which differ from hard ones by a
 #: twentieth of the density, are not tried unasked.
-MEDIA = ("dilute", "hard disks", "overlapping")
+MEDIA = ("dilute", "hard disks", "overlapping disks")
 
 
 def media_of(sample: Sample, scatterers: str, point: Point | None = None) -> list[str]:

@@ -146,7 +146,7 @@ class Comparison(Result):
     names, warnings : where the data came from, and what the reader should know of them
     tests : ComparisonTest, one chi-square per average, and per density and time
     explanations : Explanation; empty where nothing needs one
-    medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
+    medium : "dilute", "hard disks" or "overlapping disks": of the theory that is shown
     covariance : of those that were fitted of restitution and ln(mean free path)
     overall_p_value : of everything that was tested, on which the verdict rests; None where nothing
         was
@@ -280,17 +280,16 @@ class Comparison(Result):
 
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one of `figures`, or all, on ``ax`` or on new axes, which are returned."""
-        from kinetics.crosscheck.compare.figures import draw
+        from kinetics.crosscheck.compare.figures import draw, system_of
+        from kinetics.results.plot import new_axes, source_on
 
         if name is None:
             return super().plot(None, ax)
         figure = str(name).replace("_", "-")
         if figure not in self.figures:
             refuse("name", name, f"this comparison has {', '.join(self.figures) or 'no figures'}")
-        if ax is None:
-            from matplotlib import pyplot
-
-            _, ax = pyplot.subplots(layout="constrained")
+        ax = ax if ax is not None else new_axes()
+        source_on(ax, "", system_of(self))
         draw(self, figure, ax)
         return ax
 

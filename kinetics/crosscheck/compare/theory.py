@@ -209,7 +209,7 @@ class Theory:
             chosen = layout.observable == name
             relative[chosen] = np.where(is_late, late, early)[chosen]
         rate = layout.is_of("thermal_speed", "msd")
-        if point.scatterers == "overlapping":
+        if point.scatterers == "overlapping disks":
             relative[rate] *= OVERLAPPING_OVER_HARD
         relative = relative * self._share_that_can_be_wrong(values, point)
         sizes = layout.sizes(values)
