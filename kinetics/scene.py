@@ -23,12 +23,13 @@ from kinetics.drive import (
     Drive,
     check_strengths,
 )
-from kinetics.errors import suggestion
+from kinetics.errors import short, suggestion
 from kinetics.numerics import FloatArray
 from kinetics.outputs import ALIASES, DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS, Output
 from kinetics.results.labels import system_items
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
+from kinetics.results.table import Table, number_text
 from kinetics.states.kinds import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import (
@@ -154,6 +155,18 @@ class Scene(Storable):
         if self._depends_on_impact_speed:
             refuse("restitution", self.restitution, "a CollisionLaw needs a number")
         return self._law
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: the arguments that matter, with their units."""
+        times = np.asarray(self.times)
+        rows = [
+            ("system", ", ".join(self.system), ""),
+            ("mean free path", number_text(self.mean_free_path), "d"),
+            ("initial", short(self.initial), ""),
+            ("times", f"{times.size}, from {times[0]:.6g} to {times[-1]:.6g}", "d/U"),
+            ("outputs", ", ".join(self.outputs), ""),
+        ]
+        return Table("Scene", ("", "value", "unit"), rows)
 
     @property
     def system(self) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
@@ -34,6 +33,7 @@ from kinetics.position.directions import radial_measure, unit_surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
+from kinetics.results.table import Table, number_text, wrapped
 from kinetics.results.value import frozen
 from kinetics.scene import Scene
 from kinetics.solution_dataset import radii_of_plot, solution_dataset
@@ -68,8 +68,6 @@ RTOL_OF_FRONTS = 1e-6
 #: Least error of the density of driven tracers, over its maximum, that a solver aims at; it is that
 #: of `kinetics.driven.over_time`.
 MIN_ERROR_OF_DRIVEN_DENSITY = 1e-4
-#: Columns of the repr.
-REPR_WIDTH = 96
 
 
 @stored_class
@@ -190,13 +188,47 @@ class Solution(Result):
         for name, shape in shapes.items():
             unit, _, _ = described(name, self.scene.dimension)
             outputs.append(f"{name} {shape}" if unit == "1" else f"{name} {shape} in {unit}")
-        lines = [
-            f"Solution of {self.scene}",
-            f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}",
-            f"error estimate {self.error_estimate:.1e}",
-            *textwrap.wrap(", ".join(outputs), REPR_WIDTH),
-        ]
-        return "\n  ".join(lines)
+        return "\n  ".join(
+            [
+                wrapped(f"Solution of {self.scene}", "    "),
+                wrapped(f"rtol = {self.rtol:g}, {self._status_in_words}", "    "),
+                f"error estimate {self.error_estimate:.1e}",
+                wrapped(", ".join(outputs), "    "),
+            ]
+        )
+
+    @property
+    def _status_in_words(self) -> str:
+        """The status and the message."""
+        return f"{self.status.name.lower()}: {self.message}"
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: averages at the first and the last time, and the status."""
+        times = self.times
+        heads = ("", f"t = {times[0]:.6g} d/U", f"t = {times[-1]:.6g} d/U", "unit")
+        rows = []
+        for name in self.values:
+            unit, _, _ = described(name, self.scene.dimension)
+            rows.append((name, self._cell(name, 0), self._cell(name, -1), unit))
+        for name in self._on_demand:
+            unit, _, _ = described(name, self.scene.dimension)
+            rows.append((name, "a function", "a function", unit))
+        lines = (
+            self._status_in_words,
+            f"rtol = {self.rtol:g}, error estimate {self.error_estimate:.1e}",
+        )
+        return Table(f"Solution: {', '.join(self._system)}", heads, rows, lines)
+
+    def _cell(self, name: str, time: int) -> str:
+        """Return an average at a time, by index, with the digits that its error has."""
+        components = np.ravel(self.values[name][time])
+        scale = float(np.max(np.abs(components), initial=0.0))
+        if name == "a2":  # whose error is relative to 1 + a2
+            scale = 1.0
+        if name == "velocity_autocorrelation":  # whose error is relative to v_rms(0) v_rms(t)
+            scale = float(self.typical_speed.max() * self.typical_speed[time])
+        error = max(self.rtol, self.error_estimate) * scale
+        return ", ".join(number_text(float(component), error) for component in components)
 
     # -- as a dataset -----------------------------------------------------------------------------
 

@@ -133,7 +133,8 @@ def solution_dataset(
             function = _FunctionAtPoints(solution, name, shape, points)
             axes |= function.axes()
             variables |= function.variables()
-    title = f"Solution of the inelastic Lorentz equation: {scene}"
+    scene_in_a_line = " ".join(repr(scene).split())
+    title = f"Solution of the inelastic Lorentz equation: {scene_in_a_line}"
     return dataset(solution, title, scene, variables, axes)
 
 

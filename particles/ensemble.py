@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
+from textwrap import fill
 from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
@@ -18,15 +19,26 @@ from particles.datasets import dataset_names, make_dataframe, make_dataset
 from particles.impact import Law
 from particles.media import Medium
 from particles.plan import PER_OCTAVE, Plan
-from particles.plots import draw_all_outputs, draw_output
-from particles.results import Estimate, Histogram, Statuses, estimate_shares, jackknife
-from particles.values import Value, check_path, read_only, refuse
+from particles.plots import describe_system, draw_all_outputs, draw_output
+from particles.results import (
+    COLUMNS,
+    WHY_UNKNOWN,
+    Estimate,
+    Histogram,
+    Statuses,
+    estimate_shares,
+    format_estimate,
+    jackknife,
+)
+from particles.values import Value, check_path, html_table, read_only, refuse
 
 if TYPE_CHECKING:
     import pandas
     import xarray
+    from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
 
+    from particles.animation import Clock
     from particles.paths import Trajectory
 
 
@@ -138,8 +150,38 @@ class Ensemble(Value):
 
     def __repr__(self) -> str:
         arguments = [f"{name}={value!r}" for name, value in self.plan.reported().items()]
-        run = f"Ensemble({', '.join(arguments)}, {self.times.size} times)"
-        return f"{run}\n  {self.statuses!r}\n  outputs: {', '.join(self.outputs)}"
+        parts = (
+            f"Ensemble({', '.join(arguments)}, {self.times.size} times)",
+            repr(self.statuses),
+            f"outputs: {', '.join(self.outputs)}",
+        )
+        lines = [fill(part, COLUMNS - 2, subsequent_indent="    ") for part in parts]
+        return "\n  ".join(lines)
+
+    def _repr_html_(self) -> str:
+        """A table of the estimates at the first and the last time, with how the tracers ended."""
+        system = ", ".join(describe_system(self.plan))
+        times = self.times
+        shown = [] if times.size == 0 else sorted({0, times.size - 1})
+        heads = ["", *(f"t = {times[k]:.6g} d/U" for k in shown), "unit"]
+        rows = []
+        for name in self.outputs:
+            if name not in tables.ESTIMATES:
+                continue
+            estimate: Estimate = getattr(self, name)
+            unit = tables.ESTIMATES[name].unit
+            if estimate.value.ndim == 0:
+                text = format_estimate(float(estimate.value), float(estimate.error))
+                cells = [""] * max(0, len(shown) - 1) + [text]
+            else:
+                cells = [", ".join(estimate._cells()[k]) for k in shown]
+            rows.append((name, *cells, unit))
+        count = f"media = {self.media}, tracers in each = {self.tracers}"
+        rows.append((count, repr(self.statuses)))
+        rows.append(("outputs", ", ".join(self.outputs)))
+        if self.media == 1:
+            rows.append((WHY_UNKNOWN,))
+        return html_table(f"Ensemble: {system}", heads, rows)
 
     # -- how the tracers ended, and how many there are ---------------------------------------------
 
@@ -323,6 +365,50 @@ class Ensemble(Value):
             return make_dataframe(self)
         self._require_output(name)
         return make_dataset(self, [name]).to_dataframe().reset_index()
+
+    def animate(
+        self,
+        path: str | PathLike[str] | None = None,
+        tracers: int = 8,
+        frames: int = 120,
+        clock: "Clock" = "log time",
+        per_second: float = 20.0,
+        configuration: int = 0,
+        until: float | None = None,
+        collisions: int = 100,
+    ) -> "FuncAnimation":
+        """Make a film of tracers among the scatterers, coloured by their speeds.
+
+        Nothing need have been recorded: as in `trajectories`, the paths are found again, to the
+        same bits. In space the picture is the projection on x and y.
+
+        Parameters
+        ----------
+        path : file to save the film to, .gif (by Pillow) or .mp4 (where the program ffmpeg is);
+            None to save none: ``film.to_jshtml()`` shows it in a notebook
+        tracers, configuration : which tracers are shown, the first of a configuration
+        frames : number of frames, 2 to 2000
+        clock : how they are spaced, as collisions of tracers that cool follow at ever longer times:
+            "log time" for equal ratios of times, from the first collision on, "collisions" for
+            equal numbers of collisions
+        per_second : frames in a second of the film
+        until : time in d/U at which it ends, that of the last output if None
+        collisions : of each tracer, at which it ends at the latest, 1000 at most
+
+        Returns
+        -------
+        matplotlib.animation.FuncAnimation
+
+        Raises
+        ------
+        ValueError : an argument out of range; another ending; MP4 without ffmpeg; a path that
+            cannot be written
+        """
+        from particles.animation import animate
+
+        return animate(
+            self.plan, path, tracers, frames, clock, per_second, configuration, until, collisions
+        )
 
     @overload
     def plot(self, name: None = None, ax: None = None) -> "list[Axes]": ...

@@ -64,6 +64,11 @@ class Trajectory(Value):
     speeds: np.ndarray
 
 
+def is_curved(plan: Plan) -> bool:
+    """Tell whether paths are curved: in a field, and with noise or drag."""
+    return plan.drive.field != 0.0 or plan.drive.is_noisy
+
+
 # -- the paths -------------------------------------------------------------------------------------
 
 
@@ -86,12 +91,11 @@ def trajectories(
         until = check_positive("until", until)
     elif plan.times.size:
         until = float(plan.times[-1])
-    is_curved = plan.drive.field != 0.0 or plan.drive.is_noisy
-    if until == 0.0 or (until is None and is_curved):
+    if until == 0.0 or (until is None and is_curved(plan)):
         refuse("until", until, "it must be a time above 0, given where the run has no output times")
     velocities = None if plan.velocities is None else plan.velocities[..., :tracers, :]
     plan = plan.replaced(tracers=tracers, depth=None, velocities=velocities)
-    if is_curved:
+    if is_curved(plan):
         return _curved_paths(plan, configuration, until or 0.0)
     if plan.max_collisions:
         collisions = min(collisions, plan.max_collisions)
@@ -199,7 +203,7 @@ def plot_trajectories(
     """Draw `trajectories`, in space projected on x and y, and the disks beside them."""
     paths = trajectories(plan, tracers, configuration, until, collisions)
     d = plan.medium.diameter
-    low, high = _frame(paths, d)
+    low, high = corners_of_picture(paths, d)
     if ax is None:
         from matplotlib import pyplot
 
@@ -208,8 +212,8 @@ def plot_trajectories(
     if disks is not None:
         if len(disks) <= MOST_SHADED:
             # The area that a tracer's centre cannot enter.
-            _draw_circles(ax, disks, 2.0 * d, alpha=0.2)
-        _draw_circles(ax, disks, d, alpha=1.0)
+            draw_circles(ax, disks, 2.0 * d, alpha=0.2)
+        draw_circles(ax, disks, d, alpha=1.0)
     _draw_paths(ax, paths, colour_bar)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [d]", ylabel="y [d]")
     ax.set_aspect("equal")
@@ -217,7 +221,7 @@ def plot_trajectories(
     return ax
 
 
-def _frame(paths: list[Trajectory], d: float) -> tuple[np.ndarray, np.ndarray]:
+def corners_of_picture(paths: list[Trajectory], d: float) -> tuple[np.ndarray, np.ndarray]:
     """Return two corners of a picture with all paths in it, neither too small nor too narrow."""
     places = np.concatenate([path.places[:, :2] for path in paths])
     lowest = places.min(axis=0)
@@ -229,7 +233,7 @@ def _frame(paths: list[Trajectory], d: float) -> tuple[np.ndarray, np.ndarray]:
     return middle - half, middle + half
 
 
-def _draw_circles(ax: "Axes", centres: np.ndarray, diameter: float, alpha: float) -> None:
+def draw_circles(ax: "Axes", centres: np.ndarray, diameter: float, alpha: float) -> None:
     """Draw filled circles, one that is less transparent on top of the others."""
     from matplotlib.collections import EllipseCollection
 
@@ -253,7 +257,7 @@ def _draw_paths(ax: "Axes", paths: list[Trajectory], colour_bar: bool) -> None:
     """Draw paths in the colours of their speeds, and marks where they begin and end."""
     from matplotlib.collections import LineCollection
 
-    slowest, colours, norm = _colours_of_speeds(paths)
+    slowest, colours, norm = colours_of_speeds(paths)
     for path in paths:
         places = path.places[:, :2]
         lines = LineCollection(
@@ -279,7 +283,7 @@ def _draw_paths(ax: "Axes", paths: list[Trajectory], colour_bar: bool) -> None:
         ax.figure.colorbar(lines, ax=ax, label="speed v [U]", shrink=0.8)
 
 
-def _colours_of_speeds(paths: list[Trajectory]) -> tuple[float, "Colormap", "Normalize"]:
+def colours_of_speeds(paths: list[Trajectory]) -> tuple[float, "Colormap", "Normalize"]:
     """Return the speed of the first colour, the colours, and what maps speeds to them."""
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap, LogNorm

@@ -45,6 +45,8 @@ NUMBER_OF_COLOURS = 10
 #: What is drawn here is called so in a legend, with `WHAT_IS_SHOWN` behind what tells it apart.
 SOURCE = "particles"
 WHAT_IS_SHOWN = "mean and standard error"
+#: What is shown of one configuration, whose errors are unknown.
+WITHOUT_ERRORS = "mean, error unknown"
 #: What changes over time as a power of it: where the axis of times is logarithmic, so is theirs.
 POWERS_OF_TIME = ("thermal_speed", "msd")
 
@@ -184,6 +186,7 @@ def _draw_points(
     """Draw points with standard errors; without a bar where the error is unknown."""
     from matplotlib.colors import to_rgba
 
+    what = WHAT_IS_SHOWN if np.isfinite(estimate.error).any() else WITHOUT_ERRORS
     bars = np.where(np.isfinite(estimate.error), estimate.error, 0.0)
     name_of_colour = f"C{colour % NUMBER_OF_COLOURS}"
     axes.errorbar(
@@ -195,7 +198,7 @@ def _draw_points(
         elinewidth=LINE_WIDTH,
         color=name_of_colour,
         ecolor=to_rgba(name_of_colour, style.opacity),
-        label=f"{label} ({WHAT_IS_SHOWN})",
+        label=f"{label} ({what})",
     )
 
 

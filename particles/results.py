@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from particles.values import Value
+from particles.values import Value, html_table
 
-#: Lines of a printed estimate; of a longer one the first and the last. The origin of the
-#: number is not recorded.
-MOST_LINES = 9
-#: Of a longer one, the lines at either end. The origin of the number is not recorded.
-LINES_AT_EITHER_END = 4
+#: Columns of a line that an estimate is printed on: components that need more are not printed.
+COLUMNS = 100
+#: What stands behind a value whose error is unknown, and what it means.
+ERROR_UNKNOWN = "± ?"
+WHY_UNKNOWN = "± ?: the error is unknown, as one configuration has no spread"
 #: Smallest number that is printed to the second digit of its error; smaller ones have an exponent.
 #: The origin of the number is not recorded.
 SMALLEST_DECIMAL = 1e-4
@@ -37,26 +37,44 @@ class Estimate(Value):
     error: np.ndarray
 
     def __repr__(self) -> str:
-        """One line for each of the first and last values along the first axis, ten at most."""
-        values = np.atleast_1d(self.value)
-        errors = np.atleast_1d(self.error)
-        if values.ndim > 1:
-            return f"Estimate of shape {values.shape}"
-        lines = [_format(*pair) for pair in zip(values.tolist(), errors.tolist(), strict=True)]
+        """One line for each value along the first axis, with all its components."""
+        lines = [", ".join(cells) for cells in self._cells()]
         if len(lines) == 1:
             return f"Estimate({lines[0]})"
-        if len(lines) > MOST_LINES:
-            ends = slice(LINES_AT_EITHER_END, -LINES_AT_EITHER_END)
-            lines[ends] = [f"... {len(lines[ends])} more"]
+        if np.isinf(self.error).any():
+            lines.append(WHY_UNKNOWN)
+        if any(len(line) > COLUMNS for line in lines):
+            return f"Estimate of shape {np.shape(self.value)}"
         return "\n".join(["Estimate", *lines])
+
+    def _repr_html_(self) -> str:
+        """The same as a table."""
+        rows = []
+        for k, cells in enumerate(self._cells()):
+            rows.append((str(k), *cells))
+        if np.isinf(self.error).any():
+            rows.append((WHY_UNKNOWN,))
+        return html_table("Estimate, with standard errors", (), rows)
+
+    def _cells(self) -> list[list[str]]:
+        """Return the components of each value along the first axis, with their errors."""
+        values = np.atleast_1d(self.value)
+        errors = np.atleast_1d(self.error)
+        cells = []
+        for value, error in zip(values, errors, strict=True):
+            pairs = zip(np.ravel(value).tolist(), np.ravel(error).tolist(), strict=True)
+            cells.append([format_estimate(*pair) for pair in pairs])
+        return cells
 
     def divided(self, unit: np.ndarray | float) -> "Estimate":
         """Return the estimate in another unit."""
         return Estimate(self.value / unit, self.error / unit)
 
 
-def _format(value: float, error: float) -> str:
+def format_estimate(value: float, error: float) -> str:
     """Return a number to the second digit of its error; as it is where that is too long."""
+    if error == math.inf:
+        return f"{value:.6g} {ERROR_UNKNOWN}"
     size = max(abs(value), error)
     if not 0.0 < error < math.inf or not SMALLEST_DECIMAL <= size < DECIMAL_BELOW:
         return f"{value:.6g} ± {error:.2g}"

@@ -25,6 +25,7 @@ from particles.ensemble import Ensemble
 from particles.executors import run_in_executor, run_in_threads
 from particles.media import Medium
 from particles.plan import Plan
+from particles.progress import show_progress
 from particles.values import check_path, refuse
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def simulate(
     workers: int | None = None,
     executor: Executor | None = None,
     observables: Iterable[str] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
     output: str | PathLike[str] | None = None,
     resume: bool = False,
     tangential_restitution: float = 1.0,
@@ -84,7 +85,8 @@ def simulate(
     executor : any concurrent.futures.Executor to run on instead: a process pool, a Dask client's
         get_executor()
     observables : names out of `particles.OBSERVABLES`; the scalar ones if None
-    progress : called as progress(done, total), in configurations, from the calling thread
+    progress : True for a bar, in a terminal or a notebook; or a function that is called as
+        progress(done, total), in configurations, from the calling thread
     output : file that the run is saved to, whole or not at all, again and again; the run may be
         killed at any moment. The file must not exist unless resume is True
     resume : whether the run goes on from the file `output`, to the same bits as one that was never
@@ -137,7 +139,7 @@ def simulate(
     recording = check_recording(times, max_collisions, observables, depth, drive)
     plan = Plan(experiment, drive, recording)
     workers = check_workers(workers)
-    _check_running(executor, progress, output, resume)
+    report_progress = _check_running(executor, progress, output, resume)
     require_memory(plan, workers)
     saver = None
     totals = Totals(plan)
@@ -151,20 +153,30 @@ def simulate(
         results = run_in_threads(plan, remaining, min(workers, len(remaining)))
     else:
         results = run_in_executor(executor, plan, remaining)
-    _collect(results, totals, saver, progress)
+    _collect(results, totals, saver, report_progress)
     return Ensemble(plan, totals.arrays())
 
 
-def _check_running(executor: object, progress: object, output: object, resume: object) -> None:
-    """Raise ValueError for arguments that say how to run, where they cannot be used."""
+def _check_running(
+    executor: object,
+    progress: Callable[[int, int], None] | bool | None,
+    output: object,
+    resume: object,
+) -> Callable[[int, int], None] | None:
+    """Return what shows the progress; ValueError for arguments that cannot be used to run."""
     if executor is not None and not callable(getattr(executor, "submit", None)):
         refuse("executor", executor, "it must be a concurrent.futures.Executor")
-    if progress is not None and not callable(progress):
-        refuse("progress", progress, "it must be a function of (done, total)")
     if not isinstance(resume, (bool, np.bool_)):
         refuse("resume", resume, "it must be True or False")
     if output is None and resume:
         raise ValueError("resume = True: needs output, the file to go on from")
+    if progress is None or progress is False:
+        return None
+    if progress is True:
+        return show_progress()
+    if not callable(progress):
+        refuse("progress", progress, "it must be True or a function of (done, total)")
+    return progress
 
 
 def _collect(

@@ -8,8 +8,9 @@ import contextlib
 import math
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
+from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from numbers import Real
 from types import MappingProxyType
@@ -43,6 +44,22 @@ def short(value: object, limit: int = SHOWN_CHARACTERS) -> str:
 def refuse(name: str, value: object, allowed: str) -> NoReturn:
     """Raise ValueError for the argument of this name and value; `allowed`: what it must be."""
     raise ValueError(f"{name}: got {short(value)}; {allowed}") from None
+
+
+# -- showing ---------------------------------------------------------------------------------------
+
+
+def html_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table for notebooks; all of its text is escaped."""
+    lines = [f"<div><b>{escape(title)}</b><table>"]
+    if heads:
+        lines.append("<tr>" + "".join(f"<th>{escape(head)}</th>" for head in heads) + "</tr>")
+    for row in rows:
+        first, *others = (escape(cell) for cell in row)
+        cells = "".join(f"<td>{cell}</td>" for cell in others)
+        lines.append(f'<tr><th style="text-align:left">{first}</th>{cells}</tr>')
+    lines.append("</table></div>")
+    return "".join(lines)
 
 
 # -- checking --------------------------------------------------------------------------------------

@@ -199,7 +199,7 @@ def number(value: float | None, error: float | None = None, sign: str = "", digi
     if not error:
         return numeral(value, f"{sign}.{digits}g")
     if not math.isfinite(error):
-        return numeral(value, f"{sign}.{digits}g") + " ± ∞"
+        return numeral(value, f"{sign}.{digits}g") + " ± ?"
     size = max(abs(value), error)
     last_place = math.floor(math.log10(float(f"{error:.1e}"))) - 1
     power = 0

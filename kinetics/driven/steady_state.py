@@ -27,6 +27,7 @@ from kinetics.outputs import AVERAGES
 from kinetics.results.frame import dataset, variable
 from kinetics.results.labels import system_items
 from kinetics.results.result import Result
+from kinetics.results.table import Table, number_text, wrapped
 from kinetics.validation import finite_line, real_number, whole_number
 
 if TYPE_CHECKING:
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 
 #: Highest power of the speed of a moment that may be requested. Origin not recorded.
 MAX_POWER = 20.0
+#: Least relative error with which a figure is shown: averages are sums over nodes, and rounding
+#: alone is larger than what two resolutions differ by. Chosen.
+LEAST_ERROR_SHOWN = 1e-11
 #: Speeds of a dataset over the thermal one, sqrt(<v^2>), unless others are specified: up
 #: to where a Gaussian in the plane is 1e-7 of its largest. Chosen: no other number
 #: depends on them.
@@ -262,5 +266,33 @@ class SteadyState(Result):
 
     def __repr__(self) -> str:
         """Return three lines: the title, the figures and the message."""
-        figures = ", ".join(f"{name} = {figure:.10g}" for name, figure in self._figures.items())
-        return f"{self._title}\n  {figures}\n  {self.message}"
+        texts = self._texts_of_figures()
+        figures = ", ".join(f"{name} = {text}" for name, text in texts.items())
+        parts = (self._title, figures, f"{self.status.name.lower()}: {self.message}")
+        return "\n  ".join(wrapped(part, "    ") for part in parts)
+
+    def _texts_of_figures(self) -> dict[str, str]:
+        """Return the figures as text, with the digits that their errors have.
+
+        Those that may vanish have an error relative to what they are a part of.
+        """
+        scales = {"a2": 1.0, "drift": self._thermal_speed}
+        texts = {}
+        for name, figure in self._figures.items():
+            scale = max(abs(figure), scales.get(name, 0.0))
+            error = max(self.error_estimate, LEAST_ERROR_SHOWN) * scale
+            texts[name] = number_text(figure, error)
+        return texts
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: the figures, with their units, and the status."""
+        rows = [
+            (name, text, self._about[name][0], self._about[name][1])
+            for name, text in self._texts_of_figures().items()
+        ]
+        lines = (
+            f"{self.status.name.lower()}: {self.message}",
+            f"rtol = {self.rtol:g}, error estimate {self.error_estimate:.1e}",
+        )
+        title = f"{type(self).__name__}: {', '.join(self._system)}, unit of length l"
+        return Table(title, ("", "value", "unit", "meaning"), rows, lines)

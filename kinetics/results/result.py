@@ -13,7 +13,8 @@ from kinetics.results.file import write_value
 from kinetics.results.frame import averages_frame, dataset, quantity_frame
 from kinetics.results.plot import DENSITY_BOTTOM, draw, draw_all
 from kinetics.results.record import initial_fields
-from kinetics.results.value import Value
+from kinetics.results.table import Table, html_of
+from kinetics.results.value import Value, fields_shown
 
 if TYPE_CHECKING:
     import pandas
@@ -34,6 +35,13 @@ class Storable(Value):
             object of a class that is not of this package.
         """
         write_value(path, self, self._dataset(only=()))
+
+    def _table(self) -> Table:
+        """Return what a notebook shows."""
+        return Table(type(self).__name__, ("argument", "value"), list(fields_shown(self).items()))
+
+    def _repr_html_(self) -> str:
+        return html_of(self._table())
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         """Return what a file shows to other programs beside the record."""

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from kinetics.results.table import wrapped
+
 
 def frozen(value: Any) -> Any:
     """Return a value with read-only arrays (copies of others) and dictionaries, in tuples too."""
@@ -84,8 +86,8 @@ class Value:
         return hash(contents(self))
 
     def __repr__(self) -> str:
-        arguments = [f"{name}={text}" for name, text in _fields_shown(self).items()]
-        return f"{type(self).__name__}({', '.join(arguments)})"
+        arguments = [f"{name}={text}" for name, text in fields_shown(self).items()]
+        return wrapped(f"{type(self).__name__}({', '.join(arguments)})")
 
     def __getstate__(self) -> dict[str, object]:
         return {name: value for name, value in vars(self).items() if not self._is_cache(name)}
@@ -99,7 +101,7 @@ class Value:
         return isinstance(getattr(cls, name, None), cached_property)
 
 
-def _fields_shown(value: object) -> dict[str, str]:
+def fields_shown(value: object) -> dict[str, str]:
     """Return the texts of the fields that are not as by default, by name."""
     shown = {}
     for field in fields(value):  # type: ignore[arg-type]
@@ -122,5 +124,7 @@ def _short_text(item: object) -> str:
     """Return the text of a field: of an array its size and range, of a function its name."""
     if isinstance(item, np.ndarray):
         size = " x ".join(str(length) for length in item.shape)
+        if item.size == 1:
+            return f"<1 number, {item.flat[0]:.6g}>"
         return f"<{size} numbers, {item.min():.6g} to {item.max():.6g}>"
     return getattr(item, "__qualname__", repr(item))

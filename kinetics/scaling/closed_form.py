@@ -245,6 +245,5 @@ class ScalingSolution(ScaledState):
             refuse("scatterers", self.scatterers, "collisions are counted in the dilute gas only")
 
     def _figures(self) -> dict[str, str]:
-        """Return what a notebook shows."""
-        slope = f"{self.diffusion_slope:.12g}"
-        return super()._figures() | {"d<r^2>/d ln t / l^2": slope}
+        """Return the numbers that a repr and a notebook show, as text."""
+        return super()._figures() | {"d<r^2>/d ln t": f"{self.diffusion_slope:.12g}"}

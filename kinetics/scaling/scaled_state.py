@@ -24,6 +24,8 @@ from kinetics.results.frame import Variable, dataset, variable
 from kinetics.results.labels import system_items
 from kinetics.results.plot import axes_of_figure
 from kinetics.results.result import Result
+from kinetics.results.table import Table, wrapped
+from kinetics.results.value import fields_shown
 from kinetics.scaling.scaled_figure import draw_moments, draw_vdf, tail_of
 from kinetics.validation import real_number, refuse
 
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 #: Largest |p| of a moment <c^p>. Chosen: near it moments leave the range of doubles for small e.
 MAX_POWER = 300.0
 
+#: Units of the numbers that a notebook shows.
+UNITS_OF_FIGURES = {"h": "1", "a2": "1", "d<r^2>/d ln t": "l^2"}
 #: Powers p of the moments in a dataset. Chosen: the lowest six.
 TABULATED_POWERS = np.arange(1.0, 7.0)
 #: Largest scaled speed in a dataset, unless speeds are given. Chosen: F is below 1e-3 beyond.
@@ -216,9 +220,26 @@ class ScaledState(Result, ABC):
         return variable(("c",), self._tabulated_vdf(speeds), "1", description, "F")
 
     def _figures(self) -> dict[str, str]:
-        """Return what a notebook shows."""
-        return {
-            "law": self.law.described,
-            "cooling rate h": f"{self.cooling_rate:.12g}",
-            "a2": f"{self.a2:.12g}",
-        }
+        """Return the numbers that a repr and a notebook show, as text."""
+        return {"h": f"{self.cooling_rate:.12g}", "a2": f"{self.a2:.12g}"}
+
+    @property
+    def _accuracy(self) -> str:
+        """The status and the error, in words."""
+        return "closed form, exact to rounding"
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: h, a2 and how well they are known."""
+        rows = [(name, text, UNITS_OF_FIGURES[name]) for name, text in self._figures().items()]
+        title = f"{type(self).__name__}: {', '.join(self._system)}"
+        return Table(title, ("", "value", "unit"), rows, [self._accuracy])
+
+    def __repr__(self) -> str:
+        figures = ", ".join(f"{name} = {text}" for name, text in self._figures().items())
+        arguments = self._arguments_shown
+        return wrapped(f"{type(self).__name__}({arguments}): {figures}, {self._accuracy}")
+
+    @property
+    def _arguments_shown(self) -> str:
+        """The arguments that are not as by default."""
+        return ", ".join(f"{name}={text}" for name, text in fields_shown(self).items())

@@ -170,17 +170,15 @@ class ScaledVDF(ScaledState):
         errors = {"F(c)": self.error_estimate}
         return judge_errors(errors, {"F(c)": self.rtol}, self.requested_nodes)
 
-    def __repr__(self) -> str:
-        return (
-            f"ScaledVDF({self.law.described}, rtol={self.rtol!r}): h = {self.cooling_rate:.12g}, "
-            f"a2 = {self.a2:.12g}, {self.status.name.lower()}, error estimate "
-            f"{self.error_estimate:.1e}"
-        )
+    @property
+    def _arguments_shown(self) -> str:
+        """The arguments that are not as by default, and rtol."""
+        return f"{self.law.described}, rtol={self.rtol!r}"
 
-    def _figures(self) -> dict[str, str]:
-        """Return what a notebook shows."""
-        accuracy = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}
-        return super()._figures() | accuracy
+    @property
+    def _accuracy(self) -> str:
+        """The status and the error, in words."""
+        return f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
 
     # -- files ------------------------------------------------------------------------------------
 

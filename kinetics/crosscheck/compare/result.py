@@ -21,6 +21,7 @@ from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
+from kinetics.results.table import Table, number_text
 from kinetics.validation import refuse
 
 if TYPE_CHECKING:
@@ -113,6 +114,8 @@ class Explanation(NamedTuple):
 
 RowOrTest = TypeVar("RowOrTest", Row, ComparisonTest)
 
+#: Units of the parameters that have one.
+UNITS_OF_PARAMETERS = {"number_density": "d^-2", "mean_free_path": "d"}
 #: Columns of `Comparison.rows` that are no numbers with a missing value.
 COLUMNS_OF_OTHER_TYPES = ("observable", "verdict", "samples")
 #: Fields of a Comparison that its document has under "data".
@@ -309,6 +312,23 @@ class Comparison(Result):
             name: Parameter(*parameter) for name, parameter in values["parameters"].items()
         }
         return cls(**values)
+
+    def _table(self) -> Table:
+        """Return what a notebook shows: the verdict, the numbers of the theory, and the tests."""
+        rows = []
+        for name, parameter in self.parameters.items():
+            if parameter.value is None:
+                continue
+            text = number_text(parameter.value)
+            if parameter.error:
+                text = f"{number_text(parameter.value, parameter.error)} ± {parameter.error:.2g}"
+            rows.append((name, text, UNITS_OF_PARAMETERS.get(name, ""), parameter.source))
+        for test in self.tests:
+            name = test.observable if test.time is None else f"{test.observable}, t = {test.time:g}"
+            statistic = f"χ² = {test.chi_square:.4g} of {test.dof}"
+            rows.append((name, statistic, f"p = {test.p_value:.2g}", str(test.verdict)))
+        lines = [self.summary, *self.warnings]
+        return Table(f"Comparison: {self.verdict}", ("", "value", "unit, or p", ""), rows, lines)
 
     def __repr__(self) -> str:
         return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", LINE_WIDTH)
