@@ -65,7 +65,10 @@ def __getattr__(name: str) -> Any:
     elif name in PUBLIC_NAMES:
         value = import_named(name)
     else:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from kinetics.errors import suggestion
+
+        near = "" if name.startswith("_") else suggestion(name, __all__)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}{near}")
     globals()[name] = value
     return value
 

@@ -13,6 +13,7 @@ l its 13.5 d, v0(0) its sqrt(2) U. At e = 1 every function is its own limit. Beg
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,8 +41,17 @@ def numbers(value: ArrayLike) -> FloatArray:
 
 
 def _discriminant_root(e2: FloatArray) -> FloatArray:
-    """Return sqrt(-383 + 828 e^2 + 900 e^4), NaN where the radicand is negative."""
+    """Return sqrt(-383 + 828 e^2 + 900 e^4), NaN where the radicand is negative.
+
+    A curve may begin where the branch does, but no value at all is said to be none.
+    """
     radicand = -383 + 828 * e2 + 900 * e2**2
+    if radicand.size and np.all(radicand < 0):
+        warnings.warn(
+            f"restitution: the Sonine branch has no real root below {THRESHOLD_RESTITUTION:.4f}, "
+            "so the printed formula gives NaN; ScalingSolution has the exact value",
+            stacklevel=3,
+        )
     return np.sqrt(np.where(radicand >= 0, radicand, np.nan))
 
 

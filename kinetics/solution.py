@@ -165,17 +165,28 @@ class Solution(Result):
             )
         if name.startswith("__"):
             raise AttributeError(name)
-        if name == "vdf":
-            raise AttributeError("a Solution has no 'vdf': ScalingSolution has that of late times")
-        near = suggestion(name, [*arrays, *dir(type(self))], ALIASES)
+        near = self._near(name, [*arrays, *dir(type(self))])
         raise AttributeError(f"a Solution has no {name!r}{near}; this one has {known}")
 
     def __getitem__(self, name: str) -> FloatArray:
         """An output that is an array, as the attribute of the same name."""
         if name not in self.values:
-            near = suggestion(name, self.values, ALIASES)
-            raise KeyError(f"{name!r}: this solution has {', '.join(self.values)}{near}")
+            known = f"this solution has {', '.join(self.values) or 'no arrays'}"
+            raise KeyError(f"{name!r}: {known}{self._near(name, [*self.values])}")
         return np.asarray(self.values[name])
+
+    def _near(self, name: str, names: list[str]) -> str:
+        """Return what a name that this solution does not have may stand for, or where that is."""
+        if name == "vdf":
+            return (
+                "; F(c) of late times is ScalingSolution.vdf; of these times there are the outputs "
+                "speed_density and velocity_density"
+            )
+        if name in self._on_demand:
+            return f"; it is a function: solution.{name}(...)"
+        if name in {array for output in ALL_OUTPUTS for array in output.names}:
+            return f"; {name} was not asked for: name it in the outputs of the scene"
+        return suggestion(name, names, ALIASES)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.__dict__.get("values", {})})

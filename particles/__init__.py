@@ -58,7 +58,10 @@ def __getattr__(name: str) -> Any:
                 # Also replaces the module `simulate`, whose import has set this name.
                 globals()[name] = value = getattr(module, name)
                 return value
-    raise AttributeError(f"module 'particles' has no attribute {name!r}")
+    near = ""
+    if not name.startswith("_"):
+        near = import_module("particles.values").suggest(name, __all__)
+    raise AttributeError(f"module 'particles' has no attribute {name!r}{near}")
 
 
 def __dir__() -> list[str]:

@@ -26,9 +26,9 @@ from particles.media import (
     Random,
     dilute_mean_path,
 )
-from particles.outputs import OBSERVABLES
+from particles.outputs import ALIASES, ESTIMATES, OBSERVABLES
 from particles.plan import Experiment, Plan, Recording, speeds
-from particles.values import check_number, check_whole, is_whole, real_array, refuse, short
+from particles.values import check_number, check_whole, is_whole, real_array, refuse, short, suggest
 
 #: Least field times mean free path, and field times d, in U^2. Derived: fourth powers of the speed
 #: are numbers.
@@ -197,7 +197,8 @@ def _check_initial(
     if isinstance(initial, str):
         if initial not in ("gaussian", "monoenergetic") and not (initial == "rest" and may_rest):
             names = "'gaussian', 'monoenergetic', 'rest' (in a field, a bath or heated)"
-            refuse("initial", initial, f"it must be {names} or velocities")
+            near = suggest(initial, ("gaussian", "monoenergetic", "rest"))
+            refuse("initial", initial, f"it must be {names} or velocities{near}")
         return None
     velocities = real_array("initial", initial, "it must be a name or an array of real velocities")
     if velocities.shape not in (shape, shape[1:]):
@@ -274,7 +275,9 @@ def _check_observables(observables: Iterable[str] | None, field: float) -> froze
     except TypeError:
         refuse("observables", observables, allowed)
     for name in sorted(names - set(OBSERVABLES), key=short):
-        refuse("observables", name, allowed)
+        if name in ESTIMATES:
+            refuse("observables", name, "it need not be named: every run that can have it has it")
+        refuse("observables", name, allowed + suggest(name, OBSERVABLES, ALIASES))
     name = "velocity_component_histogram"
     if field and name in names:
         refuse("observables", name, "it is of |v_x|, without the sign, in a field; use velocities")

@@ -30,7 +30,7 @@ from particles.results import (
     format_estimate,
     jackknife,
 )
-from particles.values import Value, check_path, html_table, read_only, refuse
+from particles.values import Value, check_path, html_table, read_only, refuse, suggest
 
 if TYPE_CHECKING:
     import pandas
@@ -147,6 +147,25 @@ class Ensemble(Value):
     def media(self) -> int:
         """Number of configurations: of a part of a run, those of the part."""
         return len(self.plan.configurations)
+
+    def __getattr__(self, name: str) -> object:
+        # Called where an attribute is missing, and where one has raised AttributeError.
+        if name.startswith("_"):
+            raise AttributeError(name)
+        attribute = getattr(type(self), name, None)
+        if attribute is not None:
+            return attribute.__get__(self, type(self))  # which says why it is missing
+        near = suggest(name, dir(type(self)), tables.ALIASES)
+        raise AttributeError(f"an Ensemble has no {name!r}{near}")
+
+    def __getitem__(self, name: str) -> Estimate | Histogram:
+        """An estimate or a histogram, as the attribute of the same name."""
+        names = dataset_names(self)
+        if name not in names:
+            near = suggest(name, names, tables.ALIASES)
+            raise KeyError(f"{name!r}: this ensemble has {', '.join(names)}{near}")
+        output: Estimate | Histogram = getattr(self, name)
+        return output
 
     def __repr__(self) -> str:
         arguments = [f"{name}={value!r}" for name, value in self.plan.reported().items()]
@@ -510,7 +529,10 @@ class Ensemble(Value):
         """Raise ValueError for the name of no estimate and no histogram of this ensemble."""
         names = dataset_names(self)
         if name not in names:
-            refuse("name", name, f"this ensemble has {', '.join(names)}")
+            near = suggest(name, names, tables.ALIASES)
+            if name in tables.VARIABLES:
+                near = f"; for {name} call simulate(observables=[{name!r}, ...])"
+            refuse("name", name, f"this ensemble has {', '.join(names)}{near}")
 
     def _mean_over_tracers(self, numbers: np.ndarray) -> Estimate:
         """Return the mean of numbers of each tracer, (media * tracers, ...)."""

@@ -42,6 +42,8 @@ from particles.plan import Plan
 from particles.values import check_path, package_version, short
 
 FORMAT = "inelastic-lorentz particles 8"
+#: What a file has that the package `kinetics` saved.
+KINETICS_RECORD = "record"
 #: Share of the time of a run that the writing of its file may take. Chosen: a run then is longer by
 #: 2 %, and what a run that is killed loses is fifty times what a writing takes.
 WRITING_SHARE = 0.02
@@ -73,14 +75,18 @@ def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
         raise ValueError(f"{path}: no such file")
     try:
         with h5py.File(path, "r") as file:
-            file_format = file.attrs["format"].decode()
-            done = int(file.attrs["done"])
-            if file_format == FORMAT:
+            is_of_kinetics = KINETICS_RECORD in file
+            if not is_of_kinetics:
+                file_format = file.attrs["format"].decode()
+                done = int(file.attrs["done"])
+            if not is_of_kinetics and file_format == FORMAT:
                 arrays = _read_arrays(file)
                 plan = _decode(arrays.pop("plan").tobytes())
     except Exception as error:  # of nearly any class; h5py's own words are long
         problem = f"is damaged, or no saved simulation ({type(error).__name__})"
         raise ValueError(f"{path}: {problem}") from None
+    if is_of_kinetics:
+        raise ValueError(f"{path}: is a result of kinetics, which kinetics.load reads")
     if file_format != FORMAT:
         raise ValueError(f"{path}: holds {short(file_format)}; this version reads {FORMAT!r}")
     return plan, arrays, done

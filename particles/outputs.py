@@ -223,6 +223,19 @@ OF_A_DEPTH = {
 """Estimates of a run in a field with a depth, which has `passage_times` too."""
 ESTIMATES = SCALARS | IN_FIELD | OF_A_DEPTH
 RAW = ("positions", "velocities", "finals")
+ALIASES = {
+    "mean_square_displacement": "msd",
+    "mean_squared_displacement": "msd",
+    "v0": "thermal_speed",
+    "thermal_velocity": "thermal_speed",
+    "sonine": "a2",
+    "vacf": "velocity_autocorrelation",
+    "vdf": "speed_histogram",
+    "speed_density": "speed_histogram",
+    "position_density": "displacement_histogram",
+    "van_hove": "displacement_histogram",
+}
+"""What people, and the kinetic equation, call outputs, and their names here."""
 OBSERVABLES = (*SCALARS, *HISTOGRAMS, *RAW)
 """What may be requested of `simulate`."""
 DRIVES = {"bath_speed": "U", "heating": "U^3/d", "drag": "U/d", "capture_speed": "U"}

@@ -17,6 +17,7 @@ from particles.configuration import follow_tracers, start_places
 from particles.media import BoltzmannGrad
 from particles.placement import build, placed
 from particles.plan import Plan
+from particles.plots import describe_system
 from particles.values import Value, check_positive, check_whole, refuse
 
 if TYPE_CHECKING:
@@ -215,7 +216,9 @@ def plot_trajectories(
             draw_circles(ax, disks, 2.0 * d, alpha=0.2)
         draw_circles(ax, disks, d, alpha=1.0)
     _draw_paths(ax, paths, colour_bar)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [d]", ylabel="y [d]")
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="$x$ [$d$]", ylabel="$y$ [$d$]")
+    if not ax.get_title():
+        ax.set_title(", ".join(describe_system(plan)), fontsize="medium")
     ax.set_aspect("equal")
     ax.grid(False)
     return ax
@@ -280,7 +283,7 @@ def _draw_paths(ax: "Axes", paths: list[Trajectory], colour_bar: bool) -> None:
             zorder=4,
         )
     if colour_bar:
-        ax.figure.colorbar(lines, ax=ax, label="speed v [U]", shrink=0.8)
+        ax.figure.colorbar(lines, ax=ax, label="speed $v$ [$U$]", shrink=0.8)
 
 
 def colours_of_speeds(paths: list[Trajectory]) -> tuple[float, "Colormap", "Normalize"]:

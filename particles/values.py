@@ -5,6 +5,7 @@ dataclasses that hold arrays derive from `Value`.
 """
 
 import contextlib
+import difflib
 import math
 import os
 import sys
@@ -18,6 +19,9 @@ from typing import NoReturn, TypeGuard
 
 import numpy as np
 
+#: How similar a name must be to a known one to be suggested: 0 is any, 1 the same. Chosen: one or
+#: two wrong letters of a word.
+SIMILAR = 0.7
 #: Smallest positive double.
 SMALLEST_FLOAT = 5e-324
 #: Largest whole number that is accepted where there is no other limit, one that an integer of 64
@@ -44,6 +48,19 @@ def short(value: object, limit: int = SHOWN_CHARACTERS) -> str:
 def refuse(name: str, value: object, allowed: str) -> NoReturn:
     """Raise ValueError for the argument of this name and value; `allowed`: what it must be."""
     raise ValueError(f"{name}: got {short(value)}; {allowed}") from None
+
+
+def suggest(name: object, known: Iterable[str], aliases: Mapping[str, str] = {}) -> str:
+    """Return "; did you mean 'msd'?" for a name that is nearly a known one, or another word for it.
+
+    Empty where there is none. aliases: other words, in lower case, and the known names.
+    """
+    text = str(name).strip().lower().replace("-", "_").replace(" ", "_")
+    if text in aliases:
+        return f"; did you mean {aliases[text]!r}?"
+    names = {each.lower(): each for each in known}
+    near = difflib.get_close_matches(text, names, n=1, cutoff=SIMILAR)
+    return f"; did you mean {names[near[0]]!r}?" if near else ""
 
 
 # -- showing ---------------------------------------------------------------------------------------

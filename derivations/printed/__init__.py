@@ -11,6 +11,7 @@ derived by a function under ``@derives(label)`` in :mod:`derivations.derived`.
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -139,7 +140,9 @@ def printed_equation(label: str) -> PrintedEquation:
         raise ValueError(f"label: got a {type(label).__name__}; {_ALLOWED}")
     row_label = find_label(label)
     if row_label is None:
-        raise ValueError(f"label: got {label[:60]!r}; {_ALLOWED}")
+        near = difflib.get_close_matches(label.casefold(), [*ROWS, *_LABELS_BY_NUMBER], n=1)
+        meant = f"; did you mean {near[0]!r}?" if near else ""
+        raise ValueError(f"label: got {label[:60]!r}; {_ALLOWED}{meant}")
     return ROWS[row_label]
 
 

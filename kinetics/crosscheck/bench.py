@@ -35,7 +35,7 @@ from kinetics.crosscheck.bench_problems import (
     works,
 )
 from kinetics.crosscheck.files import dumps, markdown_table
-from kinetics.errors import InputError, ToleranceWarning
+from kinetics.errors import InputError, ToleranceWarning, suggestion
 
 #: A row of the benchmark, as the JSON document holds it.
 Row = dict[str, object]
@@ -159,7 +159,8 @@ def run_bench(
     names = tuple(CASES if cases is None else cases)
     for name in names:
         if name not in CASES:
-            raise InputError(f"cases: got {name!r}; known are {', '.join(CASES)}")
+            near = suggestion(name, CASES)
+            raise InputError(f"cases: got {name!r}; known are {', '.join(CASES)}{near}")
     effort = QUICK if quick else FULL
     about = describe_machine()
     begin = time.perf_counter()

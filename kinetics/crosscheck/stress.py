@@ -29,7 +29,7 @@ from kinetics.crosscheck.stress_work import (
     scene,
     steady,
 )
-from kinetics.errors import InputError, ToleranceWarning
+from kinetics.errors import InputError, ToleranceWarning, suggestion
 
 FORMAT = "inelastic-lorentz stress 2"
 HOLDS = "holds"
@@ -413,7 +413,9 @@ def run_stress(
     names = list(dict.fromkeys(case.group for case in cases))
     for group in groups or ():
         if group not in names:
-            raise InputError(f"groups: got {group!r}; known are {', '.join(map(repr, names))}")
+            known = ", ".join(map(repr, names))
+            near = suggestion(group, names)
+            raise InputError(f"groups: got {group!r}; known are {known}{near}")
     if groups is not None:
         cases = [case for case in cases if case.group in groups]
     report = StressReport(quick, len(cases))

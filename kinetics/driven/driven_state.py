@@ -180,14 +180,20 @@ class DrivenState(SteadyState):
 
     # -- the density ------------------------------------------------------------------------------
 
-    def vdf(self, v: ArrayLike, angle: ArrayLike = 0.0) -> FloatArray:
-        """Return the density of the velocity, shape (n_v, n_angle); its integral is 1.
+    def vdf(self, v: ArrayLike, angle: ArrayLike | None = None) -> FloatArray:
+        """Return the density of the velocity, its integral is 1.
 
-        v : speeds; angle : to the field, in radians. Raises InputError for others. If noise alone
+        v : speeds; angle : to the field, in radians, for the shape (n_v, n_angle); without one the
+        density is that along the field, if there is one, in the shape of v. Raises InputError for
+        others. If noise alone
         drives, it is a closed form, to some 1e-12 of itself. Else its error is below rtol, or 1e-4,
         of the maximum, or a ToleranceWarning says so; but in space it is up to 1e-2 below a tenth
         of the thermal speed, and without noise or bath more in the direction of the field.
         """
+        return super().vdf(v, angle)
+
+    def _density_at(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
+        """Return the density of the velocity, shape (n_v, n_angle)."""
         v_ = speeds(v)
         phi = finite_line("angle", angle)
         if self._heated_density is not None:

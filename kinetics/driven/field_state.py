@@ -107,17 +107,23 @@ class FieldState(SteadyState):
             return rate * self._solution.average(p + 2.0, 0)
         return self._fine_density.moment(p, m)
 
-    @one_blas_thread
-    def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
-        """Return the density of the velocity in (g l)^(-d/2), (n_v, n_angle); its integral is 1.
+    def vdf(self, v: ArrayLike, angle: ArrayLike | None = None) -> FloatArray:
+        """Return the density of the velocity in (g l)^(-d/2), (n_v, n_angle) or that of v; its
+        integral is 1.
 
-        v : speeds in sqrt(g l), above 0; angle : to the field, in radians. InputError for others.
+        v : speeds in sqrt(g l), above 0; angle : to the field, in radians; without one the density
+        is that along the field, in the shape of v. InputError for others.
 
         What tracers bring along their last free flight. Its error, relative to the largest mean
         over directions, is below 300 rtol, but never asked to be below 1e-6 nor allowed above 1e-2;
         else a ToleranceWarning says so. At e = 0 the density grows as a logarithm towards the ray
         along the field, and is infinite on it.
         """
+        return super().vdf(v, angle)
+
+    @one_blas_thread
+    def _density_at(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
+        """Return the density of the velocity, shape (n_v, n_angle)."""
         v_ = speeds(v, zero_allowed=False)
         phi = finite_line("angle", angle)
         along = np.outer(v_, np.cos(phi)).ravel()

@@ -52,8 +52,8 @@ class SteadyState(Result):
     """What the answers of `solve_steady` and `kinetics.solve_field` share.
 
     A subclass declares its figures in ``_about``, the arguments of its question in ``_asked`` and
-    its units in ``_units``, and implements `drive`, `vdf` and ``_thermal_speed``. The units of each
-    figure are in ``_about``.
+    its units in ``_units``, and implements `drive`, `_density_at` and ``_thermal_speed``. The
+    units of each figure are in ``_about``.
 
     Attributes
     ----------
@@ -145,18 +145,25 @@ class SteadyState(Result):
         """sqrt(<v^2>) in the unit of speeds, ``_units[0]``."""
         raise NotImplementedError
 
-    def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
+    def vdf(self, v: ArrayLike, angle: ArrayLike | None = None) -> FloatArray:
         """Return the density of the velocity in ``_units[1]``; its integral is 1.
 
         Parameters
         ----------
         v : speeds in ``_units[0]``, shape (n_v,)
-        angle : to the field in radians, shape (n_angle,)
+        angle : to the field in radians, shape (n_angle,); None for along it, or without a field for
+            any, as the density is the same at all
 
         Returns
         -------
-        Shape (n_v, n_angle)
+        Shape (n_v, n_angle); without an angle the shape of v
         """
+        if angle is None:
+            return self._density_at(v, 0.0)[:, 0].reshape(np.shape(v))
+        return self._density_at(v, angle)
+
+    def _density_at(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
+        """Return the density of the velocity, shape (n_v, n_angle)."""
         raise NotImplementedError
 
     @property

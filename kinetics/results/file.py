@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Names the layout of the record; another one is refused when a file is read.
 FORMAT = "inelastic-lorentz kinetics 3"
+#: What the format of a file says that the package `particles` saved.
+PARTICLES = "inelastic-lorentz particles"
 #: The variable of a file that holds the record.
 RECORD = "record"
 #: From this version of its format on, HDF5 checksums the structure of a file as well.
@@ -73,6 +75,8 @@ def _read_record(path: Path) -> dict[str, Json]:
     if not os.path.isfile(path):
         raise InputError("there is no such file")
     with h5py.File(path, "r") as file:
+        if PARTICLES in str(file.attrs.get("format", b"")):
+            raise InputError("it is a run of particles, which particles.load reads")
         if not isinstance(file.get(RECORD, getlink=True), h5py.HardLink):
             raise ValueError("the record is a link")
         record = file[RECORD]

@@ -159,6 +159,10 @@ class Result(Storable):
         quantities = self._checked_dataset(None, points).data_vars
         return draw_all(quantities.values(), self._system, self._density_bottom)
 
+    def _near(self, name: str, names: list[str]) -> str:
+        """Return the end of a message on a name that this result does not have."""
+        return suggestion(name, names)
+
     @property
     def _system(self) -> tuple[str, ...]:
         """What the title of a figure says: restitution, density and scatterers."""
@@ -191,6 +195,6 @@ class Result(Storable):
         if not components:
             names = [*map(str, quantities), *self._on_demand]
             allowed = ", ".join(dict.fromkeys(names))
-            similar = suggestion(name, names)
+            similar = self._near(name, names)
             raise InputError(f"name: got {short(name)}; this result has {allowed}{similar}")
         return components

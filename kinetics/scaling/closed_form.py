@@ -246,4 +246,4 @@ class ScalingSolution(ScaledState):
 
     def _figures(self) -> dict[str, str]:
         """Return the numbers that a repr and a notebook show, as text."""
-        return super()._figures() | {"d<r^2>/d ln t": f"{self.diffusion_slope:.12g}"}
+        return super()._figures() | {"d<r^2>/dln(t)": f"{self.diffusion_slope:.12g}"}

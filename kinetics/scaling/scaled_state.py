@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 MAX_POWER = 300.0
 
 #: Units of the numbers that a notebook shows.
-UNITS_OF_FIGURES = {"h": "1", "a2": "1", "d<r^2>/d ln t": "l^2"}
+UNITS_OF_FIGURES = {"h": "1", "a2": "1", "d<r^2>/dln(t)": "l^2"}
 #: Powers p of the moments in a dataset. Chosen: the lowest six.
 TABULATED_POWERS = np.arange(1.0, 7.0)
 #: Largest scaled speed in a dataset, unless speeds are given. Chosen: F is below 1e-3 beyond.

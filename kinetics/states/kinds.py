@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.errors import InputError
+from kinetics.errors import InputError, suggestion
 from kinetics.numerics import LARGEST_LOG, ROUNDING, FloatArray, NumberArray
 from kinetics.results.record import stored_class
 from kinetics.states.density_scan import NO_INTEGRAL
@@ -53,19 +53,21 @@ class Gaussian(State):
 
     Parameters
     ----------
-    deviation_x, deviation_y : standard deviations of v_x and v_y, in U, above zero; equal ones are
-        the isotropic start of the paper
+    deviation_x, deviation_y : standard deviations of v_x and v_y, in U, above zero. One alone is
+        that of all components, the isotropic start of the paper
     dimension : 2; or 3, where all components have one deviation
     """
 
     deviation_x: float = 1.0
-    deviation_y: float = 1.0
+    deviation_y: float | None = None
     dimension: int = 2
     smooth = True
 
     def __post_init__(self) -> None:
         x = check_positive("deviation_x", self.deviation_x)
-        y = check_positive("deviation_y", self.deviation_y)
+        y = x
+        if self.deviation_y is not None:
+            y = check_positive("deviation_y", self.deviation_y)
         if not max(x, y) <= MAX_DEVIATION_RATIO * min(x, y):
             allowed = f"it must be within {MAX_DEVIATION_RATIO:g} of deviation_x, {x:g}"
             refuse("deviation_y", y, allowed)
@@ -74,15 +76,27 @@ class Gaussian(State):
         self.store(deviation_x=x, deviation_y=y, dimension=dimension)
         self.store(lowest_moment=-float(dimension), highest_harmonic=0 if is_isotropic else None)
 
+    def __repr__(self) -> str:
+        if self._deviation_ratio == 1.0 and self.dimension == 2:
+            deviation = "" if self.deviation_x == 1.0 else f"deviation_x={self.deviation_x!r}"
+            return f"Gaussian({deviation})"
+        return super().__repr__()
+
+    @property
+    def _deviations(self) -> tuple[float, float]:
+        """The standard deviations of v_x and v_y in U."""
+        assert self.deviation_y is not None  # since __post_init__
+        return self.deviation_x, self.deviation_y
+
     @property
     def _wider(self) -> float:
         """D, the larger deviation in U."""
-        return max(self.deviation_x, self.deviation_y)
+        return max(self._deviations)
 
     @property
     def _deviation_ratio(self) -> float:
         """a, the larger deviation over the smaller one."""
-        return self._wider / min(self.deviation_x, self.deviation_y)
+        return self._wider / min(self._deviations)
 
     def in_space(self) -> State | None:
         """Return the Maxwell distribution of the same deviation, if both are equal."""
@@ -111,7 +125,8 @@ class Gaussian(State):
         q = 0.25 * (a - 1.0) * (a + 1.0) * u**2
         beyond = np.maximum(q / LARGEST_BESSEL_ARGUMENT, 1.0)
         factor: FloatArray = a * ive(order, q / beyond) / np.sqrt(beyond)
-        is_negative = order % 2 == 1 and self.deviation_y > self.deviation_x
+        deviation_x, deviation_y = self._deviations
+        is_negative = order % 2 == 1 and deviation_y > deviation_x
         return -factor if is_negative else factor
 
     def harmonic(self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0) -> Points:
@@ -490,4 +505,5 @@ def as_state(initial: object, name: str = "initial") -> State:
     if callable(initial):
         return SpeedDensity(initial)
     allowed = "a function of v or a state (SpeedTable, SpeedSamples, Beam, ...)"
-    refuse(name, initial, f"it must be one of {', '.join(NAMED)}, {allowed}")
+    near = suggestion(initial, NAMED) if isinstance(initial, str) else ""
+    refuse(name, initial, f"it must be one of {', '.join(NAMED)}, {allowed}{near}")

@@ -75,6 +75,8 @@ def test_the_picture_has_every_path_the_disks_and_units(medium: Any) -> None:
     assert len(paths) == 3
     circles = [item for item in axes.collections if isinstance(item, EllipseCollection)]
     assert len(circles) == (2 if medium.dimension == 2 else 0)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [d]", "y [d]")
-    assert axes.figure.axes[1].get_ylabel() == "speed v [U]"
+    for label, unit in ((axes.get_xlabel(), "d"), (axes.get_ylabel(), "d")):
+        assert f"[${unit}$]" in label
+    assert "[$U$]" in axes.figure.axes[1].get_ylabel()
+    assert "e = 0.7" in axes.get_title()
     axes.figure.canvas.draw()

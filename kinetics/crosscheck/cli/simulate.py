@@ -1,7 +1,6 @@
 """The command `simulate`, which prints estimates with their errors; `merge`, of parts of a run."""
 
 import math
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -183,7 +182,7 @@ def _show(ensemble: "Ensemble", as_json: bool) -> None:
     """Print a run, as a document or as tables."""
     if ensemble.media == 1:
         message = "media: got 1; one configuration has no spread, so all errors are unknown"
-        warnings.warn(message, stacklevel=2)
+        click.echo(f"lorentz: warning: {message}", err=True)
     if as_json:
         options.print_json(_document(ensemble))
     else:

@@ -19,6 +19,8 @@ from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.writing import LINE_WIDTH
 from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
+from kinetics.errors import suggestion
+from kinetics.outputs import ALIASES
 from kinetics.results.record import stored_class
 from kinetics.results.result import Result
 from kinetics.results.table import Table, number_text
@@ -264,6 +266,10 @@ class Comparison(Result):
         rows = self.rows
         if name is None:
             return rows
+        known = list(dict.fromkeys(rows["observable"]))
+        if name not in known:
+            near = suggestion(name, known, ALIASES)
+            refuse("name", name, f"this comparison has {', '.join(known) or 'no rows'}{near}")
         return rows[rows["observable"] == name].reset_index(drop=True)
 
     def _dataset(self, only: Any = None, **points: Any) -> xarray.Dataset:
@@ -290,7 +296,9 @@ class Comparison(Result):
             return super().plot(None, ax)
         figure = str(name).replace("_", "-")
         if figure not in self.figures:
-            refuse("name", name, f"this comparison has {', '.join(self.figures) or 'no figures'}")
+            known = ", ".join(self.figures) or "no figures"
+            near = suggestion(name, self.figures, ALIASES)
+            refuse("name", name, f"this comparison has {known}{near}")
         ax = ax if ax is not None else new_axes()
         source_on(ax, "", system_of(self))
         draw(self, figure, ax)

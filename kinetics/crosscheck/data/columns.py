@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError, short, suggestion
 
 AXES = ("x", "y", "z")
 SPEEDS = ("vx", "vy", "vz")
@@ -156,4 +156,6 @@ def _check_not_taken(where: str, column: ColumnName, found: Mapping[str, ColumnN
 def _missing(where: str, name: str, columns: list[ColumnName], needed: Iterable[str]) -> str:
     """Return the message of a column that is missing."""
     present = short(", ".join(column.plain for column in columns), 80)
-    return f"{where}: got no column {name!r} in {present}; must be {', '.join(needed)} (--columns)"
+    near = suggestion(name, [column.plain for column in columns])
+    allowed = f"must be {', '.join(needed)} (--columns){near}"
+    return f"{where}: got no column {name!r} in {present}; {allowed}"

@@ -298,16 +298,18 @@ def _printed_formulas(run: CoolingRun) -> dict[str, dict[str, Values]]:
         "cooling_rate": float(sonine.cooling_rate_fitted(e)),
         "msd": sonine.msd_random_walk(run.times, e, density),
     }
-    expansion: dict[str, Values] = {
-        "cooling_rate": float(sonine.cooling_rate(e)),
-        "a2": float(sonine.a2(e)),
-        "msd": sonine.msd_sonine(run.times, e, density),
-    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a report shows that there is no root
+        expansion: dict[str, Values] = {
+            "cooling_rate": float(sonine.cooling_rate(e)),
+            "a2": float(sonine.a2(e)),
+            "msd": sonine.msd_sonine(run.times, e, density),
+        }
+        expansion_rise = np.diff(sonine.msd_sonine(LIMIT_TIMES, e, density))
     if e < 1:
         log_time = np.diff(np.log(LIMIT_TIMES))
         fit_rise = np.diff(sonine.msd_random_walk(LIMIT_TIMES, e, density))
         fit["msd_slope"] = float((fit_rise / log_time)[0])
-        expansion_rise = np.diff(sonine.msd_sonine(LIMIT_TIMES, e, density))
         expansion["msd_slope"] = float((expansion_rise / log_time)[0])
     return {FIT: fit, SONINE: expansion}
 

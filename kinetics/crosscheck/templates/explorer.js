@@ -46,9 +46,10 @@ function lookUp(name, e, y) {
   };
 }
 
+// At e = 1 speeds stay as they start: there is no F(c), and no a2 of it.
 // Averages over one collision of smooth disks, and what follows from them among dilute ones.
 function lawOf(e) {
-  if (e === 1) return { h: 0, turn: 4 / 3, a2: -0.5, slope: Infinity, A: 4 / 3 };
+  if (e === 1) return { h: 0, turn: 4 / 3, a2: NaN, slope: Infinity, A: 4 / 3 };
   const b = Math.sqrt(1 - e * e), q = e > 0 ? (e * e * Math.atanh(b)) / b : 0;
   const kappa = 1 - (e * Math.acos(e)) / b, s1 = (1 + q) / 2, s3 = (1 + 3 * e * e * s1) / 4;
   const turn = 1 + (e > 0 ? q / e : 0) - (1 - q) / (2 * (1 - e));

@@ -28,10 +28,18 @@ def test_the_stable_root_is_the_stable_one() -> None:
 def test_below_the_threshold_there_is_no_value() -> None:
     edge = sonine.THRESHOLD_RESTITUTION
     assert edge == pytest.approx(0.5815670576)
-    assert np.isnan(sonine.a2(edge - 1e-9))
     assert np.isfinite(sonine.a2(edge + 1e-9))
-    assert np.isnan(sonine.cooling_rate(0.4))
-    assert np.isnan(sonine.msd_sonine(100.0, 0.4))
+    with pytest.warns(UserWarning, match="no real root"):
+        assert np.isnan(sonine.a2(edge - 1e-9))
+    with pytest.warns(UserWarning, match="no real root"):
+        assert np.isnan(sonine.cooling_rate(0.4))
+    with pytest.warns(UserWarning, match="no real root"):
+        assert np.isnan(sonine.msd_sonine(100.0, 0.4))
+
+
+def test_a_curve_that_begins_at_the_threshold_has_no_warning() -> None:
+    rates = sonine.cooling_rate([0.4, 0.7])
+    assert np.isnan(rates).tolist() == [True, False]
 
 
 def test_far_out_the_forms_meet_as_corrected_and_are_half_as_printed() -> None:
