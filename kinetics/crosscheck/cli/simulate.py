@@ -180,9 +180,6 @@ def _require_new(output: Path) -> None:
 
 def _show(ensemble: "Ensemble", as_json: bool) -> None:
     """Print a run, as a document or as tables."""
-    if ensemble.media == 1:
-        message = "media: got 1; one configuration has no spread, so all errors are unknown"
-        click.echo(f"lorentz: warning: {message}", err=True)
     if as_json:
         options.print_json(_document(ensemble))
     else:
@@ -316,4 +313,6 @@ def _text(ensemble: "Ensemble") -> str:
         if name != CAPTURED or ensemble.capture_speed:
             ends.append(f"{getattr(ensemble.statuses, name)} {name}")
     lines.append(f"tracers: {', '.join(ends)}")
+    if ensemble.media == 1:
+        lines.append("± ?: the error is unknown, as one configuration (--media) has no spread")
     return "\n".join(lines)
