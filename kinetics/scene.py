@@ -175,6 +175,7 @@ class Scene(Storable):
         """The system as a title of a figure has it: "e = 0.7", "n = 0.04 d⁻²", "dilute"."""
         names = [field.name for field in dataclasses.fields(self) if field.name != "state"]
         arguments = {name: getattr(self, name) for name in names}
+        arguments["number_density"] = self.number_density * self.diameter**self.dimension
         return system_items(arguments, self.scatterers, self.dimension)
 
     @property

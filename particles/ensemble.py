@@ -193,7 +193,7 @@ class Ensemble(Value):
                 text = format_estimate(float(estimate.value), float(estimate.error))
                 cells = [""] * max(0, len(shown) - 1) + [text]
             else:
-                cells = [", ".join(estimate._cells()[k]) for k in shown]
+                cells = [", ".join(estimate.cells()[k]) for k in shown]
             rows.append((name, *cells, unit))
         count = f"media = {self.media}, tracers in each = {self.tracers}"
         rows.append((count, repr(self.statuses)))

@@ -145,7 +145,8 @@ def describe_system(plan: Plan) -> list[str]:
     if drive.mass_ratio < math.inf:
         items.append(f"M/m = {drive.mass_ratio:.4g}")
     dimension = plan.medium.dimension
-    items.append(f"n = {plan.medium.number_density:.4g} {UNITS_OF_DENSITY[dimension]}")
+    density = plan.medium.number_density * plan.medium.diameter**dimension
+    items.append(f"n = {density:.4g} {UNITS_OF_DENSITY[dimension]}")
     for argument in ("field", *DRIVES):
         strength = getattr(drive, argument)
         if strength:

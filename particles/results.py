@@ -38,7 +38,7 @@ class Estimate(Value):
 
     def __repr__(self) -> str:
         """One line for each value along the first axis, with all its components."""
-        lines = [", ".join(cells) for cells in self._cells()]
+        lines = [", ".join(cells) for cells in self.cells()]
         if len(lines) == 1:
             return f"Estimate({lines[0]})"
         if np.isinf(self.error).any():
@@ -50,13 +50,13 @@ class Estimate(Value):
     def _repr_html_(self) -> str:
         """The same as a table."""
         rows = []
-        for k, cells in enumerate(self._cells()):
+        for k, cells in enumerate(self.cells()):
             rows.append((str(k), *cells))
         if np.isinf(self.error).any():
             rows.append((WHY_UNKNOWN,))
         return html_table("Estimate, with standard errors", (), rows)
 
-    def _cells(self) -> list[list[str]]:
+    def cells(self) -> list[list[str]]:
         """Return the components of each value along the first axis, with their errors."""
         values = np.atleast_1d(self.value)
         errors = np.atleast_1d(self.error)

@@ -99,8 +99,10 @@ class ScaledState(Result, ABC):
     @property
     def _system(self) -> tuple[str, ...]:
         """What the title of a figure says."""
-        names = ("restitution", "tangential_restitution", "number_density", "mass_ratio")
+        names = ("restitution", "tangential_restitution", "mass_ratio")
         arguments = {name: getattr(self, name) for name in names}
+        if self.number_density is not None:
+            arguments["number_density"] = self.number_density * self.diameter**self.dimension
         return system_items(arguments, self.scatterers, self.dimension)
 
     def _checked_power(self, p: float) -> float:

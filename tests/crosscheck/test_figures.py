@@ -88,6 +88,13 @@ def test_the_title_says_which_system_it_is(solution: Solution, run: Ensemble) ->
     assert run.plot()[0].figure.get_suptitle() == "e = 0.7, n = 0.04 d⁻², dilute"
 
 
+def test_the_density_of_a_title_is_in_diameters() -> None:
+    solution = solve(Scene(0.7, number_density=0.01, diameter=2.0, times=TIMES, outputs="msd"))
+    run = simulate(BoltzmannGrad(0.01, diameter=2.0), 0.7, times=TIMES, media=2, tracers=2)
+    for ax in (solution.plot("msd"), run.plot("msd")):
+        assert "n = 0.04 d⁻²" in ax.get_title()
+
+
 def test_both_on_the_same_axes_are_told_apart(solution: Solution, run: Ensemble) -> None:
     ax = run.plot("msd", ax=solution.plot("msd"))
     assert legend_of(ax) == ["equation", "particles (mean and standard error)"]

@@ -179,6 +179,21 @@ def test_overlapping_disks_have_one_name(word: str) -> None:
     assert ScalingSolution(0.7, scatterers=word, number_density=0.04).scatterers == scene.scatterers
 
 
+def test_several_restitutions_on_the_command_line_point_to_sweep(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["solve", "-e", "0.7,0.8"]) == 2
+    assert "sweep" in capsys.readouterr().err
+
+
+def test_a_figure_of_a_state_below_its_error_is_zero_on_the_command_line(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["solve", "--steady", "--bath-speed", "1", "-e", "0.7"]) == 0
+    lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert lines["a2"] == "0"
+
+
 # -- files -----------------------------------------------------------------------------------------
 
 

@@ -95,6 +95,16 @@ def part_of(
     return int(match[1]), int(match[2])
 
 
+class OneNumber(click.types.FloatParamType):
+    """A number; of several the message says how they are solved."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number; click's complaint names the option and the text."""
+        if isinstance(value, str) and "," in value:
+            self.fail(f"{value!r}: it must be one number; kinetics.sweep takes several", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 class Word(Choice[str]):
     """One of some words; for another one the message says which was probably meant."""
 
@@ -140,7 +150,7 @@ class Output(click.Path):
 
 
 # fmt: off
-restitution_option = option("-e", "--restitution", type=float, default=0.7,
+restitution_option = option("-e", "--restitution", type=OneNumber(), default=0.7,
                             help="Coefficient of restitution, 0 to 1.")
 tangential_option = option("--tangential-restitution", type=float, default=1.0,
                            help="Share of the tangential velocity that a collision leaves, 0 to 1.")

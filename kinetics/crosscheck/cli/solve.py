@@ -146,6 +146,8 @@ DOTS_PER_INCH = 160
 MAX_TABLE_BYTES = 10_000_000
 #: Powers of c of which --scaled prints moments.
 SCALED_MOMENTS = range(1, 7)
+#: Figures of a state that may be 0: what is below the error is nothing else.
+MAY_VANISH = ("a2", "drift")
 #: Digits of the figures of a state.
 DIGITS_OF_STATE = 13
 
@@ -415,6 +417,8 @@ def text_of_state(document: Document) -> str:
     if "plan" in document and "unit_of_length" not in document:
         lines.append("speeds in sqrt(g l), diffusion coefficients in sqrt(g l^3)")
     for name, value in document.items():
+        if name in MAY_VANISH and abs(value) < document["error_estimate"]:
+            value = 0.0
         if not isinstance(value, dict | list):
             lines.append(_line_of(name, value))
     for power, moment in document.get("moments", {}).items():

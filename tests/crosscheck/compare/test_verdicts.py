@@ -147,9 +147,10 @@ def test_units_that_do_not_belong_together_are_found() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("medium", "e"), [("hard disks", 0.7), ("overlapping", 0.9)])
+@pytest.mark.parametrize(("medium", "e"), [("hard disks", 0.7), ("overlapping disks", 0.9)])
 def test_a_finite_density_explains_without_a_fitted_number(medium: str, e: float) -> None:
-    where: Any = {"hard disks": HardDisks(DENSITY, 5000), "overlapping": Poisson(DENSITY)}[medium]
+    media = {"hard disks": HardDisks(DENSITY, 5000), "overlapping disks": Poisson(DENSITY)}
+    where: Any = media[medium]
     run = simulate(
         where, restitution=e, times=[0.0, *np.geomspace(1, 400, 7) * PATH], media=100, tracers=100,
         max_collisions=None, seed=5, workers=1, observables=("positions", "velocities"),
