@@ -76,8 +76,11 @@ class Outcome:
 
 
 def excess(values: ArrayLike) -> float:
-    """Return how far the largest value is above 0; 0 if it is not."""
-    return max(0.0, float(np.max(values, initial=-math.inf)))
+    """Return how far the largest value is above 0; 0 if it is not; infinite if one is no number."""
+    largest = float(np.max(values, initial=-math.inf))
+    if math.isnan(largest):
+        return math.inf
+    return max(0.0, largest)
 
 
 def largest_error(*errors: ArrayLike) -> float:

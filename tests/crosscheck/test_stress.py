@@ -135,6 +135,10 @@ def test_the_invariants_see_what_is_violated() -> None:
     assert {"thermal_speed does not grow", "msd does not fall", "kurtosis >= 1"} <= violated
 
 
+def test_what_is_no_number_violates_an_invariant() -> None:
+    assert stress_invariants.excess([-1.0, math.nan]) == math.inf
+
+
 def test_late_autocorrelations_are_compared_by_the_speed_at_the_start() -> None:
     scene = Scene(0.5, times=[1e200], outputs="velocity_autocorrelation")
     assert stress_work.error_to_tighter(solve(scene, 1e-6)) < 1e-6

@@ -486,13 +486,15 @@ def _scales(free: Sequence[FreeParameter]) -> Array:
 def _same_components(part: Measured, whole: Measured, indices: Indices) -> Indices:
     """Return where components of some times of a sample are among those of all its times."""
     layout = whole.layout
-    place = {}
-    for index in range(layout.size):
-        earlier = layout.times[layout.earlier_index[index]]
-        place[str(layout.observable[index]), float(earlier), float(layout.time[index])] = index
-    chosen = []
-    for index in indices:
-        earlier = part.layout.times[part.layout.earlier_index[index]]
-        name = str(part.layout.observable[index])
-        chosen.append(place[name, float(earlier), float(part.layout.time[index])])
+    place = {_name_of_component(layout, index): index for index in range(layout.size)}
+    chosen = [place[_name_of_component(part.layout, index)] for index in indices.tolist()]
     return np.array(chosen, np.int64)
+
+
+def _name_of_component(layout: Layout, index: int) -> tuple[str, float, float]:
+    """Return the observable, its time, and the earlier time of a pair of frames, else 0."""
+    name = str(layout.observable[index])
+    earlier = 0.0
+    if name == BETWEEN_FRAMES:
+        earlier = float(layout.times[layout.earlier_index[index]])
+    return name, float(layout.time[index]), earlier

@@ -22,12 +22,13 @@ Array = NDArray[Any]
 MIN_TRACKS = 10
 #: Sigmas of Mann and Whitney's test from which the two are different.
 DIFFERENT_SIGMAS = 3.5
-#: Share of the tracks that may have ended: the fastest percent has some 4 % of <v^2>.
+#: Share of the tracks that may have ended: of a Gaussian in the plane the
+#: fastest percent has 5.6 % of <v^2>.
 MAX_ENDED = 0.01
 #: Margins of the picture that are tried, over its smaller side: tracks that start further inside
 #: leave later.
 MARGINS = np.linspace(0.0, 0.45, 10)
-#: Tracks that must remain. Chosen: the errors of fewer are above 10 %.
+#: Tracks that must remain. Chosen: <v^2> of fewer has an error above 14 %.
 MIN_REMAINING_TRACKS = 50
 #: Times that must remain: the start, and two more.
 MIN_REMAINING_TIMES = 3
@@ -48,6 +49,13 @@ def without_biased_ends(tracks: Tracks) -> Tracks:
     has_ended = ~is_there[-1]
     if np.count_nonzero(has_ended) < MIN_TRACKS:
         return tracks
+    n_others = int(np.count_nonzero(~has_ended))
+    if n_others < MIN_TRACKS:
+        remark = (
+            f"Only {n_others} of {tracks.n_tracers} tracks last until the last frame: whether the "
+            "others end because they are fast cannot be tested."
+        )
+        return replace(tracks, remarks=(*tracks.remarks, remark))
     sigmas_faster = _sigmas_above(_early_motion(tracks), has_ended)
     sigmas_inside = _sigmas_above(_last_distance(tracks.place, is_there), has_ended)
     fact = f"{np.count_nonzero(has_ended)} of {tracks.n_tracers} tracks end early, and they are"

@@ -337,6 +337,16 @@ def test_a_fault_of_real_data_stands_in_the_first_line(name: str) -> None:
             assert first.value == pytest.approx(truth[fault], abs=3.5 * first.error)
 
 
+def test_a_run_whose_first_time_is_before_any_collision_is_fitted() -> None:
+    """The fit looks at later times than the judgement."""
+    run = simulated(medium=HardDisks(DENSITY, 2000), restitution=0.7,
+                    times=[1.0, 30.0, 300.0, 3000.0], media=40, tracers=20, seed=1)  # fmt: skip
+    result = fit(run)
+    value = result.parameters["restitution"]
+    assert result.verdict == "agrees"
+    assert abs(value.value - 0.7) < 4.0 * value.error
+
+
 @pytest.mark.slow
 def test_times_until_few_tracers_have_left_are_used_and_that_is_said() -> None:
     data, told = spoilt("dilute", "missing tracers")

@@ -53,6 +53,15 @@ def test_tracks_that_are_lost_at_random_are_used_to_their_ends(tracks: Tracks) -
     assert not any("no fair sample" in text for text in sample.warnings)
 
 
+def test_that_nearly_all_tracks_end_is_said(tracks: Tracks) -> None:
+    """Fewer than ten last to the end: there is nothing to compare those that end with."""
+    is_there = np.ones((61, 600), bool)
+    is_there[40:, 5:] = False
+    place = np.where(is_there[..., None], tracks[0], np.nan)
+    sample = sample_of(table_of(place).dropna())
+    assert any("Only 5 of 600 tracks last" in text for text in sample.warnings)
+
+
 def test_tracks_of_a_picture_are_not_taken_for_wrapped(tracks: Tracks) -> None:
     sample = sample_of(table_of(seen_in_picture(tracks, 60.0)).dropna())
     assert sample.samples[0] > 100
