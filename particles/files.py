@@ -39,14 +39,12 @@ from particles.impact import Law, Tabulated, Viscoelastic
 from particles.media import MEDIA
 from particles.outputs import DRIVES
 from particles.plan import Plan
-from particles.values import check_path, package_version, short
+from particles.values import SHOWN_PATH, check_path, package_version, short, shown_path
 
 FORMAT = "inelastic-lorentz particles 8"
 #: Share of the time of a run that the writing of its file may take. Chosen: a run then is longer by
 #: 2 %, and what a run that is killed loses is fifty times what a writing takes.
 WRITING_SHARE = 0.02
-#: Characters of a path that a message shows. The origin of the number is not recorded.
-SHOWN_PATH = 200
 
 
 # -- whole runs ------------------------------------------------------------------------------------
@@ -70,7 +68,7 @@ def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
     """Return (plan, arrays, configurations done) from a file; ValueError if it cannot be used."""
     path = check_path("path", path)
     if not os.path.isfile(path):
-        raise ValueError(f"{path}: no such file")
+        raise ValueError(f"{shown_path(path)}: no such file")
     try:
         with h5py.File(path, "r") as file:
             file_format = file.attrs["format"].decode()
@@ -80,9 +78,10 @@ def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
                 plan = _decode(arrays.pop("plan").tobytes())
     except Exception as error:  # of nearly any class; h5py's own words are long
         problem = f"is damaged, or no saved simulation ({type(error).__name__})"
-        raise ValueError(f"{path}: {problem}") from None
+        raise ValueError(f"{shown_path(path)}: {problem}") from None
     if file_format != FORMAT:
-        raise ValueError(f"{path}: holds {short(file_format)}; this version reads {FORMAT!r}")
+        holds = f"holds {short(file_format)}; this version reads {FORMAT!r}"
+        raise ValueError(f"{shown_path(path)}: {holds}")
     return plan, arrays, done
 
 
@@ -171,7 +170,7 @@ def write_whole(path: str, contents: bytes) -> None:
     Raises ValueError if it cannot be written; what was there before is left as it was.
     """
     if os.path.exists(path) and not os.path.isfile(path):
-        raise ValueError(f"{path}: is a folder, a device or a pipe, not a file")
+        raise ValueError(f"{shown_path(path)}: is a folder, a device or a pipe, not a file")
     folder, name = os.path.split(os.path.realpath(path))
     unfinished = os.path.join(folder, f".{name}.{secrets.token_hex(8)}.part")
     try:

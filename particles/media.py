@@ -17,6 +17,7 @@ from particles.values import (
     real_array,
     refuse,
     set_fields,
+    shown_path,
 )
 
 #: Least density in d^-2, or d^-3. Derived: at lower ones flights are so long that too few digits of
@@ -332,7 +333,9 @@ class Positions(Value):
         """Read positions from a CSV file of two columns, x and y; one header line may precede."""
         name = check_path("path", path)
         if os.path.exists(name) and not os.path.isfile(name):
-            raise ValueError(f"{name}: is a folder, a device or a pipe; it must be a file")
+            raise ValueError(
+                f"{shown_path(name)}: is a folder, a device or a pipe; it must be a file"
+            )
         try:
             with open(name, encoding="utf-8-sig") as file:
                 lines = [line for line in file if line.strip()]
@@ -342,7 +345,8 @@ class Positions(Value):
                 raise ValueError("holds no positions")
             rows = np.loadtxt(lines, delimiter=",", quotechar='"', ndmin=2)
         except (OSError, ValueError) as error:  # of loadtxt with the row; what is no text in UTF-8
-            raise ValueError(f"{name}: must be two columns of numbers ({error})") from None
+            problem = f"must be two columns of numbers ({error})"
+            raise ValueError(f"{shown_path(name)}: {problem}") from None
         return cls(rows, box_side, diameter, start)
 
     @property

@@ -24,6 +24,9 @@ SMALLEST_FLOAT = 5e-324
 LARGEST_WHOLE = 2**62
 #: Characters of a value that a message shows. The origin of the number is not recorded.
 SHOWN_CHARACTERS = 60
+#: Characters of a path that a message shows, its last ones. The origin of the number is not
+#: recorded.
+SHOWN_PATH = 200
 
 
 # -- refusing --------------------------------------------------------------------------------------
@@ -38,6 +41,13 @@ def short(value: object, limit: int = SHOWN_CHARACTERS) -> str:
     if len(text) <= limit:
         return text
     return text[: limit - 3] + "..."
+
+
+def shown_path(path: object) -> str:
+    """Return a path for a message: on one line, and without what would command a terminal."""
+    text = os.fsdecode(path) if isinstance(path, bytes) else str(path)
+    printable = "".join(sign if sign.isprintable() else "?" for sign in text)
+    return printable[-SHOWN_PATH:]
 
 
 def refuse(name: str, value: object, allowed: str) -> NoReturn:

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import zipfile
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +88,17 @@ REFUSED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
     "late": ({"t": np.repeat([0.0, 1.0, 2.0, 1e80], 2000)}, {}, "times: got 1e"),
     "at rest": ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, {}, "every speed at time 0 is zero"),
     "no labels": ({"medium": None, "id": None}, {}, "a column tracer"),
-}
+    "explain as text": ({}, {"explain": "no"}, "explain: got 'no'"),
+    "fitted as number": ({}, {"fitted": 1}, "fitted: got 1"),
+    "start without a name": ({}, {"initial": np.ones(2)}, "initial: got array"),
+    "dimension as array": ({}, {"dimension": np.array([2, 3])}, "dimension: got array"),
+} | {
+    f"{name} as array": ({}, {name: np.array([1.0, 2.0])}, f"^{name}: got array")
+    for name in (
+        "bath_speed", "capture_speed", "diameter", "drag", "field", "heating", "mass_ratio",
+        "number_density", "tangential_restitution",
+    )
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", list(REFUSED))
@@ -96,6 +107,17 @@ def test_what_cannot_be_used(run: Run, name: str) -> None:
     data = {k: v for k, v in (columns_of(run) | change).items() if v is not None}
     with pytest.raises(InputError, match=words):
         compare(data, **{"restitution": 0.75, "number_density": 0.04} | told)
+
+
+def test_a_fraction_is_a_number(run: Run) -> None:
+    answers = []
+    for tangential in (0.9, Fraction(9, 10)):
+        answers.append(
+            compare(
+                columns_of(run), 0.75, 0.04, tangential_restitution=tangential, explain=False
+            ).to_json()
+        )
+    assert answers[0] == answers[1]
 
 
 def test_positions_that_look_wrapped_are_refused(run: Run) -> None:
