@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from numbers import Real
+from pathlib import Path
 from types import MappingProxyType
 from typing import NoReturn, TypeGuard
 
@@ -117,6 +118,20 @@ def check_path(name: str, value: object) -> str:
     if not text or "\0" in text:
         refuse(name, value, "it must be the path of a file")
     return text
+
+
+def machine_memory() -> float:
+    """Return the bytes of memory that this process may have, infinite where that is not known."""
+    limits = [math.inf]
+    with contextlib.suppress(AttributeError, OSError, ValueError):
+        limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    with contextlib.suppress(OSError, ValueError):  # of a container
+        limits.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    with contextlib.suppress(ImportError):
+        import resource
+
+        limits.append(resource.getrlimit(resource.RLIMIT_AS)[0])  # -1 stands for no limit
+    return min(limit for limit in limits if limit > 0)
 
 
 def package_version() -> str:
