@@ -20,6 +20,7 @@ from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.formats import column_names_of, name_of, read_source
 from kinetics.crosscheck.data.gather import gather_tracks
 from kinetics.crosscheck.data.identity import MIN_SHARE_IN_ORDER, share_in_order
+from kinetics.crosscheck.data.memory import MemoryBudget
 from kinetics.crosscheck.data.motion import impossible_motion
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.sample import Law, Sample, reduce_tracks
@@ -48,6 +49,7 @@ def read_sample(
     options = DataOptions.checked(**arguments)
     _check_sources(sources)
     tables: list[Table] = []
+    budget = MemoryBudget("data")
     for source in sources:
         table = read_source(source, options)
         if isinstance(table, AveragesTable):
@@ -57,6 +59,7 @@ def read_sample(
                 refuse_data(name_of(source), "an Ensemble of several", "the only file")
             return sample_of_ensemble(table, name_of(source).rsplit("/", 1)[-1])
         tables.append(table)
+        budget.take(float(sum(values.nbytes for values in table.columns.values())))
     names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
     where = ", ".join(names)
     gathered = gather_tracks(tables, options)
