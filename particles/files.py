@@ -16,8 +16,8 @@ in the diameter d, times in d/U; columns in `outputs`:
 
 While a run goes on, its file is written whenever the time since the last writing is fifty times
 what that took: beside its target, and renamed, so that it is whole or the one before. All of it is
-checksummed by HDF5. A run that is killed goes on from its file, to the same bits. Begin reading
-with `write` and `read`.
+checksummed by HDF5. A run that is killed goes on from its file, and leaves the same bytes as
+a whole one. Begin reading with `write` and `read`.
 """
 
 import json
@@ -76,7 +76,8 @@ def write(path: str | PathLike[str], plan: Plan, arrays: Arrays, done: int) -> N
     with h5py.File(image, "w", libver=("v110", "v110")) as file:  # its structure is checksummed
         file.attrs.update({"format": np.bytes_(FORMAT), "done": done})
         plan_as_bytes = np.frombuffer(_encode(plan), np.uint8)
-        for name, array in {PLAN: plan_as_bytes, **arrays}.items():
+        # in this order, so that a run that was interrupted leaves the same bytes as a whole one
+        for name, array in sorted({PLAN: plan_as_bytes, **arrays}.items()):
             file.create_dataset(name, data=array, fletcher32=array.size > 0 or None)
     write_whole(check_path("path", path), image.getvalue())
 

@@ -208,6 +208,8 @@ def test_an_interrupted_run_keeps_what_is_done(after: int, whole: Ensemble, tmp_
     again = simulate(**SMALL, output=path, resume=True, progress=lambda n, _: seen.append(n))
     assert seen == list(range(after, 7))
     assert again == whole == Ensemble.load(path)
+    whole.save(tmp_path / "whole.h5")
+    assert path.read_bytes() == (tmp_path / "whole.h5").read_bytes()
 
 
 def test_a_file_is_written_while_the_run_goes_on(

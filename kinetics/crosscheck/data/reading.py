@@ -15,6 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.averages import AveragesTable, are_averages
+from kinetics.crosscheck.data.copies import copies
 from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.formats import column_names_of, name_of, read_source
@@ -68,6 +69,8 @@ def read_sample(
     if _are_tracers_known(tracks, where) and check_motion:
         impossible = impossible_motion(gathered, where, options.units)
     sample = _group(tracks, names, options)
+    if _are_tracers_known(tracks, where):
+        impossible += copies(tracks)
     return replace(
         sample,
         law=Law(dimension=options.dimension or 2),
