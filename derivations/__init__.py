@@ -20,6 +20,7 @@ This package imports nothing else of the project. Begin reading with ``premises`
 
 from __future__ import annotations
 
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -60,6 +61,10 @@ __all__ = [
     "verify",
 ]
 
+#: Held while a public name is imported: of two threads that import modules in another order, each
+#: would see half of what the other one imports.
+_IMPORTING = RLock()
+
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
@@ -71,7 +76,8 @@ def __getattr__(name: str) -> Any:
         except metadata.PackageNotFoundError:  # a bare source tree
             return "0+unknown"
     if name in _FILES:
-        module = import_module(f".{_FILES[name]}", __name__)
+        with _IMPORTING:
+            module = import_module(f".{_FILES[name]}", __name__)
         return getattr(module, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -16,7 +16,7 @@ and algebra.
 
 from typing import TYPE_CHECKING, Any
 
-from kinetics.names import PUBLIC_NAMES, import_named
+from kinetics.names import IMPORTING, PUBLIC_NAMES, import_named
 
 if TYPE_CHECKING:
     from kinetics import paper as sonine  # noqa: F401
@@ -59,9 +59,11 @@ def __getattr__(name: str) -> Any:
 
         value = package_version()
     elif name == "sonine":
-        from kinetics import paper
+        from importlib import import_module
 
-        value = paper
+        with IMPORTING:
+            import_module("numpy")
+            value = import_module("kinetics.paper")
     elif name in PUBLIC_NAMES:
         value = import_named(name)
     else:

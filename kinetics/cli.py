@@ -15,7 +15,7 @@ import click
 from click.shell_completion import shell_complete
 
 from kinetics.crosscheck.cli.options import UNITS
-from kinetics.errors import suggestion
+from kinetics.errors import printable, suggestion
 from kinetics.interruption import EXIT_STATUS, ends_at_a_signal
 
 BAD_INPUT = click.UsageError.exit_code
@@ -201,8 +201,9 @@ def _complain(message: str) -> int:
 
 def _say(message: str) -> None:
     """Write one line to standard error, if that takes it: the status tells how a command ended."""
+    line = printable(" ".join(message.split()))
     with contextlib.suppress(OSError, ValueError, AttributeError):  # click 8.1.0: none is there
-        click.echo(f"lorentz: {' '.join(message.split())}", err=True)
+        click.echo(f"lorentz: {line}", err=True)
 
 
 if __name__ == "__main__":

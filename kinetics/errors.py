@@ -17,6 +17,15 @@ ADVISED_RTOL_OVER_ERROR = 1.1
 SIMILAR = 0.7
 #: Characters of a bad value that a message shows.
 MAX_CHARACTERS = 60
+#: What a function that a user gives may raise if it cannot be used; memory may be lacking anywhere.
+ERRORS_OF_FUNCTIONS = (
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    NameError,
+    TypeError,
+    ValueError,
+)
 
 
 class InputError(ValueError):
@@ -42,6 +51,11 @@ def short(value: Any, limit: int = MAX_CHARACTERS) -> str:
     except Exception:  # whole numbers of more than 4300 digits, and anything whose own repr fails
         return f"a {type(value).__name__} that has no short text"
     return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def printable(text: object) -> str:
+    """Return a text, such as a file's name, without signs that command a terminal."""
+    return "".join(sign if sign.isprintable() else "?" for sign in str(text))
 
 
 def suggestion(name: object, known: Iterable[str], aliases: Mapping[str, str] = {}) -> str:

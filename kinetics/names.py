@@ -5,6 +5,7 @@ nor SciPy.
 """
 
 from importlib import import_module
+from threading import RLock
 
 #: Public name -> the module of `kinetics` that defines it, and its name there if that is another.
 PUBLIC_NAMES = {
@@ -50,6 +51,10 @@ STORED_CLASSES = {
     "TabulatedRestitution": "collision.impact",
 }
 
+#: Held while a public name is imported: of two threads that import modules in another order, each
+#: would see half of what the other one imports.
+IMPORTING = RLock()
+
 
 def import_named(name: str) -> object:
     """Import the module that defines a public name or stored class; return what has the name.
@@ -60,5 +65,7 @@ def import_named(name: str) -> object:
     if home is None:
         return None
     module, _, name_there = home.partition(":")
-    value: object = getattr(import_module(f"kinetics.{module}"), name_there or name)
+    with IMPORTING:
+        import_module("numpy")  # waits for a thread of another package that is importing it
+        value: object = getattr(import_module(f"kinetics.{module}"), name_there or name)
     return value

@@ -82,6 +82,13 @@ def whole_number(name: str, value: Any, low: int, high: int) -> int:
     return int(value)
 
 
+def check_flag(name: str, value: Any) -> bool:
+    """True or False, of Python or NumPy; no number and no text, as "no" would count as true."""
+    if not isinstance(value, bool | np.bool_):
+        refuse(name, value, "it must be True or False")
+    return bool(value)
+
+
 def one_of(name: str, value: Any, names: Iterable[str]) -> str:
     """One of these names."""
     allowed = list(names)

@@ -6,10 +6,11 @@ of the impact speed), `drive` and `plan` (what is run), `datasets` and `plots`, 
 (one collision; the collision law stands there alone), `streams` (random numbers), `cells`,
 `slot_search` and `placement` (where the scatterers stand), `kernel` (the event loops),
 `configuration` (one configuration and its tracers), `arguments` (what is refused), `ensemble` (the
-result), `files`, `paths` (a picture), `executors` (threads), `simulate`.
+result), `files`, `paths` (a picture), `executors` (threads), `simulation` (`simulate`).
 """
 
 from importlib import import_module
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     )
     from particles.outputs import OBSERVABLES
     from particles.results import Estimate, Histogram, Statuses
-    from particles.simulate import simulate
+    from particles.simulation import simulate
 
 __all__ = [
     "OBSERVABLES",
@@ -46,18 +47,23 @@ __all__ = [
     "simulate",
 ]
 
+#: Held while a public name is imported: of two threads that import modules in another order, each
+#: would see half of what the other one imports.
+_IMPORTING = RLock()
+
 
 def __getattr__(name: str) -> Any:
     # Loaded at first use: `import particles` costs neither numpy nor numba.
     if name == "__version__":
         return import_module("particles.values").package_version()
     if name in __all__:
-        for file in ("outputs", "media", "impact", "results", "ensemble", "simulate"):
-            module = import_module(f"particles.{file}")
-            if hasattr(module, name):
-                # Also replaces the module `simulate`, whose import has set this name.
-                globals()[name] = value = getattr(module, name)
-                return value
+        with _IMPORTING:
+            import_module("numpy")  # waits for a thread of another package that is importing it
+            for file in ("outputs", "media", "impact", "results", "ensemble", "simulation"):
+                module = import_module(f"particles.{file}")
+                if hasattr(module, name):
+                    globals()[name] = value = getattr(module, name)
+                    return value
     near = ""
     if not name.startswith("_"):
         near = import_module("particles.values").suggest(name, __all__)

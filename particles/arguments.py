@@ -7,9 +7,7 @@ values of a `particles.plan.Plan`.
 import os
 import sys
 from collections.abc import Iterable
-from contextlib import suppress
 from math import inf, prod
-from pathlib import Path
 
 import numpy as np
 
@@ -28,7 +26,16 @@ from particles.media import (
 )
 from particles.outputs import ALIASES, ESTIMATES, OBSERVABLES
 from particles.plan import Experiment, Plan, Recording, speeds
-from particles.values import check_number, check_whole, is_whole, real_array, refuse, short, suggest
+from particles.values import (
+    check_number,
+    check_whole,
+    is_whole,
+    machine_memory,
+    real_array,
+    refuse,
+    short,
+    suggest,
+)
 
 #: Least field times mean free path, and field times d, in U^2. Derived: fourth powers of the speed
 #: are numbers.
@@ -333,17 +340,3 @@ def estimate_memory(plan: Plan, workers: int) -> dict[str, int]:
         elif name != "traps":  # of which there are few
             needed["media"] += array
     return needed
-
-
-def machine_memory() -> float:
-    """Return the bytes of memory that this process may have, infinite where that is not known."""
-    limits = [inf]
-    with suppress(AttributeError, OSError, ValueError):
-        limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    with suppress(OSError, ValueError):  # of a container
-        limits.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
-    with suppress(ImportError):
-        import resource
-
-        limits.append(resource.getrlimit(resource.RLIMIT_AS)[0])  # -1 stands for no limit
-    return min(limit for limit in limits if limit > 0)

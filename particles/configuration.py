@@ -76,6 +76,29 @@ def empty_arrays(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray
     return {name: np.full(*shape) for name, shape in layout(plan, media, n).items()}
 
 
+class StoredArray(NamedTuple):
+    """The shape and the type of an array in a file."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+
+
+def stored_arrays(plan: Plan, media: int, n: int) -> dict[str, StoredArray]:
+    """Return what a file has of so many configurations and tracers, by the names of the arrays.
+
+    `traps` has no more rows than there are tracers, and may have fewer.
+    """
+    stored = {}
+    for name, (shape, at_first) in layout(plan, media, n).items():
+        dtype = np.dtype(type(at_first))
+        if name.startswith("histograms/"):  # with products, as `_with_squares` makes them
+            stored[name] = StoredArray((3, *shape), dtype)
+            stored[name.replace("/sums", "/samples")] = StoredArray((2, shape[0]), dtype)
+        else:
+            stored[name] = StoredArray(shape, dtype)
+    return stored
+
+
 class _Sum(NamedTuple):
     """Sums over configurations, how many these are, and in how many pieces other arrays are."""
 

@@ -30,7 +30,7 @@ from particles.results import (
     format_estimate,
     jackknife,
 )
-from particles.values import Value, check_path, html_table, read_only, refuse, suggest
+from particles.values import Value, check_path, html_table, read_only, refuse, shown_path, suggest
 
 if TYPE_CHECKING:
     import pandas
@@ -479,7 +479,7 @@ class Ensemble(Value):
         count = len(plan.configurations)
         if done < count:
             raise ValueError(
-                f"{path}: holds {done} of {count} configurations; finish it with "
+                f"{shown_path(path)}: holds {done} of {count} configurations; finish it with "
                 f"simulate(..., output=..., resume=True)"
             )
         return cls(plan, arrays)
@@ -490,7 +490,7 @@ class Ensemble(Value):
 
         parts: of `simulate(..., part=(k, n))`, or their files, in any order; n may differ.
         """
-        if isinstance(parts, (str, bytes, PathLike, Ensemble)):
+        if isinstance(parts, (str, bytes, PathLike, Ensemble)) or not isinstance(parts, Iterable):
             refuse("parts", parts, "it must be a sequence of ensembles or of their files")
         runs = [_open_part(part) for part in parts]
         if not runs:
@@ -528,9 +528,9 @@ class Ensemble(Value):
     def _require_output(self, name: object) -> None:
         """Raise ValueError for the name of no estimate and no histogram of this ensemble."""
         names = dataset_names(self)
-        if name not in names:
+        if not isinstance(name, str) or name not in names:
             near = suggest(name, names, tables.ALIASES)
-            if name in tables.VARIABLES:
+            if isinstance(name, str) and name in tables.VARIABLES:
                 near = f"; for {name} call simulate(observables=[{name!r}, ...])"
             refuse("name", name, f"this ensemble has {', '.join(names)}{near}")
 
@@ -594,7 +594,7 @@ def _open_part(part: "Ensemble | str | PathLike[str]") -> _PartOfRun:
     """Return a part of a run that is an ensemble or a file."""
     if isinstance(part, Ensemble):
         return _PartOfRun(part, "")
-    return _PartOfRun(Ensemble.load(part), f" ({part})")
+    return _PartOfRun(Ensemble.load(part), f" ({shown_path(part)})")
 
 
 def load(path: str | PathLike[str]) -> Ensemble:

@@ -16,8 +16,8 @@ in the diameter d, times in d/U; columns in `outputs`:
 
 While a run goes on, its file is written whenever the time since the last writing is fifty times
 what that took: beside its target, and renamed, so that it is whole or the one before. All of it is
-checksummed by HDF5. A run that is killed goes on from its file, to the same bits. Begin reading
-with `write` and `read`.
+checksummed by HDF5. A run that is killed goes on from its file, and leaves the same bytes as
+a whole one. Begin reading with `write` and `read`.
 """
 
 import json
@@ -34,21 +34,36 @@ from typing import Any
 import h5py
 import numpy as np
 
-from particles.configuration import Arrays, Totals
+from particles.arguments import COPIES
+from particles.configuration import Arrays, Totals, stored_arrays
 from particles.impact import Law, Tabulated, Viscoelastic
 from particles.media import MEDIA
 from particles.outputs import DRIVES
 from particles.plan import Plan
-from particles.values import check_path, package_version, short
+from particles.values import (
+    SHOWN_PATH,
+    check_path,
+    machine_memory,
+    package_version,
+    short,
+    shown_path,
+)
 
 FORMAT = "inelastic-lorentz particles 8"
 #: What a file has that the package `kinetics` saved.
 KINETICS_RECORD = "record"
+#: Names in a file that are not those of layouts alone: the plan, and those who were caught.
+PLAN = "plan"
+TRAPS = "traps"
+#: Bytes of memory for a byte of JSON at most. Derived: a list that holds a float for "0," takes 32.
+JSON_EXPANSION = 16
+#: What deflate, which other programs may pack a file with, makes smaller at most: 1032 times.
+MAX_COMPRESSION = 1100
+#: Bytes that an array may have whatever is stored of it. Chosen: no run minds them.
+SMALL_ARRAY = 1_000_000
 #: Share of the time of a run that the writing of its file may take. Chosen: a run then is longer by
 #: 2 %, and what a run that is killed loses is fifty times what a writing takes.
 WRITING_SHARE = 0.02
-#: Characters of a path that a message shows. The origin of the number is not recorded.
-SHOWN_PATH = 200
 
 
 # -- whole runs ------------------------------------------------------------------------------------
@@ -63,7 +78,8 @@ def write(path: str | PathLike[str], plan: Plan, arrays: Arrays, done: int) -> N
     with h5py.File(image, "w", libver=("v110", "v110")) as file:  # its structure is checksummed
         file.attrs.update({"format": np.bytes_(FORMAT), "done": done})
         plan_as_bytes = np.frombuffer(_encode(plan), np.uint8)
-        for name, array in {"plan": plan_as_bytes, **arrays}.items():
+        # in this order, so that a run that was interrupted leaves the same bytes as a whole one
+        for name, array in sorted({PLAN: plan_as_bytes, **arrays}.items()):
             file.create_dataset(name, data=array, fletcher32=array.size > 0 or None)
     write_whole(check_path("path", path), image.getvalue())
 
@@ -72,7 +88,7 @@ def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
     """Return (plan, arrays, configurations done) from a file; ValueError if it cannot be used."""
     path = check_path("path", path)
     if not os.path.isfile(path):
-        raise ValueError(f"{path}: no such file")
+        raise ValueError(f"{shown_path(path)}: no such file")
     try:
         with h5py.File(path, "r") as file:
             is_of_kinetics = KINETICS_RECORD in file
@@ -80,23 +96,78 @@ def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
                 file_format = file.attrs["format"].decode()
                 done = int(file.attrs["done"])
             if not is_of_kinetics and file_format == FORMAT:
-                arrays = _read_arrays(file)
-                plan = _decode(arrays.pop("plan").tobytes())
+                plan = _read_plan(file)
+                arrays = _read_arrays(file, plan, done)
+    except MemoryError as error:
+        raise ValueError(f"{shown_path(path)}: {error}") from None
     except Exception as error:  # of nearly any class; h5py's own words are long
         problem = f"is damaged, or no saved simulation ({type(error).__name__})"
-        raise ValueError(f"{path}: {problem}") from None
+        raise ValueError(f"{shown_path(path)}: {problem}") from None
     if is_of_kinetics:
-        raise ValueError(f"{path}: is a result of kinetics, which kinetics.load reads")
+        problem = "is a result of kinetics, which kinetics.load reads"
+        raise ValueError(f"{shown_path(path)}: {problem}")
     if file_format != FORMAT:
-        raise ValueError(f"{path}: holds {short(file_format)}; this version reads {FORMAT!r}")
+        holds = f"holds {short(file_format)}; this version reads {FORMAT!r}"
+        raise ValueError(f"{shown_path(path)}: {holds}")
     return plan, arrays, done
 
 
-def _read_arrays(file: h5py.File) -> dict[str, np.ndarray]:
-    """Return every array of a file, by its name."""
+def _read_plan(file: h5py.File) -> Plan:
+    """Return the plan of a file."""
+    dataset = _dataset(file, PLAN)
+    _require_memory(JSON_EXPANSION * dataset.nbytes)
+    return _decode(dataset[()].tobytes())
+
+
+def _read_arrays(file: h5py.File, plan: Plan, done: int) -> dict[str, np.ndarray]:
+    """Return the arrays that so many configurations of a plan leave, by their names.
+
+    Names, types, shapes and sizes are checked before memory is asked for. ValueError for an array
+    that the plan does not have, or has in another shape; MemoryError where all do not fit.
+    """
+    if not 0 <= done <= len(plan.configurations):
+        raise ValueError("more configurations than the plan has")
+    expected = stored_arrays(plan, done, done * plan.tracers)
+    names = _names_of_datasets(file) - {PLAN}
+    if names != set(expected):
+        raise ValueError("other arrays than the plan has")
+    datasets = {name: _dataset(file, name) for name in names}
+    for name, (shape, dtype) in expected.items():
+        own_shape = datasets[name].shape
+        if name == TRAPS and len(own_shape) == 2:  # a row for each tracer that was caught
+            own_shape = (max(own_shape[0], shape[0]), own_shape[1])
+        if own_shape != shape or datasets[name].dtype != dtype:
+            raise ValueError("an array of another shape or type than the plan has")
+    _require_memory(sum(dataset.nbytes for dataset in datasets.values()))
+    return {name: dataset[()] for name, dataset in datasets.items()}
+
+
+def _names_of_datasets(file: h5py.File) -> set[str]:
+    """Return the names of all datasets that lie in the file itself: links are not followed."""
     names: list[str] = []
     file.visit(names.append)
-    return {name: file[name][()] for name in names if isinstance(file[name], h5py.Dataset)}
+    return {name for name in names if isinstance(file[name], h5py.Dataset)}
+
+
+def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
+    """Return a dataset; ValueError if its numbers are elsewhere, or more than are stored."""
+    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
+        raise ValueError("a link in place of an array")
+    dataset = file[name]
+    if dataset.is_virtual or dataset.external:
+        raise ValueError("an array that is stored elsewhere")
+    stored = dataset.id.get_storage_size()
+    if dataset.nbytes > MAX_COMPRESSION * stored + SMALL_ARRAY:
+        raise ValueError("an array of which little is stored")
+    return dataset
+
+
+def _require_memory(size: int) -> None:
+    """Raise MemoryError for arrays of so many bytes that do not fit, as a run would not."""
+    limit = machine_memory() / COPIES
+    if size > limit:
+        problem = f"its arrays take {size / 1e9:.2g} GB of memory"
+        raise MemoryError(f"{problem}, and a run may have {limit / 1e9:.2g} GB here")
 
 
 def _encode(plan: Plan) -> bytes:
@@ -177,7 +248,7 @@ def write_whole(path: str, contents: bytes) -> None:
     Raises ValueError if it cannot be written; what was there before is left as it was.
     """
     if os.path.exists(path) and not os.path.isfile(path):
-        raise ValueError(f"{path}: is a folder, a device or a pipe, not a file")
+        raise ValueError(f"{shown_path(path)}: is a folder, a device or a pipe, not a file")
     folder, name = os.path.split(os.path.realpath(path))
     unfinished = os.path.join(folder, f".{name}.{secrets.token_hex(8)}.part")
     try:

@@ -39,6 +39,15 @@ HIGHEST_OCTAVE = 20
 TABLES_KEPT = 16
 
 
+def _impact_speeds(value: object) -> np.ndarray:
+    """Return impact speeds of any shape; ValueError for what are no numbers, or negative."""
+    allowed = "it must be numbers, none negative"
+    speeds = real_array("speed", value, allowed)
+    if speeds.size and speeds.min() < 0.0:
+        refuse("speed", value, allowed)
+    return speeds
+
+
 @dataclass(frozen=True)
 class Viscoelastic:
     """Restitution of viscoelastic spheres, a function of the impact speed v in U.
@@ -55,7 +64,7 @@ class Viscoelastic:
 
     def __call__(self, speed: ArrayLike) -> np.ndarray:
         """Return the restitution at impact speeds in U, of any shape."""
-        x = self.b * np.asarray(speed, float) ** 0.1
+        x = self.b * _impact_speeds(speed) ** 0.1
         with np.errstate(over="ignore"):
             # b2, b3 and b4, then c1, of the article.
             above = x * x * (1.15345 + x * (0.577977 + x * 0.532178))
@@ -77,7 +86,7 @@ class Tabulated(Value):
 
     def __call__(self, speed: ArrayLike) -> np.ndarray:
         """Return the restitution at impact speeds in U, of any shape."""
-        return np.asarray(np.interp(np.asarray(speed, float), self.speeds, self.values))
+        return np.asarray(np.interp(_impact_speeds(speed), self.speeds, self.values))
 
 
 Law = Viscoelastic | Tabulated

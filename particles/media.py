@@ -14,9 +14,11 @@ from particles.values import (
     check_path,
     check_positive,
     check_whole,
+    machine_memory,
     real_array,
     refuse,
     set_fields,
+    shown_path,
 )
 
 #: Least density in d^-2, or d^-3. Derived: at lower ones flights are so long that too few digits of
@@ -34,6 +36,11 @@ LARGEST_PACKING = 0.65
 #: Largest density of spheres in d^-3. Measured: above 0.84 the places that a tracer can be at are
 #: not connected.
 LARGEST_SPHERE_DENSITY = 1.0
+#: Bytes of memory for a byte of a CSV file of positions at most. Derived: the line "1,2" is a text
+#: of 61 bytes and two numbers.
+MEMORY_OF_TEXT = 20
+#: Share of the memory that reading such a file may take. Chosen: the run needs some, too.
+SHARE_FOR_TEXT = 0.25
 #: Largest exclusion in d. Derived: of a tracer that is a point, d is half a scatterer's diameter.
 LARGEST_EXCLUSION = 2.0
 
@@ -332,7 +339,10 @@ class Positions(Value):
         """Read positions from a CSV file of two columns, x and y; one header line may precede."""
         name = check_path("path", path)
         if os.path.exists(name) and not os.path.isfile(name):
-            raise ValueError(f"{name}: is a folder, a device or a pipe; it must be a file")
+            raise ValueError(
+                f"{shown_path(name)}: is a folder, a device or a pipe; it must be a file"
+            )
+        _require_memory_for(name)
         try:
             with open(name, encoding="utf-8-sig") as file:
                 lines = [line for line in file if line.strip()]
@@ -342,7 +352,8 @@ class Positions(Value):
                 raise ValueError("holds no positions")
             rows = np.loadtxt(lines, delimiter=",", quotechar='"', ndmin=2)
         except (OSError, ValueError) as error:  # of loadtxt with the row; what is no text in UTF-8
-            raise ValueError(f"{name}: must be two columns of numbers ({error})") from None
+            problem = f"must be two columns of numbers ({error})"
+            raise ValueError(f"{shown_path(name)}: {problem}") from None
         return cls(rows, box_side, diameter, start)
 
     @property
@@ -362,6 +373,16 @@ def _require_positions(positions: np.ndarray, is_allowed: np.ndarray, allowed: s
     if len(refused):
         place = tuple(refused[0])
         refuse(f"positions[{place[-1]}]", positions[place].tolist(), allowed)
+
+
+def _require_memory_for(path: str) -> None:
+    """Raise ValueError for a file of text whose lines and numbers do not fit into the memory."""
+    size = os.path.getsize(path) if os.path.exists(path) else 0
+    needed = MEMORY_OF_TEXT * size
+    available = machine_memory() * SHARE_FOR_TEXT
+    if needed > available:
+        problem = f"its text takes about {needed / 1e9:.2g} GB of memory"
+        raise ValueError(f"{shown_path(path)}: {problem}; it may take {available / 1e9:.2g} GB")
 
 
 def _is_header(line: str) -> bool:

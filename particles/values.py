@@ -14,6 +14,7 @@ from dataclasses import fields
 from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from numbers import Real
+from pathlib import Path
 from types import MappingProxyType
 from typing import NoReturn, TypeGuard
 
@@ -29,6 +30,9 @@ SMALLEST_FLOAT = 5e-324
 LARGEST_WHOLE = 2**62
 #: Characters of a value that a message shows. The origin of the number is not recorded.
 SHOWN_CHARACTERS = 60
+#: Characters of a path that a message shows, its last ones. The origin of the number is not
+#: recorded.
+SHOWN_PATH = 200
 
 
 # -- refusing --------------------------------------------------------------------------------------
@@ -43,6 +47,13 @@ def short(value: object, limit: int = SHOWN_CHARACTERS) -> str:
     if len(text) <= limit:
         return text
     return text[: limit - 3] + "..."
+
+
+def shown_path(path: object) -> str:
+    """Return a path for a message: on one line, and without what would command a terminal."""
+    text = os.fsdecode(path) if isinstance(path, bytes) else str(path)
+    printable = "".join(sign if sign.isprintable() else "?" for sign in text)
+    return printable[-SHOWN_PATH:]
 
 
 def refuse(name: str, value: object, allowed: str) -> NoReturn:
@@ -141,6 +152,20 @@ def check_path(name: str, value: object) -> str:
     if not text or "\0" in text:
         refuse(name, value, "it must be the path of a file")
     return text
+
+
+def machine_memory() -> float:
+    """Return the bytes of memory that this process may have, infinite where that is not known."""
+    limits = [math.inf]
+    with contextlib.suppress(AttributeError, OSError, ValueError):
+        limits.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    with contextlib.suppress(OSError, ValueError):  # of a container
+        limits.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    with contextlib.suppress(ImportError):
+        import resource
+
+        limits.append(resource.getrlimit(resource.RLIMIT_AS)[0])  # -1 stands for no limit
+    return min(limit for limit in limits if limit > 0)
 
 
 def package_version() -> str:

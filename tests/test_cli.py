@@ -436,3 +436,29 @@ sys.exit(cli.main())
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.stderr == "lorentz: warning: mind the step\nlorentz: the end\n"
     assert done.returncode == 2
+
+
+ESCAPE = "\x1b[31mred"
+
+
+@pytest.mark.parametrize("arguments", [
+    ("compare", f"{ESCAPE}.csv"), ("compare", f"{ESCAPE}.h5"), ("fit", f"{ESCAPE}.xlsx"),
+    ("merge", f"{ESCAPE}.h5", "-o", "all.h5"), ("solve", "--initial", f"{ESCAPE}.csv"),
+    ("solve", "-o", f"{ESCAPE}/a.csv"), ("simulate", "-o", f"{ESCAPE}/a.h5"), (ESCAPE,),
+])  # fmt: skip
+@pytest.mark.parametrize("is_there", [False, True])
+def test_names_of_files_do_not_command_the_terminal(
+    lorentz: Any, arguments: tuple[str, ...], is_there: bool, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    if is_there:
+        for ending in ("csv", "h5", "xlsx"):
+            Path(f"{ESCAPE}.{ending}").write_text("no such format")
+    assert lorentz.refused(*arguments).strip().isprintable()
+
+
+def test_names_of_files_of_runs_are_printable_in_errors(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="no such file") as refused:
+        Ensemble.load(tmp_path / ESCAPE)
+    assert str(refused.value).isprintable()

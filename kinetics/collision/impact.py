@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.errors import InputError
+from kinetics.errors import ERRORS_OF_FUNCTIONS, InputError, short
 from kinetics.numerics import FloatArray
 from kinetics.results.record import stored_class
 from kinetics.results.result import Storable
-from kinetics.validation import check_positive, finite_line, refuse
+from kinetics.validation import check_positive, finite_line, number_array, refuse
 
 #: Coefficients of the numerator of the Padé approximant of e(x), x = b v_n^(1/10), of viscoelastic
 #: spheres: Müller and Pöschel, Phys. Rev. E 84, 021302 (2011).
@@ -37,6 +37,15 @@ class ImpactRestitution(Storable):
     def __call__(self, impact_speed: ArrayLike) -> FloatArray:
         """e at normal impact speeds of any shape, not negative."""
         raise NotImplementedError
+
+
+def _impact_speeds(value: ArrayLike) -> FloatArray:
+    """Return impact speeds of any shape; InputError for what are no numbers, or negative."""
+    allowed = "it must be numbers, none negative"
+    speeds: FloatArray = number_array("impact_speed", value, "biuf", allowed)
+    if speeds.size and speeds.min() < 0.0:
+        refuse("impact_speed", value, allowed)
+    return speeds
 
 
 @stored_class
@@ -64,7 +73,7 @@ class Viscoelastic(ImpactRestitution):
 
     def __call__(self, impact_speed: ArrayLike) -> FloatArray:
         """e at normal impact speeds of any shape, not negative."""
-        x = self.b * np.asarray(impact_speed, dtype=float) ** 0.1
+        x = self.b * _impact_speeds(impact_speed) ** 0.1
         return np.asarray(np.polyval(_ABOVE, x) / np.polyval(_BELOW, x))
 
 
@@ -93,7 +102,7 @@ class TabulatedRestitution(ImpactRestitution):
 
     def __call__(self, impact_speed: ArrayLike) -> FloatArray:
         """e at normal impact speeds of any shape."""
-        return np.interp(np.asarray(impact_speed), self.impact_speed, self.restitution)  # type: ignore[arg-type]
+        return np.interp(_impact_speeds(impact_speed), self.impact_speed, self.restitution)  # type: ignore[arg-type]
 
 
 @stored_class
@@ -111,12 +120,12 @@ class RestitutionFunction(ImpactRestitution):
 
     def __call__(self, impact_speed: ArrayLike) -> FloatArray:
         """e at normal impact speeds of any shape."""
-        v = np.asarray(impact_speed, dtype=float)
+        v = _impact_speeds(impact_speed)
         try:
             e = np.asarray(self.function(v), dtype=float)
-        except (TypeError, ValueError) as error:
+        except ERRORS_OF_FUNCTIONS as error:
             text = "the function could not be evaluated on an array of impact speeds"
-            raise InputError(f"restitution: {text} ({error})") from None
+            raise InputError(f"restitution: {text} ({short(error)})") from None
         if e.shape != v.shape or not np.all((e >= 0.0) & (e <= 1.0)):
             allowed = "a function must map impact speeds to as many numbers from 0 to 1"
             refuse("restitution", self.function, allowed)

@@ -17,7 +17,11 @@ __all__ = ["Comparison", "compare", "compare_data", "fit_data"]
 def __getattr__(name: str) -> Any:
     from importlib import import_module  # the command line does not know yet what it needs
 
+    from kinetics.names import IMPORTING
+
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    room = import_module("kinetics.crosscheck.compare")
+    with IMPORTING:
+        import_module("numpy")
+        room = import_module("kinetics.crosscheck.compare")
     return room if name == "compare" else getattr(room, name)

@@ -189,6 +189,8 @@ class Result(Storable):
 
     def _quantity(self, name: str, points: Mapping[str, object]) -> list[xarray.DataArray]:
         """Return the quantity of a name, as its real and imaginary part if it is complex."""
+        if not isinstance(name, str):
+            raise InputError(f"name: got {short(name)}; it must be the name of a quantity")
         quantities = self._checked_dataset((name,), points)
         labels = (name, f"{name}_real", f"{name}_imag")
         components = [quantities[label] for label in quantities if label in labels]

@@ -27,7 +27,7 @@ from kinetics.results.result import Result
 from kinetics.results.table import Table, wrapped
 from kinetics.results.value import fields_shown
 from kinetics.scaling.scaled_figure import draw_moments, draw_vdf, tail_of
-from kinetics.validation import real_number, refuse
+from kinetics.validation import finite_line, real_number, refuse
 
 if TYPE_CHECKING:
     import xarray
@@ -137,7 +137,7 @@ class ScaledState(Result, ABC):
         """Return h, a2, moments and, unless bounces are elastic, F(c)."""
         speeds = np.linspace(0.0, MAX_TABULATED_SPEED, N_TABULATED_SPEEDS + 1)[1:]
         if points.get("c") is not None:
-            speeds = np.atleast_1d(np.asarray(points["c"], float))
+            speeds = finite_line("c", points["c"], "speeds must be finite, and not negative", 0.0)
         variables = {
             "cooling_rate": variable((), self.cooling_rate, "1", "h(e), from v0 = 2 l/(h t)", "h"),
             "a2": variable((), self.a2, "1", "<c^4> d/(d+2) - 1", "a2"),

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.errors import InputError
+from kinetics.errors import ERRORS_OF_FUNCTIONS, InputError
 from kinetics.numerics import LARGEST_LOG, FloatArray, NumberArray
 from kinetics.states.density_scan import SCAN_PANEL, DensityScan
 from kinetics.states.halved_panels import integrate_by_halving
@@ -46,7 +46,7 @@ def evaluate_density(density: UserFunction, v: FloatArray) -> NumberArray:
         f = f.astype(complex if f.dtype.kind == "c" else float)
         if f.shape != v.shape:
             raise ValueError(f"it returned shape {f.shape} for speeds of shape {v.shape}")
-    except (TypeError, ValueError) as error:
+    except ERRORS_OF_FUNCTIONS as error:
         allowed = "it must map an array of speeds to one of densities"
         raise InputError(
             f"initial: the density could not be evaluated ({error}); {allowed}"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, Scene, SolverStatus, ToleranceWarning, solve
+from kinetics.errors import judge_errors
 from kinetics.moments.outputs import averaged_outputs
 from kinetics.outputs import OUTPUTS, described
 
@@ -74,3 +75,14 @@ def test_a_missed_tolerance_warns_at_the_line_that_asked() -> None:
     with pytest.warns(ToleranceWarning, match="more nodes") as caught:
         solve(scene, rtol=1e-10, nodes=16)
     assert caught[0].filename == __file__
+
+
+@pytest.mark.parametrize("error", [float("nan"), float("inf"), 1.1e-6])
+def test_an_error_that_is_unknown_or_too_large_has_not_converged(error: float) -> None:
+    tolerance = {"averages": 1e-6, "densities": 1e-4}
+    status, message = judge_errors({"averages": error, "densities": 1e-9}, tolerance)
+    assert status is SolverStatus.TOLERANCE_NOT_REACHED
+    assert "averages" in message
+    assert "densities" not in message
+    status, _ = judge_errors({"averages": 1e-6, "densities": 1e-4}, tolerance)
+    assert status is SolverStatus.CONVERGED

@@ -208,6 +208,8 @@ def test_an_interrupted_run_keeps_what_is_done(after: int, whole: Ensemble, tmp_
     again = simulate(**SMALL, output=path, resume=True, progress=lambda n, _: seen.append(n))
     assert seen == list(range(after, 7))
     assert again == whole == Ensemble.load(path)
+    whole.save(tmp_path / "whole.h5")
+    assert path.read_bytes() == (tmp_path / "whole.h5").read_bytes()
 
 
 def test_a_file_is_written_while_the_run_goes_on(
@@ -349,3 +351,81 @@ def test_h5md(ensemble: Ensemble, whole: Ensemble, tmp_path: Path) -> None:
         assert group["medium"][()].tolist() == [n // 20 for n in range(80)]
         assert file["parameters/restitution"][()] == 0.7
     refused(lambda: whole.write_h5md(tmp_path / "no.h5md"), "positions")
+
+
+# -- files that were made to harm ------------------------------------------------------------------
+
+
+def test_an_unknown_array_is_refused_unread(whole: Ensemble, tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    whole.save(path)
+    with h5py.File(path, "r+") as file:
+        file.create_dataset("surprise", (10**8,), "f8", chunks=(10**6,), compression="gzip")
+    refused(lambda: Ensemble.load(path), "run.h5")
+
+
+@pytest.mark.parametrize("name", ["plan", "moments", "raw/finals", "statuses"])
+def test_arrays_are_read_from_the_file_alone(name: str, whole: Ensemble, tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    other = tmp_path / "other.h5"
+    whole.save(path)
+    whole.save(other)
+    raw = tmp_path / "raw"
+    with h5py.File(path, "r+") as file:
+        numbers = file[name][()]
+        del file[name]
+        file[name] = h5py.ExternalLink(str(other), f"/{name}")
+    refused(lambda: Ensemble.load(path), "run.h5")
+    raw.write_bytes(numbers.tobytes())
+    with h5py.File(path, "r+") as file:
+        del file[name]
+        external = [(str(raw), 0, numbers.nbytes)]
+        file.create_dataset(name, numbers.shape, numbers.dtype, external=external)
+    refused(lambda: Ensemble.load(path), "run.h5")
+    with h5py.File(path, "r+") as file:
+        del file[name]
+        layout = h5py.VirtualLayout(numbers.shape, numbers.dtype)
+        layout[...] = h5py.VirtualSource(str(other), name, numbers.shape)
+        file.create_virtual_dataset(name, layout)
+    refused(lambda: Ensemble.load(path), "run.h5")
+
+
+@pytest.mark.parametrize("change", ["declared", "shape", "type", "done"])
+def test_arrays_of_other_sizes_than_the_plan_are_refused(
+    change: str, whole: Ensemble, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.h5"
+    whole.save(path)
+    with h5py.File(path, "r+") as file:
+        moments = file["moments"][()]
+        if change == "done":
+            file.attrs["done"] = 10**9
+        else:
+            del file["moments"]
+        if change == "declared":
+            file.create_dataset("moments", (10**6, *moments.shape[1:]), "f8", chunks=True)
+        elif change == "shape":
+            file["moments"] = moments[:-1]
+        elif change == "type":
+            file["moments"] = moments.astype(np.complex128)
+    refused(lambda: Ensemble.load(path), "run.h5")
+
+
+def test_a_run_that_is_larger_than_the_memory_is_refused_before_it_is_read(
+    whole: Ensemble, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.h5"
+    whole.save(path)
+    monkeypatch.setattr("particles.files.machine_memory", lambda: 1e4)
+    refused(lambda: Ensemble.load(path), "run.h5", "memory")
+
+
+def test_a_file_that_another_program_has_packed_is_read(whole: Ensemble, tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    whole.save(path)
+    with h5py.File(path, "r+") as file:
+        for name in ("moments", "raw/velocities"):
+            numbers = file[name][()]
+            del file[name]
+            file.create_dataset(name, data=numbers, compression="gzip")
+    assert Ensemble.load(path) == whole

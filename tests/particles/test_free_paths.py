@@ -26,6 +26,7 @@ MANY: dict[str, Any] = dict(media=100, tracers=100, max_collisions=20)
     (BoltzmannGrad(0.04), 12.5, MANY),
     (BoltzmannGrad(0.04, dimension=3), 25 / np.pi, MANY),
     (BoltzmannGrad(0.5), 1.0, MANY | dict(initial="rest", field=2.0)),
+    (BoltzmannGrad(0.5), 1.0, MANY | dict(heating=0.05, drag=0.05)),
 ])  # fmt: skip
 def test_free_paths_are_exponential(medium: Any, path: float, run: dict[str, Any]) -> None:
     # Of overlapping scatterers the first ones only: those that do not cover the start are in the

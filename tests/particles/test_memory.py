@@ -2,11 +2,13 @@
 
 import re
 import tracemalloc
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import particles
 from particles import BoltzmannGrad, HardDisks, HardSpheres, PoissonSpheres, arguments, simulate
 from particles.placement import build
 
@@ -44,3 +46,14 @@ def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Any) -> None:
     assert estimated["count"] == pytest.approx(taken, rel=0.25)
     raw = sum(array.nbytes for name, array in run.arrays.items() if name.startswith("raw"))
     assert estimated["observables"] == 3 * raw
+
+
+def test_a_file_of_positions_that_does_not_fit_is_refused_unread(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "places.csv"
+    path.write_text("x,y\n1,2\n")
+    assert particles.Positions.from_csv(path, 8.0).count == 1
+    monkeypatch.setattr("particles.media.machine_memory", lambda: 100.0)
+    with pytest.raises(ValueError, match=r"places\.csv: .* of memory"):
+        particles.Positions.from_csv(path, 8.0)

@@ -88,6 +88,11 @@ MEDIA: list[tuple[str, Any]] = [
     ("start", lambda: START([[1, 2]], start=(1,))),
     ("start", lambda: START([[1, 2]], start=(0, -1e308))),
     ("b", lambda: particles.Viscoelastic(-1.0)),
+    ("speed", lambda: particles.Viscoelastic(0.3)("")),
+    ("speed", lambda: particles.Viscoelastic(0.3)(-1.0)),
+    ("parts", lambda: particles.Ensemble.merge(3)),
+    ("parts", lambda: particles.Ensemble.merge("a.h5")),
+    ("name", lambda: simulate(**GOOD).plot(np.array(["a2", "msd"]))),
     *((n, lambda n=n, v=v: simulate(**GOOD).trajectories(**{"tracers": 1, n: v}))
       for n, v in (("tracers", 9), ("configuration", 2), ("until", -1.0), ("collisions", 1001))),
 ]  # fmt: skip

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import click
 
 from kinetics.crosscheck.cli.options import Command, Output, Word, example, json_option, progress
+from kinetics.errors import printable
 
 if TYPE_CHECKING:
     from kinetics.crosscheck.stress import StressReport
@@ -104,4 +105,4 @@ def _show(report: WritableReport, output: Path | None, as_json: bool) -> None:
         contents = {f"{name}.json": report.to_json(), f"{name}.md": report.markdown()}
         for path in write_together(output, contents):
             if not as_json:
-                click.echo(f"wrote {path}")
+                click.echo(f"wrote {printable(path)}")

@@ -12,7 +12,7 @@ from click import option
 
 from kinetics.crosscheck.cli.options import Output, Word, json_option
 from kinetics.crosscheck.cli.track_options import Command
-from kinetics.errors import InputError
+from kinetics.errors import InputError, printable
 
 if TYPE_CHECKING:
     from kinetics.crosscheck.compare.result import Comparison
@@ -82,7 +82,7 @@ class ComparisonOutput:
             return
         click.echo(self._text(comparison))
         if written:
-            click.echo(f"wrote {', '.join(str(path) for path in written)}")
+            click.echo(f"wrote {', '.join(printable(path) for path in written)}")
 
     def _text(self, comparison: Comparison) -> str:
         """Return what is printed."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from kinetics.crosscheck.cli import options
+from kinetics.errors import printable
 
 
 @click.command(
@@ -31,4 +32,4 @@ def explore(output: Path) -> None:
         text = render(all_tables(tell))
     write_together(output.parent, {output.name: text})
     size = len(text.encode()) / 1000
-    click.echo(f"wrote {output} ({size:.0f} kB): open it in a browser")
+    click.echo(f"wrote {printable(output)} ({size:.0f} kB): open it in a browser")

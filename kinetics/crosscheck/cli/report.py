@@ -10,6 +10,7 @@ import click
 from click import option
 
 from kinetics.crosscheck.cli import options
+from kinetics.errors import printable
 
 if TYPE_CHECKING:
     from kinetics.crosscheck.report.systems import Driven
@@ -125,7 +126,7 @@ def report(
         options.print_json(result.document)
         return
     click.echo(result.text())
-    click.echo(f"wrote {written[0]} and {len(written) - 1} files beside it")
+    click.echo(f"wrote {printable(written[0])} and {len(written) - 1} files beside it")
 
 
 def write_figures_of_the_paper(

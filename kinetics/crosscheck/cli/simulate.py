@@ -12,7 +12,7 @@ import click
 from click import option
 
 from kinetics.crosscheck.cli import options
-from kinetics.errors import InputError
+from kinetics.errors import InputError, printable
 
 if TYPE_CHECKING:
     from particles import Ensemble, Medium
@@ -231,7 +231,7 @@ def _say_what_is_saved(output: Path, total: int) -> None:
     import h5py
 
     with suppress(OSError, KeyError), h5py.File(output, "r") as file:
-        saved = f"{file.attrs['done']} of {total} configurations are saved in {output}"
+        saved = f"{file.attrs['done']} of {total} configurations are saved in {printable(output)}"
         click.echo(f"lorentz: {saved}; the same command with --resume goes on", err=True)
 
 

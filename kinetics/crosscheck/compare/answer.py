@@ -19,7 +19,7 @@ from kinetics.crosscheck.compare.flat_directions import cannot_tell
 from kinetics.crosscheck.compare.judge import Judgement, judge
 from kinetics.crosscheck.compare.measured import Measured
 from kinetics.crosscheck.compare.media import across_media
-from kinetics.crosscheck.compare.noted import never_move, noted
+from kinetics.crosscheck.compare.noted import drifts, never_move, noted
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Explanation, Parameter, Row
 from kinetics.crosscheck.compare.statistics import root_of_variance
@@ -80,6 +80,8 @@ def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: b
     judged = [JudgedFit.of(fitted, sample) for fitted in fits]
     best = _likeliest(judged)
     found_in_data = never_move(sample) or wrong_unit(fits)
+    if found_in_data is None and best.judgement.verdict is Verdict.DIFFERS:
+        found_in_data = drifts(sample)  # else a fit would make a restitution of it
     verdict = Verdict.DIFFERS if found_in_data else best.judgement.verdict
     explanations: list[Explanation] = [found_in_data] if found_in_data and explain else []
     if explain and not found_in_data:

@@ -45,8 +45,11 @@ from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.reading import read_averages, read_sample
 from kinetics.crosscheck.data.sample import R2, X2, Law, N, Sample
 from kinetics.crosscheck.data.tracks import MAX_SIZE
+from kinetics.drive import check_strengths
 from kinetics.errors import InputError
 from kinetics.validation import (
+    check_flag,
+    check_mass_ratio,
     check_positive,
     check_restitution,
     real_number,
@@ -136,6 +139,27 @@ def compare_data(
     InputError
         A ValueError: for data that cannot be used, or that cannot tell what is not specified.
     """
+    explain = check_flag("explain", explain)
+    fitted = check_flag("fitted", fitted)
+    if not isinstance(initial, str):
+        refuse("initial", initial, "it must be the name of a start, such as 'auto'")
+    if tangential_restitution is not None:
+        allowed = "it must be a number from 0 to 1"
+        tangential_restitution = real_number(
+            "tangential_restitution", tangential_restitution, 0.0, 1.0, allowed
+        )
+    strengths = check_strengths(
+        field=field,
+        bath_speed=bath_speed,
+        heating=heating,
+        drag=drag,
+        capture_speed=capture_speed,
+    )
+    drives: dict[str, float | None] = {
+        **strengths,
+        "mass_ratio": check_mass_ratio(mass_ratio),
+        "tangential_restitution": tangential_restitution,
+    }
     reading = {
         "positions": positions,
         "speed_unit": 1.0 if speed_unit is None else speed_unit,
@@ -147,7 +171,7 @@ def compare_data(
         "type": type,
         "frame_interval": frame_interval,
         "decimal": decimal,
-        "with_axes": field != 0 or initial == "beam",
+        "with_axes": strengths["field"] != 0.0 or initial == "beam",
         "check_motion": not (field or bath_speed or heating),
     }
     sources = _sources(data)
@@ -172,16 +196,7 @@ def compare_data(
     sample = _sample(data, sources, reading)
     if dimension is not None and dimension != sample.law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {sample.law.dimension}")
-    drives = {
-        "field": field,
-        "bath_speed": bath_speed,
-        "heating": heating,
-        "drag": drag,
-        "capture_speed": capture_speed,
-        "mass_ratio": mass_ratio,
-        "tangential_restitution": tangential_restitution,
-    }
-    sample = _with_axes(sample, field, initial)
+    sample = _with_axes(sample, strengths["field"], initial)
     length_unit = 1.0 if sources is None else diameter  # runs and samples are in d
     if restitution is None and not fitted:
         restitution = sample.told.get("restitution")

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaincc
 
-from kinetics import Solution, SolverStatus
 from kinetics.crosscheck.compare.observables import DISPLACEMENT_DENSITY, SPEED_DENSITY, Array
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.statistics import (
@@ -19,8 +18,9 @@ from kinetics.crosscheck.compare.statistics import (
 )
 from kinetics.crosscheck.compare.theory import solve_at
 from kinetics.crosscheck.data.sample import EDGES, Counts, Sample
-from kinetics.errors import InputError
+from kinetics.errors import InputError, SolverStatus
 from kinetics.numerics.gauss import panels_between
+from kinetics.solution import Solution
 
 Indices = NDArray[np.int64]
 

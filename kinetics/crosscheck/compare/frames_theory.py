@@ -16,11 +16,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kinetics import Solution
 from kinetics.crosscheck.compare.observables import Array
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.data.sample import Law
 from kinetics.numerics.gauss import panels_between
+from kinetics.solution import Solution
 
 #: Relative accuracy of the averages and densities: far below the error of any data.
 RTOL = 1e-6

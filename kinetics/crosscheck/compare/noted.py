@@ -10,7 +10,7 @@ from kinetics.crosscheck.compare.result import Explanation
 from kinetics.crosscheck.compare.selection import even_in_logarithm
 from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.data.sample import Sample
-from kinetics.crosscheck.words import Verdict, numeral
+from kinetics.crosscheck.words import Verdict, number, numeral
 
 #: Share of tracers at rest from which on they are named, in data that begin after time 0.
 MIN_SHARE_LATE = 0.01
@@ -29,6 +29,18 @@ def never_move(sample: Sample) -> Explanation | None:
     headline = f"{numeral(share, '.2%')} of the particles ({n_at_rest}) never move"
     advice = ": are these the scatterers? Choose the tracers by --type, or leave the others out."
     return Explanation("scatterers", "found", headline + advice, value=share, headline=headline)
+
+
+def drifts(sample: Sample) -> Explanation | None:
+    """Return what is said of a mean velocity that all times share; None if there is none."""
+    if sample.drift is None or sample.law.field or sample.law.is_driven:
+        return None
+    speed = float(np.linalg.norm(sample.drift.velocity))
+    error = float(np.linalg.norm(sample.drift.error))
+    components = ", ".join(numeral(value, ".3g") for value in sample.drift.velocity.tolist())
+    headline = f"a wind, or an offset of the velocities, of {number(speed, error)} U"
+    text = f"{headline}: their mean is ({components}) U at all times, and nothing drives tracers."
+    return Explanation("wind", "found", text, value=speed, error=error, headline=headline)
 
 
 def noted(fitted: Fit, residuals: Residuals) -> list[Explanation]:

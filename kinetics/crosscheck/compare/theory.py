@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics import Scene, Solution, solve
 from kinetics.crosscheck.compare.frames_theory import mean_square_between_frames
 from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, MEAN_SPEED, OBSERVABLES, Array
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.data.sample import Law
 from kinetics.errors import ToleranceWarning
+from kinetics.scene import Scene
+from kinetics.solution import Solution
+from kinetics.solving import solve
 
 #: Solutions that a theory keeps. Chosen: a fit looks at some tens of points.
 MAX_KEPT = 64

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.columns import LABELS, find_columns
-from kinetics.crosscheck.data.memory import require_memory
+from kinetics.crosscheck.data.memory import (
+    MAX_COMPRESSION,
+    MemoryBudget,
+    bytes_of_numbers,
+    require_memory,
+)
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import (
     Table,
@@ -24,6 +30,25 @@ from kinetics.crosscheck.data.table import (
 TIMES = "times"
 POSITIONS = "positions"
 VELOCITIES = "velocities"
+#: Classes of arrays of MATLAB whose size their shape says.
+MATLAB_NUMBERS = frozenset(
+    [
+        "double",
+        "single",
+        "logical",
+        "char",
+        "int8",
+        "int16",
+        "int32",
+        "int64",
+        "uint8",
+        "uint16",
+        "uint32",
+        "uint64",
+    ]
+)
+#: Rows of a Parquet file that are read at once, so that memory can be checked meanwhile.
+ROWS_AT_ONCE = 100_000
 
 
 def table_of_mapping(where: str, arrays: Mapping[str, Any], options: DataOptions) -> Table:
@@ -48,14 +73,32 @@ def read_npz(path: Path, where: str, options: DataOptions) -> Table:
     with zipfile.ZipFile(path) as archive:
         entries = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
     chosen = _names_read(where, list(entries), options)
+    budget = MemoryBudget(where)
     for name in chosen:
         entry = entries[name]
         require_memory(where, float(entry.file_size), float(entry.compress_size))
+        budget.take(_bytes_of_entry(path, where, entry))
     if TIMES in chosen and entries[POSITIONS].file_size < entries[TIMES].file_size:
         refuse_data(where, "more times than positions", "times (T,), positions (T, n, d)")
     with np.load(path, allow_pickle=False) as file:
         arrays = {name: file[name] for name in chosen}
     return table_of_mapping(where, arrays, options)
+
+
+def _bytes_of_entry(path: Path, where: str, entry: zipfile.ZipInfo) -> float:
+    """Return the bytes of memory that an array needs; InputError if its head declares too many."""
+    with zipfile.ZipFile(path) as archive, archive.open(entry) as file:
+        version = np.lib.format.read_magic(file)
+        read_head = np.lib.format.read_array_header_1_0
+        if version != (1, 0):
+            read_head = np.lib.format.read_array_header_2_0
+        shape, _, dtype = read_head(file)
+    count = math.prod(shape)
+    if count * dtype.itemsize > entry.file_size:
+        declared = count * dtype.itemsize
+        found = f"{entry.file_size} bytes that declare {declared:.2g}"
+        refuse_data(where, found, "a whole file")
+    return bytes_of_numbers(count, dtype.itemsize)
 
 
 def read_matlab(path: Path, where: str, options: DataOptions) -> Table:
@@ -66,9 +109,14 @@ def read_matlab(path: Path, where: str, options: DataOptions) -> Table:
     if h5py.is_hdf5(path):
         return _read_matlab_hdf5(path, where, options)
     shapes = {name: shape for name, shape, _ in whosmat(path)}
+    class_of_array = {name: kind for name, _, kind in whosmat(path)}
     chosen = _names_read(where, list(shapes), options)
+    budget = MemoryBudget(where)
     for name in chosen:
-        require_memory(where, 8.0 * float(np.prod(shapes[name])))
+        size = bytes_of_numbers(math.prod(shapes[name]), 8.0)
+        if class_of_array[name] not in MATLAB_NUMBERS:  # cells and structures hold anything
+            size = MAX_COMPRESSION * path.stat().st_size
+        budget.take(size)
     arrays = loadmat(path, variable_names=chosen)
     return table_of_mapping(where, {name: _vector(arrays[name]) for name in chosen}, options)
 
@@ -84,22 +132,64 @@ def _read_matlab_hdf5(path: Path, where: str, options: DataOptions) -> Table:
 
     with h5py.File(path, "r") as file:
         chosen = _names_read(where, dataset_names(file), options)
-        arrays = {name: _vector(numbers_of(where, file, name).T) for name in chosen}
+        budget = MemoryBudget(where)
+        arrays = {name: _vector(numbers_of(where, file, name, budget).T) for name in chosen}
     return table_of_mapping(where, arrays, options)
 
 
 def read_parquet(path: Path, where: str, options: DataOptions) -> Table:
     """Read columns of a Parquet file, with the package pyarrow."""
     try:
+        import pyarrow
         from pyarrow import parquet
     except ImportError:
         refuse_data(where, "a file of another package", "installed: pip install pyarrow")
     with parquet.ParquetFile(path) as file:
-        chosen = _names_read(where, file.schema_arrow.names, options)
-        require_memory(where, 8.0 * file.metadata.num_rows * len(chosen))
-        table = file.read(chosen)
-    columns = {name: table.column(name).to_pandas() for name in chosen}
+        schema = file.schema_arrow
+        chosen = _names_read(where, schema.names, options)
+        texts = [name for name in chosen if _is_text(schema.field(name).type)]
+        n_rows = file.metadata.num_rows
+        n_bytes = _unpacked_bytes(file.metadata, chosen)
+    # a text that is there often is kept once
+    with parquet.ParquetFile(path, read_dictionary=texts) as file:
+        budget = MemoryBudget(where)
+        budget.take(max(n_bytes, bytes_of_numbers(n_rows * len(chosen), 8.0)))
+        for name in chosen:
+            _require_flat(where, name, schema.field(name).type)
+        batches = []
+        for batch in file.iter_batches(ROWS_AT_ONCE, columns=chosen):
+            budget.take(max(0.0, batch.nbytes - bytes_of_numbers(batch.num_rows * len(chosen), 8)))
+            batches.append(batch)
+    table = pyarrow.Table.from_batches(batches, file.schema_arrow)
+    columns = {name: np.asarray(table.column(name).to_pandas()) for name in chosen}
     return table_of_mapping(where, columns, options)
+
+
+def _unpacked_bytes(metadata: Any, names: Sequence[str]) -> float:
+    """Return the bytes that columns are said to have before they were compressed."""
+    total = 0.0
+    for group in range(metadata.num_row_groups):
+        row_group = metadata.row_group(group)
+        for index in range(row_group.num_columns):
+            column = row_group.column(index)
+            if column.path_in_schema.split(".")[0] in names:
+                total += column.total_uncompressed_size
+    return total
+
+
+def _is_text(kind: Any) -> bool:
+    """Return whether a type of Arrow is one of texts."""
+    import pyarrow
+
+    return bool(pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind))
+
+
+def _require_flat(where: str, name: str, kind: Any) -> None:
+    """Raise InputError for a column whose elements are lists or tables: they may be of any size."""
+    import pyarrow
+
+    if pyarrow.types.is_nested(kind):
+        refuse_data(f"{where}: column {name!r}", f"type {kind}", "numbers or texts")
 
 
 # -- HDF5 ------------------------------------------------------------------------------------------
@@ -108,7 +198,8 @@ def read_parquet(path: Path, where: str, options: DataOptions) -> Table:
 def read_hdf5_arrays(file: Any, where: str, options: DataOptions) -> Table:
     """Read the arrays of an open HDF5 file, netCDF-4 among them."""
     chosen = _names_read(where, dataset_names(file), options)
-    arrays = {name: numbers_of(where, file, name) for name in chosen}
+    budget = MemoryBudget(where)
+    arrays = {name: numbers_of(where, file, name, budget) for name in chosen}
     return table_of_mapping(where, arrays, options)
 
 
@@ -128,10 +219,20 @@ def member_of(parent: Any, name: str) -> Any:
     return parent[name]
 
 
-def numbers_of(where: str, parent: Any, name: str) -> NDArray[Any]:
+def take_dataset(budget: MemoryBudget, where: str, dataset: Any) -> None:
+    """Take the numbers of a dataset from a budget; InputError if more are declared than stored."""
+    count = float(dataset.size or 0)
+    require_memory(where, count * dataset.dtype.itemsize, dataset.id.get_storage_size())
+    budget.take(bytes_of_numbers(count, dataset.dtype.itemsize))
+
+
+def numbers_of(
+    where: str, parent: Any, name: str, budget: MemoryBudget | None = None
+) -> NDArray[Any]:
     """Return the numbers of a dataset, or of the `value` of an element of H5MD; or InputError.
 
-    What netCDF says is missing is masked. Sizes are checked before memory is asked for.
+    What netCDF says is missing is masked. Sizes are checked before memory is asked for, and taken
+    from a budget.
     """
     import h5py
 
@@ -140,8 +241,7 @@ def numbers_of(where: str, parent: Any, name: str) -> NDArray[Any]:
     is_here = isinstance(dataset, h5py.Dataset) and not (dataset.is_virtual or dataset.external)
     if not is_here or dataset.dtype.kind not in "iuf":
         refuse_data(f"{where}: {name} value", "something else", "numbers in this file")
-    size = float(dataset.size or 0) * dataset.dtype.itemsize
-    require_memory(where, size, dataset.id.get_storage_size())
+    take_dataset(budget or MemoryBudget(where), where, dataset)
     values = dataset[()]
     missing = np.zeros(np.shape(values), bool)
     for attribute in ("_FillValue", "missing_value"):

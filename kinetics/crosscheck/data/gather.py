@@ -35,6 +35,12 @@ MIN_CLOCKS = 10
 SAME_TIME = 1e-6
 #: The same as a fraction of the mean step, for times that are long after 0. Origin not recorded.
 SAME_TIME_OF_STEP = 1e-3
+#: Times that differ by less than this fraction may be one time in single precision, whose rounding
+#: it is. (Two that are rounded differ by 1.2e-7 or not at all.)
+SINGLE_PRECISION = 6e-8
+#: They are one then if that is below this fraction of the mean step. Chosen: steps that vary by
+#: less than five times are kept.
+SINGLE_OF_STEP = 0.2
 #: Times at which velocities are needed to be of use: at one, positions alone tell more.
 MIN_TIMES_WITH_VELOCITIES = 2
 #: Rows from which it is told whether velocities are differences of positions, about.
@@ -208,6 +214,8 @@ def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArra
         refuse_data(f"{where}: time", f"{different[0]:g}", "not negative")
     mean_step = (different[-1] - different[0]) / max(different.size - 1, 1)
     margin = np.minimum(SAME_TIME * different[1:], SAME_TIME_OF_STEP * mean_step)
+    of_single = np.minimum(SINGLE_PRECISION * different[1:], SINGLE_OF_STEP * mean_step)
+    margin = np.maximum(margin, of_single)
     is_new = np.append(True, np.diff(different) > margin)
     return different[is_new], (np.cumsum(is_new) - 1)[index]
 

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
-from kinetics.crosscheck.data.containers import member_of, numbers_of
+from kinetics.crosscheck.data.containers import member_of, numbers_of, take_dataset
 from kinetics.crosscheck.data.frames import Box, Frame
+from kinetics.crosscheck.data.memory import MemoryBudget
 from kinetics.crosscheck.data.missing import without_mask
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table, table_of_frames
@@ -21,7 +22,8 @@ LABEL_OF_ELEMENT = {"id": "tracer", "medium": "medium", "species": "type"}
 def read_h5md(file: Any, where: str, options: DataOptions) -> Table:
     """Read an open H5MD file."""
     group = _group_of_particles(where, file["particles"])
-    positions = without_mask(numbers_of(where, group, "position")).astype(float)
+    _require_memory(where, group)
+    positions = without_mask(numbers_of(where, group, "position")).astype(float, copy=False)
     times = _times_of(where, group, "position", positions.shape[0], options)
     columns = {"position": positions}
     if "velocity" in group:
@@ -33,6 +35,18 @@ def read_h5md(file: Any, where: str, options: DataOptions) -> Table:
         box = None
     frames = [_frame(columns, labels, index, time) for index, time in enumerate(times)]
     return table_of_frames(where, frames, options, box)
+
+
+def _require_memory(where: str, group: Any) -> None:
+    """Raise InputError for elements of particles that together do not fit."""
+    import h5py
+
+    budget = MemoryBudget(where)
+    for name in ("position", "velocity", "image", *LABEL_OF_ELEMENT):
+        element = member_of(group, name)
+        dataset = member_of(element, "value") if isinstance(element, h5py.Group) else element
+        if isinstance(dataset, h5py.Dataset):
+            take_dataset(budget, where, dataset)
 
 
 def _group_of_particles(where: str, particles: Any) -> Any:
@@ -77,7 +91,7 @@ def _velocities(
     where: str, group: Any, positions: NDArray[Any], times: NDArray[Any], options: DataOptions
 ) -> NDArray[Any]:
     """Return velocities at the times of the positions; missing at those that have none."""
-    values = without_mask(numbers_of(where, group, "velocity")).astype(float)
+    values = without_mask(numbers_of(where, group, "velocity")).astype(float, copy=False)
     velocity_times = _times_of(where, group, "velocity", values.shape[0], options)
     if values.shape[1:] != positions.shape[1:]:
         refuse_data(f"{where}: velocity", values.shape, f"{positions.shape}, as of the positions")

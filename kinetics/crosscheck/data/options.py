@@ -8,7 +8,7 @@ from typing import Any, NoReturn, Self
 
 from kinetics.crosscheck.data.columns import columns_by_our_names
 from kinetics.errors import InputError
-from kinetics.validation import one_of, real_number, refuse
+from kinetics.validation import one_of, real_number, refuse, whole_number
 
 #: Smallest and largest unit: its square and its cube must be finite.
 MIN_UNIT = 1e-100
@@ -96,8 +96,8 @@ class DataOptions:
             step_time = real_number("timestep", timestep, MIN_UNIT, MAX_UNIT)
         if frame_interval is not None:
             step_time = real_number("frame_interval", frame_interval, MIN_UNIT, MAX_UNIT)
-        if dimension not in (None, 2, 3):
-            refuse("dimension", dimension, "it must be 2 or 3")
+        if dimension is not None:
+            dimension = whole_number("dimension", dimension, 2, 3)
         return cls(
             positions=one_of("positions", positions, POSITIONS),
             units=Units(length, speed, time),

@@ -15,11 +15,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.averages import AveragesTable, are_averages
+from kinetics.crosscheck.data.copies import copies
 from kinetics.crosscheck.data.ends import without_biased_ends
 from kinetics.crosscheck.data.ensembles import sample_of_ensemble
 from kinetics.crosscheck.data.formats import column_names_of, name_of, read_source
 from kinetics.crosscheck.data.gather import gather_tracks
 from kinetics.crosscheck.data.identity import MIN_SHARE_IN_ORDER, share_in_order
+from kinetics.crosscheck.data.memory import MemoryBudget
 from kinetics.crosscheck.data.motion import impossible_motion
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.sample import Law, Sample, reduce_tracks
@@ -48,6 +50,7 @@ def read_sample(
     options = DataOptions.checked(**arguments)
     _check_sources(sources)
     tables: list[Table] = []
+    budget = MemoryBudget("data")
     for source in sources:
         table = read_source(source, options)
         if isinstance(table, AveragesTable):
@@ -57,6 +60,7 @@ def read_sample(
                 refuse_data(name_of(source), "an Ensemble of several", "the only file")
             return sample_of_ensemble(table, name_of(source).rsplit("/", 1)[-1])
         tables.append(table)
+        budget.take(float(sum(values.nbytes for values in table.columns.values())))
     names = tuple(name_of(source).rsplit("/", 1)[-1] for source in sources)
     where = ", ".join(names)
     gathered = gather_tracks(tables, options)
@@ -65,6 +69,8 @@ def read_sample(
     if _are_tracers_known(tracks, where) and check_motion:
         impossible = impossible_motion(gathered, where, options.units)
     sample = _group(tracks, names, options)
+    if _are_tracers_known(tracks, where):
+        impossible += copies(tracks)
     return replace(
         sample,
         law=Law(dimension=options.dimension or 2),

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.data.drift import Drift, find_drift
 from kinetics.crosscheck.data.frame_pairs import FramePairs, sum_over_pairs
 from kinetics.crosscheck.data.tracks import Tracks
 from kinetics.drive import DRIVES
@@ -146,6 +147,7 @@ class Sample:
     presence : when tracers are there, of some thousand of them, shape (n, n_times); None where all
         are there at all times. Means over tracers with gaps are not of the same tracers at two
         times, and less correlated
+    drift : the mean velocity in U that all times share; None if there is none
     """
 
     names: tuple[str, ...]
@@ -167,6 +169,7 @@ class Sample:
     pairs: FramePairs | None = None
     unit_names: dict[str, str] = field(default_factory=dict)
     presence: NDArray[np.bool_] | None = None
+    drift: Drift | None = None
 
     def at_times(self, indices: NDArray[np.int64]) -> Sample:
         """Return the averages of some of the times, which hold all frames of its pairs."""
@@ -286,6 +289,7 @@ def reduce_tracks(
         has_velocities=has_velocities,
         pairs=pairs,
         presence=_presence(tracks),
+        drift=find_drift(velocity, group) if has_velocities else None,
     )
 
 

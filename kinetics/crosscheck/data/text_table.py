@@ -29,7 +29,7 @@ from kinetics.crosscheck.data.averages import (
     table_of_averages,
 )
 from kinetics.crosscheck.data.columns import KNOWN_NAMES, LABELS, ColumnName, find_columns
-from kinetics.crosscheck.data.memory import require_memory
+from kinetics.crosscheck.data.memory import MemoryBudget, require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table, needed_columns, table_of_columns
 from kinetics.errors import short
@@ -40,8 +40,16 @@ MAX_LINE_BYTES = 1 << 20
 SAMPLE_BYTES = 1 << 16
 #: Lines among which the first row of numbers must be.
 MAX_HEAD_LINES = 200
-#: Rows that are parsed at once, so that memory can be checked meanwhile.
-ROWS_AT_ONCE = 200_000
+#: Rows that are parsed at once at most, so that memory can be checked meanwhile.
+MAX_ROWS_AT_ONCE = 200_000
+#: The same at least, however long the first lines are.
+MIN_ROWS_AT_ONCE = 100
+#: Bytes of such rows, if later lines are as long as the first ones. Chosen: a few percent of the
+#: memory of a small machine, as the parser needs several times as much.
+BYTES_AT_ONCE = 32e6
+#: Bytes of memory that the parser takes for a byte of text at most. Measured: 9 for columns of one
+#: digit, all of which are read.
+MEMORY_OF_TEXT = 9.0
 #: Separators in the order in which they are tried; blanks (of any number) last.
 SEPARATORS = ("\t", ";", ",")
 BLANKS = r"\s+"
@@ -85,12 +93,20 @@ def column_names(path: Path, where: str, options: DataOptions) -> tuple[str, ...
 
 
 class _LineGuard(io.RawIOBase):
-    """The bytes of a file; InputError where a line is so long that it is no line of a table."""
+    """The bytes of a file; InputError where a line is so long that it is no line of a table.
+
+    So it is where the rows that are parsed at once are so long that they do not fit.
+    """
 
     def __init__(self, file: IO[bytes], where: str) -> None:
         self._file = file
         self._where = where
         self._line_bytes = 0
+        self._bytes_at_once = 0
+
+    def begin_rows(self) -> None:
+        """Begin to count the bytes of the rows that are parsed at once."""
+        self._bytes_at_once = 0
 
     def close(self) -> None:
         """Close the file."""
@@ -108,15 +124,22 @@ class _LineGuard(io.RawIOBase):
         self._line_bytes = len(data) - end - 1 + (self._line_bytes if end < 0 else 0)
         if self._line_bytes > MAX_LINE_BYTES:
             refuse_data(self._where, "a line of over a million bytes", "rows of a table")
+        self._bytes_at_once += len(data)
+        require_memory(self._where, MEMORY_OF_TEXT * self._bytes_at_once)
         buffer[: len(data)] = data
         return len(data)
 
 
 def _open(path: Path, where: str) -> io.BufferedReader:
     """Open a file, packed or not, for reading bytes."""
+    return io.BufferedReader(_guarded(path, where), SAMPLE_BYTES)
+
+
+def _guarded(path: Path, where: str) -> _LineGuard:
+    """Open a file, packed or not, and watch its lines."""
     is_packed = path.suffix.lower() == ".gz"
     file: Any = gzip.open(path) if is_packed else open(path, "rb")  # noqa: SIM115
-    return io.BufferedReader(_LineGuard(file, where), SAMPLE_BYTES)
+    return _LineGuard(file, where)
 
 
 def _encoding_of(path: Path, where: str) -> str:
@@ -322,8 +345,9 @@ def _parsed(
     originals = [column.original for column in wanted]
     places = sorted(layout.names.index(original) for original in originals)
     chunks = []
-    n_bytes = 0.0
-    with _open(path, where) as file:
+    budget = MemoryBudget(where)
+    guard = _guarded(path, where)
+    with io.BufferedReader(guard, SAMPLE_BYTES) as file:
         try:
             reader = pd.read_csv(
                 file,
@@ -338,17 +362,25 @@ def _parsed(
                 encoding=encoding,
                 encoding_errors="replace",
                 index_col=False,
-                chunksize=ROWS_AT_ONCE,
+                chunksize=_rows_at_once(path, where),
                 low_memory=False,
             )
             for chunk in reader:
+                budget.take(float(chunk.memory_usage(index=False, deep=True).sum()))
                 chunks.append(chunk)
-                n_bytes += float(chunk.memory_usage(index=False).sum())
-                require_memory(where, n_bytes)
+                guard.begin_rows()
         except pd.errors.ParserError as error:
             refuse_data(where, short(str(error), 150), "rows with one cell for each column")
     frame = pd.concat(chunks, ignore_index=True)
     return frame.rename(columns={place: layout.names[place] for place in places})
+
+
+def _rows_at_once(path: Path, where: str) -> int:
+    """Return how many rows are parsed at once: fewer where the first lines are long."""
+    with _open(path, where) as file:
+        sample = file.read(SAMPLE_BYTES)
+    line_bytes = len(sample) / (sample.count(b"\n") + 1)
+    return int(np.clip(BYTES_AT_ONCE / line_bytes, MIN_ROWS_AT_ONCE, MAX_ROWS_AT_ONCE))
 
 
 def _as_numbers(

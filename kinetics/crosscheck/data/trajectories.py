@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.columns import AXES, SPEEDS
 from kinetics.crosscheck.data.frames import Box, Frame, common_box
-from kinetics.crosscheck.data.memory import require_memory
+from kinetics.crosscheck.data.memory import MemoryBudget, bytes_of_numbers, require_memory
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 from kinetics.crosscheck.data.table import Table, table_of_frames
 from kinetics.errors import short
@@ -23,6 +23,10 @@ from kinetics.errors import short
 MAX_LINE = 1 << 20
 #: Columns of one property of extended XYZ at most.
 MAX_WIDTH = 1000
+#: Lines that are parsed at once, so that memory can be checked meanwhile.
+LINES_AT_ONCE = 100_000
+#: Columns of a frame of GSD: a label, places and velocities.
+COLUMNS_OF_GSD = 7
 
 
 class _Lines:
@@ -30,6 +34,7 @@ class _Lines:
 
     def __init__(self, path: Path, where: str) -> None:
         require_memory(where, 0.5 * path.stat().st_size)
+        self._budget = MemoryBudget(where)
         self._file = open(path, errors="replace")  # noqa: SIM115
         self._name = where
         self._number = 0
@@ -84,20 +89,35 @@ class _Lines:
             if list(names).count(name) != 1:
                 self.refuse(f"column {name!r} {list(names).count(name)} times", "once")
         first = self._number + 1
-        rows = list(islice(self._file, count))
-        self._number += len(rows)
         kinds: Any = [(name, "U64" if name == "type" else float) for name in wanted]
         places = [list(names).index(name) for name in wanted]
-        problem = f"{len(rows)} lines, some blank"
+        blocks = [np.empty(0, kinds)]
+        remaining = count
+        while remaining > 0:
+            rows = list(islice(self._file, min(remaining, LINES_AT_ONCE)))
+            self._number += len(rows)
+            self._budget.take(float(np.dtype(kinds).itemsize * len(rows)))
+            block = self._block(rows, kinds, places)
+            if isinstance(block, str) or block.size < min(remaining, LINES_AT_ONCE):
+                problem = f"{self._number - first + 1} lines, some blank"
+                if isinstance(block, str):
+                    problem = block
+                refuse_data(
+                    f"{self._name}: from line {first} on", problem, f"{count} rows of numbers"
+                )
+            blocks.append(block)
+            remaining -= block.size
+        values = np.concatenate(blocks)
+        return {name: values[name] for name in wanted}
+
+    def _block(self, rows: list[str], kinds: Any, places: list[int]) -> NDArray[Any] | str:
+        """Return columns of lines; a text that says what is wrong if they have no such numbers."""
+        if not rows:
+            return np.empty(0, kinds)
         try:
-            values = np.empty(0, kinds)
-            if rows:
-                values = np.loadtxt(rows, kinds, None, usecols=places, ndmin=1)
-            if values.size == count:
-                return {name: values[name] for name in wanted}
+            return np.loadtxt(rows, kinds, None, usecols=places, ndmin=1)
         except ValueError as error:
-            problem = short(str(error), 150)
-        refuse_data(f"{self._name}: from line {first} on", problem, f"{count} rows of numbers")
+            return short(str(error), 150)
 
 
 # -- LAMMPS ----------------------------------------------------------------------------------------
@@ -296,12 +316,14 @@ def read_gsd(path: Path, where: str, options: DataOptions) -> Table:
         n_frames = len(file)
         stated = [_stated_in_gsd(file.file, index) for index in range(n_frames)]
         has_images = any("image" in names for names in stated[1:])
+        budget = MemoryBudget(where)
         frames = []
         boxes = []
         for index in range(n_frames):
             if "position" not in stated[index]:
                 continue
             snapshot = file[index]
+            budget.take(bytes_of_numbers(int(snapshot.particles.N) * COLUMNS_OF_GSD, 8.0))
             frames.append(_frame_of_gsd(where, snapshot, stated[index], has_images, options))
             boxes.append(_box_of_gsd(where, snapshot))
     box = None if has_images else common_box(where, boxes)

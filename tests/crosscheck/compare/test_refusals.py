@@ -5,13 +5,16 @@ import os
 import subprocess
 import sys
 import zipfile
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+import pyarrow
 import pytest
 from made_data import TIMES, Run, columns_of, inside, text_of, write_h5md
+from pyarrow import parquet
 
 from kinetics import compare
 from kinetics.errors import InputError
@@ -87,7 +90,17 @@ REFUSED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
     "late": ({"t": np.repeat([0.0, 1.0, 2.0, 1e80], 2000)}, {}, "times: got 1e"),
     "at rest": ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, {}, "every speed at time 0 is zero"),
     "no labels": ({"medium": None, "id": None}, {}, "a column tracer"),
-}
+    "explain as text": ({}, {"explain": "no"}, "explain: got 'no'"),
+    "fitted as number": ({}, {"fitted": 1}, "fitted: got 1"),
+    "start without a name": ({}, {"initial": np.ones(2)}, "initial: got array"),
+    "dimension as array": ({}, {"dimension": np.array([2, 3])}, "dimension: got array"),
+} | {
+    f"{name} as array": ({}, {name: np.array([1.0, 2.0])}, f"^{name}: got array")
+    for name in (
+        "bath_speed", "capture_speed", "diameter", "drag", "field", "heating", "mass_ratio",
+        "number_density", "tangential_restitution",
+    )
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", list(REFUSED))
@@ -96,6 +109,17 @@ def test_what_cannot_be_used(run: Run, name: str) -> None:
     data = {k: v for k, v in (columns_of(run) | change).items() if v is not None}
     with pytest.raises(InputError, match=words):
         compare(data, **{"restitution": 0.75, "number_density": 0.04} | told)
+
+
+def test_a_fraction_is_a_number(run: Run) -> None:
+    answers = []
+    for tangential in (0.9, Fraction(9, 10)):
+        answers.append(
+            compare(
+                columns_of(run), 0.75, 0.04, tangential_restitution=tangential, explain=False
+            ).to_json()
+        )
+    assert answers[0] == answers[1]
 
 
 def test_positions_that_look_wrapped_are_refused(run: Run) -> None:
@@ -194,6 +218,59 @@ def test_small_files_cost_little(tmp_path: Path) -> None:
     for name, seconds, kilobytes in map(str.split, done.stdout.splitlines()):
         assert float(seconds) < 1.0, name
         assert int(kilobytes) < 200_000, name
+
+
+#: Memory in bytes that a machine has in the next test: a sixth of it may be read.
+MEMORY = 1.2e9
+
+
+def large_files(folder: Path) -> None:
+    """Files that are small and take more than a quarter of this memory, were they read whole."""
+    numbers = np.zeros(10_000_000, np.int8)
+    columns = {"time": numbers, "x": numbers, "y": numbers, "vx": numbers, "vy": numbers}
+    np.savez_compressed(folder / "narrow.npz", **columns)
+    with h5py.File(folder / "narrow.h5", "w") as file:
+        for name in columns:
+            file.create_dataset(name, data=numbers, compression="gzip")
+    rows = pyarrow.array(np.zeros(6_000_000))
+    table = pyarrow.table({"t": rows, "x": rows, "y": rows, "vx": rows, "vy": rows, "id": rows})
+    parquet.write_table(table, folder / "numbers.parquet")
+    texts = pyarrow.array([str(k) + "a" * 4000 for k in range(80_000)])
+    columns_of_texts = {name: rows[: len(texts)] for name in ("t", "x", "y", "vx", "vy")}
+    text_table = pyarrow.table({**columns_of_texts, "id": texts})
+    parquet.write_table(text_table, folder / "texts.parquet", compression="zstd")
+    short_rows = b"0,0,0,1,0,1\n" * 1_000_000
+    long_rows = b"0,0,0,1,0," + b"a" * 9000 + b"\n"
+    with gzip.open(folder / "rows.csv.gz", "wb", 1) as packed:
+        packed.write(HEAD.encode())
+        for _ in range(9):
+            packed.write(short_rows)
+    with gzip.open(folder / "texts.csv.gz", "wb", 1) as packed:
+        packed.write(HEAD.encode() + short_rows[: 12 * 6000])
+        for _ in range(35):
+            packed.write(long_rows * 1000)
+
+
+def test_what_does_not_fit_is_refused_while_it_is_read(tmp_path: Path) -> None:
+    """A quarter of the memory is never taken, beside what the imports and the libraries take."""
+    large_files(tmp_path)
+    code = (
+        "import sys, resource, h5py, scipy.optimize, pyarrow.parquet\n"
+        "from kinetics.crosscheck import compare_data\n"
+        "from kinetics.crosscheck.data import memory\n"
+        f"memory.available_memory = lambda: {MEMORY}\n"
+        "before = resource.getrusage(0).ru_maxrss\n"
+        "try: compare_data(sys.argv[1], 0.7, 0.04); said = 'nothing'\n"
+        "except ValueError as error: said = str(error)\n"
+        "print(resource.getrusage(0).ru_maxrss - before, said)"
+    )
+    for path in sorted(tmp_path.iterdir()):
+        done = subprocess.run(
+            [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
+        )
+        kilobytes, said = done.stdout.split(" ", 1)
+        assert "sixth of the memory" in said, path.name
+        assert 1024 * int(kilobytes) < MEMORY / 4, path.name
 
 
 def test_what_is_given_twice_or_mixed_is_refused(tmp_path: Path, csv: Path, run: Run) -> None:

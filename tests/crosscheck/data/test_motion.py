@@ -132,3 +132,13 @@ def test_what_a_field_drives_may_get_faster(tracks: Tracks) -> None:
     place = exchanged(tracks[0], 3, 4, 30)
     velocity = exchanged(tracks[1], 3, 4, 30)
     assert alarms(table_of(place, velocity), check_motion=False) == []
+
+
+def test_a_straight_flight_that_is_measured_with_errors_may_go_on_for_long() -> None:
+    """The speed that two short steps show is known as well as the errors of the places allow."""
+    times = np.array([0.0, 1.0, 2.0, 60.0])
+    generator = np.random.default_rng(8)
+    velocity = generator.normal(0.0, 0.6, (600, 2))
+    place = velocity * times[:, None, None] + generator.normal(0.0, 0.03, (4, 600, 2))
+    steps = steps_beyond_straight_flight(DataTracks(times, place, None), Units())
+    assert not steps.is_further.any()

@@ -115,3 +115,24 @@ def test_harmonics_against_integrals(e: float, et: float, dimension: int) -> Non
         for p, m in [(0.5, 0), (-0.5, 0), (0.0, 1), (2.0, 1), (1.0, 3), (3.0, 7), (-0.5, 2)]:
             exact = decay(e, et, dimension, p, m)
             assert float(abs(law.harmonic_decay_rate(p, m) - exact)) <= LIMIT
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("p", [-1.99, -1.5, -1.0, 0.5, 3.0, 40.0])
+def test_bounces_that_keep_no_tangential_velocity(p: float, dimension: int) -> None:
+    """E[s^p] of s = e sqrt(1 - y^2), y^(d - 1) uniform: near the lowest power -2 it diverges."""
+    law = CollisionLaw(0.5, 0.0, dimension)
+    with mp.workdps(40):
+        a = mp.mpf(p) / 2 + 1
+        q = mp.mpf(dimension - 1) / 2
+        mean = mp.mpf("0.5") ** p * q * mp.beta(a, q)
+        assert relative(law.mean_speed_ratio_power(p), mean) <= 1e-12
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9])
+def test_the_tail_exponent_is_that_of_large_powers(e: float, dimension: int) -> None:
+    """E[s^p] = b/p (1 + O(1/p)): one step of Richardson leaves O(1/p^2)."""
+    law = CollisionLaw(e, dimension=dimension)
+    low, high = (p * law.mean_speed_ratio_power(p) for p in (1e5, 2e5))
+    assert law.tail_exponent == pytest.approx(2.0 * high - low, rel=1e-7)

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from marking import slow_but
+from scipy.interpolate import BarycentricInterpolator
 
 from kinetics import CollisionLaw, ScalingSolution, Scene, solve
 from kinetics.collision import law_in_medium, medium
+from kinetics.collision.return_constants import constants_at
 from tests.kinetics.measurements import density, returns
 
 LATE = 1e15
@@ -137,3 +139,23 @@ def test_the_scaled_density_has_its_moments(e: float, n: float) -> None:
         low = exact.vdf(np.geomspace(1e-4, 0.8, 40))
         assert np.isnan(low[0])
         assert np.all(low[np.isfinite(low)] > 0)
+
+
+@pytest.mark.parametrize("column", ["d", "ln C 0", "ln C 1", "ln C 2", "loops"])
+def test_constants_between_those_of_the_table_are_no_straight_lines(column: str) -> None:
+    """They are nearer to a polynomial through six points of the table, by a factor of two."""
+    known = json.loads(files("kinetics.collision").joinpath("returns.json").read_text("utf-8"))
+    values = np.array(known[column])
+    points = np.array(known["restitution"])[: values.size]
+    middles = np.array([0.45, 0.55, 0.65, 0.75])
+    found = []
+    smooth = []
+    for middle in middles:
+        constants = constants_at(float(middle))
+        numbers = {"d": constants.more_collisions, "loops": constants.loops}
+        numbers |= {f"ln C {m}": constants.log_c[m] for m in range(3)}
+        found.append(numbers[column])
+        nearest = np.sort(np.argsort(np.abs(points - middle))[:6])
+        smooth.append(float(BarycentricInterpolator(points[nearest], values[nearest])(middle)))
+    linear = np.interp(middles, points, values)
+    assert np.abs(np.subtract(found, smooth)).sum() < 0.5 * np.abs(linear - smooth).sum()

@@ -29,8 +29,8 @@ def chance_of_loops(n: float, eps: np.ndarray, z: complex) -> np.ndarray:
 def test_elastic_tracers_of_one_speed_obey_a_matrix(n: float) -> None:
     """All harmonics of one speed: the Laplace transform of a is the inverse of a matrix."""
     scene = Scene(
-        1.0, n, times=[1.0 / n, 4.0 / n], initial="monoenergetic", scatterers="overlapping",
-        outputs="intermediate_scattering",
+        1.0, n, times=[0.1 / n, 1.0 / n, 4.0 / n], initial="monoenergetic",
+        scatterers="overlapping", outputs="intermediate_scattering",
     )  # fmt: skip
     law, path, m = CollisionLaw(1.0), scene.mean_free_path, np.arange(60)
     sign, eps = (-1.0) ** m, np.array([scene.law.returns(int(k))[0] for k in m])
@@ -48,7 +48,8 @@ def test_elastic_tracers_of_one_speed_obey_a_matrix(n: float) -> None:
     for i, t in enumerate(np.asarray(scene.times) / path):
         for k, f in zip(wave_numbers, found[i], strict=True):
             exact = inverse_laplace(lambda z, k=k: transform(z, k), t)
-            assert f == pytest.approx(exact, abs=1e-5 * n)
+            # at the first time a series has most of it, without the panels of later times
+            assert f == pytest.approx(exact, abs=(1e-7 if i == 0 else 1e-5) * n)
 
 
 @pytest.mark.slow

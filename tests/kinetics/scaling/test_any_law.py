@@ -46,6 +46,27 @@ def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
 
 
 @pytest.mark.parametrize(
+    ("e", "et", "dimension"),
+    [(0.0, 1.0, 2), (0.0, 0.5, 3), (0.5, 0.0, 2), (0.8, 0.0, 2), (0.5, 0.0, 3), (0.5, 1.0, 2)],
+)
+def test_the_density_at_rest_is_the_limit_of_that_beside_it(
+    e: float, et: float, dimension: int
+) -> None:
+    """It is infinite, finite (q = d) or zero, as c^(q - d) is, -q the lowest power of the law."""
+    law = CollisionLaw(e, et, dimension)
+    power = -law.lowest_power - dimension
+    for solution in (ScalingSolution(law), solve_scaled(law, rtol=1e-10)):
+        at_rest = float(solution.vdf(0.0))
+        if power < 0.0:
+            assert at_rest == np.inf
+        elif power > 0.0:
+            assert at_rest == 0.0
+        else:
+            assert at_rest > 0.0
+            assert at_rest == pytest.approx(float(solution.vdf(1e-9)), rel=1e-7)
+
+
+@pytest.mark.parametrize(
     "law",
     [
         {"restitution": 0.0, "dimension": 3},

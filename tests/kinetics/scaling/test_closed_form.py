@@ -53,9 +53,10 @@ def test_vdf_against_mellin_inversion(e: str) -> None:
     np.testing.assert_allclose(ScalingSolution(float(e)).vdf(c), f, rtol=1e-12)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("e", [0.0, 0.4, 0.8])
-def test_exponential_tail_with_its_power(e: float) -> None:
-    exact = ScalingSolution(e)
+def test_exponential_tail_with_its_power(e: float, dimension: int) -> None:
+    exact = ScalingSolution(e, 1.0, dimension)
     c = np.array([75.0, 150.0, 300.0]) * exact.cooling_rate
     log_f = np.log(exact.vdf(c))
     form = exact.tail_power * np.log(c) - exact.tail_rate * c
@@ -64,7 +65,7 @@ def test_exponential_tail_with_its_power(e: float) -> None:
     once = 2 * left[1:] - left[:-1]
     assert abs(once[1] - once[0]) <= 0.1 * abs(left[2] - left[1]) + 1e-11
     assert exact.tail_rate == pytest.approx(2 / exact.cooling_rate)
-    assert exact.tail_power == pytest.approx(1 / (1 - e * e) - 2)
+    assert exact.tail_power == pytest.approx((dimension - 1) / (1 - e * e) - dimension)
 
 
 def test_the_elastic_limit() -> None:

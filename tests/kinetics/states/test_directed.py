@@ -102,6 +102,23 @@ def test_polar_grid_is_the_function_it_samples() -> None:
     assert np.max(np.abs(found - f(at[:, None], angle))) < 1e-3 * 0.16
 
 
+@pytest.mark.parametrize("n_phi", [3, 4, 5, 6])
+def test_a_polar_grid_has_every_harmonic_below_half_of_its_angles(n_phi: int) -> None:
+    """f = g(v)/(2 pi v) (1 + sum of a_m cos(m phi)), m < n_phi/2: <v cos(m phi)> is a_m <v>/2."""
+    v = np.linspace(0.0, 2.0, 3)
+    phi = 2.0 * np.pi * np.arange(n_phi) / n_phi
+    size_of_harmonic = {m: 0.3 / m for m in range(1, (n_phi + 1) // 2)}
+    angular = np.ones(n_phi)
+    for m, size in size_of_harmonic.items():
+        angular = angular - size * np.cos(m * phi)
+    # v f is linear between 0, 1 and 2: a triangle, of integral 1 and mean 1
+    values = np.outer([0.0, 1.0, 0.0], angular) / (2.0 * np.pi)
+    solution = solve(scene(0.7, PolarGrid(v, values), [0.0], outputs="mean_velocity"))
+    assert solution.mean_velocity[0, 0] == pytest.approx(-0.15, rel=1e-9)
+    for m, size in size_of_harmonic.items():
+        assert solution.harmonic(1, m)[0] == pytest.approx(-size / 2.0, rel=1e-9)
+
+
 @pytest.mark.parametrize("n", [7, 20_000])  # kept as they are, and gathered on a grid
 def test_samples_of_velocities(n: int) -> None:
     v = np.random.default_rng(5).normal([0.7, -0.2], [1.0, 0.5], (n, 2))
