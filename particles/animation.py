@@ -37,6 +37,9 @@ CLOCKS = ("log time", "collisions")
 MOST_FRAMES = 2000
 #: Most frames in a second.
 MOST_PER_SECOND = 100.0
+#: Time of the second frame over the mean time of the first collision. Chosen: with equal ratios of
+#: times from an earlier one on, half of the film would show free flights.
+FIRST_FRAME = 0.5
 #: Dots per inch, and the width of a picture in inches. Chosen: 480 dots, a GIF of a megabyte or so.
 DOTS_PER_INCH = 80
 #: Width of a picture in inches.
@@ -83,12 +86,14 @@ def moment_of(paths: Sequence[Trajectory], time: float) -> Moment:
 def frame_times(paths: Sequence[Trajectory], frames: int, clock: Clock) -> np.ndarray:
     """Return the times of frames in d/U, (frames,), rising, from 0 to the end of the longest path.
 
-    clock: "log time", equal ratios from the first collision on; or "collisions", equal numbers of
+    clock: "log time", equal ratios from `FIRST_FRAME` on; or "collisions", equal numbers of
     collisions between one frame and the next.
     """
     events = np.sort(np.concatenate([path.times[1:] for path in paths]))
     if clock == "log time":
-        return np.concatenate([[0.0], np.geomspace(events[0], events[-1], frames - 1)])
+        first = FIRST_FRAME * float(np.mean([path.times[1] for path in paths]))
+        first = min(first, float(events[-1]) / 2.0)
+        return np.concatenate([[0.0], np.geomspace(first, events[-1], frames - 1)])
     numbers = np.arange(events.size + 1) / len(paths)
     known = np.concatenate([[0.0], events])
     return np.interp(np.linspace(0.0, numbers[-1], frames), numbers, known)
@@ -97,7 +102,7 @@ def frame_times(paths: Sequence[Trajectory], frames: int, clock: Clock) -> np.nd
 def animate(
     plan: Plan,
     path: str | PathLike[str] | None = None,
-    tracers: int = 8,
+    tracers: int | None = None,
     frames: int = 120,
     clock: Clock = "log time",
     per_second: float = 20.0,

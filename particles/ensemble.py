@@ -337,15 +337,16 @@ class Ensemble(Value):
 
     def trajectories(
         self,
-        tracers: int = 8,
+        tracers: int | None = None,
         configuration: int = 0,
         until: float | None = None,
         collisions: int = 300,
     ) -> list["Trajectory"]:
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        until: the time in d/U at which they end, that of the last output if None. collisions: where
-        they end at the latest.
+        tracers: how many; None for eight, or all where a configuration has fewer. until: the time
+        in d/U at which they end, that of the last output if None. collisions: where they end at the
+        latest.
         """
         from particles.paths import trajectories
 
@@ -353,7 +354,7 @@ class Ensemble(Value):
 
     def plot_trajectories(
         self,
-        tracers: int = 8,
+        tracers: int | None = None,
         ax: "Axes | None" = None,
         colour_bar: bool = True,
         configuration: int = 0,
@@ -388,7 +389,7 @@ class Ensemble(Value):
     def animate(
         self,
         path: str | PathLike[str] | None = None,
-        tracers: int = 8,
+        tracers: int | None = None,
         frames: int = 120,
         clock: "Clock" = "log time",
         per_second: float = 20.0,
@@ -405,11 +406,12 @@ class Ensemble(Value):
         ----------
         path : file to save the film to, .gif (by Pillow) or .mp4 (where the program ffmpeg is);
             None to save none: ``film.to_jshtml()`` shows it in a notebook
-        tracers, configuration : which tracers are shown, the first of a configuration
+        tracers, configuration : which tracers are shown, the first of a configuration; None for
+            eight, or all where it has fewer
         frames : number of frames, 2 to 2000
         clock : how they are spaced, as collisions of tracers that cool follow at ever longer times:
-            "log time" for equal ratios of times, from the first collision on, "collisions" for
-            equal numbers of collisions
+            "log time" for equal ratios of times, from about the first collision on, or
+            "collisions" for equal numbers of collisions
         per_second : frames in a second of the film
         until : time in d/U at which it ends, that of the last output if None
         collisions : of each tracer, at which it ends at the latest, 1000 at most
@@ -509,7 +511,9 @@ class Ensemble(Value):
             totals.add(run.ensemble.arrays, len(run.configurations))
         done = totals.configurations
         if done < plan.media:
-            raise ValueError(f"parts: configuration {done} of 0 to {plan.media - 1} is missing")
+            missing = f"configuration {done} of 0 to {plan.media - 1} is missing"
+            part = _part_with(done, runs[0].ensemble.plan)
+            raise ValueError(f"parts: {missing}{part}")
         return cls(plan, totals.arrays())
 
     # -- helpers -----------------------------------------------------------------------------------
@@ -588,6 +592,17 @@ class _PartOfRun(NamedTuple):
         if difference := plan.difference_from(own.replaced(part=None)):
             name = own.part or "the whole"
             raise ValueError(f"parts: {name}{self.source} is of {difference}")
+
+
+def _part_with(configuration: int, plan: Plan) -> str:
+    """Return the end of a message: which part of a run has a configuration; "" if there is none."""
+    if plan.part is None:
+        return ""
+    n = plan.part[1]
+    for k in range(1, n + 1):
+        if configuration in plan.replaced(part=(k, n)).configurations:
+            return f": part {k}/{n} is not among the files"
+    return ""
 
 
 def _open_part(part: "Ensemble | str | PathLike[str]") -> _PartOfRun:

@@ -39,6 +39,8 @@ DISK_COLOUR = "#8d98a5"
 MARK_COLOUR = "#16191d"
 #: Smallest width of a picture in d. The origin of the number is not recorded.
 SMALLEST_WIDTH = 8.0
+#: Tracers that a picture shows unless it is asked for others: more hide each other.
+USUAL_TRACERS = 8
 #: Smallest ratio of the sides of a picture. The origin of the number is not recorded.
 SMALLEST_ASPECT = 0.6
 #: Margin around paths, as a share of the longer side. The origin of the number is not recorded.
@@ -75,16 +77,19 @@ def is_curved(plan: Plan) -> bool:
 
 def trajectories(
     plan: Plan,
-    tracers: int = 8,
+    tracers: int | None = None,
     configuration: int = 0,
     until: float | None = None,
     collisions: int = 300,
 ) -> list[Trajectory]:
-    """Return the paths of the first so many tracers of one configuration of a run.
+    """Return the paths of the first tracers of one configuration of a run.
 
-    until: the time in d/U at which they end, that of the run's last output if None. collisions:
-    where they end at the latest, 1000 at most (not in a field).
+    tracers: how many; None: `USUAL_TRACERS`, or all where a configuration has fewer. until: the
+    time in d/U at which they end, that of the run's last output if None. collisions: where they end
+    at the latest, 1000 at most (not in a field).
     """
+    if tracers is None:
+        tracers = min(USUAL_TRACERS, plan.tracers)
     tracers = check_whole("tracers", tracers, 1, plan.tracers)
     configuration = check_whole("configuration", configuration, 0, plan.media - 1)
     collisions = check_whole("collisions", collisions, 1, MOST_COLLISIONS)
@@ -194,7 +199,7 @@ def disks_within(
 
 def plot_trajectories(
     plan: Plan,
-    tracers: int = 8,
+    tracers: int | None = None,
     ax: "Axes | None" = None,
     colour_bar: bool = True,
     configuration: int = 0,

@@ -16,8 +16,8 @@ import click
 from click import option
 
 from kinetics.crosscheck.cli import options
-from kinetics.errors import InputError
-from kinetics.outputs import DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
+from kinetics.errors import InputError, suggestion
+from kinetics.outputs import ALIASES, DRIVEN_OUTPUTS, FIELD_OUTPUTS, OUTPUTS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -262,6 +262,11 @@ def _requested_mode(system: dict[str, Any]) -> str:
         return ""
     mode = requested[0]
     all_options = {str(option.name) for option in click.get_current_context().command.params}
+    if mode == "field_steady" and options.is_given("field"):
+        raise click.UsageError(
+            "--field: not with --field-steady, whose unit of acceleration is the field; "
+            "--field-units gives the results in other units"
+        )
     meaningless = all_options - {mode, *MODES[mode].arguments, *OPTIONS_OF_ALL}
     options.refuse_given(sorted(meaningless), f"--{mode.replace('_', '-')}")
     return mode
@@ -325,17 +330,21 @@ def solve_over_time(
 
 def _names_of_averages(outputs: str, is_driven: bool, has_field: bool) -> list[str]:
     """Return the names in --outputs; InputError for others, or for none."""
-    from kinetics.validation import one_of, refuse
+    from kinetics.validation import refuse
 
     known: Iterable[str] = HEADS
     if is_driven:
         known = DRIVEN
     elif has_field:
         known = IN_FIELD
-    names = [one_of("outputs", name, known) for name in options.names_in(outputs)]
+    names = options.names_in(outputs)
+    for name in names:
+        if name not in known:
+            near = suggestion(name, known, ALIASES)
+            refuse("outputs", name, f"it must be one of {', '.join(known)}{near}")
     if not names:
         refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
-    return names
+    return list(names)
 
 
 def _check_points(points: Points) -> None:

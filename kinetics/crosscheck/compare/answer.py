@@ -42,8 +42,8 @@ SYMBOLS = {
     "drag": "γ",
     "capture_speed": "v_c",
 }
-#: Differences that are said to be excluded are at most this: more says nothing.
-MAX_WITHIN = 10.0
+#: Differences that are said to be excluded are at most this: a larger limit says nothing.
+MAX_WITHIN = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,9 +354,11 @@ def _excluded(judgement: Judgement) -> str:
     """Return what differences the data exclude, by observable."""
     excluded = []
     for test in judgement.tests:
-        if test.within is not None and test.verdict is Verdict.AGREES:
+        is_informative = test.within is not None and test.within <= MAX_WITHIN
+        if is_informative and test.verdict is Verdict.AGREES:
+            assert test.within is not None
             form = ".2g" if test.within < 0.001 else ".2%"
-            within = numeral(min(test.within, MAX_WITHIN), form)
+            within = numeral(test.within, form)
             excluded.append(f"{within} for {OBSERVABLES[test.observable].text}")
     return ", ".join(excluded) or "no average"
 

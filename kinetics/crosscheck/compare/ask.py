@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from inspect import signature
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,7 @@ from kinetics.crosscheck.data.reading import read_averages, read_sample
 from kinetics.crosscheck.data.sample import R2, X2, Law, N, Sample
 from kinetics.crosscheck.data.tracks import MAX_SIZE
 from kinetics.drive import check_strengths
-from kinetics.errors import InputError
+from kinetics.errors import InputError, suggestion
 from kinetics.validation import (
     check_flag,
     check_mass_ratio,
@@ -219,16 +220,41 @@ def compare_data(
     return answer(question.sample, _fits(question), question.media, explain)
 
 
-def fit_data(data: Any, **told: Any) -> Comparison:
+#: Options of the command line that have another name in Python, and that name.
+PYTHON_NAMES = {"start": "initial", "length_unit": "diameter", "fps": "frame_interval"}
+
+
+def fit_data(data: Any, **options: Any) -> Comparison:
     """Restitution and number density of particle data, with errors: `lorentz fit`, kinetics.fit.
 
-    The same as `compare` with neither of them specified, and no causes looked for. The result has
-    `parameters`, their `covariance`, the `medium` that was taken, and the figure "confidence".
+    Parameters
+    ----------
+    data : as in `compare`
+    options : arguments of `compare`, but for restitution and number_density, which are fitted. The
+        usual ones are `scatterers` ("auto", "dilute", "hard disks"), `initial` ("auto", "gaussian",
+        "one speed", "first frames"), `diameter`, `speed_unit` and `time_unit` (d, U and d/U in the
+        data's units), `frame_interval` and `columns` for tables, and `localisation_error`
+
+    Returns
+    -------
+    Comparison
+        It has `parameters` with their errors, the `covariance` of restitution and ln(mean free
+        path), the `medium` that was taken, and the figure "confidence". No causes are looked for.
+
+    Raises
+    ------
+    InputError
+        A ValueError, as `compare` does, and for an argument that `compare` has not.
     """
     for name in ("restitution", "number_density"):
-        if name in told:
-            refuse(name, told[name], "it is what is fitted; compare takes it")
-    return compare_data(data, explain=False, fitted=True, **told)
+        if name in options:
+            refuse(name, options[name], "it is what is fitted; compare takes it")
+    known = [name for name in signature(compare_data).parameters if name != "data"]
+    for name in options:
+        if name not in known:
+            near = suggestion(name, known, PYTHON_NAMES)
+            raise InputError(f"{name}: fit has no such argument{near}")
+    return compare_data(data, explain=False, fitted=True, **options)
 
 
 # -- reading ---------------------------------------------------------------------------------------
