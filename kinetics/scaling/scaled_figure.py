@@ -17,6 +17,7 @@ import numpy as np
 from kinetics.numerics import FloatArray
 from kinetics.results.labels import axis_label
 from kinetics.results.plot import (
+    DENSITY_BOTTOM,
     LOGARITHMIC_ABOVE,
     N_COLOURS,
     SOURCE,
@@ -99,6 +100,7 @@ def draw_vdf(
     dimension: int,
     ax: Axes | None,
     system: Sequence[str],
+    shows_all: bool = False,
 ) -> Axes:
     """Draw F over c on a logarithmic ordinate, with the Gaussian and the exponential tail.
 
@@ -109,6 +111,7 @@ def draw_vdf(
     dimension : 2 or 3
     ax : to draw on; None for new ones
     system : what the title says
+    shows_all : whether the ordinate reaches down to the least F, or to `DENSITY_BOTTOM`
     """
     ax = ax if ax is not None else new_axes()
     source = source_on(ax, SOURCE, system)
@@ -126,7 +129,10 @@ def draw_vdf(
     if index == 0:
         ax.plot(c, gaussian_vdf(c, dimension), "--", color="0.4", label="Gaussian")
     ax.set(xlabel=axis_label("c", "1"), ylabel=axis_label("F(c)", "1"))
-    show_tails(ax, largest)
+    bottom = DENSITY_BOTTOM
+    if shows_all:
+        bottom = min(bottom, float(density[finite & (density > 0.0)].min()) / largest)
+    show_tails(ax, largest, bottom)
     add_legend(ax)
     return ax
 

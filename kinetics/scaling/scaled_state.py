@@ -201,7 +201,9 @@ class ScaledState(Result, ABC):
         if name != "vdf":
             refuse("name", name, "it is one number; plot draws 'vdf' and 'moment'")
         tail = tail_of(self._tabulated_vdf, self.cooling_rate, self._tail_power)
-        return draw_vdf(values["c"].values, values.values, tail, self.dimension, ax, system)
+        speeds = values["c"].values
+        shows_all = "c" in points
+        return draw_vdf(speeds, values.values, tail, self.dimension, ax, system, shows_all)
 
     @property
     def _tail_power(self) -> float:

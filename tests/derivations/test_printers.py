@@ -42,10 +42,12 @@ def test_the_latex_document(checks: tuple[Check, ...], tmp_path: Path) -> None:
     assert document.isascii()
     unescaped = re.sub(r"\\[{}]", "", document)
     assert unescaped.count("{") == unescaped.count("}")
-    titles = re.findall(r"\\paragraph\{\\texttt\{(.*?)\}: ", document)
+    titles = re.findall(r"\\paragraph\{(?:Eq. \(\w+\), )?\\texttt\{(.*?)\}: ", document)
     assert [title.replace(r"\_", "_").replace(r"\#", "#") for title in titles] == [
         check.label for check in checks
     ]
+    numbers = re.findall(r"\\paragraph\{Eq. \((\w+)\)", document)
+    assert numbers == [check.number for check in checks if check.number]
     if shutil.which("pdflatex") is None:
         return
     (tmp_path / "all.tex").write_text(document, encoding="utf-8")

@@ -67,6 +67,8 @@ def derive(
     else:
         show_checks(checks)
         show_summary(checks)
+    if latex is not None and not as_json:
+        click.echo(f"wrote {latex}")
 
 
 def list_equations(search: str, as_json: bool) -> None:

@@ -380,11 +380,17 @@ def _what_was_compared(best: JudgedFit) -> str:
     clock = best.fitted.clock
     first = numeral(clock * sample.times[0], ".4g")
     last = numeral(clock * sample.times[-1], ".4g")
+    n_tracers = best.fitted.measured.n_tracers
+    system = f"{_medium_in_words(best)}, {_system_in_words(best)}"
     return (
-        f"{best.fitted.measured.n_tracers} tracers at {sample.times.size} times from {first} to "
-        f"{last} d/U, compared with the kinetic equation with {_system_in_words(best)}, from "
-        f"{point.start_in_words}."
+        f"{n_tracers} tracers at {sample.times.size} times from {first} to {last} d/U, compared "
+        f"with the kinetic equation for {system}, from {point.start_in_words}."
     )
+
+
+def _medium_in_words(best: JudgedFit) -> str:
+    """Return the scatterers of the theory: "dilute scatterers", "hard disks"."""
+    return "dilute scatterers" if best.medium == "dilute" else best.medium
 
 
 def _system_in_words(best: JudgedFit) -> str:

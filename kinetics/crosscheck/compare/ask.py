@@ -101,6 +101,7 @@ def compare_data(
     frame_interval: float | None = None,
     decimal: str = ".",
     localisation_error: float | None = None,
+    fps: float | None = None,
 ) -> Comparison:
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
@@ -119,13 +120,13 @@ def compare_data(
     speed_unit : U in the data's unit of speed; None: 1, and for positions alone fitted
     localisation_error : for positions alone, standard deviation of the error of a component of a
         position, in the data's unit of length; None: fitted
-    positions, diameter, time_unit, columns, timestep, frame_interval, dimension, type, decimal : of
-        files and of columns in memory, as the options of that command
+    positions, diameter, time_unit, columns, timestep, frame_interval, fps, dimension, type, decimal
+        : of files and of columns in memory, as the options of that command
     tangential_restitution : None: as a run says, or 1. With another, and in space, averages are
         compared and densities are not
     explain : test what may explain a difference; False is quicker
     scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping disks" (see Scene),
-        or "auto": as a run says, or the likeliest for the data. But for smooth disks "dilute"
+        or "auto": as a run says, or the likeliest for the data; spheres and rough disks are dilute
     fitted : fit restitution and density also where a run says them
     field, bath_speed, heating, drag, capture_speed, mass_ratio : as in a Scene, in U and d, or as a
         run says. Restitution and number_density are then needed, and no cause is looked for, but,
@@ -140,6 +141,10 @@ def compare_data(
     InputError
         A ValueError: for data that cannot be used, or that cannot tell what is not specified.
     """
+    if fps is not None:
+        if frame_interval is not None:
+            refuse("fps", fps, "frame_interval says the same: specify one of them")
+        frame_interval = 1.0 / check_positive("fps", fps)
     explain = check_flag("explain", explain)
     fitted = check_flag("fitted", fitted)
     if not isinstance(initial, str):
@@ -221,7 +226,7 @@ def compare_data(
 
 
 #: Options of the command line that have another name in Python, and that name.
-PYTHON_NAMES = {"start": "initial", "length_unit": "diameter", "fps": "frame_interval"}
+PYTHON_NAMES = {"start": "initial", "length_unit": "diameter"}
 
 
 def fit_data(data: Any, **options: Any) -> Comparison:

@@ -179,7 +179,7 @@ def _draw_between_frames(rows: pd.DataFrame, label: str, ax: Axes) -> None:
         color = f"C{index}"
         theory_label = label if index == 0 else None
         ax.plot(elapsed, ordered["theory"], color=color, label=theory_label)
-        data_label = f"data, s = {since:.4g} d/U ({WHAT_IS_SHOWN})"
+        data_label = f"data, s = {since:.3g} d/U"  # with bars of one standard error
         values = ordered["value"]
         ax.errorbar(elapsed, values, ordered["error"], color=color, label=data_label, **POINTS)
     ax.set_yscale("log")

@@ -350,6 +350,11 @@ class Comparison(Result):
         lines = [self.summary, *self.warnings]
         return Table(f"Comparison: {self.verdict}", ("", "value", "unit, or p", ""), rows, lines)
 
+    def __str__(self) -> str:
+        from kinetics.crosscheck.compare.text import answer_text
+
+        return answer_text(self)
+
     def __repr__(self) -> str:
         return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", LINE_WIDTH)
 

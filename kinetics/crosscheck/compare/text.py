@@ -16,8 +16,8 @@ from kinetics.crosscheck.words import Verdict, number, numeral
 
 #: Warnings that the answer has; a page, and `tables`, have all of them. Chosen.
 MAX_WARNINGS = 3
-#: A difference that is not excluded is written as this times the value at most.
-MAX_EXCLUDED = 10.0
+#: Limits of differences above this, of the value, are left out: they say nothing.
+MAX_EXCLUDED = 1.0
 
 
 class Statement(NamedTuple):
@@ -62,7 +62,9 @@ def _excluded_differences(tests: Sequence[ComparisonTest]) -> str:
     for test in tests:
         if test.within is None or test.verdict is not Verdict.AGREES:
             continue
-        percent = numeral(100.0 * min(test.within, MAX_EXCLUDED), ".2g")
+        if test.within > MAX_EXCLUDED:
+            continue
+        percent = numeral(100.0 * test.within, ".2g")
         limits.append(f"{percent} % of {OBSERVABLES[test.observable].text}")
     if not limits:
         return ""

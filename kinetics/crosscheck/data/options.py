@@ -118,6 +118,6 @@ class DataOptions:
     def times_of_steps(self, where: str, steps: Any) -> Any:
         """Return the times of steps or frames; InputError where the time of one is unknown."""
         if self.step_time is None:
-            allowed = "times, or say the time of a step: --timestep, --frame-interval or --fps"
+            allowed = "times, or specify timestep, frame_interval or fps (--timestep ...)"
             refuse_data(where, "numbers of steps or frames alone", allowed)
         return steps * self.step_time
