@@ -159,7 +159,7 @@ NAMED: Any = dict(ids=lambda m: f"{type(m).__name__} {m.dimension}")
 LAWS = [Viscoelastic(0.6), lambda v: 0.9 / (1 + v), ([0.1, 0.5, 2.0], [0.9, 0.4, 0.6])]
 
 
-@pytest.mark.parametrize("medium", FIXED, **NAMED)
+@pytest.mark.parametrize("medium", [*FIXED, HardDisks(0.1, 400), HardSpheres(0.1)], **NAMED)
 @pytest.mark.parametrize("law", LAWS, ids=["viscoelastic", "function", "table"])
 def test_each_collision_has_the_restitution_of_its_impact_speed(medium: Any, law: Any) -> None:
     run = simulate(medium, law, times=[100.0], media=1, tracers=8, seed=2)
