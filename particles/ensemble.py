@@ -492,8 +492,13 @@ class Ensemble(Value):
 
         parts: of `simulate(..., part=(k, n))`, or their files, in any order; n may differ.
         """
-        if isinstance(parts, (str, bytes, PathLike, Ensemble)) or not isinstance(parts, Iterable):
-            refuse("parts", parts, "it must be a sequence of ensembles or of their files")
+        allowed = "it must be a sequence of ensembles or of their files"
+        if isinstance(parts, (str, bytes, PathLike, Ensemble)):
+            refuse("parts", parts, allowed)
+        try:
+            parts = list(parts)
+        except TypeError:
+            refuse("parts", parts, allowed)
         runs = [_open_part(part) for part in parts]
         if not runs:
             refuse("parts", [], "it must be at least one part of a run")

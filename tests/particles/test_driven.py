@@ -159,7 +159,7 @@ NAMED: Any = dict(ids=lambda m: f"{type(m).__name__} {m.dimension}")
 LAWS = [Viscoelastic(0.6), lambda v: 0.9 / (1 + v), ([0.1, 0.5, 2.0], [0.9, 0.4, 0.6])]
 
 
-@pytest.mark.parametrize("medium", FIXED, **NAMED)
+@pytest.mark.parametrize("medium", [*FIXED, HardDisks(0.1, 400), HardSpheres(0.1)], **NAMED)
 @pytest.mark.parametrize("law", LAWS, ids=["viscoelastic", "function", "table"])
 def test_each_collision_has_the_restitution_of_its_impact_speed(medium: Any, law: Any) -> None:
     run = simulate(medium, law, times=[100.0], media=1, tracers=8, seed=2)
@@ -233,3 +233,13 @@ def test_viscoelastic_is_what_it_says() -> None:
     assert Viscoelastic(0.45)(1.0) == pytest.approx(0.79912, abs=1e-5)
     a = 1.15345 * 0.45**2
     assert 1 - Viscoelastic(0.45)(1e-30) == pytest.approx(a * 1e-6, rel=1e-5)
+
+
+def test_the_bins_of_speeds_reach_those_that_elastic_tracers_gain() -> None:
+    """Their speed grows as w^2 t/l for ever: beyond what they and the scatterers begin with."""
+    run = simulate(
+        BoltzmannGrad(0.5), 1.0, times=[400.0], bath_speed=1.0, media=4, tracers=5, seed=2,
+        observables=["speed_histogram"],
+    )  # fmt: skip
+    assert run.thermal_speed.value[0] > 200.0
+    assert run.speed_histogram.above[0] == 0.0

@@ -90,7 +90,7 @@ MEDIA: list[tuple[str, Any]] = [
     ("b", lambda: particles.Viscoelastic(-1.0)),
     ("speed", lambda: particles.Viscoelastic(0.3)("")),
     ("speed", lambda: particles.Viscoelastic(0.3)(-1.0)),
-    ("parts", lambda: particles.Ensemble.merge(3)),
+    *(("parts", partial(particles.Ensemble.merge, parts)) for parts in (3, None, np.array(1.0))),
     ("parts", lambda: particles.Ensemble.merge("a.h5")),
     ("name", lambda: simulate(**GOOD).plot(np.array(["a2", "msd"]))),
     *((n, lambda n=n, v=v: simulate(**GOOD).trajectories(**{"tracers": 1, n: v}))

@@ -90,3 +90,13 @@ def test_the_estimate_is_above_the_error(law: dict[str, Any]) -> None:
         assert max(abs(h - 1.0), abs(a2 - 1.0)) <= found.error_estimate
         error = np.abs(found.reached_vdf(c) / f - 1.0).max()
         assert error <= found.error_estimate + 1e-12 <= rtol
+
+
+def test_a_narrow_part_of_a_mixture_gets_the_nodes_that_it_needs() -> None:
+    """Half of the bounces keep nearly the whole speed, the other half a third of it."""
+    law = CollisionLaw.mixture([0.5, 0.5], [CollisionLaw(0.999), CollisionLaw(0.3)])
+    exact = ScalingSolution(law)
+    vdf = solve_scaled(law, rtol=1e-12)
+    assert vdf.status is SolverStatus.CONVERGED
+    for p in (1.0, 4.0):
+        assert vdf.moment(p) == pytest.approx(exact.moment(p), rel=1e-11)
