@@ -351,7 +351,7 @@ class Comparison(Result):
         return Table(f"Comparison: {self.verdict}", ("", "value", "unit, or p", ""), rows, lines)
 
     def __str__(self) -> str:
-        from kinetics.crosscheck.compare.text import answer_text
+        from kinetics.crosscheck.compare import answer_text
 
         return answer_text(self)
 
