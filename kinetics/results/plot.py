@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
-from kinetics.results.frame import free_dimensions, split_components
+from kinetics.results.frame import MODEL_ERROR, free_dimensions, split_components
 
 if TYPE_CHECKING:
     import xarray
@@ -26,12 +26,21 @@ MAX_CURVES = 8
 #: are of interest.
 DENSITY_TOP = 3.0
 DENSITY_BOTTOM = 1e-7
+#: Opacity of the band of the model error: the curve stays visible.
+BAND_ALPHA = 0.25
 #: An axis is logarithmic if the largest number on it is more than so many times the smallest.
 LOGARITHMIC_ABOVE = 30.0
 
 
-def draw(name: str, components: list[xarray.DataArray], ax: Axes | None) -> Axes:
+def draw(
+    name: str,
+    components: list[xarray.DataArray],
+    ax: Axes | None,
+    model_error: xarray.DataArray | None = None,
+) -> Axes:
     """Draw a quantity, given by its real and imaginary part; wide ranges on logarithmic axes.
+
+    A band of the model error is drawn about a quantity of the same shape.
 
     Raises InputError for a quantity that depends on no or on more than two coordinates.
     """
@@ -49,6 +58,8 @@ def draw(name: str, components: list[xarray.DataArray], ax: Axes | None) -> Axes
         ax.set_prop_cycle(None)  # imaginary parts are broken lines of the same colours
         for label, curve in _curves(component).items():
             ax.plot(abscissa, curve, style, label=label)
+    if model_error is not None and model_error.dims == real.dims:
+        _draw_band(ax, real, model_error)
     has_several_curves = len(ax.lines) > 1
     is_function_over_time = len(dimensions) == 2 and dimensions[0] != "angle"
     if has_several_curves or is_function_over_time:
@@ -58,20 +69,35 @@ def draw(name: str, components: list[xarray.DataArray], ax: Axes | None) -> Axes
     return ax
 
 
-def draw_all(quantities: Iterable[xarray.DataArray]) -> NDArray[Any]:
+def _draw_band(ax: Axes, quantity: xarray.DataArray, model_error: xarray.DataArray) -> None:
+    """Draw the model error as a band about each component of a quantity."""
+    errors = split_components(model_error).values()
+    curves = split_components(quantity).values()
+    for line, curve, error in zip(list(ax.lines), curves, errors, strict=False):
+        lower = curve.values - error.values
+        upper = curve.values + error.values
+        ax.fill_between(
+            line.get_xdata(), lower, upper, color=line.get_color(), alpha=BAND_ALPHA, linewidth=0.0
+        )
+
+
+def draw_all(quantities: Mapping[Any, xarray.DataArray]) -> NDArray[Any]:
     """Draw each quantity in axes of its own in one new figure; return the array of axes.
 
     Quantities that are zero, or depend on no or more than two coordinates, are left out.
     """
     from matplotlib import pyplot
 
-    groups = _group_complex(quantities)
+    errors = {name: array for name, array in quantities.items() if name.endswith(MODEL_ERROR)}
+    drawn = [array for name, array in quantities.items() if name not in errors]
+    groups = _group_complex(drawn)
     columns = min(MAX_COLUMNS, len(groups))
     rows = math.ceil(len(groups) / columns)
     size = (AXES_WIDTH * columns, AXES_HEIGHT * rows)
     figure = pyplot.figure(figsize=size, layout="constrained")
     for index, (name, components) in enumerate(groups.items()):
-        draw(name, components, figure.add_subplot(rows, columns, index + 1))
+        ax = figure.add_subplot(rows, columns, index + 1)
+        draw(name, components, ax, errors.get(name + MODEL_ERROR))
     return np.array(figure.axes)
 
 

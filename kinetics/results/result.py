@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kinetics.errors import InputError, short, suggestion
 from kinetics.results.file import write_value
-from kinetics.results.frame import averages_frame, dataset, quantity_frame
+from kinetics.results.frame import MODEL_ERROR, averages_frame, dataset, quantity_frame
 from kinetics.results.plot import draw, draw_all
 from kinetics.results.record import initial_fields
 from kinetics.results.value import Value
@@ -110,12 +110,14 @@ class Result(Storable):
         """
         if name is None:
             return averages_frame(self._checked_dataset((), points))
-        return quantity_frame(self._quantity(name, points))
+        quantities = self._checked_dataset((name,), points)
+        return quantity_frame(self._components(quantities, name))
 
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one quantity on ``ax``, or on new axes; without a name, everything.
 
-        Averages are drawn over time, densities at up to eight of the times.
+        Averages are drawn over time, densities at up to eight of the times. A band is the error of
+        the equation itself, where it is stated.
 
         Parameters
         ----------
@@ -137,14 +139,16 @@ class Result(Storable):
             An unknown name.
         """
         if name is not None:
-            return draw(name, self._quantity(name, points), ax)
+            quantities = self._checked_dataset((name,), points)
+            components = self._components(quantities, name)
+            return draw(name, components, ax, quantities.get(name + MODEL_ERROR))
         if ax is not None:
             raise InputError("ax: got axes without a name; name what to draw on them")
         return self.plot_all(**points)
 
     def plot_all(self, **points: Any) -> NDArray[Any]:
         """Draw each quantity in axes of its own in one new figure; returns an array of axes."""
-        return draw_all(self._checked_dataset(None, points).data_vars.values())
+        return draw_all(self._checked_dataset(None, points).data_vars)
 
     def _checked_dataset(
         self, only: Collection[str] | None, points: Mapping[str, object]
@@ -156,9 +160,8 @@ class Result(Storable):
                 raise InputError(f"{name}: known are {allowed}")
         return self._dataset(only=only, **points)
 
-    def _quantity(self, name: str, points: Mapping[str, object]) -> list[xarray.DataArray]:
+    def _components(self, quantities: xarray.Dataset, name: str) -> list[xarray.DataArray]:
         """Return the quantity of a name, as its real and imaginary part if it is complex."""
-        quantities = self._checked_dataset((name,), points)
         labels = (name, f"{name}_real", f"{name}_imag")
         components = [quantities[label] for label in quantities if label in labels]
         if not components:

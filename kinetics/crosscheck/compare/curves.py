@@ -24,7 +24,12 @@ from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import OBSERVABLES
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.compare.result import Comparison, ComparisonTest, Parameter, Row
-from kinetics.crosscheck.compare.theory import Theory, solve_at
+from kinetics.crosscheck.compare.theory import (
+    Theory,
+    correlation_over_time,
+    relative_error,
+    solve_at,
+)
 from kinetics.crosscheck.data.averages import AveragesTable
 from kinetics.crosscheck.data.options import refuse_data
 from kinetics.crosscheck.data.sample import Law
@@ -282,13 +287,18 @@ class CurveTheory:
     def own_covariance(self, coordinates: Array) -> Array:
         """Return the covariance of the theory's own error, shape (n, n)."""
         layout = self.curves.layout
-        n_all = layout.size + layout.times.size * np.any(self.curves.observable == MEAN_SPEED)
+        point = self.point(coordinates)
+        has_mean_speed = bool(np.any(self.curves.observable == MEAN_SPEED))
+        n_all = layout.size + layout.times.size * has_mean_speed
         covariance = np.zeros((n_all, n_all))
-        if layout.names:
-            point = self.point(coordinates)
-            of_layout = self._theory.own_covariance(point, self._theory.values(point))
-            if of_layout is not None:
+        if point.scatterers != "dilute":
+            if layout.names:
+                of_layout = self._theory.own_covariance(point, self._theory.values(point))
                 covariance[: layout.size, : layout.size] = of_layout
+            if has_mean_speed:
+                error = relative_error(MEAN_SPEED, point, layout) * _mean_speeds(point, layout)
+                of_mean_speed = correlation_over_time(layout.times) * np.outer(error, error)
+                covariance[layout.size :, layout.size :] = of_mean_speed
         index = self.curves.index
         return np.asarray(covariance[np.ix_(index, index)])
 
