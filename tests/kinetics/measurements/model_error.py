@@ -1,9 +1,9 @@
-"""Measures the error of the equation itself at a finite density: kinetics/model_errors.json.
+"""Measures the error of the equation itself at a finite density.
 
 Tracers among hard and among overlapping disks are simulated on a grid of restitutions, densities
 and times, and compared with the solver at the default order of the theory. A deviation is that of
-the simulation from the theory, over the size that `kinetics.model_error` names, over n; the file
-has it and its standard error for each point of the grid.
+the simulation from the theory, over the size that `kinetics.collision.measured_errors` names, over
+n; kinetics/collision/measured_errors.json has it and its standard error for each point of the grid.
 
 Starts are Gaussian, with stratified speeds and directions evenly spread in each medium. All tracers
 of a medium start at one place, so that there are few of them in many media. Standard errors are
@@ -11,8 +11,8 @@ from a jackknife over batches of media.
 
     python -m tests.kinetics.measurements.model_error FILE [SCALE]
 
-SCALE multiplies the numbers of tracers; with 1 (the stored file) it takes an hour of one core. A
-file that is there already is gone on with.
+SCALE multiplies the numbers of tracers; with 1 (the stored file) it takes about an hour of a core.
+A file that is there already is gone on with.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -46,7 +47,9 @@ TRACERS = {
 TIMES = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 100.0, 250.0, 500.0, 1000.0])
 #: Elastic tracers never slow down: they are followed up to this time in l/U, at low densities,
 #: where late errors are far below what can be measured, and from `DENSE_FROM` on.
-LAST_ELASTIC_TIMES = (100.0, 250.0)
+LAST_ELASTIC_TIMES = (100.0, 1000.0)
+#: So many of the tracers are elastic ones from `DENSE_FROM` on: they take the longest.
+SHARE_OF_ELASTIC = 0.5
 #: The density from which media are small, and distributions are compared: their errors over n are
 #: nearly the same below.
 DENSE_FROM = 0.05
@@ -268,6 +271,8 @@ def measure(medium: str, e: float, n: float, tracers: int) -> dict[str, list[lis
     if e == 1.0:
         paths = TIMES[LAST_ELASTIC_TIMES[n >= DENSE_FROM] >= TIMES]
     times = paths / (2.0 * n)
+    if e == 1.0 and n >= DENSE_FROM:
+        tracers = int(SHARE_OF_ELASTIC * tracers)
     theory = Theory(medium, e, n, times)
     batches = []
     for batch in range(max(tracers // TRACERS_PER_BATCH[n >= DENSE_FROM], 2)):
@@ -297,9 +302,24 @@ def key(medium: str, n: float, e: float) -> str:
     return f"{medium}, n = {n:g}, e = {e:g}"
 
 
+def in_lines(document: dict[str, Any]) -> str:
+    """Return the document as JSON, one line for each entry and each system."""
+    entries = []
+    for name, value in document.items():
+        text = json.dumps(value, separators=(",", ":"))
+        if name == "systems":
+            rows = [
+                f"{json.dumps(system)}:{json.dumps(row, separators=(',', ':'))}"
+                for system, row in value.items()
+            ]
+            text = "{\n" + ",\n".join(rows) + "\n}"
+        entries.append(f"{json.dumps(name)}:{text}")
+    return "{\n" + ",\n".join(entries) + "\n}\n"
+
+
 def main(path: Path, scale: float) -> None:
     """Measure all systems that the file does not have."""
-    document = {
+    document: dict[str, Any] = {
         "about": "Deviations of simulations from the equation over their sizes, and their "
         "standard errors, in thousandths of n: python -m tests.kinetics.measurements.model_error",
         "times": TIMES.tolist(),
@@ -316,7 +336,7 @@ def main(path: Path, scale: float) -> None:
         if name in document["systems"]:
             continue
         document["systems"][name] = measure(medium, e, n, int(scale * TRACERS[n]))
-        path.write_text(json.dumps(document, separators=(",", ":")), "utf-8")
+        path.write_text(in_lines(document), "utf-8")
         print(name, flush=True)
 
 
