@@ -12,6 +12,8 @@ an envelope of these, no standard deviation:
   is that of the line a + b ln n through deviations over n, of all densities from 0.01 to 0.1;
 - between times of the grid the largest of them and of their neighbours, between restitutions, and
   between densities, straight interpolation;
+- above the largest restitution below 1 what is of the speed alone has the error of that one at the
+  time at which it has lost as much, t (1 - e^2): at e = 1 none;
 - it does not fall with the density;
 - before the first time of the grid it grows in proportion to the time, after the last it is held;
   so it is below the least restitution;
@@ -95,6 +97,9 @@ class Envelope:
 
     def at(self, density: float, restitution: float, times: FloatArray) -> FloatArray:
         """Return the relative error at times in l/U, shape (n_times,)."""
+        highest = self.restitutions[-1]
+        if restitution > highest:  # of the speed alone, which is lost as (1 - e^2) t
+            times = times * (1.0 - restitution**2) / (1.0 - highest**2)
         at_restitution = _interpolate(restitution, self.restitutions, self.error, axis=1)
         at_density = _interpolate(density, self.densities, at_restitution, axis=0)
         least = self.densities[0]
@@ -156,8 +161,10 @@ def envelope(quantity: str, scatterers: str) -> Envelope:
         )
         bounds = np.concatenate([of_line, bounds])
         rising = np.concatenate([low, rising])
-    if quantity in OF_SPEED:
-        bounds[:, restitutions == 1.0] = 0.0
+    if quantity in OF_SPEED:  # of elastic tracers there is no error
+        is_inelastic = restitutions < 1.0
+        bounds = bounds[:, is_inelastic]
+        restitutions = restitutions[is_inelastic]
     bounds = _largest_nearby(_held(bounds))
     not_falling = np.maximum.accumulate(rising[:, None, None] * bounds, axis=0)
     return Envelope(rising, restitutions, times, not_falling)

@@ -29,11 +29,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import j0
 
-from kinetics import Scene, Solution, ToleranceWarning, solve
+from kinetics import ModelWarning, Scene, Solution, ToleranceWarning, solve
 from kinetics.numerics import FloatArray
 from particles import HardDisks, Poisson, simulate
 
-RESTITUTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
+RESTITUTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0)
 #: Densities n = rho d^2, and tracers of each restitution in each medium.
 TRACERS = {
     0.1: 400_000,
@@ -341,4 +341,5 @@ def main(path: Path, scale: float) -> None:
 
 
 if __name__ == "__main__":
+    warnings.simplefilter("ignore", ModelWarning)  # it is what is measured
     main(Path(sys.argv[1]), float(sys.argv[2]) if len(sys.argv) > 2 else 1.0)
