@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from kinetics.driven.field_state import FieldState as FieldState
     from kinetics.driven.field_state import solve_field as solve_field
     from kinetics.errors import InputError as InputError
+    from kinetics.errors import ModelWarning as ModelWarning
     from kinetics.errors import SolverStatus as SolverStatus
     from kinetics.errors import ToleranceWarning as ToleranceWarning
     from kinetics.loading import load as load

@@ -124,6 +124,13 @@ class Drive:
 
     # -- what acts --------------------------------------------------------------------------------
 
+    @property
+    def limits(self) -> str:
+        """What the law of the collisions lacks, to follow a sentence; perhaps empty."""
+        if isinstance(self.restitution, ImpactRestitution):
+            return self.restitution.limits
+        return ""
+
     @cached_property
     def law(self) -> CollisionLaw | None:
         """The collision law, if what a collision does scales with the speed; else None."""

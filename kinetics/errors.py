@@ -36,6 +36,10 @@ class ToleranceWarning(UserWarning):
     """A figure misses the relative tolerance asked for."""
 
 
+class ModelWarning(UserWarning):
+    """The equation itself is used where it is known to be far off, whatever the solver's error."""
+
+
 def warn_missed(what: str, error: float, rtol: float) -> None:
     """Warn that a figure misses its tolerance, at the line that called a method of a Solution."""
     text = f"{what}: the error estimate {error:.1e} exceeds rtol = {rtol:.1e}; raise rtol"

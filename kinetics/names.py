@@ -16,6 +16,7 @@ PUBLIC_NAMES = {
     "FieldState": "driven.field_state",
     "Gaussian": "states.kinds",
     "InputError": "errors",
+    "ModelWarning": "errors",
     "Monoenergetic": "states.kinds",
     "PolarGrid": "states.kinds",
     "ScaledVDF": "scaling.scaled_vdf",

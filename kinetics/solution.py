@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from kinetics.errors import (
     suggestion,
     warn_missed,
 )
+from kinetics.model_error import model_errors, summary
 from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.outputs import collisions, root_mean_square_displacement
 from kinetics.numerics import FloatArray
@@ -206,6 +208,7 @@ class Solution(Result):
                 wrapped(f"Solution of {self.scene}", "    "),
                 wrapped(f"rtol = {self.rtol:g}, {self._status_in_words}", "    "),
                 f"error estimate {self.error_estimate:.1e}",
+                *self._model_error_lines,
                 wrapped(", ".join(outputs), "    "),
             ]
         )
@@ -229,6 +232,7 @@ class Solution(Result):
         lines = (
             self._status_in_words,
             f"rtol = {self.rtol:g}, error estimate {self.error_estimate:.1e}",
+            *self._model_error_lines,
         )
         return Table(f"Solution: {', '.join(self._system)}", heads, rows, lines)
 
@@ -242,6 +246,33 @@ class Solution(Result):
             scale = float(self.typical_speed.max() * self.typical_speed[time])
         error = max(self.rtol, self.error_estimate) * scale
         return ", ".join(number_text(float(component), error) for component in components)
+
+    @property
+    def _model_error_lines(self) -> list[str]:
+        """The lines of the repr on the error of the equation itself."""
+        if self.scene.scatterers == "dilute":
+            return []
+        text = f"error of the equation itself up to: {summary(self.model_error)}"
+        return [wrapped(text, "    ")]
+
+    # -- the error of the equation itself ---------------------------------------------------------
+
+    @property
+    def model_error(self) -> Mapping[str, FloatArray]:
+        """The stated error of the equation itself: name of an output -> array of shape (n_times,).
+
+        Relative, as rtol is: of 1 + a2 for a2, of v_rms(t) for mean_velocity and of sqrt(<r^2>) for
+        mean_displacement. For functions it is absolute: of the share of tracers slower than v, or
+        nearer than r, at the worst v or r, and of F(k, t) at the worst k.
+
+        At a finite density it is the largest deviation that simulations of disks saw near these e,
+        n and t from Gaussian starts, with two standard errors of theirs; it is no standard
+        deviation, and it comes on top of `error_estimate`, which is the solver's. 0 for dilute
+        scatterers, for which the equation is exact. NaN where it was not measured: for another
+        `density_order` than "second", and for `velocity_tensor` of a start that is not isotropic.
+        """
+        errors = model_errors(self.scene, (*self.values, *self._on_demand))
+        return MappingProxyType({name: frozen(error) for name, error in errors.items()})
 
     # -- as a dataset -----------------------------------------------------------------------------
 

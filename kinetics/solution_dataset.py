@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from kinetics.collision.measured_errors import SIZES
+from kinetics.model_error import absolute_errors
 from kinetics.numerics import FloatArray
 from kinetics.outputs import AXES, OUTPUTS, Axis, described
-from kinetics.results.frame import COMPONENTS, Variable, dataset, variable
+from kinetics.results.frame import COMPONENTS, MODEL_ERROR, Variable, dataset, variable
 from kinetics.scene import Scene
 from kinetics.validation import finite_line
 
@@ -82,6 +84,13 @@ class Solved(Protocol):
         """Output times in d/U, shape (n_times,)."""
 
     @property
+    def model_error(self) -> Mapping[str, FloatArray]:
+        """The relative error of the equation itself, of averages and functions, (n_times,)."""
+
+    def moment(self, p: float) -> FloatArray:
+        """<v^p>(t) in U^p, shape (n_times,)."""
+
+    @property
     def typical_speed(self) -> FloatArray:
         """A speed in U of the order of sqrt(<v^2>), which sets the scale of speeds, (n_times,)."""
 
@@ -123,6 +132,8 @@ def solution_dataset(
     for name, array in solution.values.items():
         dimensions = ("time", *COMPONENTS[: array.ndim - 1])
         variables[name] = variable(dimensions, array, *described(name, scene.dimension))
+    if scene.scatterers != "dilute":
+        variables |= _error_variables(solution)
     axes = {"time": variable(("time",), solution.times, "d/U", "time since the start", "t")}
     for component in COMPONENTS:
         letters = list("xyz"[: scene.dimension])
@@ -133,9 +144,25 @@ def solution_dataset(
             function = _FunctionAtPoints(solution, name, shape, points)
             axes |= function.axes()
             variables |= function.variables()
+            if scene.scatterers != "dilute" and name in solution.model_error:
+                error = solution.model_error[name]
+                words = f"largest error of the equation itself in {name}: of {SIZES[name]}"
+                variables[name + MODEL_ERROR] = variable(("time",), error, "1", words)
     scene_in_a_line = " ".join(repr(scene).split())
     title = f"Solution of the inelastic Lorentz equation: {scene_in_a_line}"
     return dataset(solution, title, scene, variables, axes)
+
+
+def _error_variables(solution: Solved) -> dict[str, Variable]:
+    """Return the error of the equation itself of each average, in its unit, by name."""
+    variables = {}
+    for name, error in absolute_errors(solution).items():
+        unit, _, symbol = described(name, solution.scene.dimension)
+        words = f"largest error of the equation itself in {name}, from simulations"
+        dimensions = ("time", *COMPONENTS[: error.ndim - 1])
+        label = f"error of {symbol}"
+        variables[name + MODEL_ERROR] = variable(dimensions, error, unit, words, label)
+    return variables
 
 
 def _function_shapes(functions: Sequence[str]) -> dict[str, tuple[str, ...]]:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from kinetics.errors import SolverStatus, ToleranceWarning
+from kinetics.errors import ModelWarning, SolverStatus, ToleranceWarning
+from kinetics.model_error import warning_of_density
 from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.validation import check_rtol, finite_line, one_of, refuse, whole_number
@@ -66,6 +67,8 @@ def solve(
     -----
     ToleranceWarning
         The status is not CONVERGED.
+    ModelWarning
+        The scatterers are denser than those that the equation was fitted to.
 
     Examples
     --------
@@ -84,6 +87,9 @@ def solve(
     solution = Solution.of(scene, rtol, method, nodes)
     if solution.status is not SolverStatus.CONVERGED:
         warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
+    warning = warning_of_density(solution)
+    if warning:
+        warnings.warn(warning, ModelWarning, stacklevel=2)
     return solution
 
 

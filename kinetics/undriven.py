@@ -21,6 +21,7 @@ from kinetics.densities.elastic import elastic_profile
 from kinetics.densities.harmonic import HarmonicProblem, Profile, angular_function
 from kinetics.densities.velocity_component import component_densities
 from kinetics.errors import InputError, PlanStep, SolverStatus, judge_errors, warn_missed
+from kinetics.model_error import model_errors
 from kinetics.moments.averages import Averages, PowerRange, check_moment
 from kinetics.moments.observables import Observable, speed_power
 from kinetics.moments.outputs import (
@@ -287,7 +288,14 @@ class UndrivenAnswer(Value):
         status, message = judge_errors(self.errors, tolerance, nodes)
         medium = self.averages.law.medium
         if medium is not None:
-            message += medium.limits(bool(self.profiles), self.displacement is not None)
+            names = []
+            if self.profiles:
+                names.append("speed_density")
+            if self.displacement is not None:
+                names.append("position_density")
+            errors = model_errors(self.scene, names)
+            largest = {name: float(error.max()) for name, error in errors.items()}
+            message += medium.limits(largest)
         return status, message
 
     @property

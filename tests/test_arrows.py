@@ -42,12 +42,16 @@ ROOMS: dict[str, set[str]] = {
     "driven": BASE | {"states", "drive", "outputs", "scene"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs", "drive"},
-    "undriven": BASE | {"moments", "densities", "position", "outputs", "scene"},
+    "model_error": BASE | {"scene"},
+    "undriven": BASE | {"moments", "densities", "position", "outputs", "scene", "model_error"},
     "answer": BASE | {"scene", "undriven", "driven"},
     "between_frames": BASE | {"states", "moments", "densities"},
-    "solution_dataset": BASE | {"outputs", "scene"},
-    "solution": BASE | VELOCITY | QUESTION | {"position", "solution_dataset", "between_frames"},
-    "solving": BASE | {"scene", "solution"},
+    "solution_dataset": BASE | {"outputs", "scene", "model_error"},
+    "solution": BASE
+    | VELOCITY
+    | QUESTION
+    | {"position", "solution_dataset", "between_frames", "model_error"},
+    "solving": BASE | {"scene", "solution", "model_error"},
 }
 # Those of the derivations: what is printed and what is derived know nothing of each other.
 DERIVED = {

@@ -349,6 +349,21 @@ def test_a_space_in_a_word_may_be_a_hyphen(lorentz: Any) -> None:
         assert (found["scatterers"], "mass_ratio" in found) == ("hard disks", False)
 
 
+def test_solve_says_by_how_much_the_equation_itself_is_off(lorentz: Any) -> None:
+    options = ("solve", "--times", "10,100", "-e", "0.5", "--scatterers", "hard-disks")
+    found = lorentz.json(*options, "--number-density", "0.1", "--outputs", "thermal_speed,msd")
+    scene = Scene(
+        0.5, 0.1, times=[10.0, 100.0], scatterers="hard disks", outputs=("thermal_speed", "msd")
+    )
+    expected = solve(scene).model_error
+    for name in ("thermal_speed", "msd"):
+        np.testing.assert_allclose(found["model_error"][name], expected[name])
+    assert "error of the equation itself" in lorentz(*options)
+    assert "model_error" not in lorentz.json(*SOLVE)
+    dense = lorentz.json(*options, "--number-density", "0.2")  # prints no warning
+    assert dense["model_error"]["msd"][0] > 0.01
+
+
 def test_derive_finds_equations_by_number_and_word(lorentz: Any) -> None:
     by_label = lorentz("derive", "--only", "sonine9")
     for name in ("B15", "b15", "eq. B15"):

@@ -26,6 +26,7 @@ Begin with :meth:`Medium.returns`.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -41,12 +42,13 @@ from kinetics.validation import check_positive, one_of, refuse
 #: The orders of the theory, see the module.
 ORDERS = ("leading", "first", "second")
 
-#: Largest n = rho d^2 that is allowed. Chosen: three times the largest tested one; the theory is of
-#: first order in n.
+#: Largest n = rho d^2 that is allowed. Chosen: three times `TESTED_DENSITY`; the theory is of first
+#: order in n.
 HIGHEST_DENSITY = 0.3
 #: Smallest one. Chosen: so that the mean free path, of the order of d/n, is finite.
 LEAST_DENSITY = 1e-300
-#: Largest n at which the theory was compared with simulations (examples/docs/validation.md).
+#: Largest n of the simulations that its fitted terms are from. Its error is measured up to
+#: `HIGHEST_DENSITY` (`kinetics.collision.measured_errors`).
 TESTED_DENSITY = 0.1
 #: Smallest e of the constants of the first order: below they are held. It is where the table ends.
 LEAST_RESTITUTION = 0.2
@@ -56,13 +58,6 @@ CORRIDOR = 0.6
 #: Largest eps. Chosen: returns of returns must add up, eps |lambda| < 1, and lambda is 2 at most.
 #: It is reached above the tested densities only.
 MAX_RETURNS = 0.45
-
-#: Error over n of the share of tracers slower than v, at e = 0; it is smaller by e. Measured on
-#: simulations; which is not recorded.
-SLOW_SHARE_ERROR = 1.15
-#: Error over n of the share of tracers nearer than r. Measured on simulations; which is not
-#: recorded.
-NEAR_SHARE_ERROR = 0.2
 
 # Fitted (tests/kinetics/measurements/density.py). In the order (n ln n)^2 J_1(0), the way of a
 # tracer, is less by (a + b n) e^2 + (f + g n) sqrt(1 - e^2).
@@ -306,23 +301,29 @@ class Medium:
             text += f", with the constants of e = {LEAST_RESTITUTION:g}"
         return text
 
-    def limits(self, of_speeds: bool, of_displacements: bool) -> str:
-        """Return what averages and distributions lack, to follow a sentence; perhaps empty.
+    def limits(self, errors: Mapping[str, float]) -> str:
+        """Return what distributions lack, to follow a sentence; perhaps empty.
 
         Parameters
         ----------
-        of_speeds, of_displacements : whether these distributions were asked for
+        errors : largest error of the shares of tracers that a "speed_density", or a
+            "position_density", has below any point; those that were asked for
         """
         n = self.density
         text = ""
         if n > TESTED_DENSITY:
-            text += f"; n = {n:g} is outside the range where the correction "
-            text += f"was tested (up to {TESTED_DENSITY:g})"
-        if of_speeds:
-            error = (SLOW_SHARE_ERROR - self.restitution) * n
-            text += f"; the share of tracers slower than v is off by up to {error:.2g}, "
+            text += f"; n = {n:g} is outside the range to which the equation was fitted "
+            text += f"(up to {TESTED_DENSITY:g})"
+        if "speed_density" in errors:
+            text += f"; the share of tracers slower than v {_off(errors['speed_density'])}, "
             text += "by slow ones, of which the density may be negative"
-        if of_displacements:
-            error = NEAR_SHARE_ERROR * n
-            text += f"; the share of tracers nearer than r is off by up to {error:.2g}"
+        if "position_density" in errors:
+            text += f"; the share of tracers nearer than r {_off(errors['position_density'])}"
         return text
+
+
+def _off(error: float) -> str:
+    """Return by how much a share is off, in words; NaN where it was not measured."""
+    if math.isnan(error):
+        return "is off, by how much was not measured"
+    return f"is off by up to {error:.2g}"

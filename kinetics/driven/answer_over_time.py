@@ -84,7 +84,9 @@ class AnswerOverTime(ABC, Generic[March]):
     @property
     def verdict(self) -> tuple[SolverStatus, str]:
         """The status of the whole answer, and a message that names the parts that missed."""
-        return judge_errors(self.errors, {**self._tolerance, INITIAL_STATE: self.rtol})
+        tolerance = {**self._tolerance, INITIAL_STATE: self.rtol}
+        status, message = judge_errors(self.errors, tolerance)
+        return status, message + self.scene.drive.limits
 
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:

@@ -118,7 +118,7 @@ class SteadyState(Result):
             rtol=rtol,
             error_estimate=error,
             status=status,
-            message=message,
+            message=message + solution.drive.limits,
             plan=(
                 PlanStep("angular harmonics", True, f"0 to {resolution.harmonics}"),
                 PlanStep("speeds", True, f"{resolution.nodes} points up to {highest:.3g}"),

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Dimensions of vectors and tensors, which come last; their coordinates are x, y and z.
 COMPONENTS = ("component", "component2")
+#: What follows the name of a quantity in the name of the variable of its model error.
+MODEL_ERROR = "_model_error"
 
 
 class Variable(NamedTuple):

@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
-from kinetics.results.frame import COMPONENTS, free_dimensions, split_components
+from kinetics.results.frame import COMPONENTS, MODEL_ERROR, free_dimensions, split_components
 from kinetics.results.labels import axis_label, typeset
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 #: Columns of axes in a figure of all quantities, and the size of each of the axes in inches.
 MAX_COLUMNS = 3
@@ -32,6 +33,8 @@ MAX_CURVES = 8
 #: are of interest.
 DENSITY_TOP = 3.0
 DENSITY_BOTTOM = 1e-7
+#: Opacity of the band of the model error: the curve stays visible.
+BAND_ALPHA = 0.25
 #: An axis is logarithmic if the largest number on it is more than so many times the smallest.
 LOGARITHMIC_ABOVE = 30.0
 #: What changes over time as a power of it: where the axis of times is logarithmic, so is theirs.
@@ -57,8 +60,11 @@ def draw(
     ax: Axes | None,
     system: Sequence[str] = (),
     bottom: float = DENSITY_BOTTOM,
+    model_error: xarray.DataArray | None = None,
 ) -> Axes:
     """Draw a quantity, given by its real and imaginary part; wide ranges on logarithmic axes.
+
+    A band of the model error is drawn about a quantity of the same shape.
 
     Raises InputError for a quantity that depends on no or on more than two coordinates.
 
@@ -69,6 +75,7 @@ def draw(
     ax : to draw on; None for new ones
     system : what the title says of the system, in several items
     bottom : the least density that is shown, over the largest
+    model_error : the error of the equation itself, of the shape of the quantity; None for none
     """
     real = components[0]
     dimensions = free_dimensions(real)
@@ -79,6 +86,7 @@ def draw(
     source = source_on(ax, SOURCE, system)
     abscissa = real[dimensions[-1]]
     first_colour = n_curves_of(ax, SOURCE)
+    lines: list[Line2D] = []
     for component, style in zip(components, ("-", "--"), strict=False):
         words = [source]
         if len(components) > 1:
@@ -86,13 +94,29 @@ def draw(
         for index, (label, curve) in enumerate(_curves(component).items()):
             colour = f"C{(first_colour + index) % N_COLOURS}"
             full_label = ", ".join([*words, label] if label else words)
-            ax.plot(abscissa, curve, style, color=colour, label=full_label)
+            lines += ax.plot(abscissa, curve, style, color=colour, label=full_label)
+    if model_error is not None and model_error.dims == real.dims:
+        _draw_band(lines, real, model_error, ax)
     symbol = abscissa.attrs.get("symbol", str(abscissa.name))
     ax.set_xlabel(axis_label(symbol, abscissa.attrs["units"]))
     ax.set_ylabel(axis_label(_symbol(real), real.attrs["units"]))
     _scale_axes(ax, name, abscissa, components, bottom)
     add_legend(ax)
     return ax
+
+
+def _draw_band(
+    lines: Sequence[Line2D], quantity: xarray.DataArray, model_error: xarray.DataArray, ax: Axes
+) -> None:
+    """Draw the model error as a band about the line of each component of a quantity."""
+    errors = split_components(model_error).values()
+    curves = split_components(quantity).values()
+    for line, curve, error in zip(lines, curves, errors, strict=False):
+        lower = curve.values - error.values
+        upper = curve.values + error.values
+        ax.fill_between(
+            line.get_xdata(), lower, upper, color=line.get_color(), alpha=BAND_ALPHA, linewidth=0.0
+        )
 
 
 def new_axes() -> Axes:
@@ -112,10 +136,12 @@ def draw_all(
 
     Quantities that are zero, or depend on no or more than two coordinates, are left out.
     """
-    groups = _group_complex(quantities)
+    arrays = {str(array.name): array for array in quantities}
+    errors = {name: array for name, array in arrays.items() if name.endswith(MODEL_ERROR)}
+    groups = _group_complex(array for name, array in arrays.items() if name not in errors)
     axes = axes_of_figure(len(groups), system)
     for ax, (name, components) in zip(axes, groups.items(), strict=True):
-        draw(name, components, ax, (), bottom)
+        draw(name, components, ax, (), bottom, errors.get(name + MODEL_ERROR))
     return np.array(axes)
 
 

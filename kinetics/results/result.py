@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kinetics.errors import InputError, short, suggestion
 from kinetics.results.file import write_value
-from kinetics.results.frame import averages_frame, dataset, quantity_frame
+from kinetics.results.frame import MODEL_ERROR, averages_frame, dataset, quantity_frame
 from kinetics.results.plot import DENSITY_BOTTOM, draw, draw_all
 from kinetics.results.record import initial_fields
 from kinetics.results.table import Table, html_of
@@ -118,14 +118,16 @@ class Result(Storable):
         """
         if name is None:
             return averages_frame(self._checked_dataset((), points))
-        return quantity_frame(self._quantity(name, points))
+        quantities = self._checked_dataset((name,), points)
+        return quantity_frame(self._components(quantities, name))
 
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one quantity on ``ax``, or on new axes; without a name, everything.
 
         Averages are drawn over time, densities at up to eight of the times. The title says which
         system it is, the legend "equation". A run of `particles` draws the same quantity on the
-        same kind of axes: ``run.plot("msd", ax=solution.plot("msd"))``.
+        same kind of axes: ``run.plot("msd", ax=solution.plot("msd"))``. A band is the
+        error of the equation itself, where it is stated.
 
         Parameters
         ----------
@@ -148,7 +150,10 @@ class Result(Storable):
         """
         if name is not None:
             points = self._points_of_plot(name, points)
-            return draw(name, self._quantity(name, points), ax, self._system, self._density_bottom)
+            quantities = self._named_dataset(name, points)
+            components = self._components(quantities, name)
+            error = quantities.get(name + MODEL_ERROR)
+            return draw(name, components, ax, self._system, self._density_bottom, error)
         if ax is not None:
             raise InputError("ax: got axes without a name; name what to draw on them")
         return self.plot_all(**points)
@@ -187,11 +192,18 @@ class Result(Storable):
                 raise InputError(f"{name}: known are {allowed}")
         return self._dataset(only=only, **points)
 
-    def _quantity(self, name: str, points: Mapping[str, object]) -> list[xarray.DataArray]:
-        """Return the quantity of a name, as its real and imaginary part if it is complex."""
+    def _named_dataset(self, name: str, points: Mapping[str, object]) -> xarray.Dataset:
+        """Return the dataset of one quantity, and of its model error if it has one."""
         if not isinstance(name, str):
             raise InputError(f"name: got {short(name)}; it must be the name of a quantity")
-        quantities = self._checked_dataset((name,), points)
+        return self._checked_dataset((name,), points)
+
+    def _quantity(self, name: str, points: Mapping[str, object]) -> list[xarray.DataArray]:
+        """Return the quantity of a name, as its real and imaginary part if it is complex."""
+        return self._components(self._named_dataset(name, points), name)
+
+    def _components(self, quantities: xarray.Dataset, name: str) -> list[xarray.DataArray]:
+        """Return the quantity of a name, as its real and imaginary part if it is complex."""
         labels = (name, f"{name}_real", f"{name}_imag")
         components = [quantities[label] for label in quantities if label in labels]
         if not components:

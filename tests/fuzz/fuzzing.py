@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from kinetics import ToleranceWarning
+from kinetics import ModelWarning, ToleranceWarning
 from kinetics.crosscheck.stress_invariants import Violations
 
 LONGEST = 400  # characters of a refusal that lists the names that are known; else 200 or so
@@ -51,6 +51,7 @@ def tried(call: Callable[..., Any], *arguments: Any, **keywords: Any) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", ToleranceWarning)
+        warnings.simplefilter("ignore", ModelWarning)
         try:
             return call(*arguments, **keywords)
         except ValueError as error:

@@ -16,7 +16,7 @@ NAMES = {
     "kinetics": """AngularHarmonics Beam CollisionLaw FieldState Gaussian InputError Monoenergetic
         PolarGrid ScaledVDF ScalingSolution Scene Solution SolverStatus SpeedDensity SpeedSamples
         SpeedTable ToleranceWarning VelocitySamples __version__ compare fit load solve solve_field
-        solve_scaled sonine solve_steady sweep Viscoelastic DrivenState""",
+        solve_scaled sonine solve_steady sweep Viscoelastic DrivenState ModelWarning""",
     "particles": """OBSERVABLES BoltzmannGrad Ensemble Estimate HardDisks HardSpheres Histogram
         Medium Poisson PoissonSpheres Positions Statuses load simulate""",
     "derivations": "verify printed_equation",
@@ -28,7 +28,8 @@ NAMES = {
     "kinetics.ScaledVDF": """cooling_rate a2 moment vdf nodes error_estimate status message save
         to_dataframe to_xarray plot""",
     "kinetics.Solution": """plan stats status message save to_dataframe to_xarray plot speed_density
-        position_density scaled_position_density intermediate_scattering velocity_density""",
+        position_density scaled_position_density intermediate_scattering velocity_density
+        model_error""",
     "kinetics.FieldState": """drift mean_square_speed moment diffusion_parallel plan vdf
         diffusion_perpendicular error_estimate status save to_dataframe to_xarray plot""",
     "particles.Ensemble": "thermal_speed statuses save to_dataframe to_xarray plot write_h5md",

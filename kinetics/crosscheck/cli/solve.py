@@ -285,7 +285,7 @@ def solve_over_time(
     system: dict[str, Any], outputs: str, points: Points, rtol: float | None
 ) -> "tuple[Solution, Document]":
     """Return the Solution and the JSON document."""
-    from kinetics import Scene, ToleranceWarning
+    from kinetics import ModelWarning, Scene, ToleranceWarning
     from kinetics import solve as solve_scene
 
     drives = {name: system[name] for name in options.DRIVES if system[name]}
@@ -303,6 +303,7 @@ def solve_over_time(
     scene = Scene(**system, initial=initial, outputs=needed)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)  # the status says it
+        warnings.simplefilter("ignore", ModelWarning)  # the line of the model error says it
         solution = solve_scene(scene, rtol=rtol)
     document: Document = {name: system[name] for name in (*LAW, *MEDIUM) if name in system}
     document |= options.law_keys(system["restitution"])
@@ -319,6 +320,8 @@ def solve_over_time(
         names.append("uncollided")
     for name in ("times", *names):
         document[name] = getattr(solution, name)
+    if scene.scatterers != "dilute":
+        document["model_error"] = dict(solution.model_error)
     for name, values in points.items():
         density = DENSITIES[name].name
         document[name] = values
@@ -365,6 +368,8 @@ def _by_collision(solution: "Solution", numbers: Iterable[float]) -> Document:
 
 def text_over_time(document: Document) -> str:
     """Return the same as tables, one row for each time, and the status."""
+    from kinetics.model_error import summary
+
     averages = {head: document[name] for name, head in HEADS.items() if name in document}
     for component in COMPONENTS:
         if component.output in document:
@@ -385,6 +390,9 @@ def text_over_time(document: Document) -> str:
             table[HEADS[name]] = by_collision[name]
         lines.append(options.columns(table))
     lines += textwrap.wrap(f"status: {document['message']}", options.WIDTH)
+    if "model_error" in document:
+        text = f"error of the equation itself up to: {summary(document['model_error'])}"
+        lines += textwrap.wrap(text, options.WIDTH)
     return "\n".join(lines)
 
 

@@ -12,8 +12,7 @@
 """
 
 from kinetics.crosscheck.compare.ask import compare_data, fit_data
-from kinetics.crosscheck.compare.text import answer_text
 from kinetics.crosscheck.compare.ask import compare_data as compare
 from kinetics.crosscheck.compare.result import Comparison
 
-__all__ = ["answer_text", "Comparison", "compare", "compare_data", "fit_data"]
+__all__ = ["Comparison", "compare", "compare_data", "fit_data"]

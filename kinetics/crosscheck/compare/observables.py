@@ -64,12 +64,6 @@ class Observable:
     output : the name of the output of a Solution; empty if it is that of the row
     component : the component of that output
     shape : the function of it that is compared
-    theory_error : relative standard deviation of simulations of hard disks from the theory, over
-        n = rho d^2, from 0.1 to 30 l/U and from then on. Measured by
-        tests/kinetics/measurements/density.py and rounded up. Of averages of the speed it is
-        multiplied by the share of the speed that has been lost: where none is, as for e = 1, they
-        cannot be wrong.
-    of_speed : whether the average is of the speed alone
     """
 
     title: str
@@ -81,8 +75,6 @@ class Observable:
     output: str = ""
     component: tuple[int, ...] = ()
     shape: Shape = Shape.PLAIN
-    theory_error: tuple[float, float] = (0.0, 0.0)
-    of_speed: bool = False
 
     @property
     def offset(self) -> float:
@@ -110,8 +102,6 @@ OBSERVABLES: dict[str, Observable] = {
         where=Where.ALONG_X,
         output="mean_velocity",
         component=(0,),
-        theory_error=(0.05, 0.05),
-        of_speed=True,
     ),
     "thermal_speed": Observable(
         title="Thermal speed",
@@ -121,8 +111,6 @@ OBSERVABLES: dict[str, Observable] = {
         measure=lambda means, law: np.asarray(np.sqrt(means[V2])),
         where=Where.ANYWHERE,
         shape=Shape.LOGARITHM,
-        theory_error=(0.06, 0.025),
-        of_speed=True,
     ),
     "a2": Observable(
         title="Second Sonine coefficient",
@@ -131,8 +119,6 @@ OBSERVABLES: dict[str, Observable] = {
         text="1 + a₂",
         measure=_a2,
         shape=Shape.INVERSE_CUBE,
-        theory_error=(0.16, 0.15),
-        of_speed=True,
     ),
     "msd": Observable(
         title="Mean square displacement",
@@ -141,7 +127,6 @@ OBSERVABLES: dict[str, Observable] = {
         text="⟨r²⟩",
         measure=lambda means, law: means[R2],
         shape=Shape.LOGARITHM,
-        theory_error=(0.05, 0.04),
     ),
     "kurtosis": Observable(
         title="Kurtosis of the displacement",
@@ -150,7 +135,6 @@ OBSERVABLES: dict[str, Observable] = {
         text="⟨r⁴⟩/⟨r²⟩²",
         measure=lambda means, law: np.asarray(means[R4] / means[R2] ** 2),
         shape=Shape.INVERSE_CUBE,
-        theory_error=(0.12, 0.1),
     ),
     "mean_displacement": Observable(
         title="Mean displacement along x",
@@ -160,7 +144,6 @@ OBSERVABLES: dict[str, Observable] = {
         measure=lambda means, law: means[X],
         where=Where.ALONG_X,
         component=(0,),
-        theory_error=(0.2, 0.2),
     ),
     "dispersion_parallel": Observable(
         title="Variance along the field",
@@ -187,11 +170,6 @@ OBSERVABLES: dict[str, Observable] = {
         symbol=r"$\langle v\rangle$",
         unit="U",
         text="⟨v⟩",
-        # Derived: <v> is v0 (1 - a2/8) times a number to first order in a2. To the errors of v0
-        # an eighth of those of a2 is added, as they may go together. Simulations at n = 0.1 and 0.2
-        # and e = 0.5, 0.8 and 0.95 are within 2.2 of these errors and their own, at 7 times each.
-        theory_error=(0.08, 0.045),
-        of_speed=True,
     ),
     BETWEEN_FRAMES: Observable(
         title="Mean square displacement between two frames",
@@ -199,7 +177,6 @@ OBSERVABLES: dict[str, Observable] = {
         unit="d²",
         text="⟨|r(t) − r(s)|²⟩",
         shape=Shape.LOGARITHM,
-        theory_error=(0.25, 0.25),
     ),
     SPEED_DENSITY: Observable(
         title="Speed density", symbol="speed $v$", unit="U", text="mean over a bin"

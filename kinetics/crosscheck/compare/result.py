@@ -126,7 +126,12 @@ class Explanation(NamedTuple):
 RowOrTest = TypeVar("RowOrTest", Row, ComparisonTest)
 
 #: Units of the parameters that have one.
-UNITS_OF_PARAMETERS = {"number_density": "d^-2", "mean_free_path": "d"}
+UNITS_OF_PARAMETERS = {
+    "number_density": "d^-2",
+    "mean_free_path": "d",
+    "speed_unit": "in the data's unit",
+    "position_error": "in the data's unit",
+}
 #: Columns of `Comparison.rows` that are no numbers with a missing value.
 COLUMNS_OF_OTHER_TYPES = ("observable", "verdict", "samples")
 #: Fields of a Comparison that its document has under "data".
@@ -350,13 +355,15 @@ class Comparison(Result):
         lines = [self.summary, *self.warnings]
         return Table(f"Comparison: {self.verdict}", ("", "value", "unit, or p", ""), rows, lines)
 
-    def __str__(self) -> str:
-        from kinetics.crosscheck.compare import answer_text
-
-        return answer_text(self)
-
     def __repr__(self) -> str:
-        return textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", LINE_WIDTH)
+        lines = [textwrap.fill(f"Comparison: {self.verdict}. {self.summary}", LINE_WIDTH)]
+        for name, parameter in self.parameters.items():
+            if parameter.value is None or not parameter.error:
+                continue
+            unit = UNITS_OF_PARAMETERS.get(name, "")
+            text = f"{number_text(parameter.value, parameter.error)} ± {parameter.error:.2g} {unit}"
+            lines.append(f"  {name} = {text.rstrip()}")
+        return "\n".join(lines)
 
 
 def _with_verdict(record: RowOrTest) -> RowOrTest:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Sequence
 from typing import Any
@@ -10,39 +9,41 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.collision.measured_errors import MEASURED_ORDER, stated_error
+from kinetics.collision.medium import Medium
 from kinetics.crosscheck.compare.frames_theory import mean_square_between_frames
 from kinetics.crosscheck.compare.measured import Layout
 from kinetics.crosscheck.compare.observables import BETWEEN_FRAMES, MEAN_SPEED, OBSERVABLES, Array
 from kinetics.crosscheck.compare.point import Point
 from kinetics.crosscheck.data.sample import Law
-from kinetics.errors import ToleranceWarning
+from kinetics.errors import ModelWarning, ToleranceWarning
 from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.solving import solve
 
 #: Solutions that a theory keeps. Chosen: a fit looks at some tens of points.
 MAX_KEPT = 64
-#: Mean free paths before which the errors of the theory of dense disks are the early ones.
-LATE_AFTER = 30.0
-#: An error of the theory has grown to 1 - 1/e of its size after this many mean free paths: there is
-#: none before there are collisions. Chosen: simulations show it in full from 0.1 l/U on.
-ERROR_GROWS_IN = 0.1
-#: Correlation of the errors of v0 and of <r^2>: both are one error of the collision rate. Measured,
-#: with `Observable.theory_error`.
+#: The stated error of the equation is the largest that simulations saw: taken to be so many of its
+#: standard deviations. Chosen: of some hundred points the largest is beyond two of a Gaussian.
+DEVIATIONS_STATED = 2.0
+#: Correlation of the errors of v0 and of <r^2>: both are one error of the collision rate. Measured
+#: by tests/kinetics/measurements/density.py.
 RATE_CORRELATION = 0.9
 #: Errors of the theory at two times are correlated by exp(-3 x^2), x the decades between them.
 #: Measured as above: they are smooth over 0.4 of a decade.
 DECAY_OF_CORRELATION = 3.0
-#: The mean speed of a Gaussian in the plane over its thermal speed v0.
-GAUSSIAN_MEAN_OVER_V0 = math.sqrt(math.pi) / 2.0
+#: Relative standard deviation of the theory of the mean square between two frames over n. Measured
+#: as above and rounded up.
+BETWEEN_FRAMES_ERROR = 0.25
+#: It has grown to 1 - 1/e of its size after this many mean free paths: there is none before there
+#: are collisions. Chosen: simulations show it in full from 0.1 l/U on.
+ERROR_GROWS_IN = 0.1
 #: Speeds at which a density is summed for a mean, from this fraction of the least thermal speed on.
 LOWEST_SPEED = 1e-4
 #: Up to this speed in U.
 HIGHEST_SPEED = 8.0
 #: So many of them: the mean is right to 1e-5.
 N_SPEEDS = 400
-#: The error of the collision rate among overlapping disks over that among hard ones. Measured.
-OVERLAPPING_OVER_HARD = 2.0
 
 
 def solve_at(
@@ -67,6 +68,7 @@ def solve_at(
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
+        warnings.simplefilter("ignore", ModelWarning)  # the covariance has it
         return solve(scene, rtol=law.rtol if rtol is None else rtol)
 
 
@@ -218,53 +220,52 @@ class Theory:
     def own_covariance(self, point: Point, values: Array) -> Array | None:
         """Return the covariance of the error of the theory itself; None among dilute scatterers.
 
-        It is of shape (n_components, n_components). Fitted to simulations of the package's own
-        particles (`Observable.theory_error`).
+        It is of shape (n_components, n_components). Standard deviations are those that
+        `kinetics.collision.measured_errors` states, over `DEVIATIONS_STATED`.
         """
         if point.scatterers == "dilute":
             return None
         layout = self.layout
-        is_late = layout.time >= LATE_AFTER * point.path
         relative = np.zeros(layout.size)
         for name in layout.all_names:
-            early, late = OBSERVABLES[name].theory_error
-            chosen = layout.observable == name
-            relative[chosen] = np.where(is_late, late, early)[chosen]
-        rate = layout.is_of("thermal_speed", MEAN_SPEED, "msd")
-        if point.scatterers == "overlapping disks":
-            relative[rate] *= OVERLAPPING_OVER_HARD
-        relative = relative * self._share_that_can_be_wrong(values, point)
-        sizes = layout.sizes(values)
-        drift = layout.is_of("drift")
-        if np.any(drift):
-            sizes[drift] = values[layout.is_of("thermal_speed")]
-        density = layout.law.free_path(point.path)
-        error = relative * np.where(np.isfinite(sizes), sizes, 0.0) * density
-        decades = np.log10(np.where(layout.time > 0.0, layout.time, 1.0))
-        correlation = np.exp(-DECAY_OF_CORRELATION * (decades[:, None] - decades) ** 2)
+            if name != BETWEEN_FRAMES:
+                relative[layout.is_of(name)] = relative_error(name, point, layout)
+        frames = layout.is_of(BETWEEN_FRAMES)
+        growth = -np.expm1(-layout.time[frames] / (ERROR_GROWS_IN * point.path))
+        relative[frames] = BETWEEN_FRAMES_ERROR * layout.law.free_path(point.path) * growth
+        sizes = self._sizes_of_error(values)
+        error = relative * np.where(np.isfinite(sizes), sizes, 0.0)
+        correlation = correlation_over_time(layout.time)
         same = layout.observable[:, None] == layout.observable
+        rate = layout.is_of("thermal_speed", MEAN_SPEED, "msd")
         correlation = np.where(same, correlation, 0.0) + np.where(
             (rate[:, None] & rate) & ~same, RATE_CORRELATION * correlation, 0.0
         )
         return np.asarray(correlation * np.outer(error, error))
 
-    def _share_that_can_be_wrong(self, values: Array, point: Point) -> Array:
-        """Return the share of its error that each component has.
-
-        Before there are collisions there is none, and none of the speed where it is not lost: the
-        logarithm of v0 = V/(1 + a n t) has the slope 1 - v0/V in ln n.
-        """
+    def _sizes_of_error(self, values: Array) -> Array:
+        """Return what the error of each component is relative to, in the unit of the data."""
         layout = self.layout
-        share = -np.expm1(-layout.time / (ERROR_GROWS_IN * point.path))
-        initial = np.sqrt(layout.law.dimension) * point.speed_unit
-        speeds = values[layout.is_of("thermal_speed")]
-        if "thermal_speed" not in layout.names:
-            initial *= GAUSSIAN_MEAN_OVER_V0
-            speeds = values[layout.is_of(MEAN_SPEED)]
-        if speeds.size == layout.times.size and not layout.law.field:
-            lost = np.clip(1.0 - speeds / max(initial, float(np.nanmax(speeds))), 0.0, 1.0)
-            for name in layout.names:
-                if OBSERVABLES[name].of_speed:
-                    chosen = layout.observable == name
-                    share[chosen] = share[chosen] * lost
-        return np.asarray(share)
+        sizes = layout.sizes(values)
+        drift = layout.is_of("drift")
+        if np.any(drift):
+            sizes[drift] = values[layout.is_of("thermal_speed")]
+        displacement = layout.is_of("mean_displacement")
+        if np.any(displacement):
+            sizes[displacement] = np.sqrt(values[layout.is_of("msd")])
+        return sizes
+
+
+def relative_error(name: str, point: Point, layout: Layout) -> Array:
+    """Return the relative standard deviation of the theory of an average, shape (n_times,)."""
+    density = layout.law.free_path(point.path)
+    medium = Medium(point.scatterers, density, point.restitution, MEASURED_ORDER)
+    output = OBSERVABLES[name].output or name
+    stated = stated_error(output, medium, layout.times / point.path)
+    return np.asarray(stated / DEVIATIONS_STATED)
+
+
+def correlation_over_time(times: Array) -> Array:
+    """Return the correlation of the errors of the theory at times, shape (n_times, n_times)."""
+    decades = np.log10(np.where(times > 0.0, times, 1.0))
+    return np.asarray(np.exp(-DECAY_OF_CORRELATION * (decades[:, None] - decades) ** 2))

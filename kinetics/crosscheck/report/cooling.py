@@ -37,7 +37,7 @@ from kinetics.crosscheck.report.cases import (
 from kinetics.crosscheck.report.estimates import DISTANCES, POSITION_EDGES, SPEED_EDGES, SPEEDS
 from kinetics.crosscheck.report.progress import Progress
 from kinetics.crosscheck.report.systems import Cooling
-from kinetics.errors import ToleranceWarning
+from kinetics.errors import ModelWarning, ToleranceWarning
 from kinetics.numerics.gauss import panels_between
 from kinetics.validation import refuse
 from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, simulate
@@ -184,6 +184,7 @@ def solve_quietly(scene: Scene, rtol: float) -> Solution:
     """Solve a scene without warnings: a page of rows shows what deviates."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ToleranceWarning)
+        warnings.simplefilter("ignore", ModelWarning)
         return kinetics.solve(scene, rtol=rtol)
 
 

@@ -53,6 +53,7 @@ def test_longer_paths_of_the_second_order_do_not_lengthen_the_way(monkeypatch: A
     assert late_squares[0] == pytest.approx(late_squares[1], rel=2e-3)
 
 
+@pytest.mark.filterwarnings("ignore::kinetics.ModelWarning")
 @pytest.mark.parametrize(("e", "n"), [(0.95, 0.3), (0.7, 0.04), (0.3, 0.1), (0.05, 0.02)])
 @pytest.mark.parametrize("order", ["leading", "second"])
 def test_averages_tend_to_the_closed_forms_of_the_operator(e: float, n: float, order: str) -> None:

@@ -4,10 +4,10 @@ For each medium, restitution and density the deviation of <r^2> and v0 (simulati
 1, in per cent) at times in l/U, for the dilute equation and the orders of the theory, and the
 standard errors of the simulation. The second order is fitted so that its rows vanish at late times.
 
-Then the error that the theory has of its own, for `lorentz compare`: root mean squares, for each
+Then the error that the theory has of its own: root mean squares, for each
 medium and density over restitutions and times, of the relative deviation of simulations from the
 theory, less the simulations' own variance, divided by the density n; before 30 l/U, and from then
-on. kinetics/crosscheck/compare/theory.py has them, rounded up.
+on. The largest ones, point by point, which `lorentz compare` has, are from `model_error`.
 
     python -m tests.kinetics.measurements.density [tracers]     40 minutes with 400,000
 """
