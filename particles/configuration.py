@@ -27,8 +27,9 @@ BATCH_SIZE = 4096
 #: Mean free paths after which a flight counts as endless. Chosen: in a random medium the chance of
 #: one is about exp(-1e6).
 ESCAPE_PATHS = 1e6
-#: Step of the noise, in the least of (l^2/D)^(1/3) and 1/gamma. Errors go with its square: measured
-#: at larger steps, 0.15 of that for <v^2>, 0.23 for <v^4>, 0.07 for <r^2>.
+#: Step of the noise, in the least of (l^2/D)^(1/3) and 1/gamma. Errors go with its square: they
+#: were 0.15, 0.23 and 0.07 times it for <v^2>, <v^4>, <r^2> at larger steps. Why 0.02 is not
+#: recorded.
 NOISE_STEP = 0.02
 
 Arrays = Mapping[str, np.ndarray]
@@ -196,14 +197,14 @@ def _follow_batch(
     plan: Plan, configuration: int, cells: "Cells | None", first_number: int, sums: Arrays
 ) -> dict[str, np.ndarray]:
     """Follow at most BATCH_SIZE tracers from a number on, adding to the sums; return raw data."""
-    from particles.kernel.records import CAUGHT
+    from particles.kernel.records import TRAP_ROWS
 
     n = min(BATCH_SIZE, plan.tracers - first_number)
     raw = empty_arrays(plan, 0, n)
     records = _make_records(plan, sums, raw)
     batch = _make_batch(plan, configuration, cells, first_number, n)
     _call_kernel(plan, cells, batch, records)
-    traps = records.traps[: records.filled[CAUGHT]]
+    traps = records.traps[: records.filled[TRAP_ROWS]]
     raw["traps"] = np.insert(traps, 0, configuration, axis=1)
     return {name: array for name, array in raw.items() if name == "traps" or name[:4] == "raw/"}
 

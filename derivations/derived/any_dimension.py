@@ -117,8 +117,8 @@ def _any_slope() -> Derived:
 @derives("beyond:collision-number")
 def _collision_number() -> Derived:
     """Variances of collisions and path, per ln t at late times."""
-    # E[z^N] ~ t^theta: d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)] is solved by powers
-    # t^(theta-p) at every p but where 1 - z phi(theta) = 0, phi(p) = E[s^p]
+    # E[z^N v^p] ~ t^(theta-p) in d/dt E[z^N v^p] = -(1 - z phi(p)) E[z^N v^(p+1)]/l, where
+    # phi(p) = E[s^p]: at p = theta the left side is 0, and so 1 - z phi(theta) = 0
     u, theta_1, theta_2 = sp.symbols("u theta_1 theta_2")
     theta = theta_1 * u + theta_2 * u**2 / 2
     square = Avg(sp.log(s.s) ** 2)
@@ -155,7 +155,7 @@ MEMBERS: dict[Member, UndefinedFunction] = {
     (3, 1): s.W1,
     (4, 0): s.rho4,
 }
-"""The functions of the chain by (order in k, harmonic)."""
+"""The functions of the chain by (order in k, harmonic), each after those that drive it."""
 _START: Member = (0, 0)
 """The order 0 of <exp(i k.r)>, which is 1."""
 
@@ -275,7 +275,7 @@ row("beyond:quartic-space", lambda: _quartic(3))
 
 @cache
 def elastic_transform(dimension: int) -> sp.Expr:
-    """The Laplace transform of <r^4> in zeta at one speed, e = e_t = 1, where s = 1."""
+    """The Laplace transform of <r^4> in zeta at one speed, for elastic smooth bounces (s = 1)."""
     rates = {0: sp.Integer(0), 1: s.nu1, 2: s.nu2}
     transforms: dict[Member, sp.Expr] = {_START: 1 / s.laplace}
     for member, drive in sources(dimension).items():

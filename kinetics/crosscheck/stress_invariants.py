@@ -13,17 +13,18 @@ from particles import Ensemble
 
 FloatArray = NDArray[np.float64]
 
-#: Logarithms of v/v0 over which the mass of a density of speeds is summed.
+#: Logarithms of v/v0 over which the mass of a density of speeds is summed. The
+#: origin of range and number is not recorded.
 LOG_SPEEDS = np.linspace(math.log(1e-12), math.log(1e3), 30_001)
-#: Thermal speed above which f(v) is a number that doubles hold.
+#: Thermal speed in U above which v^2 and f(v) are well inside the range of doubles.
 MIN_THERMAL_SPEED = 1e-140
-#: Thermal speed below which moments of v are.
+#: Thermal speed in U below which they are.
 MAX_THERMAL_SPEED = 1e140
-#: Edges of the panels in R over which moments of G(R) are summed.
+#: Edges of the panels in R over which moments of G(R) are summed. The origin is not recorded.
 RADIUS_EDGES = np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)])
 #: Gauss nodes in each of them. The origin is not recorded.
 NODES_PER_PANEL = 12
-#: Wave numbers in 1/d at which |F| <= 1 is looked at.
+#: Wave numbers in 1/d at which |F| <= 1 is looked at. Chosen: none, tiny, and usual ones.
 WAVE_NUMBERS = [0.0, 1e-300, 1e-3, 0.1, 2.0]
 #: Errors of an answer that an invariant may be violated by, beside rounding: the answer's own,
 #: doubled for a difference and doubled again. The origin is not recorded.

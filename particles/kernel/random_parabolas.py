@@ -50,13 +50,14 @@ LANE = record_type(RandomParabolaTracer)
 
 @inlined
 def _start(tracer: RandomParabolaTracer, batch: Batch, times: np.ndarray, number: int) -> None:
+    """Give a tracer its initial velocity, and open the stream of its random flights."""
     start_with_velocity(tracer, batch, times, number)
     open_flights(tracer, batch)
 
 
 @inlined
 def _collide(tracer: RandomParabolaTracer, batch: Batch) -> None:
-    """Collide with a random impact parameter."""
+    """Collide with a random impact parameter, and count the collision."""
     speed = sqrt(tracer.vx * tracer.vx + tracer.vy * tracer.vy + tracer.vz * tracer.vz)
     tracer.ux = tracer.vx / speed
     tracer.uy = tracer.vy / speed

@@ -24,7 +24,7 @@ QUEUE = 1024
 #: Index into `Records.filled`: states that wait in the queue.
 WAITING = 0
 #: Index into `Records.filled`: rows of `Records.traps`.
-CAUGHT = 1
+TRAP_ROWS = 1
 
 
 class OutputState:
@@ -93,6 +93,7 @@ class Records(NamedTuple):
 
 @inlined
 def _log2(number: float) -> float:
+    """Return the logarithm to base 2; -NEVER of 0, which falls into the first bin."""
     return log2(number) if number > 0.0 else -NEVER
 
 
@@ -131,7 +132,10 @@ def flight_histograms(records: Records) -> FlightHistograms:
 
 @inlined
 def count_flight(histograms: FlightHistograms, path: float, duration: float, shifts: int) -> None:
-    """Enter a completed flight in the histograms; duration: times 2^(-64 shifts)."""
+    """Enter a completed flight in the histograms.
+
+    duration: in the tracer's unit of time, 2^(64 shifts) of the run's.
+    """
     if histograms.paths.size:
         _count(histograms.paths, 0, _log2(path), histograms.grids[outputs.PATH])
     if histograms.durations.size:
@@ -185,7 +189,10 @@ def queue_output(tracer: StraightTracer, records: Records) -> None:
 
 @inlined
 def queue_in_field(tracer: VelocityTracer, records: Records, field: float) -> None:
-    """Queue the state of a tracer at its next output time, on its parabola."""
+    """Queue the state of a tracer at its next output time, on its parabola.
+
+    In a field, or driven, scales and units of time are 1.
+    """
     times = records.times
     row = _next_row(tracer, 0.0, records)
     t = max(tracer.next_output - tracer.time, 0.0)
@@ -288,9 +295,9 @@ def finish(tracer: Tracer, status: int, first_number: int, records: Records) -> 
     records.statuses[status] += 1
     if records.finals.size:
         end = records.finals[tracer.number]
-        ln_unit = tracer.shifts * LN_SHIFT
-        end[outputs.LN_SPEED] = -log(tracer.slowness) - ln_unit
-        end[outputs.LN_TIME] = (log(tracer.time) if tracer.time > 0.0 else -NEVER) + ln_unit
+        ln_shifts = tracer.shifts * LN_SHIFT
+        end[outputs.LN_SPEED] = -log(tracer.slowness) - ln_shifts
+        end[outputs.LN_TIME] = (log(tracer.time) if tracer.time > 0.0 else -NEVER) + ln_shifts
         end[outputs.FINAL_X] = tracer.flight_x
         end[outputs.FINAL_Y] = tracer.flight_y
         end[outputs.FINAL_COLLISIONS] = tracer.collisions
@@ -307,8 +314,8 @@ def _record_trap(tracer: Tracer, first_number: int, records: Records) -> None:
         row.y = tracer.flight_y
         row.z = tracer.flight_z
         row.vx = row.vy = row.vz = 0.0
-    trap = records.traps[records.filled[CAUGHT]]
-    records.filled[CAUGHT] += 1
+    trap = records.traps[records.filled[TRAP_ROWS]]
+    records.filled[TRAP_ROWS] += 1
     trap[outputs.TRAP_TRACER] = first_number + tracer.number
     trap[outputs.TRAP_TIME] = tracer.time / tracer.unit
     _store(trap[outputs.TRAP_X :], tracer.flight_x, tracer.flight_y, tracer.flight_z)

@@ -10,6 +10,7 @@ import pytest
 
 from kinetics.crosscheck import bench_problems, references
 from kinetics.crosscheck.bench import FAILED, MEASURED, QUICK, SPECTRAL, BenchReport, Work, measure
+from kinetics.crosscheck.cli.bench import CASES
 
 
 class Clock:
@@ -27,6 +28,10 @@ class Clock:
 
         clock = lambda: self.now  # noqa: E731
         return measure(Work("s", "p", "m", run), replace(QUICK, **effort), (clock, clock))
+
+
+def test_the_command_offers_every_case() -> None:
+    assert CASES == bench_problems.CASES
 
 
 @pytest.mark.parametrize(("seconds", "repeats"), [(0.001, 12), (0.011, 5), (0.02, 3), (2.0, 1)])

@@ -69,7 +69,7 @@ def compare(
     Restitution, density and initial speeds are estimated from the data unless you specify them.
     Prints the verdict, the parameters of the theory, the largest deviation and its likeliest cause.
     With --rows it also prints data, theory and differences over time, and the chi-square of each
-    observable.
+    observable. Several files are several independent runs of the same system.
     """
     from kinetics import compare as compare_data
 
@@ -81,4 +81,4 @@ def compare(
         comparison = compare_data(list(data), restitution=law, **settings)
     destination.show(comparison)
     is_failure = fail_on is not None and comparison.verdict in ("differs", fail_on)
-    return int(is_failure)
+    return int(is_failure)  # the exit status

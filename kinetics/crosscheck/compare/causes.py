@@ -27,7 +27,8 @@ from kinetics.crosscheck.compare.statistics import root_of_variance
 from kinetics.crosscheck.data.sample import VX, X2, X
 from kinetics.crosscheck.words import Verdict, limit_factor, number, numeral
 
-#: -2 ln likelihood from the best up to which another explains as well: odds of 20.
+#: -2 ln likelihood from the best up to which another explains as well: odds of 20. Why 20 is not
+#: recorded.
 NEAR_BEST = 6.0
 #: A cause explains in part if T^2 falls by this: 4 sigma of one number.
 MIN_GAIN = 16.0
@@ -36,7 +37,8 @@ MIN_GAIN_SHARE = 0.1
 #: Share of the errors of a fitted value that must lie nearer to it than what was specified: 3 sigma
 #: of a Gaussian.
 CLEARLY = 0.9973
-#: Largest share of tracers at rest that explains anything: a fit that runs there has failed.
+#: Largest share of tracers at rest that explains anything: a fit that runs beyond, to its limit of
+#: 0.9 (`parameters.LIMITS`), has failed. The origin of the number is not recorded.
 MAX_AT_REST = 0.85
 #: The sums whose axes may have been exchanged.
 EXCHANGED_SUMS = {
@@ -58,9 +60,9 @@ class Cause:
     free : the number of a `Point` that is fitted; empty if none is
     symbol : of that number in a sentence
     unit : that the number is said in, if the data have d and U themselves
-    kind : of the data's own unit: "speed", "time" or "length"
+    kind : of the data's own unit: "speed", "time" or "length"; empty: it is said in d and U
     title : of noise, what it is noise of
-    of_positions : whether it is looked for in positions alone, whose unit of time is fitted
+    of_positions : whether it is looked for in positions alone too, for which U is fitted already
     """
 
     name: str
@@ -107,7 +109,9 @@ class TestedCause:
 
 
 def tested_causes(reference: Fit, media: Sequence[str]) -> list[TestedCause]:
-    """Return every cause in its best medium, the likeliest first; none if little has spread.
+    """Return every cause in its best medium, the likeliest first.
+
+    There is none if the test has fewer than two degrees of freedom.
 
     Parameters
     ----------

@@ -28,7 +28,8 @@ MAX_ENDED = 0.01
 #: Margins of the picture that are tried, over its smaller side: tracks that start further inside
 #: leave later.
 MARGINS = np.linspace(0.0, 0.45, 10)
-#: Tracks that must remain. Chosen: <v^2> of fewer has an error above 14 %.
+#: Tracks that must remain. Chosen: of a Gaussian in the plane <v^2> of
+#: fewer has an error above 14 %.
 MIN_REMAINING_TRACKS = 50
 #: Times that must remain: the start, and two more.
 MIN_REMAINING_TIMES = 3

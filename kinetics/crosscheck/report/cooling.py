@@ -1,4 +1,8 @@
-"""Runs both simulations and the solver for a gas that is left alone, and makes a `CoolingCase`."""
+"""Runs both simulations and the solver for a gas that is left alone, and makes a `CoolingCase`.
+
+d is the diameter of a scatterer and of the tracer, U the standard deviation of one component of the
+initial velocity.
+"""
 
 import math
 import warnings
@@ -40,7 +44,7 @@ from kinetics.crosscheck.report.systems import Cooling
 from kinetics.errors import ModelWarning, ToleranceWarning
 from kinetics.numerics.gauss import panels_between
 from kinetics.validation import refuse
-from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, simulate
+from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, outputs, simulate
 
 #: Last time in d/U of the equation alone. Chosen: far beyond every simulation, so that figures
 #: show what is reached in the end.
@@ -56,10 +60,8 @@ NODES_PER_BIN = 8
 #: Samples that a bin must expect to be compared at all, where bins are not merged. At 50 the
 #: distribution of the count is close to a Gaussian.
 MIN_SAMPLES_PER_BIN = 50
-#: Column of ln v of the final states of tracers.
-LOG_SPEED = 0
-#: Columns that are not components of the displacement: ln v, the direction of v, collisions.
-NOT_DISPLACEMENT = [0, 1, 4]
+#: Columns of the final states of tracers that are no components of the displacement.
+NOT_DISPLACEMENT = [outputs.LN_SPEED, outputs.LN_TIME, outputs.FINAL_COLLISIONS]
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,7 @@ class CoolingRun:
 
     Parameters
     ----------
+    system : what is run
     restitution, law : of the collisions
     times : output times in d/U
     early : index of the time from which on late rates are measured, a tenth of the last
@@ -92,7 +95,7 @@ class CoolingRun:
         return CoolingRun(system, restitution, system.law(restitution), times, early, seed)
 
     def follow(self, medium: Medium, seed: int, media: int, tracers: int) -> Ensemble:
-        """Follow tracers in a medium."""
+        """Follow tracers in a medium: so many configurations, or groups, of so many tracers."""
         return simulate(
             medium,
             restitution=self.restitution,
@@ -327,7 +330,7 @@ class FinalStates:
     def of(ensemble: Ensemble) -> "FinalStates":
         """Return those of an ensemble; tracers that came to rest in a corner have speed 0."""
         finals = ensemble.finals.reshape(ensemble.media, ensemble.tracers, -1)
-        speeds = np.exp(finals[..., LOG_SPEED])
+        speeds = np.exp(finals[..., outputs.LN_SPEED])
         trapped = ensemble.statuses.trap_tracers
         speeds[trapped[:, 0], trapped[:, 1]] = 0.0
         displacements = np.delete(finals, NOT_DISPLACEMENT, axis=-1)
