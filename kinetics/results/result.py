@@ -118,8 +118,7 @@ class Result(Storable):
         """
         if name is None:
             return averages_frame(self._checked_dataset((), points))
-        quantities = self._checked_dataset((name,), points)
-        return quantity_frame(self._components(quantities, name))
+        return quantity_frame(self._quantity(name, points))
 
     def plot(self, name: str | None = None, ax: Axes | None = None, **points: Any) -> Any:
         """Draw one quantity on ``ax``, or on new axes; without a name, everything.
@@ -149,6 +148,7 @@ class Result(Storable):
             An unknown name.
         """
         if name is not None:
+            self._require_text(name)
             points = self._points_of_plot(name, points)
             quantities = self._named_dataset(name, points)
             components = self._components(quantities, name)
@@ -194,9 +194,14 @@ class Result(Storable):
 
     def _named_dataset(self, name: str, points: Mapping[str, object]) -> xarray.Dataset:
         """Return the dataset of one quantity, and of its model error if it has one."""
+        self._require_text(name)
+        return self._checked_dataset((name,), points)
+
+    @staticmethod
+    def _require_text(name: object) -> None:
+        """Raise InputError for a name that is no text."""
         if not isinstance(name, str):
             raise InputError(f"name: got {short(name)}; it must be the name of a quantity")
-        return self._checked_dataset((name,), points)
 
     def _quantity(self, name: str, points: Mapping[str, object]) -> list[xarray.DataArray]:
         """Return the quantity of a name, as its real and imaginary part if it is complex."""

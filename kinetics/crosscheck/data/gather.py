@@ -41,6 +41,9 @@ SINGLE_PRECISION = 6e-8
 #: They are one then if that is below this fraction of the mean step. Chosen: steps that vary by
 #: less than five times are kept.
 SINGLE_OF_STEP = 0.2
+#: Share of the times that are numbers of single precision from which they come from such a program.
+#: Chosen: of times that are stated in single precision by one file of two it is a half.
+MIN_SINGLE_SHARE = 0.25
 #: Times at which velocities are needed to be of use: at one, positions alone tell more.
 MIN_TIMES_WITH_VELOCITIES = 2
 #: Rows from which it is told whether velocities are differences of positions, about.
@@ -214,10 +217,16 @@ def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArra
         refuse_data(f"{where}: time", f"{different[0]:g}", "not negative")
     mean_step = (different[-1] - different[0]) / max(different.size - 1, 1)
     margin = np.minimum(SAME_TIME * different[1:], SAME_TIME_OF_STEP * mean_step)
-    of_single = np.minimum(SINGLE_PRECISION * different[1:], SINGLE_OF_STEP * mean_step)
-    margin = np.maximum(margin, of_single)
+    if _has_single_precision(different):
+        of_single = np.minimum(SINGLE_PRECISION * different[1:], SINGLE_OF_STEP * mean_step)
+        margin = np.maximum(margin, of_single)
     is_new = np.append(True, np.diff(different) > margin)
     return different[is_new], (np.cumsum(is_new) - 1)[index]
+
+
+def _has_single_precision(times: NDArray[Any]) -> bool:
+    """Return whether so many times are numbers of single precision that these are no accident."""
+    return bool(np.mean(times == times.astype(np.float32)) > MIN_SINGLE_SHARE)
 
 
 def _without_useless_velocities(rows: _Rows, options: DataOptions) -> _Rows:

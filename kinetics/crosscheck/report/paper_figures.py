@@ -353,9 +353,9 @@ def sonine_displacement(system: Cooling, cases: Sequence[CoolingCase]) -> PaperF
     slopes = []
     for case in cases:
         e = case.value
-        a2 = float(sonine.a2(e))
-        if not math.isfinite(a2):
+        if e < sonine.THRESHOLD_RESTITUTION:
             continue  # as in the paper: there is no a2 at this restitution
+        a2 = float(sonine.a2(e))
         correction = 1.0 + 3.0 / 8.0 * a2
         factor = (1.0 + e) ** 2 * (1.0 - e**2) * correction**2
         abscissa = (1.0 - e**2) * correction * case.times

@@ -84,7 +84,7 @@ def test_frames_of_trackpy_need_the_time_between_frames(run: Run) -> None:
     frame = table(run).rename(columns={"tracer": "particle"})
     frame["frame"] = np.round(frame.pop("time") / STEP).astype(int)
     require_run({name: frame[name] for name in frame}, run, frame_interval=STEP)
-    with pytest.raises(InputError, match="--frame-interval"):
+    with pytest.raises(InputError, match="frame_interval"):
         read_sample([{name: frame[name] for name in frame}])
 
 
