@@ -226,7 +226,9 @@ def _common_times(times: NDArray[Any], where: str) -> tuple[NDArray[Any], NDArra
 
 def _has_single_precision(times: NDArray[Any]) -> bool:
     """Return whether so many times are numbers of single precision that these are no accident."""
-    return bool(np.mean(times == times.astype(np.float32)) > MIN_SINGLE_SHARE)
+    with np.errstate(over="ignore"):
+        single = times.astype(np.float32)
+    return bool(np.mean(times == single) > MIN_SINGLE_SHARE)
 
 
 def _without_useless_velocities(rows: _Rows, options: DataOptions) -> _Rows:

@@ -106,6 +106,7 @@ def test_units_of_the_data_are_those_of_the_answer() -> None:
     assert within_errors(result.parameters["position_error"], 3.0 * NOISE)
 
 
+@pytest.mark.slow
 def test_speeds_are_lengths_over_times_also_where_the_unit_of_time_is_told() -> None:
     """Lengths in mm and times in ms, d = 3 mm and d/U = 0.1 ms: U is 30 mm/ms."""
     data = tracks("dilute")
@@ -129,6 +130,7 @@ def test_a_sample_is_in_diameters_already() -> None:
     assert other.chi_square == result.chi_square
 
 
+@pytest.mark.slow
 def test_a_restitution_that_is_specified_is_held_while_the_rest_is_fitted() -> None:
     result = compare(
         tracks("dilute", 150),
@@ -142,6 +144,7 @@ def test_a_restitution_that_is_specified_is_held_while_the_rest_is_fitted() -> N
     assert result.parameters["restitution"].error is None
 
 
+@pytest.mark.slow
 def test_the_time_of_the_clearest_deviation_is_in_the_fitted_unit() -> None:
     """Times in ms, U = 10 d/ms, and displacements at the end that are multiples of half their
     size: averages are nearly as before, and the last density differs."""

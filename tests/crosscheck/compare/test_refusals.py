@@ -251,6 +251,7 @@ def large_files(folder: Path) -> None:
             packed.write(long_rows * 1000)
 
 
+@pytest.mark.slow
 def test_what_does_not_fit_is_refused_while_it_is_read(tmp_path: Path) -> None:
     """A quarter of the memory is never taken, beside what the imports and the libraries take."""
     large_files(tmp_path)

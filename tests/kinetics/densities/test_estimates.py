@@ -179,6 +179,7 @@ def test_asking_for_more_than_nodes_resolve_gives_no_less() -> None:
     assert solve(scene, 1e-12).error_estimate < 1e-8
 
 
+@pytest.mark.slow
 def test_no_false_alarm_before_the_first_collisions_and_in_the_scaling_state() -> None:
     table = SpeedTable([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])
     for start in (table, "monoenergetic"):

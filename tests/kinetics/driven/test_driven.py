@@ -239,6 +239,7 @@ def test_strong_drag_in_a_bath():
     assert [*late, state.thermal_speed] == pytest.approx([0.04683993, 0.04728954, 0.04728954], 1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")  # rounding decides of some
 def test_steps_are_no_shorter_than_rounding_allows():
     """Up to 2,000 of them: 2e-4 said for an rtol of 1e-10."""

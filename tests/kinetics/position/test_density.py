@@ -159,6 +159,7 @@ def test_f_ends_right_beyond_the_data(system: dict[str, Any], t: float, initial:
     assert np.abs(apart).max() < min(1e-3, 2.0 * found.error_estimate)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-4, 1e-5])
 def test_error_at_zero_restitution_is_within_its_estimate(rtol: float) -> None:
     """Near the origin F counts up to K of some thousands, where it has logarithms of K.
