@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -48,18 +49,17 @@ MAX_WITHIN = 1.0
 
 @dataclass(frozen=True, eq=False)
 class JudgedFit:
-    """A fit, and the judgement on it at all times of the sample."""
+    """A fit, and the judgement on it at all times of the sample, which is made when it is read."""
 
     fitted: Fit
     sample: Sample
-    judgement: Judgement
 
-    @classmethod
-    def of(cls, fitted: Fit, sample: Sample) -> JudgedFit:
-        """Judge a fit at all times of its sample."""
-        measured = Measured.of(sample, fitted.measured.layout.names)
+    @cached_property
+    def judgement(self) -> Judgement:
+        """The judgement on the fit at all times of its sample."""
+        measured = Measured.of(self.sample, self.fitted.measured.layout.names)
         theory = Theory(measured.layout, measured.has_velocities)
-        return cls(fitted, sample, judge(fitted, measured, theory))
+        return judge(self.fitted, measured, theory)
 
     @property
     def medium(self) -> str:
@@ -77,7 +77,7 @@ def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: b
     media : that a cause is looked for in
     explain : whether causes of a difference are looked for
     """
-    judged = [JudgedFit.of(fitted, sample) for fitted in fits]
+    judged = [JudgedFit(fitted, sample) for fitted in fits]
     best = _likeliest(judged)
     found_in_data = never_move(sample) or wrong_unit(fits)
     if found_in_data is None and best.judgement.verdict is Verdict.DIFFERS:
@@ -95,8 +95,11 @@ def answer(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: b
 
 def _likeliest(judged: Sequence[JudgedFit]) -> JudgedFit:
     """Return the likeliest of the fits that agree with the data, or of all."""
-    agreeing = [fit for fit in judged if fit.judgement.verdict is Verdict.AGREES]
-    return min(agreeing or judged, key=lambda fit: fit.fitted.criterion)
+    likeliest_first = sorted(judged, key=lambda fit: fit.fitted.criterion)
+    for fit in likeliest_first:  # those after one that agrees need no judgement
+        if fit.judgement.verdict is Verdict.AGREES:
+            return fit
+    return likeliest_first[0]
 
 
 def _across_media(best: JudgedFit, not_excluded: Sequence[JudgedFit]) -> Fit:
