@@ -271,7 +271,8 @@ class Solution(Result):
 
     def _points_of_plot(self, name: str | None, points: Mapping[str, Any]) -> dict[str, Any]:
         """Return radii at equal ratios for a density of the displacement, as speeds are."""
-        is_drawn = name in (None, "position_density") and "position_density" in self._on_demand
+        is_named = isinstance(name, str) and name == "position_density"
+        is_drawn = (name is None or is_named) and "position_density" in self._on_demand
         if is_drawn and points.get("radii") is None:
             distances = self.root_mean_square_displacement
             moved = distances[distances > 0.0]
