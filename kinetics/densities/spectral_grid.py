@@ -130,6 +130,9 @@ class SpectralProblem:
         v = np.exp(grid.x + self.log_unit)
         g = np.asarray(self.start(v) * v)
         if self.harmonic.m == 0:
+            if not g.any():  # a peak between two nodes: a finer grid then differs from this one
+                middle = float(self.speeds.weight.real @ self.speeds.x) - self.log_unit
+                g[np.argmin(np.abs(grid.x - middle))] = 1.0
             g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
         return to_rows(g) * np.exp(self.tilt * grid.x)
 
