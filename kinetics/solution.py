@@ -16,6 +16,7 @@ from kinetics.between_frames import mean_square_between_frames
 from kinetics.densities.flights import Flights
 from kinetics.densities.fronts import speed_fronts
 from kinetics.densities.harmonic import Profile
+from kinetics.densities.spectral_grid import TooManyNodesError
 from kinetics.errors import (
     InputError,
     PlanStep,
@@ -528,7 +529,10 @@ class Solution(Result):
         def speed_profile(times: FloatArray) -> Profile:
             # whether it converges does not matter: averages that are known say how good it is
             scene = replace(self.scene, times=times, outputs=("speed_density",))
-            return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
+            try:
+                return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
+            except TooManyNodesError:
+                return UndrivenAnswer(scene, rtol, "conservative", nodes).profiles[0]
 
         return speed_profile
 
