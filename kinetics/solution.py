@@ -17,6 +17,7 @@ from kinetics.between_frames import mean_square_between_frames
 from kinetics.densities.flights import Flights
 from kinetics.densities.fronts import speed_fronts
 from kinetics.densities.harmonic import Profile
+from kinetics.densities.spectral_grid import TooManyNodesError
 from kinetics.errors import (
     InputError,
     PlanStep,
@@ -302,7 +303,8 @@ class Solution(Result):
 
     def _points_of_plot(self, name: str | None, points: Mapping[str, Any]) -> dict[str, Any]:
         """Return radii at equal ratios for a density of the displacement, as speeds are."""
-        is_drawn = name in (None, "position_density") and "position_density" in self._on_demand
+        is_named = isinstance(name, str) and name == "position_density"
+        is_drawn = (name is None or is_named) and "position_density" in self._on_demand
         if is_drawn and points.get("radii") is None:
             distances = self.root_mean_square_displacement
             moved = distances[distances > 0.0]
@@ -558,7 +560,10 @@ class Solution(Result):
         def speed_profile(times: FloatArray) -> Profile:
             # whether it converges does not matter: averages that are known say how good it is
             scene = replace(self.scene, times=times, outputs=("speed_density",))
-            return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
+            try:
+                return UndrivenAnswer(scene, rtol, None, nodes).profiles[0]
+            except TooManyNodesError:
+                return UndrivenAnswer(scene, rtol, "conservative", nodes).profiles[0]
 
         return speed_profile
 

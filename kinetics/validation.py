@@ -165,6 +165,6 @@ def normalised(density: NDArray[Any], total: float, name: str = "density") -> fl
     if not abs(total - 1.0) < NORM_TOLERANCE:
         what = f"its integral over the velocities is {total:.6g}; it must be 1"
         if total < 1.0:
-            what += "; a peak narrower than a percent needs a SpeedTable"
+            what += "; a peak narrower than 0.001 % needs a SpeedTable"
         raise InputError(f"{name}: {what}")
     return total

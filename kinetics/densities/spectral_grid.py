@@ -130,6 +130,9 @@ class SpectralProblem:
         v = np.exp(grid.x + self.log_unit)
         g = np.asarray(self.start(v) * v)
         if self.harmonic.m == 0:
+            if not g.any():  # a peak between two nodes: a finer grid then differs from this one
+                middle = float(self.speeds.weight.real @ self.speeds.x) - self.log_unit
+                g[np.argmin(np.abs(grid.x - middle))] = 1.0
             g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
         return to_rows(g) * np.exp(self.tilt * grid.x)
 
@@ -267,13 +270,17 @@ def _turned_window(
     return angle, min(low, high - LENGTH_FOR_GAIN), high
 
 
+class TooManyNodesError(InputError):
+    """A density needs more nodes than this method takes; the conservative one may need fewer."""
+
+
 def check_work(problem: SpectralProblem, count: int) -> None:
-    """Raise InputError where so many nodes are too many."""
+    """Raise TooManyNodesError where so many nodes are too many."""
     n_times = problem.tau.size
     if count <= MAX_NODES and count * n_times <= MAX_VALUES:
         return
     latest = problem.harmonic.times[-1]
-    raise InputError(
+    raise TooManyNodesError(
         f"times: got up to {latest:g} at {problem.harmonic.law.described}; the density would need"
         f" {count:.1e} nodes, ask for other times, a larger rtol, or averages only"
     )

@@ -21,6 +21,7 @@ from kinetics import (
     SolverStatus,
     SpeedDensity,
     SpeedTable,
+    ToleranceWarning,
     solve,
 )
 from kinetics.crosscheck.references import load
@@ -170,6 +171,21 @@ def test_narrow_starts(e: float, peak: float, rtol: float) -> None:
     found, v = solve(scene, rtol), np.geomspace(1e-3, 3.0, 8001)
     square = np.trapezoid(found.speed_density(v)[0] / v**2, v)
     assert square == pytest.approx(found.moment(-2.0)[0], rel=10.0 * rtol)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-4])
+def test_a_peak_between_the_nodes_is_no_division_by_zero(width: float) -> None:
+    """Where a grid misses the start it is refined, or the status says so, with no other warning."""
+    low, high = 1.0 - 0.5 * width, 1.0 + 0.5 * width
+    start = SpeedDensity(lambda v: np.where((v > low) & (v < high), 1.0 / width, 0.0))
+    scene = Scene(0.6, 0.5, initial=start, times=[3.0], outputs="speed_density")
+    with pytest.warns(ToleranceWarning):
+        found = solve(scene, 1e-4)
+    v = np.linspace(0.0, 0.99, 2001)
+    expected = solve(Scene(0.6, 0.5, initial="monoenergetic", times=[3.0], outputs="speed_density"),
+                     1e-2)  # fmt: skip
+    mass = np.trapezoid(found.speed_density(v)[0], v)
+    assert mass == pytest.approx(np.trapezoid(expected.speed_density(v)[0], v), abs=1e-2)
 
 
 def test_asking_for_more_than_nodes_resolve_gives_no_less() -> None:

@@ -174,3 +174,19 @@ def test_flights_of_sharp_speeds_are_those_of_particles(
         # flights of one tracer belong together: twice the binomial error, and five of these
         error = 2.0 * np.sqrt(np.maximum(expected, 1e-5) / count)
         assert np.all(abs(shares - expected) < 5.0 * error)
+
+
+def test_flights_of_a_narrow_start_that_hardly_cools() -> None:
+    """The spectral method would need 42,000 nodes there; the flights were refused for that."""
+    width = 0.01
+
+    def peak(v: Any) -> Any:
+        distance = np.minimum(np.abs(v - 1.0) / width, 100.0)
+        return np.exp(-0.5 * distance**2) / (width * np.sqrt(2.0 * np.pi))
+
+    last = 0.75
+    scene = Scene(0.992, 1.0 / np.pi, dimension=3, initial=peak, times=[last], outputs="collisions")
+    edges = np.array([0.0, 0.2, 0.4, 0.7])
+    found = solve(scene, rtol=1e-3).free_time_fraction(edges)[0]
+    longer = (last - edges) * np.exp(-edges)  # of tracers that keep the speed 1
+    np.testing.assert_allclose(found, -np.diff(longer) / last, atol=2e-3)

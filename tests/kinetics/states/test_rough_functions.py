@@ -107,3 +107,36 @@ def test_a_table_from_rest_gives_no_warning(output: str, density: list[float]) -
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         solve(scene, rtol=1e-2)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("share", [5e-7, 1e-7])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-10])
+def test_few_fast_tracers_of_nearly_one_speed_are_seen(
+    width: float, share: float, rtol: float
+) -> None:
+    """Without a share of the tracers the norm is 1 to a millionth, and <v^2> is percents off."""
+    fastest = 1000.0
+    deviation = width * fastest
+    height = share / (deviation * math.sqrt(2.0 * math.pi))
+
+    def density(v: Any) -> Any:
+        slow = v * np.exp(-0.5 * np.minimum(v, 1e3) ** 2)
+        distance = np.minimum(np.abs(v - fastest) / deviation, 1e2)
+        return (1.0 - share) * slow + height * np.exp(-0.5 * distance**2)
+
+    second = (1.0 - share) * 2.0 + share * (fastest**2 + deviation**2)
+    scene = Scene(0.5, initial=density, times=[0.0], outputs=("thermal_speed",))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ToleranceWarning)
+        solution = solve(scene, rtol)
+    error = abs(float(solution.thermal_speed[0]) / math.sqrt(second) - 1.0)
+    assert error <= max(rtol, solution.error_estimate)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-4, 1e-5])
+def test_a_narrow_peak_is_taken(width: float) -> None:
+    low, high = 0.9, 0.9 * (1.0 + width)
+    solution = at_start(box(low, high))
+    errors = errors_of(solution, box_moment(2, low, high), box_moment(4, low, high))
+    assert max(errors) <= solution.error_estimate
