@@ -196,11 +196,17 @@ class ScaledVDF(ScaledState):
 
 
 def solve_scaled(
-    restitution: float | CollisionLaw, rtol: float = 1e-12, nodes: int | None = None,
-    tangential_restitution: float = 1.0, dimension: int = 2, scatterers: str = "dilute",
-    number_density: float | None = None, diameter: float = 1.0, density_order: str = "second",
+    restitution: float | CollisionLaw,
+    rtol: float = 1e-12,
+    nodes: int | None = None,
+    tangential_restitution: float = 1.0,
+    dimension: int = 2,
+    scatterers: str = "dilute",
+    number_density: float | None = None,
+    diameter: float = 1.0,
+    density_order: str = "second",
     mass_ratio: float = math.inf,
-) -> ScaledVDF:  # fmt: skip
+) -> ScaledVDF:
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 
     Parameters
@@ -234,9 +240,17 @@ def solve_scaled(
     if nodes is not None:
         requested_nodes = whole_number("nodes", nodes, MIN_NODES, MAX_NODES)
     vdf = ScaledVDF(
-        restitution, tangential_restitution, dimension, scatterers, number_density, diameter,
-        density_order, mass_ratio, check_rtol(rtol), requested_nodes,
-    )  # fmt: skip
+        restitution,
+        tangential_restitution,
+        dimension,
+        scatterers,
+        number_density,
+        diameter,
+        density_order,
+        mass_ratio,
+        check_rtol(rtol),
+        requested_nodes,
+    )
     law = vdf.law
     if law.medium is not None:
         allowed = "the solver takes 'dilute'; ScalingSolution has the others"

@@ -40,9 +40,12 @@ def _output_option(names: str) -> Callable[[Command], Command]:
 )
 @click.option("--quick", is_flag=True, help="Fewer cases, about a minute; else about ten.")
 @click.option(
-    "--case", "cases", multiple=True, type=Word(CASES),
+    "--case",
+    "cases",
+    multiple=True,
+    type=Word(CASES),
     help="Measure this alone; may be repeated. [default: all]",
-)  # fmt: skip
+)
 @_output_option("bench.json and bench.md")
 @json_option
 def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: bool) -> None:

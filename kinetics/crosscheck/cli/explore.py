@@ -15,9 +15,12 @@ from kinetics.errors import printable
     short_help="Make a page to play with: one HTML file.",
 )
 @click.option(
-    "-o", "--output", type=options.Output(".html"), default=Path("explorer.html"),
+    "-o",
+    "--output",
+    type=options.Output(".html"),
+    default=Path("explorer.html"),
     help="The page; it needs no network, and nothing beside it.",
-)  # fmt: skip
+)
 def explore(output: Path) -> None:
     """Make one HTML file with a tracer among disks and the exact curves over it.
 

@@ -154,7 +154,7 @@ def simulate(
 )
 @click.argument("parts", nargs=-1, required=True, metavar="HDF5...")
 @option("-o", "--output", type=options.Output(".h5", ".hdf5"), metavar="HDF5", required=True,
-        help="Save the whole run here, the same to the last bit as a run in one part.")  # fmt: skip
+        help="Save the whole run here, the same to the last bit as a run in one part.")
 @options.json_option
 def merge(parts: tuple[str, ...], output: Path, as_json: bool) -> None:
     """Join the files of `lorentz simulate --part K/N -o FILE`: all N of one run, in any order."""
