@@ -74,7 +74,7 @@ NODES_IN_TIME = 48
 #: In the root of the density n.
 NODES_IN_ROOT_DENSITY = 6
 #: The same, of F(c).
-NODES_IN_ROOT_DENSITY_OF_VDF = 4
+NODES_IN_ROOT_DENSITY_OF_VDF = 3
 #: In ln(c)/w.
 NODES_IN_SPEED = 40
 #: The same, among hard disks.
