@@ -1,9 +1,14 @@
 """The paper's nine figures, made again from the three methods: begin with `draw_paper_figures`.
 
 Each figure has the paper's axes. Points are particles: open symbols among hard disks, as in the
-paper, filled ones in the dilute limit. Solid lines are the kinetic equation, broken ones the
-formulas that the paper draws. Beside each stands what the paper shows, and a verdict in one
-sentence, whose numbers are of the same run.
+paper, filled ones in the dilute limit. Solid lines are the kinetic equation, or the exact result
+where there is one; broken ones are the formulas that the paper draws. Beside each stands what the
+paper shows, and a verdict in one sentence with numbers computed in the same call. Its words are
+written for the paper's system and are not tested.
+
+The paper is that of Kim and Hayakawa, "Statistical Properties of Inelastic Lorentz Gas". Lengths
+are in d, the diameter of a disk; speeds in U, the standard deviation of one component of the
+initial velocity; times in d/U; e is the restitution.
 """
 
 import math
@@ -48,17 +53,18 @@ from kinetics.crosscheck.report.systems import Cooling
 
 #: Name of the page, and of its figures as files.
 NAME = "figures-of-the-paper"
-#: Slope of the straight line in the paper's figure 2: 0.04 times 1.45.
+#: Slope of the straight line in the paper's figure 2, in 1/d: its density of scatterers, 0.04 d^-2,
+#: times d and the 1.45 of its cooling rate h = 1.45 (1 - e).
 SLOPE_OF_FIGURE_2 = 0.058
-#: v0 of the Gaussian start in U.
-START = math.sqrt(2.0)
-#: Radii and speeds at which curves are drawn.
+#: v0 of the Gaussian start in U: the root of the sum of the variances of both components.
+INITIAL_V0 = math.sqrt(2.0)
+#: Scaled radii R at which curves are drawn.
 RADII = np.linspace(0.02, 6.0, 150)
 #: Scaled speeds c at which curves are drawn.
 SPEEDS = np.linspace(0.01, 3.0, 150)
 #: Name of the broken line of figure 8.
 OTHER_ROOT = "root of eq. (B17)"
-#: Range of G(R) and of F(c) that is shown.
+#: Range of G(R) that is shown.
 POSITION_LIMITS = (1e-4, 2.0)
 #: Range of F(c) that is shown.
 VDF_LIMITS = (1e-5, 1.0)
@@ -68,7 +74,7 @@ HEIGHT = 3.4
 SHOWN_IMPACT_PARAMETER = 0.5
 #: Restitution of that collision.
 SHOWN_RESTITUTION = 0.7
-#: Length of its incoming velocity, in d.
+#: Its incoming speed, which sets the length of the arrows only.
 SHOWN_SPEED = 2.0
 
 
@@ -256,10 +262,10 @@ def thermal_velocity(system: Cooling, cases: Sequence[CoolingCase]) -> PaperFigu
             speed = measured["thermal_speed"]
             slowness = 1.0 / speed.value
             points[source] = Measured(
-                (slowness - 1.0 / START) / loss, speed.error * slowness**2 / loss
+                (slowness - 1.0 / INITIAL_V0) / loss, speed.error * slowness**2 / loss
             )
         of_equation = 1.0 / np.asarray(case.theory[KINETIC]["thermal_speed"])
-        sheet.line(ax, KINETIC, case.times, (of_equation - 1.0 / START) / loss, case.value)
+        sheet.line(ax, KINETIC, case.times, (of_equation - 1.0 / INITIAL_V0) / loss, case.value)
         _draw_particles(sheet, ax, case, case.times, points)
         slopes.append(float(points[system.hard].last.value) / case.times[-1])
     times = np.array([case.times for case in cases])
@@ -308,6 +314,19 @@ def cooling_rate(system: Cooling, cases: Sequence[CoolingCase]) -> PaperFigure:
 
 
 # -- figures 4 and 9: the mean square displacement -------------------------------------------------
+def _draw_scaled_msd(
+    sheet: Sheet, ax: Axes, case: CoolingCase, abscissa: FloatArray, factor: float
+) -> None:
+    """Draw <r^2> times a factor, of the equation and of the particles, over a common abscissa."""
+    of_equation = np.asarray(case.theory[KINETIC]["msd"])
+    sheet.line(ax, KINETIC, abscissa, factor * of_equation, case.value)
+    points = {
+        source: Measured(measured["msd"].value * factor, measured["msd"].error * factor)
+        for source, measured in case.measured.items()
+    }
+    _draw_particles(sheet, ax, case, abscissa, points)
+
+
 def mean_square_displacement(system: Cooling, cases: Sequence[CoolingCase]) -> PaperFigure:
     """Draw figure 4: K = <r^2> ln(1 + l beta) over (1 - e) t."""
     sheet = Sheet(system, (HEIGHT,))
@@ -318,13 +337,7 @@ def mean_square_displacement(system: Cooling, cases: Sequence[CoolingCase]) -> P
         rate = sonine.beta(case.value, system.number_density)
         factor = float(np.log1p(sonine.FITTED_FREE_PATH * rate))
         abscissa = (1.0 - case.value) * case.times
-        points = {
-            source: Measured(measured["msd"].value * factor, measured["msd"].error * factor)
-            for source, measured in case.measured.items()
-        }
-        of_equation = np.asarray(case.theory[KINETIC]["msd"])
-        sheet.line(ax, KINETIC, abscissa, factor * of_equation, case.value)
-        _draw_particles(sheet, ax, case, abscissa, points)
+        _draw_scaled_msd(sheet, ax, case, abscissa, factor)
         walk = np.asarray(case.theory[FIT]["msd"])
         sheet.line(ax, FIT, abscissa, factor * walk)
         at_the_end = float(case.measured[system.hard]["msd"].last.value)
@@ -359,17 +372,12 @@ def sonine_displacement(system: Cooling, cases: Sequence[CoolingCase]) -> PaperF
         correction = 1.0 + 3.0 / 8.0 * a2
         factor = (1.0 + e) ** 2 * (1.0 - e**2) * correction**2
         abscissa = (1.0 - e**2) * correction * case.times
-        points = {
-            source: Measured(measured["msd"].value * factor, measured["msd"].error * factor)
-            for source, measured in case.measured.items()
-        }
-        of_equation = np.asarray(case.theory[KINETIC]["msd"])
-        sheet.line(ax, KINETIC, abscissa, factor * of_equation, e)
-        _draw_particles(sheet, ax, case, abscissa, points)
+        _draw_scaled_msd(sheet, ax, case, abscissa, factor)
         formula = sonine.msd_sonine(case.times, e, system.number_density)
         sheet.line(ax, SONINE, abscissa, factor * formula)
-        of_formula = 8.0 / (math.pi * system.number_density**2) / factor
-        slopes.append(of_formula / float(case.theory[EXACT]["msd_slope"]))
+        # d<r^2>/d ln t of (C9) at late times, where its logarithm is ln t and a constant
+        late_slope = 8.0 / (math.pi * system.number_density**2) / factor
+        slopes.append(late_slope / float(case.theory[EXACT]["msd_slope"]))
     figure = sheet.finish("$(1-e^2)(1+3a_2/8)\\,t$  [d/U]", "$W(t,e)$  [d²]")
     return PaperFigure(
         9,
@@ -397,7 +405,7 @@ def position_distribution(system: Cooling, cases: Sequence[CoolingCase]) -> Pape
     far = RADII[RADII > 1.0]
     sheet.line(ax, TAIL, far, sonine.position_tail(far))
     ax.set_xlim(0.0, RADII[-1])
-    exponents = [exponent for case in cases if math.isfinite(exponent := tail_exponent(case))]
+    exponents = [exponent for exponent in map(tail_exponent, cases) if math.isfinite(exponent)]
     figure = sheet.finish("$R = r/\\sqrt{\\langle r^2\\rangle}$", "$G(R)$")
     return PaperFigure(
         5,
@@ -441,6 +449,7 @@ def stability(system: Cooling) -> PaperFigure:
     """Draw figure 8: H(e) of both roots of a2."""
     sheet = Sheet(system, (HEIGHT,))
     (ax,) = sheet.axes
+    # just above the threshold, where rounding leaves the root real
     e = np.linspace(sonine.THRESHOLD_RESTITUTION + 1e-9, 1.0, 200)
     stable = sonine.stability(e)
     unstable = sonine.stability(e, "unstable")
