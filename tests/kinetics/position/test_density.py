@@ -180,6 +180,23 @@ def test_error_at_zero_restitution_is_within_its_estimate(rtol: float) -> None:
     assert bool(caught) == (not has_converged)
 
 
+@pytest.mark.parametrize(("initial", "t"), [("gaussian", 1.25e-4), ("monoenergetic", 1e-3)])
+def test_the_estimate_covers_the_few_that_have_collided_early(initial: str, t: float) -> None:
+    """So early that the solver leaves out those that have collided: the norm lacks their share.
+
+    Their share is 1 - exp(-t/l) at one speed, which no solver takes part in.
+    """
+    solution = solve(
+        Scene(0.7, number_density=0.04, times=[t], outputs="position_density", initial=initial),
+        rtol=0.01,
+    )
+    collided_share = 1.0 - solution.position_fraction([0.0, 1e3])[0, 0]
+    assert collided_share > 1e-6
+    assert collided_share < solution.error_estimate < 0.01
+    if initial == "monoenergetic":
+        assert abs(collided_share / -math.expm1(-t / 12.5) - 1.0) < 1e-6
+
+
 def test_shares_and_slopes_are_those_of_the_density() -> None:
     """Early and late, where F ends in powers of 1/k: integral and derivative of g(r, t)."""
     found = density(0.6, [30.0, 6000.0], rtol=1e-3)
