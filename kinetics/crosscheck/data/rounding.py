@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -12,26 +13,26 @@ from numpy.typing import NDArray
 BEST_RESOLUTION = 1e-6
 #: Numbers from which the resolution is told.
 NUMBERS_SAMPLED = 2000
-#: Fewest decimals of a text that are looked for: numbers of pixels in thousands.
-FEWEST_DECIMALS = -3
-#: Decimals that are not looked for any more: a text with as many is as good as full precision.
-MOST_DECIMALS = 8
 #: Multiples of a decimal place that differ by this fraction of it are whole.
 WHOLE_WITHIN = 1e-4
 
 
 def resolution_of(values: NDArray[Any]) -> float:
-    """Return the smallest step of numbers, from their decimals; at least 1e-6 of the largest."""
+    """Return the smallest step of numbers, from their decimals; at least 1e-6 of the largest.
+
+    Steps are powers of ten from that of the largest number on, so that the unit does not matter.
+    """
     numbers = values[np.isfinite(values)].ravel()
-    if numbers.size == 0:
+    sampled = numbers[:: numbers.size // NUMBERS_SAMPLED + 1]
+    if not np.any(sampled):
         return 0.0
     finest = BEST_RESOLUTION * float(np.max(np.abs(numbers)))
-    sampled = numbers[:: numbers.size // NUMBERS_SAMPLED + 1]
-    for decimals in range(FEWEST_DECIMALS, MOST_DECIMALS):
-        step = 10.0**-decimals
-        if step <= finest:
-            break
+    decimals = -math.floor(math.log10(np.max(np.abs(sampled))))
+    step = 10.0**-decimals
+    while step > finest:
         multiples = sampled / step
         if np.all(np.abs(multiples - np.round(multiples)) < WHOLE_WITHIN):
             return step
+        decimals += 1
+        step = 10.0**-decimals
     return finest

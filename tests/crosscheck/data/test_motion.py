@@ -142,3 +142,35 @@ def test_a_straight_flight_that_is_measured_with_errors_may_go_on_for_long() -> 
     place = velocity * times[:, None, None] + generator.normal(0.0, 0.03, (4, 600, 2))
     steps = steps_beyond_straight_flight(DataTracks(times, place, None), Units())
     assert not steps.is_further.any()
+
+
+@pytest.mark.parametrize("scale", [0.01, 100.0])
+def test_what_is_impossible_does_not_hang_on_the_unit_of_length(
+    tracks: Tracks, scale: float
+) -> None:
+    place = tracks[0]
+    velocity = tracks[1] + np.random.default_rng(5).normal(0.0, 0.05, tracks[1].shape)
+    for switch in switches()[:9]:
+        place = exchanged(place, *switch)
+        velocity = exchanged(velocity, *switch)
+    for measured in (velocity, None):
+        flags = []
+        for unit in (1.0, scale):
+            if measured is None:
+                data = DataTracks(FRAME_TIMES, unit * place, None)
+                steps = steps_beyond_straight_flight(data, Units())
+            else:
+                data = DataTracks(FRAME_TIMES, unit * place, unit * measured)
+                steps = steps_beyond_speed(data, unit * measured, Units())
+            flags.append((steps.is_faster, steps.is_further, steps.is_large))
+        assert np.any(flags[0][1] & flags[0][2])
+        np.testing.assert_array_equal(flags[0], flags[1])
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3])
+def test_measured_velocities_are_no_differences_in_any_unit(tracks: Tracks, unit: float) -> None:
+    """Speeds of millimetres a second, in a table in metres."""
+    place = unit * tracks[0]
+    velocity = unit * tracks[1]
+    sample = sample_of(table_of(place, velocity), diameter=unit, speed_unit=unit)
+    assert sample.has_velocities
