@@ -198,8 +198,7 @@ class FieldEvolution(TimeMarch):
         if not self.problem.keeps_density:
             return
         dimension = self.problem.law.dimension
-        norm = norms(density.shape[2], dimension)
-        volume = norm[: self.families] * self._panels.volumes(dimension)
+        volume = norms(density.shape[2], dimension) * self._panels.volumes(dimension)
         gained = self._gained(density[:, : self.families]) / volume
         on_all_panels = np.zeros((*gained.shape[:-1], self.axis.size))
         on_all_panels[..., : self._panels.size] = gained * self._panels.speeds

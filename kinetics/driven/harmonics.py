@@ -73,12 +73,15 @@ def _recurrence(
 
 
 def norms(count: int, dimension: int) -> FloatArray:
-    """Return the integrals of Y_m^2 over the directions, (2, count, 1) for both families."""
+    """Return the integrals of Y_m^2 over the directions, shape (count, 1).
+
+    In the plane they are the same for both families, but that family 1 has no m = 0. In space they
+    are those of family 0, the only one there: all starts are symmetric about the field.
+    """
     m = np.arange(count)[:, None]
     if dimension == 2:
-        return math.pi * np.stack([np.where(m == 0, 2.0, 1.0), np.ones(m.shape)])
-    of_family_1 = np.where(m == 0, 1.0, 0.5 * m * (m + 1.0))  # there is no m = 0
-    return 4.0 * math.pi / (2.0 * m + 1.0) * np.stack([np.ones(m.shape), of_family_1])
+        return math.pi * np.where(m == 0, 2.0, 1.0)
+    return np.asarray(4.0 * math.pi / (2.0 * m + 1.0))
 
 
 def sum_over_harmonics(f: FloatArray, angle: FloatArray, dimension: int) -> FloatArray:
@@ -96,7 +99,7 @@ def sum_over_harmonics(f: FloatArray, angle: FloatArray, dimension: int) -> Floa
     """
     count = len(f)
     harmonics = angular_along(np.cos(angle), max(count, 2), dimension)[:count]
-    return np.asarray(f.T @ (harmonics / norms(count, dimension)[0]))
+    return np.asarray(f.T @ (harmonics / norms(count, dimension)))
 
 
 def up(m: int, family: int, dimension: int) -> float:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
-from numpy.polynomial.legendre import legder, legval
+from numpy.polynomial.legendre import legval
 
 from kinetics.driven import radau
 from kinetics.driven.field_evolution import CollisionGain
@@ -85,7 +85,8 @@ class LastFlights:
     def _coefficients_on(self, panel: int, density: FloatArray, least: float) -> list[FloatArray]:
         """Return coefficients, in the speed and the angle, of v G on a panel, by family.
 
-        Those of family 1 are of slopes of the polynomials of family 0, times the sine.
+        Those of family 1, which only occurs in the plane, are of slopes of the polynomials of
+        family 0, times the sine.
 
         Parameters
         ----------
@@ -105,10 +106,8 @@ class LastFlights:
         flat = by_family[:, : last + 1].reshape(len(by_family), last + 1, -1)
         if len(flat) == 1:
             return [flat[0]]
-        m = np.maximum(np.arange(last + 1), 1)[:, None]
-        if self._dimension == 2:
-            return [flat[0], chebder(flat[1] / m)]
-        return [flat[0], legder(flat[1])]
+        m = np.maximum(np.arange(last + 1), 1)[:, None]  # family 1 has no m = 0
+        return [flat[0], chebder(flat[1] / m)]
 
     def density(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return f at velocities (n,) of tracers after a collision, in units of sqrt(g l).

@@ -50,7 +50,7 @@ class SteadyDensity:
         chain = Chain(dimension, self._loss, self.panels.slopes(dimension), 1.0 / v)
         solver = chain.elimination(border=Border(mass=np.ones(v.size), source=v * np.exp(-v)))
         self._sums = solver.solve(np.zeros((count, v.size)), 1.0)
-        self._volumes = norms(count, dimension)[0] * self.panels.volumes(dimension)
+        self._volumes = norms(count, dimension) * self.panels.volumes(dimension)
         self.harmonics = self._sums / self._volumes
 
     def moment(self, p: float, m: int) -> float:

@@ -185,9 +185,7 @@ class VelocityDensity:
             last = min(self._state.highest_harmonic, last)
         count = max(last, 1) + 1  # `angular` makes two harmonics at least
         even, odd = angular(u / v, across / v, count, self._dimension)
-        # the profiles are in 1/U. The norms of both families are the same for m > 0 in the plane,
-        # and in space only the first family occurs
-        norm = norms(last + 1, self._dimension)[0, :, 0] * self._speed
+        norm = norms(last + 1, self._dimension)[:, 0] * self._speed  # the profiles are in 1/U
         for m in range(last + 1):
             profile = self._state.profile(m)
             if profile is not None:
