@@ -160,7 +160,10 @@ def read_parquet(path: Path, where: str, options: DataOptions) -> Table:
         for batch in file.iter_batches(ROWS_AT_ONCE, columns=chosen):
             budget.take(max(0.0, batch.nbytes - bytes_of_numbers(batch.num_rows * len(chosen), 8)))
             batches.append(batch)
-    table = pyarrow.Table.from_batches(batches, file.schema_arrow)
+    if batches:
+        table = pyarrow.Table.from_batches(batches)  # in the order of the columns that were chosen
+    else:
+        table = schema.empty_table()
     columns = {name: np.asarray(table.column(name).to_pandas()) for name in chosen}
     return table_of_mapping(where, columns, options)
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from made_data import (
     FORMATS,
@@ -55,8 +56,6 @@ def test_every_format_gives_the_sums_of_the_run(
 
 
 def test_columns_in_memory_are_read_as_files(run: Run) -> None:
-    import pandas as pd
-
     data = columns_of(run)
     frames = {"times": TIMES, "positions": run[0], "velocities": run[1]}
     frames["medium"] = data["medium"][:TRACERS]
@@ -64,6 +63,15 @@ def test_columns_in_memory_are_read_as_files(run: Run) -> None:
     found = [compare(one, **told) for one in (data, pd.DataFrame(data), frames)]
     assert found[0] == found[1]
     assert {(c.grouping, c.p_value("msd") > 1e-3) for c in found} == {("medium", True)}
+
+
+def test_columns_of_parquet_may_come_in_any_order_beside_others(tmp_path: Path, run: Run) -> None:
+    columns = columns_of(run)
+    frame = pd.DataFrame(columns)
+    frame["mass"] = 1.0
+    frame[sorted(frame)].to_parquet(tmp_path / "a.parquet")
+    sample = read_sample([tmp_path / "a.parquet"])
+    np.testing.assert_array_equal(sample.sums, read_sample([columns]).sums)
 
 
 @pytest.mark.parametrize("order", ["shuffled", "by tracer"])
