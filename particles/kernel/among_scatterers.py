@@ -78,7 +78,7 @@ def follow_among_scatterers(
             wall = nearest_wall(tracer, shape)
             escapes = path > wall
             if escapes and wall <= longest_flight:
-                cross_cell(tracer, shape)
+                cross_cell(tracer, side, shape)
                 a += 1
                 continue
             # By rounding, a tracer in a corner may touch the next scatterer already.

@@ -47,8 +47,8 @@ class CellPlace(Tracer):
     cell: int  # its number among the cells of the box
     wall_x: float  # path (in a field, time) to the next cell wall across each axis
     wall_y: float
-    step_i: int  # +1 or -1: from this cell to the next one
-    step_j: int
+    step_x: float  # +1 or -1: from this cell to the next one
+    step_y: float
     met_x: float  # scatterer of the next contact, from the centre of the cell
     met_y: float
     normal_x: float  # from the scatterer struck last to the tracer; unit vector
@@ -62,14 +62,11 @@ class CellTracer(StraightTracer, CellPlace):
     k: int
     stored_k: int
     wall_z: float
-    step_k: int
+    step_z: float
     met_z: float
     between_x: float  # path from one cell wall to the next one across the same axis
     between_y: float
     between_z: float
-    move_x: float  # from the centre of this cell to that of the next one
-    move_y: float
-    move_z: float
 
 
 #: The record of a lane.
@@ -103,17 +100,14 @@ def find_walls(tracer: CellTracer, side: float, shape: tuple[int, ...]) -> None:
     tracer.wall_y = max((half - sign_y * tracer.y) * per_y, 0.0)
     tracer.between_x = side * per_x
     tracer.between_y = side * per_y
-    tracer.move_x = sign_x * side
-    tracer.move_y = sign_y * side
-    tracer.step_i = int(sign_x)
-    tracer.step_j = int(sign_y)
+    tracer.step_x = sign_x
+    tracer.step_y = sign_y
     if len(shape) == 3:
         sign_z = copysign(1.0, tracer.uz)
         per_z = 1.0 / max(abs(tracer.uz), LEAST_COMPONENT)
         tracer.wall_z = max((half - sign_z * tracer.z) * per_z, 0.0)
         tracer.between_z = side * per_z
-        tracer.move_z = sign_z * side
-        tracer.step_k = int(sign_z)
+        tracer.step_z = sign_z
 
 
 @inlined
@@ -139,6 +133,7 @@ def find_contact(tracer: CellTracer, cells: Cells) -> None:
     uy = tracer.uy
     uz = tracer.uz
     cell = tracer.cell
+    node = cells.head[cell]
     met_z = 0.0
     if not is_solid:
         path, slot = strike(slots, cell, (x, y), (ux, uy))
@@ -147,7 +142,6 @@ def find_contact(tracer: CellTracer, cells: Cells) -> None:
         met_z = slots[cell, 2 * SLOTS + slot]
     met_x = slots[cell, slot]
     met_y = slots[cell, SLOTS + slot]
-    node = cells.head[cell]
     while node >= 0:
         dx = nodes[node, 0] - x
         dy = nodes[node, 1] - y
@@ -169,29 +163,30 @@ def find_contact(tracer: CellTracer, cells: Cells) -> None:
 
 
 @inlined
-def cross_cell(tracer: CellTracer, shape: tuple[int, ...]) -> None:
+def cross_cell(tracer: CellTracer, side: float, shape: tuple[int, ...]) -> None:
     """Move a tracer into the next cell, through the wall that it reaches first."""
     # Factors 0 and 1 instead of branches: the processor cannot predict which wall comes first.
+    # The steps are floats: of an integer times such a factor LLVM may make a branch again.
+    n = shape[0]
     is_x_first = int(tracer.wall_x <= tracer.wall_y)
     is_z = 0
     if len(shape) == 3:
         is_z = int(tracer.wall_z < min(tracer.wall_x, tracer.wall_y))
-        tracer.z -= is_z * tracer.move_z
-        tracer.wall_z += is_z * tracer.between_z
     is_x = is_x_first * (1 - is_z)
     is_y = (1 - is_x_first) * (1 - is_z)
-    tracer.x -= is_x * tracer.move_x
-    tracer.y -= is_y * tracer.move_y
+    di = is_x * tracer.step_x
+    dj = is_y * tracer.step_y
+    tracer.x -= di * side
+    tracer.y -= dj * side
     tracer.wall_x += is_x * tracer.between_x
     tracer.wall_y += is_y * tracer.between_y
-    di = is_x * tracer.step_i
-    dj = is_y * tracer.step_j
-    cell = enter_cell_in_plane(tracer, shape[0], di, dj)
+    cell = enter_cell_in_plane(tracer, n, int(di), int(dj))
     if len(shape) == 3:
-        dk = is_z * tracer.step_k
-        n = shape[0]
-        tracer.k += dk
-        tracer.stored_k = _in_box(tracer.stored_k + dk, n)
+        dk = is_z * tracer.step_z
+        tracer.z -= dk * side
+        tracer.wall_z += is_z * tracer.between_z
+        tracer.k += int(dk)
+        tracer.stored_k = _in_box(tracer.stored_k + int(dk), n)
         cell = cell * n + tracer.stored_k
     tracer.cell = cell
 

@@ -104,19 +104,19 @@ def find_walls_in_field(tracer: FallingTracer, half: float, field: float) -> Non
     if along < 0.0 and discriminant >= 0.0:
         # It runs out against the field before it turns.
         tracer.wall_x = 2.0 * to_back_wall / (sqrt(discriminant) - along)
-        tracer.step_i = int(-towards)
+        tracer.step_x = -towards
     else:
         to_front_wall = half - ahead
         to_front_wall = to_front_wall if to_front_wall > 0.0 else 0.0
         tracer.wall_x = 0.0
         if to_front_wall > 0.0 or along < 0.0:
             tracer.wall_x = time_to_reach(to_front_wall, along, strength)
-        tracer.step_i = int(towards)
+        tracer.step_x = towards
     sign = copysign(1.0, tracer.vy)
     to_side_wall = half - sign * tracer.y
     to_side_wall = to_side_wall if to_side_wall > 0.0 else 0.0
     tracer.wall_y = to_side_wall / max(abs(tracer.vy), AT_REST)
-    tracer.step_j = int(sign)
+    tracer.step_y = sign
 
 
 @inlined
@@ -189,12 +189,12 @@ def fall_into_next_cell(tracer: FallingTracer, n: int, side: float, field: float
     """Move a tracer along its parabola into the next cell; n: cells along the box."""
     if tracer.wall_x <= tracer.wall_y:
         move_in_cell(tracer, tracer.wall_x, field)
-        tracer.x = -0.5 * side * tracer.step_i
-        tracer.cell = enter_cell_in_plane(tracer, n, tracer.step_i, 0)
+        tracer.x = -0.5 * side * tracer.step_x
+        tracer.cell = enter_cell_in_plane(tracer, n, int(tracer.step_x), 0)
     else:
         move_in_cell(tracer, tracer.wall_y, field)
-        tracer.y = -0.5 * side * tracer.step_j
-        tracer.cell = enter_cell_in_plane(tracer, n, 0, tracer.step_j)
+        tracer.y = -0.5 * side * tracer.step_y
+        tracer.cell = enter_cell_in_plane(tracer, n, 0, int(tracer.step_y))
     tracer.touches = APART
     tracer.walls_crossed += 1
 
