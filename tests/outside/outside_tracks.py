@@ -37,10 +37,15 @@ def columns_of(rows: np.ndarray) -> dict[str, np.ndarray]:
     return dict(zip(names, rows.T, strict=True))
 
 
-if __name__ == "__main__":
-    columns = columns_of(run_program(RESTITUTION, DENSITY, seed=1))
+def write_tracks(rows: np.ndarray, file: Path) -> None:
+    """Keep rows of `run_program` as compressed columns."""
+    columns = columns_of(rows)
     small = {name: values.astype(np.float32) for name, values in columns.items()}
     for name in ("medium", "tracer"):
         small[name] = small[name].astype(np.int16)
-    np.savez_compressed(FILE, **small)
-    print(f"wrote {FILE}, {FILE.stat().st_size} bytes")
+    np.savez_compressed(file, **small)
+    print(f"wrote {file}, {file.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    write_tracks(run_program(RESTITUTION, DENSITY, seed=1), FILE)
