@@ -23,15 +23,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
-#: Columns of axes in a figure of all quantities, and the size of each of the axes in inches.
+#: Columns of axes in a figure of all quantities at most. The origin is not recorded.
 MAX_COLUMNS = 3
+#: Width of each of the axes in inches. The origin of the number is not recorded.
 AXES_WIDTH = 4.6
+#: Height of each of the axes in inches. The origin of the number is not recorded.
 AXES_HEIGHT = 3.4
 #: So many times (or angles), at most, have a curve of their own: more cannot be told apart.
 MAX_CURVES = 8
-#: Densities are drawn over this many times their maximum, down to this fraction of it: their tails
-#: are of interest.
+#: Top of the axis of densities over their maximum. Chosen: room above the curve.
 DENSITY_TOP = 3.0
+#: Bottom of the axis of densities over their maximum. Chosen: low enough to show their tails.
 DENSITY_BOTTOM = 1e-7
 #: Opacity of the band of the model error: the curve stays visible.
 BAND_ALPHA = 0.25

@@ -29,7 +29,8 @@ ROUNDING = 1e-16
 #: A Halley step that is smaller than this, in proportion to the time, is rounding. The origin of
 #: the factor is not recorded.
 SMALLEST_STEP = 4.0 * ROUNDING
-#: Halley steps for many tracers at once. The origin of the number is not recorded.
+#: Halley steps that are made for many tracers at once; those that have not converged by then are
+#: solved one by one. The origin of the number is not recorded.
 STEPS_AT_ONCE = 3
 #: For many tracers at once: y^2 below which seventeen terms of the series give artanh(y), where
 #: artanh(r) = 8 artanh(y), with y of three halvings, to 1e-16.

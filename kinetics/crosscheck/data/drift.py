@@ -15,8 +15,9 @@ from kinetics.crosscheck.words import limit_factor
 
 Array = NDArray[Any]
 
-#: Times and groups that there must be.
+#: Times at which a mean velocity must be the same. The origin of the number is not recorded.
 MIN_TIMES = 3
+#: Groups from which its standard error is known. The origin of the number is not recorded.
 MIN_GROUPS = 5
 #: Share of all means of data without a drift, in which none is to be found.
 SURE = 1.0 - 1e-7

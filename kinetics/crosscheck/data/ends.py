@@ -18,20 +18,22 @@ from kinetics.crosscheck.words import numeral
 
 Array = NDArray[Any]
 
-#: Tracks that end, and that do not, from which they are compared.
+#: Tracks that end, and as many that do not, from which they are compared. The origin of the number
+#: is not recorded.
 MIN_TRACKS = 10
-#: Sigmas of Mann and Whitney's test from which the two are different.
+#: Standard errors of Mann and Whitney's test from which the two are different: by chance 1 in 2,000
+#: data sets are. The origin of the number is not recorded.
 DIFFERENT_SIGMAS = 3.5
-#: Share of the tracks that may have ended: of a Gaussian in the plane the
-#: fastest percent has 5.6 % of <v^2>.
+#: Share of the tracks that may have ended, at most. Chosen: of a Gaussian in the plane the fastest
+#: percent has 5.6 % of <v^2>.
 MAX_ENDED = 0.01
 #: Margins of the picture that are tried, over its smaller side: tracks that start further inside
-#: leave later.
+#: leave later. At 0.5 nothing is left. The origin of their number is not recorded.
 MARGINS = np.linspace(0.0, 0.45, 10)
-#: Tracks that must remain. Chosen: of a Gaussian in the plane <v^2> of
-#: fewer has an error above 14 %.
+#: Tracks that must remain. Chosen: of a Gaussian in the plane <v^2> of fewer has an error above
+#: 14 %.
 MIN_REMAINING_TRACKS = 50
-#: Times that must remain: the start, and two more.
+#: Times that must remain. Chosen: the start, and two more to tell a trend.
 MIN_REMAINING_TIMES = 3
 
 

@@ -8,15 +8,25 @@ import numpy as np
 
 from kinetics.collision.impact import ImpactRestitution, Viscoelastic, impact_restitution
 from kinetics.crosscheck.data.options import refuse_data
-from kinetics.crosscheck.data.sample import R4, Array, Law, N, Sample, reduce_tracks
+from kinetics.crosscheck.data.sample import (
+    R2,
+    R4,
+    V2,
+    V4,
+    Array,
+    Law,
+    N,
+    Sample,
+    reduce_tracks,
+)
 from kinetics.crosscheck.data.tracks import Tracks
 from kinetics.validation import refuse
 
 if TYPE_CHECKING:
     from particles import Ensemble
 
-#: Powers of the speed in the sums that every run keeps: 1, v^2, v^4, r^2, r^4.
-SPEED_POWERS = (0, 2, 4, 0, 0)
+#: Powers of the speed in the sums that every run keeps, by the column of a `Sample`.
+SPEED_POWERS = {N: 0, V2: 2, V4: 4, R2: 0, R4: 0}
 
 
 def sample_of_ensemble(ensemble: Any, name: str = "ensemble") -> Sample:
@@ -87,7 +97,7 @@ def _from_sums(ensemble: Ensemble, name: str, times: Array) -> Sample:
     from particles.outputs import CAUGHT
 
     unit = 1.0 / ensemble.plan.scales()
-    scale = np.stack([unit**power for power in SPEED_POWERS], axis=-1)
+    scale = np.stack([unit**power for power in SPEED_POWERS.values()], axis=-1)
     sums = ensemble.moments[:, :, : R4 + 1] * scale
     if ensemble.field:
         sums = np.concatenate([sums, _field_sums(ensemble)], axis=2)

@@ -49,16 +49,17 @@ from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, o
 #: Last time in d/U of the equation alone. Chosen: far beyond every simulation, so that figures
 #: show what is reached in the end.
 LATEST_TIME = 1e9
-#: Output times up to there: about six in a decade.
+#: Output times up to there. Chosen: about six in a decade.
 N_LATE_TIMES = 55
-#: Times in d/U at which <r^2> of a printed formula is its limit a + b ln t, to rounding.
+#: Times in d/U at which <r^2> of a printed formula is its limit a + b ln t, to rounding:
+#: of two of them a and b follow. Chosen: far apart, and within the range of doubles.
 LIMIT_TIMES = np.array([1e150, 1e300])
 #: Independent groups of the Boltzmann-Grad tracers. An error from 100 groups is known to 7 %.
 FREE_GROUPS = 100
 #: Gauss nodes in a bin over which F(c) is averaged. The origin is not recorded.
 NODES_PER_BIN = 8
-#: Samples that a bin must expect to be compared at all, where bins are not merged. At 50 the
-#: distribution of the count is close to a Gaussian.
+#: Samples that a bin must expect to be compared at all, where bins are not merged. Chosen: at
+#: 50 the distribution of the count is close to a Gaussian.
 MIN_SAMPLES_PER_BIN = 50
 #: Columns of the final states of tracers that are no components of the displacement.
 NOT_DISPLACEMENT = [outputs.LN_SPEED, outputs.LN_TIME, outputs.FINAL_COLLISIONS]

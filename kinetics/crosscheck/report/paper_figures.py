@@ -64,10 +64,14 @@ RADII = np.linspace(0.02, 6.0, 150)
 SPEEDS = np.linspace(0.01, 3.0, 150)
 #: Name of the broken line of figure 8.
 OTHER_ROOT = "root of eq. (B17)"
-#: Range of G(R) that is shown.
-POSITION_LIMITS = (1e-4, 2.0)
-#: Range of F(c) that is shown.
-VDF_LIMITS = (1e-5, 1.0)
+#: Lowest G(R) that is shown. The origin of the number is not recorded.
+LOWEST_POSITION_DENSITY = 1e-4
+#: Highest G(R) that is shown. The origin of the number is not recorded.
+HIGHEST_POSITION_DENSITY = 2.0
+#: Lowest F(c) that is shown. The origin of the number is not recorded.
+LOWEST_VDF = 1e-5
+#: Highest F(c) that is shown. The origin of the number is not recorded.
+HIGHEST_VDF = 1.0
 #: Height in inches of a figure with one panel.
 HEIGHT = 3.4
 #: Impact parameter over d of the collision that figures 1 and 7 show.
@@ -395,7 +399,7 @@ def position_distribution(system: Cooling, cases: Sequence[CoolingCase]) -> Pape
     sheet = Sheet(system, (HEIGHT,))
     (ax,) = sheet.axes
     ax.set_yscale("log")
-    ax.set_ylim(POSITION_LIMITS)
+    ax.set_ylim(LOWEST_POSITION_DENSITY, HIGHEST_POSITION_DENSITY)
     for case in cases:
         density = case.solutions.position.scaled_position_density(RADII)[-1]
         sheet.line(ax, KINETIC, RADII, np.where(density > 0.0, density, np.nan), case.value)
@@ -423,7 +427,7 @@ def velocity_distribution(system: Cooling, cases: Sequence[CoolingCase]) -> Pape
     sheet = Sheet(system, (HEIGHT,))
     (ax,) = sheet.axes
     ax.set_yscale("log")
-    ax.set_ylim(VDF_LIMITS)
+    ax.set_ylim(LOWEST_VDF, HIGHEST_VDF)
     for case in cases:
         sheet.line(ax, KINETIC, SPEEDS, last_vdf(case.solutions.kinetic, SPEEDS), case.value)
         points = {source: measured["scaled_vdf"] for source, measured in case.measured.items()}
