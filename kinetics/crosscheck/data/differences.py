@@ -6,8 +6,6 @@ which is slower than the tracer if it collides meanwhile, and has the error of t
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +13,7 @@ from kinetics.crosscheck.data.options import Units
 from kinetics.crosscheck.data.rounding import resolution_of
 from kinetics.crosscheck.data.tracks import Tracks
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 
 #: Rows that are needed where a tracer turns between the frame before and the one after. On a
 #: straight flight the difference is the velocity, and on a parabola in a field the central one is.

@@ -6,14 +6,14 @@ directed one dies out. So one that is the same at all times is no part of the th
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.words import limit_factor
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 
 #: Times at which a mean velocity must be the same. The origin of the number is not recorded.
 MIN_TIMES = 3

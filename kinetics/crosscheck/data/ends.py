@@ -8,7 +8,6 @@ little. Begin with `without_biased_ends`.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from kinetics.crosscheck.data.tracks import Tracks
 from kinetics.crosscheck.words import numeral
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 
 #: Tracks that end, and as many that do not, from which they are compared. The origin of the number
 #: is not recorded.

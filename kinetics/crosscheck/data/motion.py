@@ -12,7 +12,6 @@ the tracer is never faster later. Begin with `impossible_motion`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +20,7 @@ from kinetics.crosscheck.data.options import Units, refuse_data
 from kinetics.crosscheck.data.rounding import resolution_of
 from kinetics.crosscheck.data.tracks import Tracks
 
-Array = NDArray[Any]
+Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 #: Speeds that rise, and steps that are longer, by less than this fraction are no alarm: averages
