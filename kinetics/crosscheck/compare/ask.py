@@ -414,15 +414,14 @@ class Question:
                 "speed_unit and localisation_error must be given"
             )
         point = _first_point(sample, specified, start)
-        is_specified = not {"restitution", "path"} & set(free)
-        point_with_theory = point if is_specified else None
-        media = media_of(sample, scatterers, point_with_theory)
-        told = sample.told.get("scatterers")
-        if scatterers == "auto" and told is not None:
+        path = specified["path"]
+        media = media_of(scatterers, law, path, restitution, sample.free)
+        stated = sample.told.get("scatterers")
+        if scatterers == "auto" and stated is not None:
             # Of disks of another size than the tracer, or denser ones, there is no other theory.
             media = ["dilute"]
-            if told in media_of(sample, "every", point_with_theory):
-                media = [told]
+            if stated in media_of("every", law, path, restitution, sample.free):
+                media = [stated]
         rows = sample.at_times(row_times(sample))
         return cls(rows, point, free, media)
 

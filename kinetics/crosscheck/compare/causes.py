@@ -182,8 +182,9 @@ def _variants(
     if measured.layout.law.field:
         return  # other causes take the solver long in a field
     if cause.name == "finite density":
-        every = media_of(measured.sample, "every", point)
-        media = [medium for medium in every if medium not in media]
+        sample = measured.sample
+        all_media = media_of("every", sample.law, point.path, point.restitution, sample.free)
+        media = [medium for medium in all_media if medium not in media]
     if cause.name == "speed unit" and point.has_own_start:
         return
     points = [point]

@@ -21,6 +21,19 @@ NamedArrays = Mapping[str, ArrayLike]
 Source = Path | NamedArrays
 
 
+def lengths_of(vectors: Floats) -> Floats:
+    """Return the length of vectors (..., d)."""
+    square = vectors[..., 0] ** 2
+    for axis in range(1, vectors.shape[-1]):  # summing over a short last axis takes longer
+        square = square + vectors[..., axis] ** 2
+    return np.asarray(np.sqrt(square))
+
+
+def is_there_or_later(is_there: Flags) -> Flags:
+    """Return whether a tracer is there at a time or at any later one, shape (n_times, n)."""
+    return np.maximum.accumulate(is_there[::-1], axis=0)[::-1]
+
+
 def select_rows(columns: Columns, rows: Flags) -> dict[str, Column]:
     """Return some of the rows of all columns."""
     return {name: values[rows] for name, values in columns.items()}

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision.impact import ImpactRestitution
-from kinetics.crosscheck.data.arrays import Flags, Integers
+from kinetics.crosscheck.data.arrays import Flags, Integers, is_there_or_later
 from kinetics.crosscheck.data.drift import Drift, find_drift
 from kinetics.crosscheck.data.frame_pairs import FramePairs, sum_over_pairs
 from kinetics.crosscheck.data.tracks import Tracks
@@ -338,9 +338,8 @@ def _presence(tracks: Tracks) -> NDArray[np.bool_] | None:
 
 def _count_ended(is_there: NDArray[np.bool_]) -> Counts:
     """Return how many tracers are gone for good at each time; is_there : (n_times, n)."""
-    is_there_or_later = np.maximum.accumulate(is_there[::-1], axis=0)[::-1]
     has_begun = np.any(is_there, axis=0)
-    return np.count_nonzero(has_begun & ~is_there_or_later, axis=1)
+    return np.count_nonzero(has_begun & ~is_there_or_later(is_there), axis=1)
 
 
 def _is_beam(times: Array, velocity: Array) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kinetics.crosscheck.data.arrays import Column, Flags, Floats, Integers
+from kinetics.crosscheck.data.arrays import Column, Flags, Floats, Integers, lengths_of
 from kinetics.crosscheck.data.options import DataOptions, refuse_data
 
 #: Largest time, speed and displacement, in d/U, U and d: fourth powers of these are doubles.
@@ -151,9 +151,9 @@ def _are_absolute(tracks: Tracks, options: DataOptions) -> bool:
         return bool(mean_square[0] > ROUNDING_OF_PLACE * mean_square.max())
     if tracks.times[0] > TIME_STAMP_OVER_DURATION * (tracks.times[-1] - tracks.times[0]):
         return True
-    speeds = np.sqrt(np.sum(tracks.velocity[0] ** 2, axis=1))
-    farthest = FURTHER_THAN_SPEED * float(np.nanmax(speeds)) * tracks.times[0]
-    median_distance = float(np.nanmedian(np.sqrt(np.sum(tracks.place[0] ** 2, axis=1))))
+    top_speed = float(np.nanmax(lengths_of(tracks.velocity[0])))
+    farthest = FURTHER_THAN_SPEED * top_speed * tracks.times[0]
+    median_distance = float(np.nanmedian(lengths_of(tracks.place[0])))
     return median_distance > farthest
 
 
