@@ -113,8 +113,11 @@ def _across_media(best: JudgedFit, not_excluded: Sequence[JudgedFit]) -> Fit:
 def _not_excluded(judged: Sequence[JudgedFit], best: JudgedFit) -> list[JudgedFit]:
     """Return the fits in other media that the data do not exclude."""
     limit = best.fitted.criterion + NEAR_BEST
-    others = [fit for fit in judged if fit.medium != best.medium]
-    return [fit for fit in others if fit.fitted.criterion <= limit]
+    not_excluded = []
+    for fit in judged:
+        if fit.medium != best.medium and fit.fitted.criterion <= limit:
+            not_excluded.append(fit)
+    return not_excluded
 
 
 def _explained(

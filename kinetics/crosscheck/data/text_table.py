@@ -67,6 +67,8 @@ OTHER_ENCODING = "cp1252"
 BYTES_OF_CHARACTER = 0.3
 #: Characters of a line of the file that a message shows. Chosen: a message is one line.
 MAX_SHOWN = 60
+#: Characters of the parser's reason that a message shows. The origin is not recorded.
+MAX_REASON = 150
 #: Texts that say that a number is missing.
 MISSING_NUMBERS = frozenset({"na", "nan", "n/a", "null", "none"})
 #: A number with a decimal comma.
@@ -76,21 +78,21 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 def read_text_table(path: Path, where: str, options: DataOptions) -> Table | AveragesTable:
     """Read a delimited text file, which may be packed by gzip."""
     require_memory(where, BYTES_OF_CHARACTER * path.stat().st_size)
-    encoding = _encoding_of(path, where)
-    layout = _find_layout(path, where, encoding, options)
+    file = _TextFile.of(path, where)
+    layout = _find_layout(file, options)
     if are_averages(layout.names, options):
         named = [ColumnName.of(name) for name in layout.names if name]
-        columns = _read_columns(path, where, encoding, layout, named, options)
+        columns = _read_columns(file, layout, named, options)
         return table_of_averages(where, columns, options)
     ours = find_columns(where, layout.names, options.columns, needed_columns(options))
     wanted = list(ours.values())
-    columns = _read_columns(path, where, encoding, layout, wanted, options)
+    columns = _read_columns(file, layout, wanted, options)
     return table_of_columns(where, columns, options)
 
 
 def column_names(path: Path, where: str, options: DataOptions) -> tuple[str, ...]:
     """Return the names of the columns of a delimited text file."""
-    return _find_layout(path, where, _encoding_of(path, where), options).names
+    return _find_layout(_TextFile.of(path, where), options).names
 
 
 # -- bytes and lines -------------------------------------------------------------------------------
@@ -136,11 +138,6 @@ class _LineGuard(io.RawIOBase):
         return len(data)
 
 
-def _open(path: Path, where: str) -> io.BufferedReader:
-    """Open a file, packed or not, for reading bytes."""
-    return io.BufferedReader(_guarded(path, where), SAMPLE_BYTES)
-
-
 def _guarded(path: Path, where: str) -> _LineGuard:
     """Open a file, packed or not, and watch its lines."""
     if path.suffix.lower() == ".gz":
@@ -148,10 +145,14 @@ def _guarded(path: Path, where: str) -> _LineGuard:
     return _LineGuard(open(path, "rb"), where)
 
 
-def _encoding_of(path: Path, where: str) -> str:
+def _first_bytes(path: Path, where: str) -> bytes:
+    """Return the first bytes of a file, unpacked."""
+    with io.BufferedReader(_guarded(path, where), SAMPLE_BYTES) as file:
+        return file.read(SAMPLE_BYTES)
+
+
+def _encoding_of(sample: bytes) -> str:
     """Return the encoding of a text file, from its first bytes."""
-    with _open(path, where) as file:
-        sample = file.read(SAMPLE_BYTES)
     for mark, encoding in BYTE_ORDER_MARKS.items():
         if sample.startswith(mark):
             return encoding
@@ -163,10 +164,31 @@ def _encoding_of(path: Path, where: str) -> str:
     return "utf-8"
 
 
-def _first_lines(path: Path, where: str, encoding: str) -> list[str]:
-    """Return the first lines of a text file, without their ends."""
-    with io.TextIOWrapper(_open(path, where), encoding, errors="replace") as file:
-        return [line.rstrip("\r\n") for line in islice(file, MAX_HEAD_LINES)]
+@dataclass(frozen=True)
+class _TextFile:
+    """A text file: its path, its name in messages, its first bytes, and its encoding."""
+
+    path: Path
+    where: str
+    sample: bytes
+    encoding: str
+
+    @classmethod
+    def of(cls, path: Path, where: str) -> _TextFile:
+        """Look at the first bytes of a file, which may be packed."""
+        sample = _first_bytes(path, where)
+        return cls(path, where, sample, _encoding_of(sample))
+
+    def first_lines(self) -> list[str]:
+        """Return the first lines, without their ends."""
+        file = io.BufferedReader(_guarded(self.path, self.where), SAMPLE_BYTES)
+        with io.TextIOWrapper(file, self.encoding, errors="replace") as text:
+            return [line.rstrip("\r\n") for line in islice(text, MAX_HEAD_LINES)]
+
+    def rows_at_once(self) -> int:
+        """Return how many rows are parsed at once: fewer where the first lines are long."""
+        line_bytes = len(self.sample) / (self.sample.count(b"\n") + 1)
+        return int(np.clip(BYTES_AT_ONCE / line_bytes, MIN_ROWS_AT_ONCE, MAX_ROWS_AT_ONCE))
 
 
 # -- the layout ------------------------------------------------------------------------------------
@@ -190,21 +212,20 @@ class _Layout:
     has_comments: bool
 
 
-def _find_layout(path: Path, where: str, encoding: str, options: DataOptions) -> _Layout:
+def _find_layout(file: _TextFile, options: DataOptions) -> _Layout:
     """Find the first row of numbers, and the names of the columns above it."""
     head: list[str] = []
-    for line in _first_lines(path, where, encoding):
+    for line in file.first_lines():
         separator = _separator_of(line, options.decimal)
         cells = _split(line, separator)
         is_comment = line.lstrip().startswith("#")
-        is_row = _is_row_of_numbers(cells, options.decimal) or _is_row_of_average(
-            cells, head, options
-        )
-        if not is_comment and is_row:
-            names = _names_above(where, head, separator, cells, options)
+        is_row = _is_row_of_numbers(cells, options.decimal)
+        is_row = is_row or _is_row_of_average(cells, head, options)
+        if is_row and not is_comment:
+            names = _names_above(file.where, head, separator, cells, options)
             return _Layout(separator, names, len(head), has_comments="#" not in line)
         head.append(line)
-    _refuse_head(where, head, options)
+    _refuse_head(file.where, head, options)
 
 
 def _refuse_head(where: str, head: Sequence[str], options: DataOptions) -> NoReturn:
@@ -331,20 +352,15 @@ def _count_known(names: Sequence[str], options: DataOptions) -> int:
 
 
 def _read_columns(
-    path: Path,
-    where: str,
-    encoding: str,
-    layout: _Layout,
-    wanted: Sequence[ColumnName],
-    options: DataOptions,
+    file: _TextFile, layout: _Layout, wanted: Sequence[ColumnName], options: DataOptions
 ) -> dict[str, ArrayLike]:
     """Return the wanted columns by the names of the file: numbers, and labels as they are."""
-    frame = _parsed(path, where, encoding, layout, wanted, options)
+    frame = _parsed(file, layout, wanted, options)
     columns: dict[str, ArrayLike] = {}
     for column in wanted:
         columns[column.original] = frame[column.original]
         if not _is_label(column, options):
-            columns[column.original] = _as_numbers(where, layout, column, frame, options)
+            columns[column.original] = _as_numbers(file.where, column, frame, options)
     return columns
 
 
@@ -360,12 +376,7 @@ def _is_label(column: ColumnName, options: DataOptions) -> bool:
 
 
 def _parsed(
-    path: Path,
-    where: str,
-    encoding: str,
-    layout: _Layout,
-    wanted: Sequence[ColumnName],
-    options: DataOptions,
+    file: _TextFile, layout: _Layout, wanted: Sequence[ColumnName], options: DataOptions
 ) -> pd.DataFrame:
     """Return the wanted columns; texts where not all cells of one are numbers."""
     name_of_place: dict[int, str] = {}
@@ -375,12 +386,12 @@ def _parsed(
     if layout.has_comments:
         comment = "#"
     chunks = []
-    budget = MemoryBudget(where)
-    guard = _guarded(path, where)
-    with io.BufferedReader(guard, SAMPLE_BYTES) as file:
+    budget = MemoryBudget(file.where)
+    guard = _guarded(file.path, file.where)
+    with io.BufferedReader(guard, SAMPLE_BYTES) as opened:
         try:
             reader = pd.read_csv(
-                file,
+                opened,
                 sep=layout.separator,
                 names=list(range(len(layout.names))),
                 usecols=sorted(name_of_place),
@@ -389,10 +400,10 @@ def _parsed(
                 skipinitialspace=True,
                 decimal=options.decimal,
                 comment=comment,
-                encoding=encoding,
+                encoding=file.encoding,
                 encoding_errors="replace",
                 index_col=False,
-                chunksize=_rows_at_once(path, where),
+                chunksize=file.rows_at_once(),
                 low_memory=False,
             )
             for chunk in reader:
@@ -400,21 +411,14 @@ def _parsed(
                 chunks.append(chunk)
                 guard.begin_rows()
         except pd.errors.ParserError as error:
-            refuse_data(where, short(str(error), 150), "rows with one cell for each column")
+            allowed = "rows with one cell for each column"
+            refuse_data(file.where, short(str(error), MAX_REASON), allowed)
     frame = pd.concat(chunks, ignore_index=True)
     return frame.rename(columns=name_of_place)
 
 
-def _rows_at_once(path: Path, where: str) -> int:
-    """Return how many rows are parsed at once: fewer where the first lines are long."""
-    with _open(path, where) as file:
-        sample = file.read(SAMPLE_BYTES)
-    line_bytes = len(sample) / (sample.count(b"\n") + 1)
-    return int(np.clip(BYTES_AT_ONCE / line_bytes, MIN_ROWS_AT_ONCE, MAX_ROWS_AT_ONCE))
-
-
 def _as_numbers(
-    where: str, layout: _Layout, column: ColumnName, frame: pd.DataFrame, options: DataOptions
+    where: str, column: ColumnName, frame: pd.DataFrame, options: DataOptions
 ) -> Column:
     """Return a column of numbers; InputError names the row and the text that is none."""
     values = frame[column.original]

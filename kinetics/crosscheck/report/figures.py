@@ -321,11 +321,16 @@ def _draw_over_restitution(system: Driven, cases: Sequence[DrivenCase], *observa
     top, below = sheet.axes
     e: FloatArray = np.array([case.value for case in cases])
     for index, name in enumerate(observables):
-        estimates_of_cases = [case.measured[FREE][name] for case in cases]
-        values = np.array([estimate.value for estimate in estimates_of_cases])
-        errors = np.array([estimate.error for estimate in estimates_of_cases])
-        measured = Measured(values, errors)
-        solved = np.array([float(case.theory[SOLVER][name]) for case in cases])
+        values = []
+        errors = []
+        solutions = []
+        for case in cases:
+            estimate = case.measured[FREE][name]
+            values.append(estimate.value)
+            errors.append(estimate.error)
+            solutions.append(float(case.theory[SOLVER][name]))
+        measured = Measured(np.array(values), np.array(errors))
+        solved = np.array(solutions)
         group = Group(report_words().observables[name].short, index)
         sheet.line(top, SOLVER, e, solved, group)
         sheet.points(top, FREE, e, measured, group)
