@@ -72,16 +72,16 @@ def _pairs_of_names(columns: object) -> list[tuple[object, object]]:
         return []
     if isinstance(columns, Mapping):
         return list(columns.items())
+    if not isinstance(columns, str):
+        _refuse_pairs(columns)
     pairs: list[tuple[object, object]] = []
-    if isinstance(columns, str):
-        for text in columns.split(","):
-            ours, sign, theirs = text.partition("=")
-            if sign:
-                pairs.append((ours, theirs))
-            elif text.strip():
-                _refuse_pairs(columns)
-        return pairs
-    _refuse_pairs(columns)
+    for text in columns.split(","):
+        ours, sign, theirs = text.partition("=")
+        if sign:
+            pairs.append((ours, theirs))
+        elif text.strip():
+            _refuse_pairs(columns)
+    return pairs
 
 
 def _refuse_pairs(columns: object) -> NoReturn:
