@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from kinetics.crosscheck.data.arrays import Floats
+import numpy as np
+from numpy.typing import NDArray
 
 #: Relative resolution that is assumed at best, of the largest number: single precision has 6e-8,
 #: and texts of 7 digits 1e-7. Chosen: ten times these.
@@ -19,7 +20,7 @@ MOST_DECIMALS = 8
 WHOLE_WITHIN = 1e-4
 
 
-def resolution_of(values: Floats) -> float:
+def resolution_of(values: NDArray[Any]) -> float:
     """Return the smallest step of numbers, from their decimals; at least 1e-6 of the largest."""
     numbers = values[np.isfinite(values)].ravel()
     if numbers.size == 0:
